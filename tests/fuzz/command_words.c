@@ -48,10 +48,14 @@ static void add_options(fuzz_bytes *bytes, command *c) {
         {"--files-from", "list.txt"}, {"--format", "json"}, {"--format", "html"},
         {"--profile", "generated"}, {"--select", "N1"}, {"--fail-on", "never"},
         {"--open-by-rays", NULL}, {"--dry-run", NULL}, {"--write-baseline", NULL}};
+    static const char *const of_tangents[][2] = {{"--mode", "mikk"}, {"--mode", "steady"},
+        {"--texcoord", "0"}, {"--texcoord", "3"}, {"--only", "missing"}, {"--only", "broken"},
+        {"--weight", "area"}, {"--json", NULL}, {"--threads", "2"}};
     static const char *const of_info[][2] = {{"--deep", NULL}, {"--json", NULL}};
     for (uint32_t i = fuzz_below(bytes, 4); i > 0; --i) {
         const char *const *o = c->verb[1] == 'o'   ? ONE_OF(of_compute)
-                               : c->verb[0] == 't' ? ONE_OF(of_transform)
+                               : c->verb[1] == 'r' ? ONE_OF(of_transform)
+                               : c->verb[1] == 'a' ? ONE_OF(of_tangents)
                                : c->verb[1] == 'h' ? ONE_OF(of_check)
                                                    : ONE_OF(of_info);
         if (strcmp(o[0], "--write-baseline") == 0)
@@ -73,7 +77,8 @@ static void add_options(fuzz_bytes *bytes, command *c) {
 void fuzz_command_take(fuzz_bytes *bytes, command *c) {
     static const char *const verbs[] = {
         "compute", "transform", "check", "info", "explain", "view", "render"};
-    *c = (command){.verb = ONE_OF(verbs)};
+    const uint32_t drawn = fuzz_below(bytes, 256); /* seeds were made before tangents was there */
+    *c = (command){.verb = drawn < 224 ? verbs[drawn % COUNT(verbs)] : "tangents"};
     add(c, "norma");
     add(c, c->verb);
     c->reads_config = c->verb[1] == 'h';

@@ -31,7 +31,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
         fuzz_scene_judge(before, after, &c, status, NULL);
         fuzz_scene_forget(before);
         before = after;
-        const int changes = c.verb[1] == 'o' ? !c.keeps_weld : c.fixes;
+        const int changes =
+            c.verb[1] == 'a' || (c.verb[1] == 'o' ? !c.keeps_weld : c.fixes); /* or tangents */
         if (again == 0 && i + 1 == commands && c.in_place && c.one_input && changes && status < 2)
             run_again(&c, before);
     }

@@ -2,8 +2,10 @@
 degenerate faces.  make_file.py PATH SIDE WORD...: big, double, shuffled, polygons, normals, codes
 (normals as chars), before (an element before the vertices), number (a property before the list),
 tail (an element with lists behind), nan, stl, flat (faces without area, which borrow a direction),
-fins (edges of three faces, faces turned round), short (corners of 16 bits)."""
+fins (edges of three faces, faces turned round), short (corners of 16 bits), ridges (even slopes
+that meet at 36 degrees, each position once)."""
 
+import math
 import random
 import struct
 import sys
@@ -13,14 +15,17 @@ random.seed(side)
 order = ">" if "big" in words else "<"
 count = side * side + 3
 points = [[v % side + 0.3 * random.random(), v // side + 0.3 * random.random(), random.random()] for v in range(count)]
-for _ in range(count // 10):
+if "ridges" in words:
+    points = [[v % side, v // side, 8 * abs(math.sin(v % side / 25))] for v in range(count)]
+for _ in range(count // 10 if "ridges" not in words else 0):
     points[random.randrange(count)] = list(points[random.randrange(count)])
 faces = []
 for y in range(side - 1):
     for x in range(side - 1):
         a = y * side + x
         faces += [[a, a + 1, a + side], [a + 1, a + side + 1, a + side]]
-faces += [[1, 1, 2]] * 5
+if "ridges" not in words:
+    faces += [[1, 1, 2]] * 5
 if "flat" in words:
     points = [[round(c * 256) / 256 for c in point] for point in points]  # exact midpoints
     for a in random.sample(range(side, side * side - 1), side * 2):

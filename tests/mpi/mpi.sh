@@ -1,31 +1,80 @@
 #!/bin/bash
 # libnorma-mpi and norma-mpi: the same bits as one process on any number of ranks, and one rank's faults. `make test` runs a short part with the MPI of the tree;
-# `make mpi` sets NORMA_MPI_LONG and builds and tests with Open MPI and MPICH, on 1 to 16 ranks.
+# `make mpi` sets NORMA_MPI_LONG and builds and tests with Open MPI and MPICH, on 1 to 16 ranks; the tables of docs/mpi.md are then in build/mpi/tables.md.
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 # shellcheck source=tests/mpi/launch.bash
 source "$(dirname "$0")/launch.bash"
 cd "$root" || exit 1
 
-# test_tree TREE MPI COUNT RANKS...: COUNT meshes on each number of ranks; with MPICH fewer where ranks outnumber cores: who waits there does not give way, so each message takes a time slice.
+# meshes_of MPI RANKS COUNT: fewer with MPICH where ranks outnumber cores: who waits there does not give way, so each message takes a time slice.
+meshes_of() { if [ "$1" != mpich ] || [ "$2" -le "$(nproc)" ]; then echo "$3"; else echo $(($3 / 20)); fi; }
+
+# same_bits TREE MPI RANKS COUNT KIND: that many meshes of the kind (mpi_bits.c), each in parts of its own.
+same_bits() {
+    check "$2, $3 ranks: $4 meshes in parts ($5) have the bits of one process" env LIMIT=300 bash -c '. tests/mpi/launch.bash; ranks "$@"' _ "$1" "$3" "$1/tests/mpi_bits" "$(($3 * 1000))" "$4" 400 "$5"
+}
+
+# test_tree TREE MPI COUNT: several rounds, and each allocation of a rank failing.
 test_tree() {
-    local tree=$1 mpi=$2 count=$3 n meshes
-    shift 3
-    for n; do
-        meshes=$count
-        [ "$mpi" != mpich ] || [ "$n" -le "$(nproc)" ] || meshes=$((count / 20))
-        check "$mpi, $n ranks: $meshes meshes in random parts have the bits of one process" env LIMIT=300 bash -c '. tests/mpi/launch.bash; ranks "$@"' _ "$tree" "$n" "$tree/tests/mpi_bits" "$((n * 1000))" "$meshes"
-    done
-    meshes=$((count / 10 + 1))
+    local tree=$1 mpi=$2 n meshes
+    meshes=$(($3 / 10 + 1))
     [ "$mpi" != mpich ] || [ "$(nproc)" -ge 3 ] || meshes=4
     check "$mpi, 3 ranks: $meshes large meshes, in several rounds" env LIMIT=300 bash -c '. tests/mpi/launch.bash; ranks "$@"' _ "$tree" 3 "$tree/tests/mpi_bits" 70 "$meshes" 60000
     for n in 1 3; do
-        LIMIT=300 ranks "$tree" "$n" "$tree/tests/mpi_faults" >"$scratch/faults.tap" 2>"$scratch/faults.err"
-        grep -E '^(not )?ok ' "$scratch/faults.tap" >"$scratch/lines"
-        while read -r result _ _ name; do
-            case $result in ok) pass "$mpi, $n ranks: $name" ;; *) fail "$mpi, $n ranks: ${name#- }" "$(cat "$scratch/faults.tap")" ;; esac
-        done < <(sed 's/^not ok/notok/' "$scratch/lines")
-        check "$mpi, $n ranks: all faults were tried" grep -qx "1..$(wc -l <"$scratch/lines")" "$scratch/faults.tap"
+        LIMIT=300 relay "$mpi, $n ranks" ranks "$tree" "$n" "$tree/tests/mpi_faults"
+    done
+}
+
+# bits_table TREE MPI: all kinds of parts on 1 to 16 ranks; a row for each kind, with the number of meshes that had the same bits.
+bits_table() {
+    local tree=$1 mpi=$2 kind n row meshes failed
+    printf '\n| meshes with the same bits, %s | 1 rank | 2 | 3 | 4 | 5 | 8 | 13 | 16 |\n|---|---|---|---|---|---|---|---|---|\n' "$mpi" >>"$tables"
+    for kind in random slices isolated one-rank half-empty seams soup; do
+        row="| $kind |"
+        for n in 1 2 3 4 5 8 13 16; do
+            meshes=$(meshes_of "$mpi" "$n" 60)
+            failed=$tap_failed
+            same_bits "$tree" "$mpi" "$n" "$meshes" "$kind"
+            if [ "$tap_failed" = "$failed" ]; then row+=" $meshes |"; else row+=" differ |"; fi
+        done
+        echo "$row" >>"$tables"
+    done
+}
+
+# library_table TREE MPI: a grid of a million triangles in slices and in random parts: bytes sent, memory, time.
+library_table() {
+    local tree=$1 mpi=$2 way n
+    printf '\n| norma_mpi_vertex_normals, %s | positions | bytes sent | votes sent | scratch memory | seconds |\n|---|---|---|---|---|---|\n' "$mpi" >>"$tables"
+    for way in slices random; do
+        for n in 1 2 4 8 16; do
+            [ "$way $n" != "random 1" ] || continue
+            check "$mpi, $n ranks, $way: 40 bytes of scratch memory for a triangle, each vote sent once" bash -c '. tests/mpi/launch.bash; LIMIT=300 ranks "$0" "$1" "$0/tests/mpi_table" "$2" 1000000 >"$3"' "$tree" "$n" "$way" "$scratch/table"
+            cat "$scratch/table" >>"$tables"
+        done
+    done
+}
+
+# tool_table TREE MPI: norma-mpi compute over files of a million triangles, in rows and shuffled: all memory that a rank asks for, by triangle of its own, and time. With more ranks, blocks of fixed size would count.
+tool_table() {
+    local tree=$1 mpi=$2 words file options n from memory
+    printf '\n| norma-mpi compute, %s | bytes of memory | seconds |\n|---|---|---|\n' "$mpi" >>"$tables"
+    for words in "" shuffled; do
+        file=$scratch/million${words:+-$words}.ply
+        # shellcheck disable=SC2086  # no word, or one
+        [ -f "$file" ] || python3 tests/mpi/make_file.py "$file" 708 ridges $words
+        for options in "" "--crease 30"; do
+            for n in 1 2 4; do
+                from=${EPOCHREALTIME/./}
+                # shellcheck disable=SC2086  # an option and its value
+                memory=$(LIMIT=300 ranks "$tree" "$n" "$tree/bin/norma-mpi" compute "$file" -o "$scratch/million.out.ply" --json $options 2>"$scratch/log" | sed -n 's/.*"most_memory_of_a_rank": \([0-9]*\).*/\1/p')
+                python3 -c 'import sys; print("| %s %s, %s %s | %.0f | %.1f |" % (sys.argv[1] or "rows", sys.argv[2] or "smooth", sys.argv[3], "rank" if sys.argv[3] == "1" else "ranks", float(sys.argv[4] or "nan") * int(sys.argv[3]) / 999698, float(sys.argv[5]) / 1e6))' \
+                    "$words" "$options" "$n" "$memory" "$((${EPOCHREALTIME/./} - from))" >>"$tables"
+                [ -n "$words$memory" ] || cat "$scratch/log"
+                # Rows alone: how much of a shuffled file's faces are near depends on the number of ranks.
+                [ -n "$words" ] || check "$mpi, $n ranks${options:+, $options}: 66 bytes of memory for a triangle, the slice and the result included" test "$((${memory:-1000000000} * n))" -le "$((66 * 999698))"
+            done
+        done
     done
 }
 
@@ -108,6 +157,9 @@ test_tool() { # TREE MPI RANKS...
 }
 
 if [ -n "${NORMA_MPI_LONG:-}" ]; then
+    tables=$root/build/mpi/tables.md
+    mkdir -p "$root/build/mpi"
+    echo "$(date +%Y-%m-%d), $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1), $(nproc) cores; with more ranks than cores, ranks take turns" >"$tables"
     for mpi in openmpi mpich; do
         if ! command -v "mpicc.$mpi" >/dev/null; then
             skip "$mpi is not installed"
@@ -116,19 +168,18 @@ if [ -n "${NORMA_MPI_LONG:-}" ]; then
         made=$root/build/mpi/$mpi
         mkdir -p "$made"
         check "$mpi: builds without a warning" bash -c 'cmake -S . -B "$0" -G Ninja -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=OFF -DNORMA_WITH_RENDER=OFF -DNORMA_WITH_MPI=ON -DMPI_C_COMPILER="mpicc.$1" -DMPIEXEC_EXECUTABLE="$(command -v mpirun."$1")" -DCMAKE_BUILD_TYPE=Release && cmake --build "$0" --target norma-cli norma-mpi-all' "$made" "$mpi"
-        test_tree "$made" "$mpi" 400 1 2 3 4 5 8 13 16
+        test_tree "$made" "$mpi" 400
         test_tool "$made" "$mpi" 1 2 5 16
-        for way in slices random; do
-            for n in 1 2 4 16; do
-                check "$mpi, $n ranks, $way: 40 bytes of scratch memory for a triangle, each vote sent once" bash -c '. tests/mpi/launch.bash; LIMIT=300 ranks "$0" "$1" "$0/tests/mpi_table" "$2" 1000000 >"$3"' "$made" "$n" "$way" "$scratch/table"
-                sed "s/^/# $mpi: /" "$scratch/table"
-            done
-        done
+        bits_table "$made" "$mpi"
+        library_table "$made" "$mpi"
+        tool_table "$made" "$mpi"
     done
 elif [ -x "$tree/tests/mpi_bits" ]; then
-    test_tree "$tree" MPI 60 1 2 5
+    for n in 1 2 5; do same_bits "$tree" MPI "$n" 60 any; done
+    test_tree "$tree" MPI 60
     test_tool "$tree" MPI 3
 else
     skip "MPI (the tree was built without it: Debian's libopenmpi-dev)"
 fi
+[ -z "${tables:-}" ] || sed 's/^/# /' "$tables"
 finish

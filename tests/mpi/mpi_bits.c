@@ -2,7 +2,9 @@
  * alone by norma_vertex_normals, takes its part, and compares what norma_mpi_vertex_normals gives
  * for it: normals, reasons and report, bit for bit.
  *
- *   mpirun -n RANKS mpi_bits FIRST-SEED COUNT [FACES] */
+ *   mpirun -n RANKS mpi_bits FIRST-SEED COUNT [FACES [KIND]]
+ *
+ * KIND: any (anything, drawn anew for each mesh), or one of what KINDS names. */
 #include <math.h>
 #include <norma/mpi.h>
 #include <stdio.h>
@@ -27,6 +29,26 @@ typedef struct part_mesh {
     size_t vertices, faces;
 } part_mesh;
 
+enum { SHAPE_GRID, SHAPE_SEAMS, SHAPE_SOUP, SHAPE_LEAVES, SHAPE_CONE, SHAPES };
+enum { BY_SLICE, BY_CHANCE, BY_TURNS, ALL_LAST, HALF_EMPTY, WAYS };
+
+typedef struct mesh_kind {
+    const char *name;
+    int shape, way; /* SHAPES, WAYS: drawn for each mesh */
+    int isolated;   /* as many vertices of no face as others */
+} mesh_kind;
+
+static const mesh_kind KINDS[] = {{"any", SHAPES, WAYS, 0}, {"random", SHAPES, BY_CHANCE, 0},
+    {"slices", SHAPES, BY_SLICE, 0}, {"isolated", SHAPES, BY_CHANCE, 1},
+    {"one-rank", SHAPES, ALL_LAST, 0}, {"half-empty", SHAPES, HALF_EMPTY, 0},
+    {"seams", SHAPE_SEAMS, BY_CHANCE, 0}, {"soup", SHAPE_SOUP, BY_TURNS, 0}};
+
+static const mesh_kind *kind_of(const char *name) {
+    for (size_t i = 0; i < sizeof KINDS / sizeof *KINDS; i++)
+        if (strcmp(name, KINDS[i].name) == 0) return &KINDS[i];
+    return NULL;
+}
+
 static uint64_t state;
 static uint32_t pick(uint32_t below) { /* splitmix64 */
     uint64_t z = (state += UINT64_C(0x9e3779b97f4a7c15));
@@ -43,8 +65,6 @@ static void *room(size_t count, size_t size) {
 }
 
 /* ---- the whole mesh */
-
-enum { SHAPE_GRID, SHAPE_SEAMS, SHAPE_SOUP, SHAPE_LEAVES, SHAPE_CONE, SHAPES };
 
 static void place_vertex(double *p, int shape, size_t v, size_t side) {
     const double x = (double)(v % side), y = (double)(v / side);
@@ -97,13 +117,14 @@ static void spoil(whole_mesh *m) {
         m->points[i] = (double)(float)m->points[i];
 }
 
-static void make_whole(whole_mesh *m, size_t most_faces) {
-    const int shape = (int)pick(SHAPES);
+static void make_whole(whole_mesh *m, size_t most_faces, const mesh_kind *kind) {
+    const int drawn = (int)pick(SHAPES), shape = kind->shape == SHAPES ? drawn : kind->shape;
     const size_t side = 2 + pick((uint32_t)(sqrt((double)most_faces / 2) + 1)),
                  cells = (side - 1) * (side - 1);
     *m = (whole_mesh){.vertices = side * side, .doubles = pick(4) == 0};
     m->faces = 2 * cells + pick(6);
     m->vertices += pick(5); /* of no face, or of the last ones */
+    if (kind->isolated) m->vertices *= 2;
     m->points = room(3 * m->vertices, sizeof *m->points);
     for (size_t v = 0; v < m->vertices; v++) place_vertex(m->points + 3 * v, shape, v, side);
     for (size_t v = 1; v < m->vertices && shape == SHAPE_SEAMS; v++)
@@ -152,8 +173,6 @@ static norma_mesh view_of(const whole_mesh *m, const void *points, size_t vertic
 
 /* ---- parts: all ranks draw the same */
 
-enum { BY_SLICE, BY_CHANCE, BY_TURNS, ALL_LAST, HALF_EMPTY, WAYS };
-
 static int owner_of(int way, size_t face, size_t faces, int ranks) {
     switch (way) {
     case BY_SLICE:
@@ -186,8 +205,9 @@ static void shuffle(uint32_t *numbers, size_t count) {
 
 static size_t begin_of(const whole_mesh *m, size_t f) { return m->starts ? m->starts[f] : 3 * f; }
 
-static void make_part(const whole_mesh *m, int rank, int ranks, part_mesh *p) {
-    const int way = (int)pick(WAYS);
+static void make_part(
+    const whole_mesh *m, const mesh_kind *kind, int rank, int ranks, part_mesh *p) {
+    const int drawn = (int)pick(WAYS), way = kind->way == WAYS ? drawn : kind->way;
     const uint64_t seed = state;
     const int ids = way != BY_SLICE || pick(2);
     uint32_t *mine = room(m->faces, sizeof *mine);
@@ -318,13 +338,15 @@ int main(int argc, char **argv) {
     const unsigned long first = argc > 1 ? strtoul(argv[1], NULL, 10) : 1,
                         count = argc > 2 ? strtoul(argv[2], NULL, 10) : 20;
     const size_t faces = argc > 3 ? strtoul(argv[3], NULL, 10) : 400;
+    const mesh_kind *kind = kind_of(argc > 4 ? argv[4] : "any");
+    if (!kind) MPI_Abort(MPI_COMM_WORLD, 2);
     for (unsigned long seed = first; seed < first + count && !all; seed++) {
         whole_mesh m;
         part_mesh p;
         state = seed * 1000003;
-        make_whole(&m, faces);
+        make_whole(&m, faces, kind);
         norma_options o = draw_options();
-        make_part(&m, rank, ranks, &p);
+        make_part(&m, kind, rank, ranks, &p);
         wrong = compare(&m, &p, seed, rank, &o);
         MPI_Allreduce(&wrong, &all, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
         free_part(&p);

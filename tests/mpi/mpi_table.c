@@ -3,6 +3,8 @@
  * MPI, by a function that takes the place of MPI_Alltoallv. Ends with 1 where a contribution
  * crosses the wire twice, or scratch memory is beyond 40 bytes for each triangle of a rank.
  *
+ * Prints a row of a table; all but the seconds for each triangle of a rank.
+ *
  *   mpirun -n RANKS mpi_table slices|random [TRIANGLES] */
 #include <norma/mpi.h>
 #include <stdio.h>
@@ -120,11 +122,9 @@ int main(int argc, char **argv) {
     MPI_Allreduce(MPI_IN_PLACE, worst, 5, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
     const double share = (double)g.faces / ranks;
     if (!rank)
-        printf(
-            "%-6s %2d ranks %10.0f triangles: sent %6.1f bytes, %5.2f votes, scratch %5.1f bytes, "
-            "%4.2f positions, each per triangle of a rank; %.3f s\n",
-            random ? "random" : "slices", ranks, (double)g.faces, worst[1] / share,
-            worst[3] / share, worst[2] / share, worst[4] / share, worst[0]);
+        printf("| %s, %d ranks | %.2f | %.1f | %.2f | %.1f | %.2f |\n",
+            random ? "random" : "slices", ranks, worst[4] / share, worst[1] / share,
+            worst[3] / share, worst[2] / share, worst[0]);
     MPI_Finalize();
     return result != NORMA_OK || worst[2] > 40 * share || worst[3] > 3.3 * share;
 }

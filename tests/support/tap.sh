@@ -25,6 +25,27 @@ check() {
     if output=$("$@" 2>&1); then pass "$name"; else fail "$name" "$output"; fi
 }
 
+# relay NAME COMMAND...: the checks of a program that prints TAP, under our numbers; fails too where it did not run to its end. relayed: how many there were.
+relay() {
+    local name=$1 output line status=0
+    shift
+    relayed=0
+    output=$("$@" 2>"$scratch/relay.err") || status=$?
+    while IFS= read -r line; do
+        case $line in
+        "ok "*"# SKIP "*) skip "$name: ${line#*# SKIP }" ;;
+        "ok "*) pass "$name: ${line#* - }" ;;
+        "not ok "*) fail "$name: ${line#* - }" ;;
+        "# "*) echo "$line"; continue ;;
+        *) continue ;;
+        esac
+        relayed=$((relayed + 1))
+    done <<<"$output"
+    if ! grep -qx "1\.\.$relayed" <<<"$output" || { [ "$status" -ne 0 ] && ! grep -q '^not ok' <<<"$output"; }; then
+        fail "$name ran to its end" "exit status $status after $relayed cases: $(cat "$scratch/relay.err")"
+    fi
+}
+
 # The last call of each script.
 finish() {
     echo "1..$tap_number"

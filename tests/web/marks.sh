@@ -38,16 +38,6 @@ if [ "${1:-}" = --all ]; then
     [ -d "$data/large" ] || { skip "the data set (no $data/large)"; finish; exit; }
     mapfile -t files < <(find "$data/large" -type f \( -name '*.obj' -o -name '*.ply' -o -name '*.stl' -o -name '*.gltf' -o -name '*.glb' \) | sort)
 fi
-status=0
-output=$(node tests/web/marks.mjs "$tool" "$scratch/marks" "${files[@]}" 2>"$scratch/marks.err") || status=$?
-cases=0
-while IFS= read -r line; do
-    case $line in
-    "ok "*) pass "${line#* - }"; cases=$((cases + 1)) ;;
-    "not ok "*) fail "${line#* - }"; cases=$((cases + 1)) ;;
-    "# "*) echo "$line" ;;
-    esac
-done <<<"$output"
-check "findings were pressed" test "$cases" -gt 3
-if ! grep -qx "1\.\.$cases" <<<"$output"; then fail "the browser's tests ran to their end" "exit status $status after $cases cases: $(cat "$scratch/marks.err")"; fi
+relay marks node tests/web/marks.mjs "$tool" "$scratch/marks" "${files[@]}"
+check "findings were pressed" test "$relayed" -gt 3
 finish

@@ -10,25 +10,6 @@ package=$tree/web/npm
 tool=${NORMA_BIN:-$tree/bin/norma}
 modules=${NORMA_NPM_WEB:-$root/build/npm-web/node_modules}
 
-# tap NAME COMMAND...: the checks of a program that prints TAP, under our numbers.
-tap() {
-    local name=$1 output status=0
-    shift
-    output=$("$@" 2>"$scratch/tap.err") || status=$?
-    local cases=0
-    while IFS= read -r line; do
-        case $line in
-        "ok "*"# SKIP "*) skip "$name: ${line#*# SKIP }"; cases=$((cases + 1)) ;;
-        "ok "*) pass "$name: ${line#* - }"; cases=$((cases + 1)) ;;
-        "not ok "*) fail "$name: ${line#* - }"; cases=$((cases + 1)) ;;
-        "# "*) echo "$line" ;;
-        esac
-    done <<<"$output"
-    if ! grep -qx "1\.\.$cases" <<<"$output" || { [ "$status" -ne 0 ] && ! grep -q '^not ok' <<<"$output"; }; then
-        fail "$name ran to its end" "exit status $status after $cases cases: $(cat "$scratch/tap.err")"
-    fi
-}
-
 if [ ! -f "$package/index.js" ]; then
     skip "the npm package (this tree is built without -DNORMA_WEB=ON)"
     finish
@@ -56,28 +37,28 @@ for path in "$modules"/* "$modules"/@*/*; do
 done
 
 check "the native program compiles" gcc -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -O1 -Iinclude tests/web/native.c -o "$scratch/native" "$tree/lib/libnorma.a" -lmeshoptimizer -ldraco -lstdc++ -lpng -ljpeg -lm -pthread
-tap bits node tests/web/bits.mjs "$installed" "$scratch/native"
-tap calls node tests/web/calls.mjs "$installed"
-tap arguments node tests/web/arguments.mjs "$installed"
+relay bits node tests/web/bits.mjs "$installed" "$scratch/native"
+relay calls node tests/web/calls.mjs "$installed"
+relay arguments node tests/web/arguments.mjs "$installed"
 data=${NORMA_DATA:-$root/../shared/data}
 places=(assets tests/cli)
 [ ! -d "$data" ] || places+=("$data/bad" "$data/gltf" "$data/obj" "$data/ply")
 mapfile -d '' files < <(find "${places[@]}" -size -400k \( -name '*.obj' -o -name '*.stl' -o -name '*.ply' -o -name '*.gltf' -o -name '*.glb' \) -print0)
-tap files node tests/web/files.mjs "$installed" "$tool" "${files[@]}"
-tap workers node tests/web/workers.mjs "$installed"
+relay files node tests/web/files.mjs "$installed" "$tool" "${files[@]}"
+relay workers node tests/web/workers.mjs "$installed"
 
 # What imports the package by its name lies beside it.
 cp tests/web/*.mjs tests/web/app.js tests/web/types*.ts tests/web/types.json "$user"
 beside() { (cd "$user" && exec "$@"); }
-if [ -d "$modules/three" ]; then tap three beside node three.mjs; else skip "three.js (not installed: scripts/install-deps.sh)"; fi
+if [ -d "$modules/three" ]; then relay three beside node three.mjs; else skip "three.js (not installed: scripts/install-deps.sh)"; fi
 gltf=()
 for file in khronos/AnimatedMorphCube/AnimatedMorphCube.gltf khronos/Fox/Fox.gltf khronos/MeshPrimitiveModes/MeshPrimitiveModes.gltf khronos/BoxInterleaved/BoxInterleaved.gltf generator/Mesh_PrimitivesUV/Mesh_PrimitivesUV_06.gltf \
     quantized/avocado-quant.glb quantized/lantern-quant-norm.glb; do
     [ ! -f "$data/gltf/$file" ] || gltf+=("$data/gltf/$file")
 done
-if [ -d "$modules/@gltf-transform" ]; then tap "glTF-Transform" beside node gltf-transform.mjs "$(realpath "$tool")" "$root/tests/cli/golden/files/roof.gltf" "${gltf[@]}"; else skip "glTF-Transform (not installed: scripts/install-deps.sh)"; fi
-if [ -d "$modules/three" ]; then tap bundles beside node bundles.mjs; else skip "bundles (three.js is not installed)"; fi
-tap README beside node readme.mjs "$(realpath "$tool")" "$root/tests/cli/golden/files/roof.gltf"
+if [ -d "$modules/@gltf-transform" ]; then relay "glTF-Transform" beside node gltf-transform.mjs "$(realpath "$tool")" "$root/tests/cli/golden/files/roof.gltf" "${gltf[@]}"; else skip "glTF-Transform (not installed: scripts/install-deps.sh)"; fi
+if [ -d "$modules/three" ]; then relay bundles beside node bundles.mjs; else skip "bundles (three.js is not installed)"; fi
+relay README beside node readme.mjs "$(realpath "$tool")" "$root/tests/cli/golden/files/roof.gltf"
 
 # What the page makes of a file, with the sanitizers of a native compiler.
 check "the model's files compile under the sanitizers" gcc -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-attributes -Iinclude -Isrc tests/web/model.c \

@@ -34,15 +34,5 @@ elif ! command -v chromium >/dev/null && ! command -v google-chrome >/dev/null &
     finish
     exit
 fi
-status=0
-output=$(node tests/web/page.mjs "$tree/web" "$tool" "$tree/web/screenshots${browser:+-$browser}" "$browser" 2>"$scratch/page.err") || status=$?
-cases=0
-while IFS= read -r line; do
-    case $line in
-    "ok "*) pass "${line#* - }"; cases=$((cases + 1)) ;;
-    "not ok "*) fail "${line#* - }"; cases=$((cases + 1)) ;;
-    "# "*) echo "$line" ;;
-    esac
-done <<<"$output"
-if ! grep -qx "1\.\.$cases" <<<"$output"; then fail "the browser's tests ran to their end" "exit status $status after $cases cases: $(cat "$scratch/page.err")"; fi
+relay "${browser:-browser}" node tests/web/page.mjs "$tree/web" "$tool" "$tree/web/screenshots${browser:+-$browser}" "$browser"
 finish

@@ -98,13 +98,17 @@ static void *allocate_large(size_t bytes) {
 static void *allocate_large(size_t bytes) { return malloc(bytes); }
 #endif
 
+void *norma_core_default_block(size_t bytes) {
+    return bytes >= LARGE_BLOCK ? allocate_large(bytes) : malloc(bytes);
+}
+
 void *norma_core_allocate(const core_call *call, size_t count, size_t size) {
     if (count && size > SIZE_MAX / count) return NULL;
     const size_t bytes = block_size(count, size);
     if (call->options.allocator.allocate)
         return call->options.allocator.allocate(
             call->options.allocator.user, bytes, SCRATCH_ALIGNMENT);
-    return bytes >= LARGE_BLOCK ? allocate_large(bytes) : malloc(bytes);
+    return norma_core_default_block(bytes);
 }
 
 void norma_core_release(const core_call *call, void *block, size_t count, size_t size) {

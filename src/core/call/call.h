@@ -24,6 +24,9 @@ void *norma_core_allocate(const core_call *call, size_t count, size_t size);
 void norma_core_release(const core_call *call, void *block, size_t count,
     size_t size); /* the same count and size; NULL is fine */
 
+/* What it gives where the caller has no allocator; free releases it. */
+void *norma_core_default_block(size_t bytes);
+
 /* Later stages report between their own two fractions. Nonzero: the caller wants to stop. */
 void norma_core_stage(core_call *call, double from, double to);
 int norma_core_progress(core_call *call, double fraction_of_stage);

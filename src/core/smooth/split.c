@@ -27,7 +27,7 @@ typedef struct split_work {
     size_t few_count;
     uint8_t *reasons, *wanted; /* where the nearest is to be found: of each corner; of corners that
                                   stand for a vertex with no normal at all */
-    int keeps_reasons;         /* they are the caller's */
+    const split_room *room;    /* the caller's; or NULL */
 } split_work;
 
 /* ---- one position */
@@ -217,6 +217,9 @@ static norma_result write_numbers(split_work *work) {
     norma_core_stage(call, 0.76, 0.78);
     norma_result result = norma_core_parallel(call, blocks, write_vertices, work);
     release_normals(work);
+    if (result == NORMA_OK && work->room &&
+        !(work->numbers = work->room->of_corners(work->room->context)))
+        return NORMA_ERROR_MEMORY;
     norma_core_stage(call, 0.78, 0.8);
     if (result == NORMA_OK && work->numbers)
         result = norma_core_parallel(call, blocks, number_block, work);
@@ -300,12 +303,13 @@ static norma_result allocate_numbers(split_work *work, int lacking) {
     const size_t corners = work->prepared->mesh.corner_count;
     work->vertices =
         norma_core_allocate(call, work->prepared->mesh.positions.count, sizeof *work->vertices);
-    if (!work->numbers && work->output.normals)
+    if (!work->numbers && work->output.normals && !work->room)
         work->numbers = work->own_numbers =
             norma_core_allocate(call, corners, sizeof *work->own_numbers);
-    if (!work->vertices || (!work->numbers && work->output.normals)) return NORMA_ERROR_MEMORY;
+    if (!work->vertices || (!work->numbers && work->output.normals && !work->room))
+        return NORMA_ERROR_MEMORY;
     if (!lacking) return NORMA_OK;
-    if (!work->reasons) work->reasons = norma_core_allocate(call, corners, 1);
+    work->reasons = norma_core_allocate(call, corners, 1);
     work->wanted = norma_core_allocate(call, corners, 1);
     if (!work->reasons || !work->wanted) return NORMA_ERROR_MEMORY;
     memset(work->reasons, NORMA_REASON_NONE, corners);
@@ -319,13 +323,25 @@ static void pass_over(split_work *work, const uint8_t *skip) {
         work->single[p] |= skip[p];
 }
 
+static norma_result ask_for_vertices(split_work *work, size_t count) {
+    split_vertices room = {0};
+    const norma_result result = work->room->of_vertices(work->room->context, count, &room);
+    work->source_vertices = room.sources;
+    work->output.normals = (unsigned char *)room.normals;
+    work->output.reasons = room.reasons;
+    return result;
+}
+
 /* lacking: some corner is to get the nearest normal. */
-static norma_result write_split(split_work *work, const uint8_t *skip, int lacking) {
+static norma_result write_split(
+    split_work *work, const split_output *out, size_t vertices, int lacking) {
     core_prepared_mesh *prepared = work->prepared;
+    const uint8_t *skip = out->skip;
     stars_part ignored;
     const int others = norma_core_has_others(work->smooth);
     pass_over(work, skip);
     norma_result result = lacking || !others ? NORMA_OK : thin_out(work);
+    if (result == NORMA_OK && work->room) result = ask_for_vertices(work, vertices);
     if (result == NORMA_OK) result = allocate_numbers(work, lacking);
     if (result == NORMA_OK && skip)
         memset(work->vertices, 0, prepared->mesh.positions.count * sizeof *work->vertices);
@@ -381,8 +397,8 @@ static norma_result compute(
     if (result != NORMA_OK) return result;
     const int lacking =
         sum.tally.non_finite.count || sum.tally.unreferenced.count || sum.tally.cancelled.count;
-    if (out->corners || out->source_vertices || out->normals)
-        result = write_split(work, out->skip, lacking && out->normals && work->output.nearest);
+    if (out->corners || out->source_vertices || out->normals || out->room)
+        result = write_split(work, out, count, lacking && work->normals && work->output.nearest);
     if (result != NORMA_OK) return result;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
     if (call->options.edges) *call->options.edges = sum.counts.edges;
@@ -399,7 +415,7 @@ static void release_work(const core_call *call, split_work *work) {
     release_normals(work);
     norma_core_release(call, work->vertices, positions, sizeof *work->vertices);
     norma_core_release(call, work->own_numbers, corners, sizeof *work->own_numbers);
-    if (!work->keeps_reasons) norma_core_release(call, work->reasons, corners, 1);
+    norma_core_release(call, work->reasons, corners, 1);
     norma_core_release(call, work->wanted, corners, 1);
     if (!work->few) return;
     norma_core_release(call, work->few, work->few_count, sizeof *work->few);
@@ -407,15 +423,14 @@ static void release_work(const core_call *call, split_work *work) {
     work->prepared->corners_of.corner_count = corners;
 }
 
-static norma_result allocate_work(const core_call *call, split_work *work) {
+static norma_result allocate_work(const core_call *call, split_work *work, int with_normals) {
     const size_t corners = work->prepared->mesh.corner_count,
                  positions = work->prepared->mesh.positions.count;
     work->firsts = norma_core_allocate(call, corners, 1);
     work->before = norma_core_allocate(call, blocks_of(work) + 1, sizeof *work->before);
     work->single = norma_core_allocate(call, positions, 1);
-    if (work->output.normals)
-        work->normals = norma_core_allocate(call, positions, sizeof *work->normals);
-    if (!work->firsts || !work->before || !work->single || (!work->normals && work->output.normals))
+    if (with_normals) work->normals = norma_core_allocate(call, positions, sizeof *work->normals);
+    if (!work->firsts || !work->before || !work->single || (!work->normals && with_normals))
         return NORMA_ERROR_MEMORY;
     memset(work->firsts, 0, corners);
     memset(work->single, 0, positions);
@@ -429,12 +444,15 @@ norma_result norma_core_split_prepared(core_prepared_mesh *prepared, smooth_fans
         .smooth = smooth ? smooth : &none,
         .numbers = out->corners,
         .source_vertices = out->source_vertices,
-        .reasons = out->reasons,
-        .keeps_reasons = out->reasons != NULL};
-    if (out->reasons) memset(out->reasons, NORMA_REASON_NONE, prepared->mesh.corner_count);
+        .room = out->room};
     norma_result result = norma_core_output_open(prepared->call, out->normals, 0, 0, &work.output);
-    if (result == NORMA_OK) result = allocate_work(prepared->call, &work);
+    if (result == NORMA_OK)
+        result = allocate_work(prepared->call, &work, out->normals || out->room);
     if (result == NORMA_OK) result = compute(prepared, &work, out, report);
+    if (out->reasons) {
+        *out->reasons = work.reasons;
+        work.reasons = NULL;
+    }
     release_work(prepared->call, &work);
     return result;
 }
@@ -452,7 +470,7 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count,
     norma_report *report) {
     const split_output out = {corners, source_vertices, normals, corner_capacity, vertex_capacity,
-        vertex_count, NULL, NULL};
+        vertex_count, NULL, NULL, NULL};
     core_call call;
     core_mesh checked;
     core_prepared_mesh prepared;

@@ -8,7 +8,7 @@ typedef struct slot_vertex {
     uint32_t slot, vertex;
 } slot_vertex;
 
-static core_mesh own_positions(const ply_part *part, double scale) {
+core_mesh norma_mpi_own_positions(const ply_part *part, double scale) {
     const norma_format format = part->doubles ? NORMA_FORMAT_DOUBLE : NORMA_FORMAT_FLOAT;
     return (core_mesh){.positions = {.data = part->positions,
                            .count = part->own,
@@ -144,7 +144,7 @@ static norma_result gather_near(mpi_job *job, const core_mesh *mesh, uint32_t *c
 norma_result norma_mpi_find_classes(
     mpi_job *job, const ply_part *part, double scale, uint32_t **classes) {
     const core_call *core = &job->core;
-    const core_mesh mesh = own_positions(part, scale);
+    const core_mesh mesh = norma_mpi_own_positions(part, scale);
     *classes = norma_core_allocate(core, part->own, sizeof **classes);
     for (size_t v = 0; *classes && v < part->own; v++) (*classes)[v] = (uint32_t)(part->first + v);
     norma_result result = norma_mpi_agree(&job->call, *classes ? NORMA_OK : NORMA_ERROR_MEMORY);

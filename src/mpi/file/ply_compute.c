@@ -43,18 +43,9 @@ static int compute_smooth(mpi_job *job, ply_layout *layout, ply_part *part) {
 
 /* ---- cut at creases */
 
-static core_mesh own_positions(const ply_part *part, double scale) {
-    const norma_format format = part->doubles ? NORMA_FORMAT_DOUBLE : NORMA_FORMAT_FLOAT;
-    return (core_mesh){.positions = {.data = part->positions,
-                           .count = part->own,
-                           .stride = norma_mpi_position_size(part),
-                           .format = format},
-        .scale = part->doubles ? scale : 1};
-}
-
 /* Collective: positions in doubles are read times one power of two on all ranks. */
 static double agree_on_scale(const mpi_job *job, const ply_part *part) {
-    const core_mesh mesh = own_positions(part, 1);
+    const core_mesh mesh = norma_mpi_own_positions(part, 1);
     double mine = part->doubles ? norma_core_largest_coordinate(&mesh) : 0, all = 0;
     MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_MAX, job->call.comm);
     return part->doubles ? norma_core_scale_for(all) : 1;
@@ -84,11 +75,9 @@ static void sum_report(mpi_job *job, const ply_part *part, const ply_split *spli
     job->hard_edges = norma_mpi_sum(call, split->edges.hard);
 }
 
-/* Collective: vertices without a normal get that of the nearest corner that has one. part has the
- * positions of its own vertices. */
-static norma_result fill_missing(
+static norma_result fill_from_nearest(
     mpi_job *job, const ply_part *part, double scale, ply_creased *creased) {
-    const core_mesh mesh = own_positions(part, scale);
+    const core_mesh mesh = norma_mpi_own_positions(part, scale);
     const mpi_part own = {.prepared = {.mesh = mesh},
         .output = {.normals = (unsigned char *)creased->normals, .stride = 3 * sizeof(float)},
         .vertex_ids = creased->sites,
@@ -103,15 +92,28 @@ static norma_result fill_missing(
     return norma_mpi_fill_nearest(&job->call, &own, creased->reasons);
 }
 
+/* Collective: vertices without a normal get that of the nearest corner that has one. */
+static int fill_missing(
+    mpi_job *job, const ply_layout *layout, double scale, ply_part *own, ply_creased *creased) {
+    size_t missing = 0;
+    for (size_t v = 0; v < creased->own; v++) missing += creased->reasons[v] != NORMA_REASON_NONE;
+    if (!norma_mpi_largest(&job->call, missing)) return 0;
+    return norma_mpi_failed(job, norma_mpi_read_positions(job, layout, own)) ||
+           norma_mpi_failed_result(job, fill_from_nearest(job, own, scale, creased));
+}
+
 static int split_and_number(mpi_job *job, const ply_layout *layout, double scale, ply_part *part,
-    const uint32_t *classes, ply_creased *creased) {
+    uint32_t **classes, ply_creased *creased) {
     ply_near near = {0};
     ply_split split = {0};
-    int failed = norma_mpi_gather_near(job, layout, part, classes, &near) ||
-                 norma_mpi_split_near(job, layout->vertices, scale, &near, &split);
+    int failed = norma_mpi_gather_near(job, layout, part, *classes, &near);
+    norma_core_release(&job->core, *classes, part->own, sizeof **classes);
+    *classes = NULL;
+    if (!failed) failed = norma_mpi_split_near(job, layout->vertices, scale, &near, &split);
+    norma_mpi_release_positions(job, &near.part);
     if (!failed) {
         sum_report(job, part, &split);
-        failed = norma_mpi_number_vertices(job, layout->vertices, &near, &split, part, creased);
+        failed = norma_mpi_number_vertices(job, layout, &near, &split, part, creased);
     }
     norma_mpi_close_split(job, &split);
     norma_mpi_close_near(job, &near);
@@ -119,13 +121,14 @@ static int split_and_number(mpi_job *job, const ply_layout *layout, double scale
 }
 
 static int number_and_write(mpi_job *job, ply_layout *layout, double scale, ply_part *part,
-    const ply_part *own, ply_creased *creased) {
+    ply_part *own, ply_creased *creased) {
     uint32_t *classes = NULL;
-    int failed = norma_mpi_failed_result(job, norma_mpi_find_classes(job, own, scale, &classes)) ||
-                 split_and_number(job, layout, scale, part, classes, creased);
+    int failed = norma_mpi_failed_result(job, norma_mpi_find_classes(job, own, scale, &classes));
+    norma_mpi_release_positions(job, own);
+    if (!failed) failed = split_and_number(job, layout, scale, part, &classes, creased);
     norma_core_release(&job->core, classes, own->own, sizeof *classes);
     if (!failed)
-        failed = norma_mpi_failed_result(job, fill_missing(job, own, scale, creased)) ||
+        failed = fill_missing(job, layout, scale, own, creased) ||
                  norma_mpi_failed(job, norma_mpi_plan_output(job, creased->added.all, layout)) ||
                  norma_mpi_write_ply(job, layout, part, creased->normals, &creased->added);
     job->added = creased->added.all;

@@ -237,6 +237,7 @@ int norma_mpi_gather_near(mpi_job *job, const ply_layout *layout, ply_part *part
     if (result == NORMA_OK) result = fetch_classes(job, layout, part, classes, &work.classes);
     if (result == NORMA_OK) result = exchange_faces(&work);
     close_work(&work);
+    norma_mpi_drop_corners(job, part);
     if (norma_mpi_failed_result(job, result)) return 1;
     if (norma_mpi_fetch_positions(job, layout, &near->part)) return 1;
     result = fetch_classes(job, layout, &near->part, classes, &near->classes);

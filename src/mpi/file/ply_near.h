@@ -12,7 +12,7 @@ typedef struct ply_near {
 } ply_near;
 
 /* Collective: one exchange of faces. part: faces as they were read, corners numbered as in the
- * file; classes: of its own vertices. Close in any case. */
+ * file, which are dropped afterwards; classes: of its own vertices. Close in any case. */
 int norma_mpi_gather_near(mpi_job *job, const ply_layout *layout, ply_part *part,
     const uint32_t *classes, ply_near *near);
 void norma_mpi_close_near(mpi_job *job, ply_near *near);

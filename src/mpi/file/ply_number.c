@@ -6,70 +6,59 @@
 
 typedef struct number_work {
     mpi_job *job;
+    const ply_layout *layout;
     uint64_t vertices;
     const ply_near *near;
-    const ply_split *split;
+    ply_split *split;
+    size_t count; /* of new vertices */
     ply_part *part;
     ply_creased *creased;
     uint64_t *corners_before; /* of each rank, in the file */
-    uint32_t *numbers;        /* of each new vertex; KEEPS: that of its source */
-    uint32_t *firsts;         /* of each new vertex, the corner of near that it begins with */
-    uint64_t *sites;          /* of each place */
+    uint32_t *numbers;        /* of each new vertex; KEEPS: that of its source. Until they are
+                                 fetched: the corner of near that it begins with, + 1 */
+    uint32_t *sites;          /* of each place the first corner of near that has a normal */
 } number_work;
 
 enum { KEEPS = 0 };
+static const uint32_t NO_CORNER = UINT32_MAX;
 static const uint64_t NO_SITE = UINT64_MAX;
 
-/* ---- corners of near, one after the other */
-
-typedef struct near_corner {
-    size_t corner;   /* of near */
-    int reader;      /* the rank that read it */
-    uint32_t origin; /* its corner there */
-} near_corner;
-
-typedef void corner_see(number_work *work, const near_corner *c, void *context);
-
-/* Of this rank's positions, ascending. */
-static void for_corners(number_work *work, corner_see *see, void *context) {
-    const ply_near *near = work->near;
-    for (int r = 0; r < work->job->call.ranks; r++) {
-        for (size_t f = near->face_begins[r]; f < near->face_begins[r + 1]; f++) {
-            const size_t begin = norma_mpi_corner_begin(&near->part, f),
-                         end = norma_mpi_corner_begin(&near->part, f + 1);
-            for (size_t c = begin; c < end; c++) {
-                const near_corner at = {c, r, near->origins[f] + (uint32_t)(c - begin)};
-                if (norma_mpi_is_mine(near, near->part.corner[c])) see(work, &at, context);
-            }
-        }
-    }
-}
+/* ---- corners that new vertices begin with */
 
 /* New vertices are numbered in the order of the corners that they begin with. */
-static void see_first(number_work *work, const near_corner *c, void *context) {
-    size_t *next = context;
-    const uint32_t place = work->near->part.corner[c->corner];
-    if (work->split->corners[c->corner] == *next) work->firsts[(*next)++] = (uint32_t)c->corner;
-    if (work->sites[place] == NO_SITE && !work->split->corner_reasons[c->corner])
-        work->sites[place] = work->corners_before[c->reader] + c->origin;
+static void find_firsts(number_work *work) {
+    const ply_near *near = work->near;
+    const uint8_t *reasons = work->split->corner_reasons;
+    const size_t faces = near->face_begins[work->job->call.ranks],
+                 corners = norma_mpi_corner_begin(&near->part, faces);
+    size_t next = 0;
+    for (size_t c = 0; c < corners; c++) {
+        const uint32_t place = near->part.corner[c];
+        if (!norma_mpi_is_mine(near, place)) continue;
+        if (work->split->corners[c] == next) {
+            if (work->numbers[next] != KEEPS) work->numbers[next] = (uint32_t)c + 1;
+            next++;
+        }
+        if (work->sites[place] == NO_CORNER && !(reasons && reasons[c]))
+            work->sites[place] = (uint32_t)c;
+    }
 }
 
 /* Which of them are added: numbers are not known yet. */
 static norma_result mark_added(number_work *work) {
     const core_call *core = &work->job->core;
     const size_t places = norma_mpi_places(work->near);
-    size_t next = 0;
     uint8_t *taken = norma_core_allocate(core, places, 1);
     if (!taken) return NORMA_ERROR_MEMORY;
     memset(taken, 0, places);
-    for (size_t i = 0; i < places; i++) work->sites[i] = NO_SITE;
+    for (size_t i = 0; i < places; i++) work->sites[i] = NO_CORNER;
     for (size_t k = 0; k < work->split->count; k++) {
         const uint32_t place = work->split->sources[k];
         work->numbers[k] = taken[place] ? UINT32_MAX : KEEPS;
         taken[place] = 1;
     }
     norma_core_release(core, taken, places, 1);
-    for_corners(work, see_first, &next);
+    find_firsts(work);
     return NORMA_OK;
 }
 
@@ -104,7 +93,7 @@ static norma_result list_firsts(const number_work *work, mpi_lists *out) {
         for (size_t k = 0; k < work->split->count && result == NORMA_OK; k++) {
             uint32_t origin;
             if (work->numbers[k] == KEEPS) continue;
-            const int rank = reader_of(work, work->firsts[k], &origin);
+            const int rank = reader_of(work, work->numbers[k] - 1, &origin);
             if (pass)
                 memcpy(norma_mpi_lists_add(out, rank), &origin, sizeof origin);
             else
@@ -170,7 +159,7 @@ static norma_result read_numbers(number_work *work, const mpi_lists *back) {
     for (size_t k = 0; k < work->split->count; k++) {
         uint32_t origin;
         if (work->numbers[k] == KEEPS) continue;
-        const int rank = reader_of(work, work->firsts[k], &origin);
+        const int rank = reader_of(work, work->numbers[k] - 1, &origin);
         memcpy(
             &work->numbers[k], norma_mpi_record(back, (size_t)next[rank]++), sizeof *work->numbers);
     }
@@ -209,7 +198,8 @@ typedef struct handing {
 
 enum { MOST_RECORD = 40 };
 
-static norma_result list_records(const number_work *work, const handing *h, mpi_lists *out) {
+/* What is for this rank itself is taken at once. */
+static norma_result list_records(number_work *work, const handing *h, mpi_lists *out) {
     const mpi_call *call = &work->job->call;
     const size_t ranks = (size_t)call->ranks;
     unsigned char record[MOST_RECORD];
@@ -221,10 +211,13 @@ static norma_result list_records(const number_work *work, const handing *h, mpi_
         for (size_t i = 0; i < h->count && result == NORMA_OK; i++) {
             const int rank = h->record(work, i, record);
             if (rank < 0) continue;
-            if (pass)
+            if (rank == call->rank) {
+                if (pass) h->take(work, record);
+            } else if (pass) {
                 memcpy(norma_mpi_lists_add(out, rank), record, h->size);
-            else
+            } else {
                 room[rank]++;
+            }
         }
     }
     norma_core_release(call->core, room, ranks, sizeof *room);
@@ -274,9 +267,17 @@ typedef struct vertex_normal {
     float normal[3];
 } vertex_normal;
 
+/* In the whole file. */
+static uint64_t site_of(const number_work *work, uint32_t place) {
+    uint32_t origin;
+    if (work->sites[place] == NO_CORNER) return NO_SITE;
+    const int reader = reader_of(work, work->sites[place], &origin);
+    return work->corners_before[reader] + origin;
+}
+
 static int record_normal(const number_work *work, size_t k, unsigned char *record) {
     const uint32_t place = work->split->sources[k];
-    vertex_normal v = {.site = work->sites[place],
+    vertex_normal v = {.site = site_of(work, place),
         .vertex = (uint32_t)work->near->part.vertex_ids[place],
         .reason = work->split->reasons[k]};
     if (work->numbers[k] != KEEPS) return -1;
@@ -338,14 +339,13 @@ static norma_result open_work(number_work *work) {
     ply_creased *c = work->creased;
     work->corners_before = norma_core_allocate(core, ranks, sizeof *work->corners_before);
     work->numbers = norma_core_allocate(core, work->split->count, sizeof *work->numbers);
-    work->firsts = norma_core_allocate(core, work->split->count, sizeof *work->firsts);
     work->sites = norma_core_allocate(core, norma_mpi_places(work->near), sizeof *work->sites);
     c->own = own;
     c->normals = norma_core_allocate(core, own, 3 * sizeof *c->normals);
     c->reasons = norma_core_allocate(core, own, 1);
     c->sites = norma_core_allocate(core, own, sizeof *c->sites);
-    if (!work->corners_before || !work->numbers || !work->firsts || !work->sites || !c->normals ||
-        !c->reasons || !c->sites)
+    if (!work->corners_before || !work->numbers || !work->sites || !c->normals || !c->reasons ||
+        !c->sites)
         return NORMA_ERROR_MEMORY;
     memset(c->normals, 0, own * 3 * sizeof *c->normals);
     memset(c->reasons, NORMA_REASON_UNREFERENCED, own);
@@ -353,20 +353,23 @@ static norma_result open_work(number_work *work) {
     return NORMA_OK;
 }
 
+static void close_sites(number_work *work) {
+    norma_core_release(
+        &work->job->core, work->sites, norma_mpi_places(work->near), sizeof *work->sites);
+    work->sites = NULL;
+}
+
 static void close_work(number_work *work) {
     const core_call *core = &work->job->core;
-    const size_t ranks = (size_t)work->job->call.ranks, count = work->split->count;
+    const size_t ranks = (size_t)work->job->call.ranks, count = work->count;
+    close_sites(work);
     norma_core_release(core, work->corners_before, ranks, sizeof *work->corners_before);
     norma_core_release(core, work->numbers, count, sizeof *work->numbers);
-    norma_core_release(core, work->firsts, count, sizeof *work->firsts);
-    norma_core_release(core, work->sites, norma_mpi_places(work->near), sizeof *work->sites);
 }
 
 static norma_result number_all(number_work *work) {
     const mpi_call *call = &work->job->call;
-    const size_t corners = work->split->count ? work->near->part.corners : 0;
-    const handing corner_numbers = {sizeof(corner_number), record_corner, take_corner, corners},
-                  normals = {sizeof(vertex_normal), record_normal, take_normal, work->split->count},
+    const handing normals = {sizeof(vertex_normal), record_normal, take_normal, work->split->count},
                   added = {sizeof(added_vertex), record_added, take_added, work->split->count};
     uint64_t mine = norma_mpi_sum_before(call, work->part->corners);
     MPI_Allgather(&mine, 1, MPI_UINT64_T, work->corners_before, 1, MPI_UINT64_T, call->comm);
@@ -375,23 +378,37 @@ static norma_result number_all(number_work *work) {
     if (result == NORMA_OK) result = hand_over(work, &normals);
     if (result != NORMA_OK || !work->creased->added.all) return result;
     result = norma_mpi_agree(call, open_added(work));
-    if (result == NORMA_OK) result = hand_over(work, &corner_numbers);
     return result == NORMA_OK ? hand_over(work, &added) : result;
 }
 
-int norma_mpi_number_vertices(mpi_job *job, uint64_t vertices, const ply_near *near,
-    const ply_split *split, ply_part *part, ply_creased *creased) {
+/* Collective. The corners' numbers of the file have been dropped while memory was needed. */
+static int renumber_corners(number_work *work) {
+    mpi_job *job = work->job;
+    const size_t corners = work->split->count ? work->near->part.corners : 0;
+    const handing numbers = {sizeof(corner_number), record_corner, take_corner, corners};
+    norma_mpi_release_vertices(job, work->split);
+    close_sites(work);
+    if (norma_mpi_failed(job, norma_mpi_read_corners(job, work->layout, work->part))) return 1;
+    return norma_mpi_failed_result(job, hand_over(work, &numbers));
+}
+
+int norma_mpi_number_vertices(mpi_job *job, const ply_layout *layout, const ply_near *near,
+    ply_split *split, ply_part *part, ply_creased *creased) {
     number_work work = {.job = job,
-        .vertices = vertices,
+        .layout = layout,
+        .vertices = layout->vertices,
         .near = near,
         .split = split,
         .part = part,
-        .creased = creased};
+        .creased = creased,
+        .count = split->count};
     *creased = (ply_creased){0};
     norma_result result = norma_mpi_agree(&job->call, open_work(&work));
     if (result == NORMA_OK) result = number_all(&work);
+    int failed = norma_mpi_failed_result(job, result);
+    if (!failed && creased->added.all) failed = renumber_corners(&work);
     close_work(&work);
-    return norma_mpi_failed_result(job, result);
+    return failed;
 }
 
 void norma_mpi_close_creased(mpi_job *job, ply_creased *creased) {

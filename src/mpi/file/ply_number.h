@@ -13,9 +13,9 @@ typedef struct ply_creased {
     ply_added added;
 } ply_creased;
 
-/* Collective. Corners of part, numbered as in the file, get their new numbers. Close in any case.
- */
-int norma_mpi_number_vertices(mpi_job *job, uint64_t vertices, const ply_near *near,
-    const ply_split *split, ply_part *part, ply_creased *creased);
+/* Collective. Where vertices are added, the corners of part, which were dropped, are read again and
+ * get their new numbers; split then has no vertices. Close in any case. */
+int norma_mpi_number_vertices(mpi_job *job, const ply_layout *layout, const ply_near *near,
+    ply_split *split, ply_part *part, ply_creased *creased);
 void norma_mpi_close_creased(mpi_job *job, ply_creased *creased);
 #endif

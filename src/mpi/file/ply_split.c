@@ -48,7 +48,6 @@ static norma_result begin(split_work *work, core_mesh *checked) {
     mesh.face_count = part->face_starts ? part->faces : 0;
     options.threads = 1;
     options.weld = NORMA_WELD_NONE; /* the places are welded already */
-    options.reasons = work->split->reasons;
     options.edges = &work->split->edges;
     return norma_core_begin_with_crease(
         &work->core, &options, &mesh, (float)job->crease_angle_rad, checked);
@@ -114,41 +113,40 @@ static void count_degenerate(split_work *work) {
     }
 }
 
+static norma_result give_vertices(void *context, size_t count, split_vertices *room) {
+    const split_work *work = context;
+    const core_call *core = &work->job->core;
+    ply_split *split = work->split;
+    split->count = count;
+    split->sources = norma_core_allocate(core, count, sizeof *split->sources);
+    split->normals = norma_core_allocate(core, count, 3 * sizeof *split->normals);
+    split->reasons = norma_core_allocate(core, count, 1);
+    *room = (split_vertices){split->sources, split->normals, split->reasons};
+    return split->sources && split->normals && split->reasons ? NORMA_OK : NORMA_ERROR_MEMORY;
+}
+
+static uint32_t *give_corners(void *context) {
+    const split_work *work = context;
+    ply_split *split = work->split;
+    return split->corners =
+               norma_core_allocate(&work->job->core, split->corner_count, sizeof *split->corners);
+}
+
 static norma_result split_mine(split_work *work) {
     ply_split *split = work->split;
     const ply_near *near = work->near;
     const size_t places = norma_mpi_places(near);
     work->skip = norma_core_allocate(&work->core, places, 1);
-    if (!work->skip) return NORMA_ERROR_MEMORY;
     work->places = places;
+    split->corner_count = near->part.corners;
+    if (!work->skip) return NORMA_ERROR_MEMORY;
     for (size_t i = 0; i < places; i++) work->skip[i] = !norma_mpi_is_mine(near, i);
-    const split_output out = {.corners = split->corners,
-        .source_vertices = split->sources,
-        .normals = split->normals,
-        .corner_capacity = split->room,
-        .vertex_capacity = split->room,
-        .vertex_count = &split->count,
-        .skip = work->skip,
-        .reasons = split->corner_reasons};
+    const split_room room = {give_vertices, give_corners, work};
+    const split_output out = {.skip = work->skip, .reasons = &split->corner_reasons, .room = &room};
     const norma_result result =
         norma_core_split_prepared(&work->prepared, NULL, &out, &split->report);
     if (result == NORMA_OK) count_degenerate(work);
     return result;
-}
-
-/* Lenders come behind the faces that room is for. */
-static norma_result open_split(mpi_job *job, size_t corners, ply_split *split) {
-    const core_call *core = &job->core;
-    split->room = corners;
-    split->sources = norma_core_allocate(core, corners, sizeof *split->sources);
-    split->normals = norma_core_allocate(core, corners, 3 * sizeof *split->normals);
-    split->reasons = norma_core_allocate(core, corners, 1);
-    split->corners = norma_core_allocate(core, corners, sizeof *split->corners);
-    split->corner_reasons = norma_core_allocate(core, corners, 1);
-    return split->sources && split->normals && split->reasons && split->corners &&
-                   split->corner_reasons
-               ? NORMA_OK
-               : NORMA_ERROR_MEMORY;
 }
 
 int norma_mpi_split_near(
@@ -158,24 +156,29 @@ int norma_mpi_split_near(
     *split = (ply_split){0};
     norma_result result = norma_mpi_agree(call, open_prepared(&work));
     if (result == NORMA_OK) result = lend_directions(&work, vertices);
-    if (result == NORMA_OK) {
-        norma_result mine = open_split(job, near->part.corners, split);
-        work.core.options.reasons = split->reasons;
-        if (mine == NORMA_OK) mine = split_mine(&work);
-        result = norma_mpi_agree(call, mine);
-    }
+    if (result == NORMA_OK) result = norma_mpi_agree(call, split_mine(&work));
     norma_core_release(&work.core, work.skip, work.places, 1);
     close_prepared(&work);
     return norma_mpi_failed_result(job, result);
 }
 
+void norma_mpi_release_vertices(mpi_job *job, ply_split *split) {
+    const core_call *core = &job->core;
+    const size_t count = split->count;
+    norma_core_release(core, split->sources, count, sizeof *split->sources);
+    norma_core_release(core, split->normals, count, 3 * sizeof *split->normals);
+    norma_core_release(core, split->reasons, count, 1);
+    split->sources = NULL;
+    split->normals = NULL;
+    split->reasons = NULL;
+    split->count = 0;
+}
+
 void norma_mpi_close_split(mpi_job *job, ply_split *split) {
     const core_call *core = &job->core;
-    const size_t room = split->room;
-    norma_core_release(core, split->sources, room, sizeof *split->sources);
-    norma_core_release(core, split->normals, room, 3 * sizeof *split->normals);
-    norma_core_release(core, split->reasons, room, 1);
-    norma_core_release(core, split->corners, room, sizeof *split->corners);
-    norma_core_release(core, split->corner_reasons, room, 1);
+    const size_t corners = split->corner_count;
+    norma_mpi_release_vertices(job, split);
+    norma_core_release(core, split->corners, corners, sizeof *split->corners);
+    norma_core_release(core, split->corner_reasons, corners, 1);
     *split = (ply_split){0};
 }

@@ -10,6 +10,31 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* ---- memory that is counted */
+
+static void *allocate(void *user, size_t size, size_t alignment) {
+    mpi_job *job = user;
+    (void)alignment; /* nothing here needs more than malloc's */
+    void *block = norma_core_default_block(size);
+    if (!block) return NULL;
+    job->memory += size;
+    if (job->memory > job->most_memory) job->most_memory = job->memory;
+    return block;
+}
+
+static void release(void *user, void *block, size_t size) {
+    mpi_job *job = user;
+    job->memory -= size;
+    free(block);
+}
+
+norma_result norma_mpi_open_job(mpi_job *job, MPI_Comm comm) {
+    job->options.allocator = (norma_allocator){allocate, release, job};
+    norma_core_begin(&job->core, &(norma_options){.struct_size = sizeof(norma_options),
+                                     .allocator = job->options.allocator});
+    return norma_mpi_begin(&job->call, comm, &job->core);
+}
+
 /* ---- failing together */
 
 int norma_mpi_fail(mpi_job *job, const char *format, ...) {

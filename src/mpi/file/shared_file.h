@@ -17,8 +17,12 @@ typedef struct mpi_job {
     char temporary[1024]; /* the output until it is whole; "" when there is none */
     norma_report report;
     uint64_t faces, vertices;
-    uint64_t added, hard_edges; /* by creases */
+    uint64_t added, hard_edges;   /* by creases */
+    uint64_t memory, most_memory; /* bytes that this rank has allocated; the most at any time */
 } mpi_job;
+
+/* Collective: the copy of comm, and memory that is counted, for the library's calls too. */
+norma_result norma_mpi_open_job(mpi_job *job, MPI_Comm comm);
 
 /* Returns 1, and keeps the message of this rank. */
 int norma_mpi_fail(mpi_job *job, const char *format, ...);

@@ -181,7 +181,7 @@ static void print_text(const char *text) { /* as JSON */
     putchar('"');
 }
 
-static void print_json(const mpi_job *job) {
+static void print_json(const mpi_job *job, uint64_t memory) {
     const norma_report *r = &job->report;
     const unsigned long long vertices = job->vertices;
     printf("{\"input\": ");
@@ -204,15 +204,17 @@ static void print_json(const mpi_job *job) {
             r->non_manifold_edges.count, r->winding_conflicts.count);
     else
         printf(", \"non_manifold_edges\": null, \"winding_conflicts\": null}");
-    printf(", \"ranks\": %d}\n", job->call.ranks);
+    printf(", \"ranks\": %d, \"most_memory_of_a_rank\": %llu}\n", job->call.ranks,
+        (unsigned long long)memory);
 }
 
-static void print_summary(const settings *s) {
+/* memory: that of the rank that needed most. */
+static void print_summary(const settings *s, uint64_t memory) {
     const mpi_job *job = &s->job;
     const norma_report *r = &job->report;
     const size_t without = r->cancelled.count + r->unreferenced.count + r->non_finite.count;
     if (s->json) {
-        print_json(job);
+        print_json(job, memory);
         return;
     }
     if (s->quiet) return;
@@ -270,13 +272,15 @@ static int run(mpi_job *job) {
  */
 static int run_all(settings *s, int understood) {
     mpi_job *job = &s->job;
-    norma_core_begin(&job->core, NULL);
-    if (norma_mpi_begin(&job->call, MPI_COMM_WORLD, &job->core) != NORMA_OK) return 3;
+    if (norma_mpi_open_job(job, MPI_COMM_WORLD) != NORMA_OK) return 3;
     if (!understood) norma_mpi_fail(job, "norma-mpi: \"%s\": %s", s->word, s->wrong);
     int status = norma_mpi_failed(job, !understood) ? 2 : 0;
     if (!status) status = run(job) ? 3 : 0;
     if (status && !job->call.rank) fprintf(stderr, "%s\n", job->message);
-    if (!status && !job->call.rank) print_summary(s);
+    if (!status) {
+        const uint64_t most = norma_mpi_largest(&job->call, job->most_memory);
+        if (!job->call.rank) print_summary(s, most);
+    }
     norma_mpi_end(&job->call);
     return status;
 }

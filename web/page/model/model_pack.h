@@ -37,9 +37,8 @@ typedef struct view_pack_mesh {
     uint32_t
         decimated; /* nonzero: not all of the file's faces; what is found in it has places only */
     uint32_t name; /* offset of a text that ends in a zero */
-    uint32_t texcoords,
-        tangents;                  /* four floats for each position: where the base map and the
-                                      normal map are looked up; x, y, z, sign. VIEW_PACK_NONE: none */
+    uint32_t texcoords, tangents;  /* four floats for each position: where the base map and the
+                                      normal map are looked up; x, y, z, sign. Or VIEW_PACK_NONE */
     uint32_t base_map, normal_map; /* images; VIEW_PACK_NONE: none */
     uint32_t base_wrap[2], normal_wrap[2]; /* as in glTF; 0: repeat */
     uint32_t alpha_mode;                   /* norma_alpha_mode */

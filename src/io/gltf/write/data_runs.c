@@ -224,18 +224,26 @@ static norma_document_result add_sparse(
     return result;
 }
 
-/* What a stream of Draco's held has no view yet, and may take the stream's. */
-static norma_document_result replace_stream(gltf *g, uint32_t number, norma_document_error *error) {
-    const gltf_accessor *a = &g->accessors[number];
-    const gltf_data *data = &g->patch->datas[g->patch->replaced[number]];
-    const data_run piece = {.token = a->token,
+/* All of an accessor's elements. What a stream of Draco's held has no view yet, and may take the
+ * stream's. */
+static norma_document_result add_elements(
+    gltf *g, const gltf_accessor *a, const gltf_data *data, norma_document_error *error) {
+    data_run piece = {.token = a->token,
         .new_accessor = GLTF_NONE,
-        .old_view = g->primitives[a->draco].draco.view,
+        .old_view = a->view,
         .old_offset = a->offset,
         .bytes = data->bytes,
         .size = norma_gltf_data_size(data),
         .count = data->count,
         .target = target_of(data)};
+    if (a->view == GLTF_NONE && a->draco != GLTF_NONE) {
+        piece.old_view = g->primitives[a->draco].draco.view;
+    } else {
+        const size_t stride = a->view == GLTF_NONE ? 0 : g->views[a->view].stride;
+        piece.old_stride = stride ? stride : a->element_size;
+        piece.old_size = a->element_size;
+        piece.old_count = a->count;
+    }
     return add_run(g->patch, &piece) ? NORMA_DOCUMENT_OK
                                      : norma_document_fail_memory(g->document, error);
 }
@@ -252,22 +260,7 @@ static norma_document_result replace_accessor(
     } else if (a->view == GLTF_NONE && a->draco == GLTF_NONE) {
         base = !rest_is_zero(data, NULL, 0);
     }
-    if (!base) return NORMA_DOCUMENT_OK;
-    if (a->view == GLTF_NONE && a->draco != GLTF_NONE) return replace_stream(g, number, error);
-    const data_run piece = {.token = a->token,
-        .new_accessor = GLTF_NONE,
-        .old_view = a->view,
-        .old_offset = a->offset,
-        .old_stride = a->view != GLTF_NONE && g->views[a->view].stride ? g->views[a->view].stride
-                                                                       : a->element_size,
-        .old_size = a->element_size,
-        .old_count = a->count,
-        .bytes = data->bytes,
-        .size = norma_gltf_data_size(data),
-        .count = data->count,
-        .target = target_of(data)};
-    return add_run(g->patch, &piece) ? NORMA_DOCUMENT_OK
-                                     : norma_document_fail_memory(g->document, error);
+    return base ? add_elements(g, a, data, error) : NORMA_DOCUMENT_OK;
 }
 
 norma_document_result norma_gltf_make_data_runs(gltf *g, norma_document_error *error) {
