@@ -8,6 +8,11 @@ cd "$(dirname "$0")/.."
 root=$PWD
 dist=$root/build/dist
 
+git rev-parse --verify -q HEAD >/dev/null || { echo "scripts/dist.sh needs a git checkout: a release is made from a commit" >&2; exit 1; }
+# One commit from the beginning to the end, whatever is committed meanwhile.
+commit=${NORMA_DIST_COMMIT:-$(git rev-parse HEAD)}
+export NORMA_DIST_COMMIT=$commit
+
 if [ "${1:-}" = --twice ]; then
     scripts/dist.sh
     rm -rf "$dist-first"
@@ -19,14 +24,13 @@ if [ "${1:-}" = --twice ]; then
     exit 0
 fi
 
-git rev-parse --verify -q HEAD >/dev/null || { echo "scripts/dist.sh needs a git checkout: a release is made from a commit" >&2; exit 1; }
 [ -z "$(git status --porcelain --untracked-files=no)" ] || echo "Changes that are not committed are left out." >&2
-SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
+SOURCE_DATE_EPOCH=$(git log -1 --format=%ct "$commit")
 export SOURCE_DATE_EPOCH TZ=UTC LC_ALL=C.UTF-8 CCACHE_DISABLE=1
 source=${NORMA_DIST_SOURCE:-$root/build/dist-source}
 rm -rf "$dist" "$source"
 mkdir -p "$dist" "$source"
-git archive HEAD | tar -x -C "$source"
+git archive "$commit" | tar -x -C "$source"
 version=$(sed -nE 's/^#define NORMA_VERSION_(MAJOR|MINOR|PATCH) +([0-9]+).*/\2/p' "$source/include/norma/norma.h" | paste -sd.)
 machine=$(uname -m)
 export CFLAGS="-ffile-prefix-map=$source=." CXXFLAGS="-ffile-prefix-map=$source=."
@@ -46,7 +50,7 @@ archive() {
     tar --sort=name --owner=0 --group=0 --numeric-owner --mode=go=rX,u+rw --mtime="@$SOURCE_DATE_EPOCH" -C "$1" -cf - "$2" | gzip -n -9 >"$dist/$2.tar.gz"
 }
 
-make_source() { git archive --format=tar --prefix="norma-$version/" HEAD | gzip -n -9 >"$dist/norma-$version.tar.gz"; }
+make_source() { git archive --format=tar --prefix="norma-$version/" "$commit" | gzip -n -9 >"$dist/norma-$version.tar.gz"; }
 
 # binary NAME FLAGS...: a tree of its own, and an archive of the tool with its manual and completions.
 binary() {

@@ -73,9 +73,23 @@ def _material(material: Any) -> Material:
         node.type == "NORMAL_MAP" and node.outputs[0].is_linked and node.inputs["Color"].is_linked
         for node in material.node_tree.nodes
     )
-    blended = getattr(material, "blend_method", "OPAQUE")
-    alpha = {"CLIP": "MASK", "HASHED": "BLEND", "BLEND": "BLEND"}.get(blended, "OPAQUE")
-    return Material(material.name, not material.use_backface_culling, alpha, bool(normal_map))
+    return Material(material.name, not material.use_backface_culling, _alpha_mode(material), bool(normal_map))
+
+
+def _alpha_mode(material: Any) -> str:
+    """From 4.2 on the exporter reads it from the nodes; blend_method then says HASHED of every
+    material that is not blended, opaque ones too."""
+    if not hasattr(material, "surface_render_method"):
+        return {"CLIP": "MASK", "HASHED": "BLEND", "BLEND": "BLEND"}.get(material.blend_method, "OPAQUE")
+    nodes = material.node_tree.nodes if material.use_nodes else []
+    alpha = next((node.inputs["Alpha"] for node in nodes if node.type == "BSDF_PRINCIPLED"), None)
+    if alpha is None or (not alpha.is_linked and alpha.default_value == 1):
+        return "OPAQUE"
+    if not alpha.is_linked:
+        return "MASK" if alpha.default_value == 0 else "BLEND"
+    source = alpha.links[0].from_node
+    clips = source.type == "MATH" and source.operation in ("ROUND", "SUBTRACT", "GREATER_THAN", "LESS_THAN")
+    return "MASK" if clips else "BLEND"
 
 
 def _texcoords(mesh: Any, layer: str) -> np.ndarray:

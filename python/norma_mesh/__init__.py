@@ -13,6 +13,7 @@ from ._calls import (
     Plan,
     corner_normals,
     face_normals,
+    index_corners,
     matrix_info,
     normal_matrices,
     normal_matrix,
@@ -25,7 +26,7 @@ from ._calls import (
 from ._check import Deviation, Finding, Report, Rule, Sample, check, rules
 from ._files import ComputeSummary, Document, FileError, FileMesh, FixSummary, open
 from ._norma import version as _version
-from ._results import MatrixInfo, NormalReport, OrientReport, Split, TangentReport
+from ._results import Indexed, MatrixInfo, NormalReport, OrientReport, Split, TangentReport
 
 __version__: str = _version()
 __all__ = [
@@ -36,6 +37,7 @@ __all__ = [
     "FileMesh",
     "Finding",
     "FixSummary",
+    "Indexed",
     "MatrixInfo",
     "NormalReport",
     "OrientReport",
@@ -48,6 +50,7 @@ __all__ = [
     "check",
     "corner_normals",
     "face_normals",
+    "index_corners",
     "matrix_info",
     "normal_matrices",
     "normal_matrix",

@@ -25,9 +25,10 @@ from ._arguments import (
     raise_index,
     refuse,
     stride,
+    thread_count,
     vectors,
 )
-from ._results import MatrixInfo, NormalReport, OrientReport, Split, TangentReport, report_of
+from ._results import Indexed, MatrixInfo, NormalReport, OrientReport, Split, TangentReport, report_of
 
 _FACES, _VERTICES, _CORNERS = 0, 1, 2
 _MODES = {"steady": 0, "mikk": 1}
@@ -325,6 +326,51 @@ def tangents(
         refuse(counts, m)
     found = TangentReport(counts[0], counts[1], counts[3])
     return (result, found) if report else result
+
+
+def index_corners(*streams: ArrayLike, threads: Optional[int] = None) -> Indexed:
+    """Finds the corners that agree in all streams and numbers them as vertices, in the order in
+    which corners first use them: (indices, source_corners). `stream[source_corners]` holds the
+    values of the vertices, as a graphics card wants them.
+
+    streams: arrays with a value, of any type and shape, for each corner. Their bytes are compared:
+        0 and -0 differ.
+
+    >>> import norma_mesh as norma
+    >>> import numpy as np
+    >>> positions = np.float32([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> faces = np.array([[0, 1, 2], [0, 2, 3]])
+    >>> tangents = norma.tangents(positions, [[0, 0, 1]] * 4, positions[:, :2], faces)
+    >>> norma.index_corners(positions[faces.ravel()], tangents).indices.reshape(-1, 3)
+    array([[0, 1, 2],
+           [0, 2, 3]], dtype=uint32)
+    """
+    arrays = [_stream(i, given) for i, given in enumerate(streams)]
+    if not arrays:
+        raise ValueError("streams: at least one is needed")
+    count = arrays[0].shape[0]
+    for i, array in enumerate(arrays):
+        if array.shape[0] != count:
+            raise ValueError(f"streams[{i}]: {count} values, one for each corner, are needed, not {array.shape[0]}")
+    indices, sources = np.empty(count, np.uint32), np.empty(count, np.uint32)
+    given = [(_address(array), array[0].nbytes if count else 1, array.strides[0] if count > 1 else 0) for array in arrays]
+    answer = _norma.index_corners(given, count, thread_count(threads), _address(indices), _address(sources))
+    if not isinstance(answer, int):
+        refuse(answer)
+    return Indexed(indices, sources[:answer].copy())
+
+
+def _stream(number: int, values: ArrayLike) -> NDArray[Any]:
+    """An array whose values, the rows, are of at least one byte and without gaps."""
+    array = values if type(values) is np.ndarray else np.asarray(values)
+    if array.dtype.hasobject:
+        raise TypeError(f"streams[{number}]: numbers are needed, not {array.dtype}")
+    if array.ndim == 0 or 0 in array.shape[1:]:
+        raise ValueError(f"streams[{number}]: a value for each corner is needed, not shape {array.shape}")
+    one = array[:1]
+    if not one.flags.c_contiguous or (array.shape[0] > 1 and array.strides[0] < one.nbytes):
+        array = np.ascontiguousarray(array)
+    return array
 
 
 @overload

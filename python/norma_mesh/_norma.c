@@ -222,6 +222,53 @@ static PyObject *tangents(PyObject *self, PyObject *arguments) {
 }
 
 /* orient(mesh, options, by_rays, reverse, capacity) -> what was found, or why it was refused */
+/* Of a list of (address, size, stride), each with count values; NULL: an exception is pending. */
+static norma_stream *parse_streams(PyObject *list, size_t count) {
+    const Py_ssize_t streams = PyList_Size(list);
+    norma_stream *made = PyMem_Calloc((size_t)streams + 1, sizeof *made);
+    if (!made) PyErr_NoMemory();
+    for (Py_ssize_t i = 0; made && i < streams; i++) {
+        address data;
+        Py_ssize_t size, stride;
+        if (PyArg_ParseTuple(PyList_GetItem(list, i), "Knn", &data, &size, &stride)) {
+            made[i] = (norma_stream){at(data), count, (size_t)size, (size_t)stride, NULL};
+            continue;
+        }
+        PyMem_Free(made);
+        return NULL;
+    }
+    return made;
+}
+
+/* index_corners(streams, count, threads, corners, source_corners) -> how many vertices, or why it
+ * was refused */
+static PyObject *index_corners(PyObject *self, PyObject *arguments) {
+    PyObject *list;
+    Py_ssize_t count;
+    unsigned int threads;
+    address corners, sources;
+    (void)self;
+    if (!PyArg_ParseTuple(
+            arguments, "O!nIKK", &PyList_Type, &list, &count, &threads, &corners, &sources))
+        return NULL;
+    norma_stream *streams = parse_streams(list, (size_t)count);
+    if (!streams) return NULL;
+    mesh_call call = {.options = {.struct_size = sizeof(norma_options), .threads = threads}};
+    norma_indexed indexed = {.corners = at(corners),
+        .corner_capacity = (size_t)count,
+        .source_corners = at(sources),
+        .vertex_capacity = (size_t)count};
+    const size_t stream_count = (size_t)PyList_Size(list);
+    watch w;
+    begin_call(&call, &w);
+    const norma_result result =
+        norma_index_corners(streams, stream_count, (size_t)count, &call.options, &indexed);
+    const int interrupted = take_lock(&w);
+    PyMem_Free(streams);
+    if (interrupted) return NULL;
+    return result == NORMA_OK ? PyLong_FromSize_t(indexed.vertex_count) : refusal(result, NULL);
+}
+
 static PyObject *orient(PyObject *self, PyObject *arguments) {
     PyObject *mesh, *options;
     int by_rays;
@@ -826,8 +873,9 @@ static PyObject *version(PyObject *self, PyObject *unused) {
 
 static PyMethodDef methods[] = {{"normals", normals, METH_VARARGS, NULL},
     {"split", split, METH_VARARGS, NULL}, {"tangents", tangents, METH_VARARGS, NULL},
-    {"orient", orient, METH_VARARGS, NULL}, {"plan", plan, METH_VARARGS, NULL},
-    {"plan_update", plan_update, METH_VARARGS, NULL}, {"plan_bytes", plan_bytes, METH_O, NULL},
+    {"index_corners", index_corners, METH_VARARGS, NULL}, {"orient", orient, METH_VARARGS, NULL},
+    {"plan", plan, METH_VARARGS, NULL}, {"plan_update", plan_update, METH_VARARGS, NULL},
+    {"plan_bytes", plan_bytes, METH_O, NULL},
     {"normal_matrices", normal_matrices, METH_VARARGS, NULL},
     {"matrix_info", matrix_info, METH_O, NULL},
     {"transform_normals", transform_normals, METH_VARARGS, NULL},

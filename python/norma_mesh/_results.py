@@ -58,6 +58,13 @@ class Split(NamedTuple):
     normals: NDArray[np.float32]
 
 
+class Indexed(NamedTuple):
+    """Corners that share vertices."""
+
+    indices: NDArray[np.uint32]  #: the vertex of each corner
+    source_corners: NDArray[np.uint32]  #: of each vertex the first corner that uses it
+
+
 @dataclass(frozen=True)
 class MatrixInfo:
     """What kind of matrix a model is, and what it does to normals."""

@@ -18,6 +18,7 @@ if ! zip=$(scripts/blender.sh 2>"$scratch/build.err" | tail -n 1); then
 fi
 pass "the add-on is built"
 check "the parts that need no Blender" "${PYTHON:-/usr/bin/python3}" tests/blender/test_pure.py "$zip"
+check "the calls of Blender's versions" "${PYTHON:-/usr/bin/python3}" tests/blender/test_versions.py "$zip"
 
 files=("$PWD/assets/goathead.obj" "$PWD/assets/box-rotated.obj")
 for name in truth/icosphere.obj truth/dodecahedron.obj obj/spot-quads-ngons.obj gltf/misc/no-indices.glb gltf/misc/nonuniform-nested.glb gltf/misc/box-vertex-colors.glb \

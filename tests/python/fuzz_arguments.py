@@ -134,6 +134,7 @@ def one(r):
         own = {"normal_faces": some_faces(r, points), "texcoord_faces": some_faces(r, points)} if r.random() < 0.3 else {}
         norma.tangents(positions, vectors(r, points, 3), vectors(r, points, 2), faces, **own,
                        **some_options(r, ["mode", "weight", "threads", "report"]))
+        norma.index_corners(vectors(r, points, 3), vectors(r, points, 2), **some_options(r, ["threads"]))
     elif call == 5:
         norma.orient(positions, faces, **some_options(r, ["open", "weld", "threads", "report"]))
     elif call == 6:

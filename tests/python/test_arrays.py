@@ -59,6 +59,26 @@ class ClosedForms(unittest.TestCase):
         self.assertLess(np.abs(np.abs(smooth.normals) - 1 / math.sqrt(3)).max(), 1e-6)
         self.assertEqual(len(smooth.normals), 8)
 
+    def test_corners_that_agree_in_all_streams_share_a_vertex(self):
+        random = np.random.default_rng(3)
+        one, other = random.integers(0, 5, (999, 3)).astype(np.float32), random.integers(0, 4, 999).astype(np.int16)
+        wide = np.zeros((999, 7), np.float32)
+        wide[:, 2:5] = one
+        rows = np.column_stack([one.view(np.uint32), other.astype(np.uint32)])
+        for first in (one, wide[:, 2:5], one[::-1].copy()[::-1], np.asfortranarray(one)):
+            indices, sources = norma.index_corners(first, other, threads=2)
+            _, begins, inverse = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+            order = np.argsort(begins)
+            self.assertTrue(np.array_equal(sources, begins[order]))
+            self.assertTrue(np.array_equal(order[indices], inverse.reshape(-1)))
+        self.assertEqual([len(part) for part in norma.index_corners(np.float32([0.0, -0.0, 0.0]))], [3, 2])
+        self.assertEqual([len(part) for part in norma.index_corners(np.empty((0, 3)))], [0, 0])
+
+    def test_streams_that_cannot_be_compared(self):
+        for wrong, error in (((), ValueError), (([1, 2], [1]), ValueError), ((np.empty((2, 0)),), ValueError), ((7,), ValueError), (([object()],), TypeError)):
+            with self.assertRaisesRegex(error, "^streams"):
+                norma.index_corners(*wrong)
+
     def test_normal_matrices(self):
         model = np.array([[2, 0.5, 0, 7], [0, 3, 0, 8], [1, 0, -4, 9], [0, 0, 0, 1]])
         expected = np.linalg.inv(model[:3, :3]).T

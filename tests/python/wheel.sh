@@ -58,7 +58,9 @@ check "random arguments are served or refused" "$bare/bin/python" -W ignore test
 if zip=$(scripts/blender.sh 2>"$scratch/addon.err" | tail -n 1) && [ -e "$zip" ]; then
     pass "the Blender add-on is built"
     check "the add-on is smaller than the wheel: it leaves the tool out" test "$(stat -c %s "$zip")" -lt "$(stat -c %s "$wheel")"
-    if "$python" tests/blender/test_pure.py "$zip" -v >"$scratch/pure.out" 2>&1; then pass "the parts of the add-on that need no Blender"; else fail "the parts of the add-on that need no Blender" "$(tail -n 40 "$scratch/pure.out")"; fi
+    for part in pure versions; do
+        if "$python" "tests/blender/test_$part.py" "$zip" -v >"$scratch/$part.out" 2>&1; then pass "the add-on without Blender: $part"; else fail "the add-on without Blender: $part" "$(tail -n 40 "$scratch/$part.out")"; fi
+    done
 else
     fail "the Blender add-on is built" "$(cat "$scratch/addon.err")"
 fi

@@ -92,30 +92,42 @@ export function bindCalls(wasm, check) {
     });
   };
 
-  /* Values of corners, at an address, as those of vertices. Vertices keep their numbers, and with them whatever else is stored for them; what a crease or a seam needs twice follows behind.
-   * sources: for each vertex that follows, the one it is a copy of. firsts: for each vertex its first corner, -1 without one. */
-  const mergeCorners = (lender, { vertices, corners, indices }, indicesAt, valuesAt, size, wantsFirsts) => {
-    const mergedAt = lender.block(4 * corners), oldAt = lender.block(4 * size * vertices), cornerOf = lender.block(4 * (vertices + corners)), indexSize = indices ? indices.BYTES_PER_ELEMENT : 4;
-    const count = wasm.web_merge_corners(valuesAt, size, indicesAt, indexSize, corners, vertices, mergedAt, oldAt, cornerOf) >>> 0, added = count - vertices;
-    if (count === NO_MEMORY) expect(RESULT.MEMORY);
-    const gathered = lender.block(4 * size * added), sourcesAt = lender.block(4 * added), values = new Float32Array(size * count);
-    wasm.web_gather_corners(valuesAt, size, indicesAt, indexSize, cornerOf + 4 * vertices, added, gathered, sourcesAt);
-    lender.copyOut(oldAt, values, size * vertices);
-    lender.copyOut(gathered, values.subarray(size * vertices));
-    const fetch = (at, array) => (lender.copyOut(at, array), array);
-    return { count, indices: fetch(mergedAt, new Uint32Array(corners)), sources: fetch(sourcesAt, new Uint32Array(added)), values,
-             firsts: wantsFirsts ? fetch(cornerOf, new Int32Array(count)) : null };
+  const fetch = (lender, at, array) => (lender.copyOut(at, array), array);
+  const countOr = (count) => (count === NO_MEMORY ? expect(RESULT.MEMORY) : count);
+
+  /* A mesh whose old vertices keep their numbers, and with them whatever else is stored for them; what a crease or a seam needs twice follows behind. sources: for each vertex that follows, the
+   * one it is a copy of. firsts: for each vertex its first corner, -1 without one. */
+  const verticesOf = (lender, { vertices, corners }, { count, indicesAt, sourcesAt, firstsAt, values }) => ({
+    count, indices: fetch(lender, indicesAt, new Uint32Array(corners)), sources: fetch(lender, sourcesAt, new Uint32Array(count - vertices)), values,
+    firsts: firstsAt ? fetch(lender, firstsAt, new Int32Array(count)) : null,
+  });
+
+  /* For the package's own use: normals with creases. isWhole: every vertex is one of a face. firsts: whether wanted. */
+  const creaseVertices = (positions, indices, options, firsts) => {
+    const mesh = readMesh(positions, indices, options, "crease"), crease = given.degrees(mesh.options.crease ?? 60), most = mesh.corners;
+    return heap.lend((lender) => {
+      const report = lendReport(lender, mesh.report), partCount = lender.block(4);
+      const [indicesAt, sourcesAt, normalsAt] = [4, 4, 12].map((size) => lender.block(size * most));
+      expect(wasm.web_split(...hand(mesh, lender), normalsAt, most, report.at, crease, indicesAt, most, sourcesAt, partCount), mesh);
+      const parts = new Uint32Array(wasm.memory.buffer, partCount, 1)[0], valuesAt = lender.block(12 * (mesh.vertices + parts));
+      const count = countOr(wasm.web_keep_numbers(indicesAt, most, sourcesAt, parts, mesh.vertices, normalsAt, valuesAt, lender.block(4 * parts)) >>> 0), isWhole = count === parts;
+      const firstsAt = firsts || !isWhole ? lender.block(4 * count) : 0;
+      if (firstsAt) wasm.web_first_corners(indicesAt, most, firstsAt, count);
+      const made = verticesOf(lender, mesh, { count, indicesAt, sourcesAt, firstsAt, values: fetch(lender, valuesAt, new Float32Array(3 * count)) });
+      return { ...made, isWhole, report: mesh.report ? report.read() : undefined };
+    });
   };
 
-  /* For the package's own use: normals with creases, as mergeCorners gives them. */
-  const creaseVertices = (positions, indices, options, wantsFirsts) => {
-    const mesh = readMesh(positions, indices, options, "crease"), crease = given.degrees(mesh.options.crease ?? 60);
-    return heap.lend((lender) => {
-      const report = lendReport(lender, mesh.report), handed = hand(mesh, lender), normalsAt = lender.block(12 * mesh.corners);
-      expect(wasm.web_corner_normals(...handed, normalsAt, mesh.corners, report.at, crease), mesh);
-      const merged = mergeCorners(lender, mesh, handed[4], normalsAt, 3, wantsFirsts);
-      return mesh.report ? { ...merged, report: report.read() } : merged;
-    });
+  /* Tangents of corners, at an address, as those of vertices. */
+  const mergeTangents = (lender, mesh, handedIndices, tangentsAt) => {
+    const { vertices, corners, indices } = mesh, size = TANGENT_SIZE, indexSize = indices ? indices.BYTES_PER_ELEMENT : 4;
+    const indicesAt = lender.block(4 * corners), oldAt = lender.block(4 * size * vertices), firstsAt = lender.block(4 * (vertices + corners));
+    const count = countOr(wasm.web_merge_corners(tangentsAt, size, handedIndices, indexSize, corners, vertices, indicesAt, oldAt, firstsAt) >>> 0), added = count - vertices;
+    const addedAt = lender.block(4 * size * added), sourcesAt = lender.block(4 * added), values = new Float32Array(size * count);
+    wasm.web_gather_corners(tangentsAt, size, handedIndices, indexSize, firstsAt + 4 * vertices, added, addedAt, sourcesAt);
+    lender.copyOut(oldAt, values, size * vertices);
+    lender.copyOut(addedAt, values.subarray(size * vertices));
+    return verticesOf(lender, mesh, { count, indicesAt, sourcesAt, firstsAt, values });
   };
 
   /* One value for each vertex or for each corner: which of the two, by how many there are. */
@@ -159,14 +171,13 @@ export function bindCalls(wasm, check) {
     });
   };
 
-  /* For the package's own use: tangents as mergeCorners gives them. */
-  const tangentVertices = (positions, normalVectors, texcoords, indices, options, wantsFirsts) => {
+  /* For the package's own use: tangents as those of vertices. */
+  const tangentVertices = (positions, normalVectors, texcoords, indices, options) => {
     const mesh = readTangents(positions, normalVectors, texcoords, indices, options, "");
     return heap.lend((lender) => {
       const report = lendReport(lender, mesh.report), tangentsAt = lender.block(4 * TANGENT_SIZE * mesh.corners), indicesAt = mesh.indices ? lender.input(mesh.indices) : 0;
       computeTangents(lender, mesh, indicesAt, tangentsAt, report);
-      const merged = mergeCorners(lender, mesh, indicesAt, tangentsAt, TANGENT_SIZE, wantsFirsts);
-      return mesh.report ? { ...merged, report: countsOfTangents(report.read()) } : merged;
+      return { ...mergeTangents(lender, mesh, indicesAt, tangentsAt), report: mesh.report ? countsOfTangents(report.read()) : undefined };
     });
   };
 

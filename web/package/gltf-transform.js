@@ -145,7 +145,7 @@ function differences(result, base, ofCorners, size) {
 function creased(norma, primitive, position, triangles, options) {
   /* A common factor of integers turns no direction, but it scales distances. */
   const positions = typeof options.weld === "number" ? floatsOf(position) : position.getArray();
-  return { ...creaseVertices(norma, positions, triangles, { crease: 60, ...options }), triangles };
+  return { ...creaseVertices(norma, positions, triangles, { crease: 60, ...options }, true), triangles };
 }
 
 function morphNormals(edit, norma, primitive, result, options) {
@@ -215,7 +215,7 @@ function turnedSigns(tangents) {
 }
 
 function withTangents(norma, primitive, texcoord, triangles, options) {
-  const result = norma.tangentVertices(numbersOf(primitive.getAttribute("POSITION")), numbersOf(primitive.getAttribute("NORMAL")), numbersOf(texcoord), triangles, options, true);
+  const result = norma.tangentVertices(numbersOf(primitive.getAttribute("POSITION")), numbersOf(primitive.getAttribute("NORMAL")), numbersOf(texcoord), triangles, options);
   turnedSigns(result.values);
   return { ...result, triangles };
 }

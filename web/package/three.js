@@ -182,7 +182,7 @@ export function toCreased(geometry, options) {
   const creased = emptyLike(geometry), asked = { ...normal, crease, report: wanted };
   let normals, firsts, report;
   if (indices) {
-    const vertices = creaseVertices(norma, positions, indices, asked);
+    const vertices = creaseVertices(norma, positions, indices, asked, hasMorphs(geometry));
     ({ values: normals, firsts, report } = vertices);
     setVertices(creased, geometry, vertices, "normal");
   } else {

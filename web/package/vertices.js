@@ -3,9 +3,9 @@
 const XYZ = 3;
 
 /* The normals of a mesh with creases, one for each vertex: { count, indices, sources, values, firsts, report }. Vertices of no face get the nearest normal. */
-export function creaseVertices(norma, positions, indices, options) {
-  const all = { fallback: "nearest", ...options }, cut = norma.creaseVertices(positions, indices, all, true), { firsts, values } = cut;
-  if (!firsts.includes(-1)) return cut;
+export function creaseVertices(norma, positions, indices, options, wantsFirsts) {
+  const all = { fallback: "nearest", ...options }, cut = norma.creaseVertices(positions, indices, all, wantsFirsts), { firsts, values } = cut;
+  if (cut.isWhole) return cut;
   const { crease, report, ...smooth } = all, normals = norma.vertexNormals(positions, indices, smooth);
   for (let i = firsts.indexOf(-1); i >= 0; i = firsts.indexOf(-1, i + 1)) for (let k = 0; k < XYZ; k++) values[XYZ * i + k] = normals[XYZ * i + k];
   return cut;
