@@ -107,4 +107,5 @@ def least(call):
     return best
 
 
-main()
+if __name__ == "__main__":
+    main()
