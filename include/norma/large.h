@@ -121,9 +121,9 @@ typedef struct norma_together_options {
  *   files     OBJ, PLY, glTF or GLB
  *   count     of files
  *   options   NULL for the defaults
- *   compute   NULL for the defaults. shading: default or smooth; weld: exact, or a distance; only:
- *             all; progress is told the share of all files
- *   error     written on failure; or NULL
+ *   compute   NULL for the defaults. shading: default, smooth or crease; weld: exact, or a
+ * distance; only: all; progress is told the share of all files error     written on failure; or
+ * NULL
  *
  * The outputs are written all or none: a failure before the first is put in place leaves everything
  * as it was, a later one puts back what was replaced. Each sum is exact enough to be the same in
@@ -135,6 +135,9 @@ typedef struct norma_together_options {
  * was bound. Levels of detail are known by names that end in LOD and a number (of a mesh, a node or
  * a file), by MSFT_lod, or by levels: a vertex takes the normal of the finest level that has one
  * there.
+ * With creases, edges are shared across files too; then all files are in memory at once, and
+ * options->lock and levels are refused.
+ *
  * Memory: that of the largest file, and max_memory. All files are read twice. With a weld distance,
  * 28 bytes for each vertex of all files.
  * Errors: NORMA_DOCUMENT_ERROR_UNSUPPORTED for a mesh that is drawn at several places where it

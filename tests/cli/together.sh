@@ -45,12 +45,37 @@ check "more records than memory holds: within 1e-6 of compute" make same 1e-6 gr
 check "within a distance, the same" "$norma" compute grid0.ply grid1.ply --together --weld 0.001 --out-dir near --quiet
 check "within a distance: no other normals" make same 1e-6 near/*.ply -- alone.ply
 
+# ---- creases
+for crease in 15 25; do
+    "$norma" compute whole0.ply -o alone.ply --crease $crease --quiet
+    "$norma" compute whole0.ply --together --crease $crease -o creased1.ply --quiet
+    check "crease $crease: within 1e-6 of compute" make corners 1e-6 creased1.ply -- alone.ply
+    for k in 3 11; do
+        mapfile -t files < <(printf '%s\n' cut"$k"-*.ply | sort -R)
+        "$norma" compute "${files[@]}" --together --crease $crease --out-dir "creased$k" --threads $((k % 4)) --quiet
+        check "crease $crease, $k files: the same bits as one" make corners 0 "creased$k"/*.ply -- creased1.ply
+    done
+done
+for file in cut3-?.ply; do make obj "$file" "${file%ply}obj"; done
+"$norma" compute cut3-?.obj --together --crease 25 --out-dir objects --quiet
+check "crease, OBJ: within 1e-6 of PLY" make corners 1e-6 objects/*.obj -- creased1.ply
+"$norma" compute cut3-0.obj cut3-1.ply cut3-2.ply --together --crease 25 --out-dir mixed --quiet
+check "crease, OBJ and PLY: the bits of PLY alone" make corners 0 mixed/cut3-1.ply mixed/cut3-2.ply mixed/cut3-0.obj -- mixed/cut3-1.ply mixed/cut3-2.ply objects/cut3-0.obj
+"$norma" compute cut11-*.ply --together --crease 25 --weld 0.0001 --out-dir nearly --quiet
+check "crease, within a distance that joins nothing: no other normals" make corners 1e-6 nearly/*.ply -- creased1.ply
+
 # ---- nodes
 make halves halves
 "$norma" compute halves.ply -o alone.ply --quiet
 "$norma" compute halves.glb -o whole.glb --together --quiet
 check "two nodes, one mirrored and stretched: the normals of the whole in the world" make same 1e-6 whole.glb -- alone.ply
 make twice twice
+"$norma" compute halves.ply -o alone.ply --crease 20 --quiet
+"$norma" compute halves.glb -o whole.glb --together --crease 20 --quiet
+check "creases through two nodes, one mirrored and stretched" make corners 1e-6 whole.glb -- alone.ply
+make steps steps
+expect 3 "with creases, a mesh that needs other normals at another node is refused" "transform --bake first" "$norma" compute steps.glb -o no.glb --together --crease 60
+check "it is not refused where the edge between them is hard" "$norma" compute steps.glb -o steps-hard.glb --together --crease 30 --quiet
 expect 3 "a mesh that needs other normals at another node is refused" "transform --bake first" "$norma" compute twice.glb -o no.glb --together
 check "nothing was written" test ! -e no.glb
 "$norma" transform twice.glb --bake -o baked.glb --quiet
@@ -125,7 +150,10 @@ wait $child 2>/dev/null
 check "after a kill every file can be read" "$norma" info cut11-*.ply
 
 # ---- usage
-for words in "--crease 30" "--flat" "--weld none" "--weight visible" "--only missing"; do
+expect 2 "creases and locked normals" "leave out --crease" "$norma" compute cut3-0.ply --together --crease 30 --lock a -o no.ply
+expect 2 "creases and levels" "leave out --crease" "$norma" compute cut3-0.ply --together --crease 30 --levels -o no.ply
+expect 3 "creases and a coarser level by its name" "levels one by one" "$norma" compute rock_LOD1.ply --together --crease 30 -o no.ply
+for words in "--flat" "--weld none" "--weight visible" "--only missing"; do
     # shellcheck disable=SC2086
     expect 2 "$words cannot be combined" "together" "$norma" compute cut3-0.ply --together $words -o no.ply
 done

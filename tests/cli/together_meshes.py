@@ -3,9 +3,12 @@
     cut K SEED PREFIX         an ellipsoid, its faces dealt at random into K PLY files, in any order
     halves PREFIX             the same in one glTF of two nodes, one mirrored and stretched, and as PLY
     twice PREFIX              a glTF whose two nodes draw one mesh, side by side, and touch
+    steps PREFIX              the same, and they share an edge that bends by 45 degrees
     grid PREFIX               a large height field in two PLY files
     same LIMIT A... -- B...   one normal at each position of A, and of B, at most LIMIT apart
     subset LIMIT A... -- B... the same for the positions that both have
+    corners LIMIT A... -- B... the normals of all corners of all faces
+    obj A.ply B.obj           as OBJ, without normals
 """
 import json
 import math
@@ -134,6 +137,12 @@ def twice(prefix):
     write_gltf(prefix + ".glb", [(points, [(0, 1, 2), (0, 2, 3)])], [{"mesh": 0}, {"mesh": 0, "translation": [1, 0, 0]}])
 
 
+def steps(prefix):
+    points = [(x, y, min(x, 1)) for x in range(3) for y in range(2)]
+    triangles = [t for x in range(2) for t in ((2 * x, 2 * x + 2, 2 * x + 3), (2 * x, 2 * x + 3, 2 * x + 1))]
+    write_gltf(prefix + ".glb", [(points, triangles)], [{"mesh": 0}, {"mesh": 0, "translation": [2, 0, 1]}])
+
+
 def grid(prefix):
     size = 260
     points = [(x / 8, y / 8, math.sin(x * .3) * math.cos(y * .2)) for y in range(size) for x in range(size)]
@@ -145,6 +154,91 @@ def grid(prefix):
         parts[dealer.randrange(2)].append(f)
     for i in range(2):
         write_ply("%s%d.ply" % (prefix, i), points, parts[i], dealer)
+
+
+def read_faces(name):
+    """The corners of each face: positions with their normals, from the least on."""
+    if name.endswith(".obj"):
+        points, normals = [], []
+        for words in (line.split() for line in open(name)):
+            if words[:1] == ["v"]:
+                points.append(tuple(single(float(x)) for x in words[1:4]))
+            elif words[:1] == ["vn"]:
+                normals.append(tuple(float(x) for x in words[1:4]))
+            elif words[:1] == ["f"]:
+                yield [(points[int(w.split("/")[0]) - 1], normals[int(w.split("/")[2]) - 1]) for w in words[1:]]
+        return
+    if name.endswith(".glb"):
+        yield from read_glb_faces(name)
+        return
+    vertices = list(read_ply(name))
+    body = open(name, "rb").read()
+    count = int(body.split(b"element face ")[1].split()[0])
+    at = body.index(b"end_header\n") + 11 + 24 * len(vertices)
+    for _ in range(count):
+        size = body[at]
+        yield [vertices[v] for v in struct.unpack_from("<%di" % size, body, at + 1)]
+        at += 1 + 4 * size
+
+
+def read_glb_faces(name):
+    raw = open(name, "rb").read()
+    length = struct.unpack_from("<I", raw, 12)[0]
+    tree, data = json.loads(raw[20:20 + length]), raw[28 + length:]
+    vertices = list(read_glb(name))
+    base = 0
+    for node in tree["nodes"]:
+        for primitive in tree["meshes"][node["mesh"]]["primitives"]:
+            a = tree["accessors"][primitive["indices"]]
+            view = tree["bufferViews"][a["bufferView"]]
+            kind = {5121: "B", 5123: "H", 5125: "I"}[a["componentType"]]
+            indices = struct.unpack_from("<%d%s" % (a["count"], kind), data, view.get("byteOffset", 0) + a.get("byteOffset", 0))
+            turned = orientation(node.get("matrix", [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])) < 0
+            for i in range(0, a["count"], 3):
+                face = [vertices[base + v] for v in indices[i:i + 3]]
+                yield face[::-1] if turned else face
+            base += tree["accessors"][primitive["attributes"]["POSITION"]]["count"]
+
+
+def gather_corners(names):
+    faces = {}
+    for name in names:
+        for face in read_faces(name):
+            first = face.index(min(face, key=lambda corner: corner[0]))
+            face = face[first:] + face[:first]
+            faces[tuple(at for at, _ in face)] = [normal for _, normal in face]
+    return faces
+
+
+def corners(*words):
+    limit, middle = float(words[0]), words.index("--")
+    a, b = gather_corners(words[1:middle]), gather_corners(words[middle + 1:])
+    if not a or a.keys() != b.keys():
+        sys.exit("the faces are not the same: %d and %d" % (len(a), len(b)))
+    worst = max(apart(p, q) for face in a for p, q in zip(a[face], b[face]))
+    if worst > limit:
+        sys.exit("normals differ by %g" % worst)
+    cut = {}
+    for face, normals in a.items():
+        for at, normal in zip(face, normals):
+            cut.setdefault(at, set()).add(normal)
+    several = sum(len(normals) > 1 for normals in cut.values())
+    if not 0 < several < len(cut):
+        sys.exit("%d of %d positions have several normals" % (several, len(cut)))
+
+
+def obj(source, target):
+    body = open(source, "rb").read()
+    count = int(body.split(b"element vertex ")[1].split()[0])
+    faces = int(body.split(b"element face ")[1].split()[0])
+    at = body.index(b"end_header\n") + 11
+    with open(target, "w") as out:
+        for i in range(count):
+            out.write("v %r %r %r\n" % struct.unpack_from("<3f", body, at + 12 * i))
+        at += 12 * count
+        for _ in range(faces):
+            out.write("f %s\n" % " ".join(str(v + 1) for v in struct.unpack_from("<%di" % body[at], body, at + 1)))
+            at += 1 + 4 * body[at]
 
 
 def read_ply(name):
@@ -218,4 +312,4 @@ if __name__ == "__main__":
     if verb in ("same", "subset"):
         compare(rest, verb == "subset")
     else:
-        {"cut": cut, "halves": halves, "twice": twice, "grid": grid}[verb](*rest)
+        {"cut": cut, "halves": halves, "twice": twice, "grid": grid, "steps": steps, "corners": corners, "obj": obj}[verb](*rest)

@@ -64,7 +64,7 @@ static const char help[] =
     "  --together            equal positions in the world share a smooth normal, in any mesh, "
     "node, "
     "file;\n"
-    "                        all outputs are written, or none\n"
+    "                        all are written, or none; --crease keeps edges sharp\n"
     "  --lock PATTERN        meshes, materials, groups (PLY: files) with such names keep their "
     "normals,\n"
     "                        and surfaces that meet them take these; repeatable\n"

@@ -48,10 +48,13 @@ int compute_check_together(const cli_subcommand *command, const compute_work *wo
         return work->lock_count || work->levels
                    ? cli_usage(command, "--lock and --levels belong to --together")
                    : CLI_OK;
-    if (work->crease_given || work->flat_given)
+    if (work->flat_given)
         return cli_usage(command,
-            "--together gives smooth normals, one for each place in the world; --crease and --flat "
-            "cannot be combined with it");
+            "--together shares normals, and flat ones have nothing to share; leave out "
+            "--flat");
+    if (work->crease_given && (work->lock_count || work->levels))
+        return cli_usage(command,
+            "with --together, --lock and --levels belong to smooth normals; leave out --crease");
     if (work->options.weld == NORMA_WELD_NONE)
         return cli_usage(
             command, "--together joins equal positions; --weld none would join nothing");

@@ -5,6 +5,7 @@
 #include "io/file/large_memory.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define PI 3.14159265358979323846
 
@@ -120,6 +121,80 @@ void norma_policy_add_report(norma_report *sum, const norma_report *report, size
     add_count(&sum->winding_conflicts, &report->winding_conflicts, meshes_before);
 }
 
+/* ---- normals from outside */
+
+typedef struct corner_points {
+    const float *normals;
+    const uint8_t *reasons;
+    uint32_t *first,
+        *next; /* of each position its last point so far, of each point the one before */
+} corner_points;
+
+/* The point of the position that has these bits, or a new one. */
+static uint32_t point_of(
+    const corner_points *from, size_t corner, uint32_t position, computed_normals *made) {
+    const float *normal = from->normals + 3 * corner;
+    uint32_t point = from->first[position];
+    while (point != UINT32_MAX &&
+           memcmp(made->normals + 3 * (size_t)point, normal, 3 * sizeof *normal) != 0)
+        point = from->next[point];
+    if (point != UINT32_MAX) return point;
+    point = (uint32_t)made->count++;
+    memcpy(made->normals + 3 * (size_t)point, normal, 3 * sizeof *normal);
+    if (made->reasons) made->reasons[point] = from->reasons[corner];
+    if (made->sources) made->sources[point] = position;
+    from->next[point] = from->first[position];
+    from->first[position] = point;
+    return point;
+}
+
+static int find_points(const norma_mesh *mesh, corner_points *from, computed_normals *made) {
+    from->first = norma_io_block(mesh->positions.count, sizeof *from->first);
+    from->next = norma_io_block(mesh->corner_count, sizeof *from->next);
+    const int ok = from->first && from->next;
+    for (size_t i = 0; ok && i < mesh->positions.count; ++i) from->first[i] = UINT32_MAX;
+    made->count = 0;
+    for (size_t c = 0; ok && c < mesh->corner_count; ++c)
+        made->points[c] = point_of(from, c, norma_mesh_corner(mesh, c), made);
+    free(from->first);
+    free(from->next);
+    return ok;
+}
+
+static norma_result take_points(
+    compute_policy *policy, const norma_mesh *mesh, computed_normals *made) {
+    const shared_normals *shared = policy->shared;
+    float *normals = norma_io_block(mesh->corner_count, 3 * sizeof *normals);
+    uint8_t *reasons = norma_io_allocate(mesh->corner_count, 1);
+    corner_points from = {.normals = normals, .reasons = reasons};
+    norma_result result = normals && reasons
+                              ? shared->take(shared->user, policy->surface, mesh, normals, reasons)
+                              : NORMA_ERROR_MEMORY;
+    if (!result && !find_points(mesh, &from, made)) result = NORMA_ERROR_MEMORY;
+    free(normals);
+    free(reasons);
+    return result;
+}
+
+static int is_shared(const compute_policy *policy, normal_elements elements) {
+    if (!policy->shared) return 0;
+    return policy->shared->of_corners
+               ? elements == NORMALS_OF_CORNERS || elements == NORMALS_OF_POINTS
+               : elements == NORMALS_OF_POSITIONS;
+}
+
+static norma_result take_shared(
+    compute_policy *policy, const norma_mesh *mesh, computed_normals *made, norma_report *report) {
+    const shared_normals *shared = policy->shared;
+    const norma_result result =
+        made->elements == NORMALS_OF_POINTS
+            ? take_points(policy, mesh, made)
+            : shared->take(shared->user, policy->surface, mesh, made->normals, made->reasons);
+    if (!result && made->reasons)
+        norma_policy_report(report, made->reasons, made->count, NULL, 0, 0);
+    return result;
+}
+
 norma_result norma_policy_compute(
     compute_policy *policy, const norma_mesh *mesh, computed_normals *made) {
     norma_compute_summary *summary = policy->summary;
@@ -130,14 +205,12 @@ norma_result norma_policy_compute(
     if (!make_room(mesh, made)) return NORMA_ERROR_MEMORY;
     core.reasons = made->reasons;
     if (creased) core.edges = &edges;
-    const int shared = policy->shared && made->elements == NORMALS_OF_POSITIONS;
-    const norma_result result = shared ? policy->shared->take(policy->shared->user, policy->surface,
-                                             mesh, made->normals, made->reasons)
-                                       : run(&core, mesh, made, &report);
+    const int shared = is_shared(policy, made->elements);
+    const norma_result result =
+        shared ? take_shared(policy, mesh, made, &report) : run(&core, mesh, made, &report);
     if (result) return result;
-    if (shared) norma_policy_report(&report, made->reasons, made->count, NULL, 0, 0);
     norma_policy_add_report(&summary->report, &report, policy->meshes++);
-    summary->edges_counted |= creased;
+    summary->edges_counted |= creased && !shared;
     summary->hard_edges += edges.hard;
     return NORMA_OK;
 }

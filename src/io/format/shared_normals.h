@@ -31,5 +31,6 @@ typedef struct shared_normals {
     /* Nonzero for each mesh (glTF), face (OBJ), or for the whole (PLY) that keeps what it has;
      * NULL: nothing does. */
     const uint8_t *locked;
+    int of_corners; /* take gives the normals of all corners */
 } shared_normals;
 #endif

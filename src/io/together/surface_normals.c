@@ -31,7 +31,8 @@ static norma_document_result fail_memory(const taking_back *t) {
 /* ---- one normal */
 
 /* n = M^-T m, so m is M^T n but for its length. */
-static void into_mesh(const placement *place, const position_normal *from, float normal[3]) {
+void norma_together_into_mesh(
+    const placement *place, const position_normal *from, float normal[3]) {
     const double *m = place->world, *n = from->direction;
     double local[3];
     if (from->kept && place->plain && fabs(norma_core_length(n) - 1) <= 1e-3) {
@@ -44,7 +45,7 @@ static void into_mesh(const placement *place, const position_normal *from, float
     norma_core_direction(local, normal);
 }
 
-static int differ(const float a[3], const float b[3]) {
+int norma_together_differ(const float a[3], const float b[3]) {
     double square = 0;
     for (int k = 0; k < 3; ++k) {
         const double by = (double)a[k] - (double)b[k];
@@ -97,20 +98,25 @@ static norma_document_result resolve_cancelled(taking_back *t, const placement *
 static void take_position(
     const position_normal *from, const placement *place, float normal[3], uint8_t *reason) {
     *reason = from->reason;
-    if (from->reason == NORMA_REASON_NONE) into_mesh(place, from, normal);
+    if (from->reason == NORMA_REASON_NONE) norma_together_into_mesh(place, from, normal);
 }
 
 enum { SHARED = 1, ALONE = 2 }; /* at some place it shares the position with others, or does not */
 
-static norma_document_result fail_places(const taking_back *t) {
+norma_document_result norma_together_fail_places(
+    const together_run *run, const member *m, const document_surface *surface, size_t count) {
     norma_mesh_info info = {.name = ""};
-    norma_document_mesh_info(t->m->document, t->surface->parts[0].mesh, &info);
-    return norma_document_fail(t->m->document, t->run->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+    norma_document_mesh_info(m->document, surface->parts[0].mesh, &info);
+    return norma_document_fail(m->document, run->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
         info.where,
         "mesh \"%.200s\" is drawn at %zu places, and would need other normals at one than at "
         "another, because of what meets it there; run norma transform --bake first, which gives "
         "each node a mesh of its own",
-        info.name, t->place_count);
+        info.name, count);
+}
+
+static norma_document_result fail_places(const taking_back *t) {
+    return norma_together_fail_places(t->run, t->m, t->surface, t->place_count);
 }
 
 /* Of several places those decide where others meet the mesh. Elsewhere it has the normals that it
@@ -129,7 +135,7 @@ static norma_document_result take_shared(taking_back *t, const placement *place)
             memcpy(t->made->normals + 3 * i, normal, sizeof normal);
             t->made->reasons[i] = NORMA_REASON_NONE;
             t->seen[i] |= SHARED;
-        } else if (differ(normal, t->made->normals + 3 * i)) {
+        } else if (norma_together_differ(normal, t->made->normals + 3 * i)) {
             return fail_places(t);
         }
     }
@@ -139,7 +145,8 @@ static norma_document_result take_shared(taking_back *t, const placement *place)
 /* A place that shares a position with nobody wants the mesh's own normal there. */
 static norma_document_result compare_alone(const taking_back *t, const float *alone) {
     for (size_t i = 0; i < t->made->count; ++i)
-        if (t->seen[i] == (SHARED | ALONE) && differ(alone + 3 * i, t->made->normals + 3 * i))
+        if (t->seen[i] == (SHARED | ALONE) &&
+            norma_together_differ(alone + 3 * i, t->made->normals + 3 * i))
             return fail_places(t);
     return NORMA_DOCUMENT_OK;
 }

@@ -1,7 +1,7 @@
 /* together.c: norma_together_compute. Once over all files to take down what their faces add at each
  * position; then position by position what follows; then once more over the files, which get it.
  * Nothing of a file is held meanwhile. Outputs are put in place at the end, all or none. */
-#include "io/together/run.h"
+#include "io/together/creases.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,10 +14,8 @@ static norma_document_result fail_argument(norma_document_error *error, const ch
 }
 
 static const char *bad_choice(const norma_compute_options *o) {
-    if (o->shading != NORMA_SHADING_DEFAULT && o->shading != NORMA_SHADING_SMOOTH)
-        return "normals of one surface in several files are smooth; a crease or flat shading "
-               "cannot "
-               "be asked for";
+    if (o->shading == NORMA_SHADING_FLAT)
+        return "flat normals have nothing to share; compute each file by itself";
     if (o->weld == NORMA_WELD_NONE)
         return "without welding nothing is shared; expected exact or a distance";
     if (o->weight == NORMA_WEIGHT_VISIBLE)
@@ -26,6 +24,13 @@ static const char *bad_choice(const norma_compute_options *o) {
     if (o->only != NORMA_ONLY_ALL)
         return "normals of one surface are computed together; lock what is to keep its normals";
     return NULL;
+}
+
+static const char *bad_crease(const together_run *run) {
+    return run->compute.shading == NORMA_SHADING_CREASE &&
+                   (run->options.levels || run->options.lock_count)
+               ? "levels of detail and locked normals belong to smooth normals; expected no crease"
+               : NULL;
 }
 
 static const char *bad_file(const norma_together_file *files, size_t count) {
@@ -75,7 +80,17 @@ static norma_document_result join_near(together_run *run) {
     return joined ? norma_document_fail_memory(NULL, run->error) : NORMA_DOCUMENT_OK;
 }
 
+static norma_document_result run_creased(together_run *run) {
+    run->degenerate = norma_io_allocate(run->count, sizeof *run->degenerate);
+    if (!run->degenerate) return norma_document_fail_memory(NULL, run->error);
+    norma_document_result result = each_file(run, norma_creases_take);
+    if (!result) result = norma_creases_compute(run);
+    if (!result) result = each_file(run, norma_together_write_file);
+    return result ? result : norma_together_commit(run);
+}
+
 static norma_document_result run_all(together_run *run) {
+    if (run->compute.shading == NORMA_SHADING_CREASE) return run_creased(run);
     run->votes = norma_spill_open(run->folder, sizeof(position_votes));
     run->normals = norma_spill_open(run->folder, sizeof(position_normal));
     run->degenerate = norma_io_allocate(run->count, sizeof *run->degenerate);
@@ -97,6 +112,7 @@ static void end(together_run *run) {
     norma_spill_close(run->votes);
     norma_spill_close(run->normals);
     norma_near_free(run->near);
+    norma_creases_free(run->creases);
     norma_document_free_writers(&run->writers, 1);
     free(run->degenerate);
     free(run->own_folder);
@@ -113,12 +129,14 @@ norma_document_result norma_together_compute(const norma_together_file *files, s
     const char *bad = bad_file(files, count);
     if (!bad) bad = norma_document_bad_compute_option(&run.compute);
     if (!bad) bad = bad_choice(&run.compute);
+    if (!bad) bad = bad_crease(&run);
     if (bad) return fail_argument(error, bad);
     if (!count) return NORMA_DOCUMENT_OK;
     if (!run.options.max_memory) run.options.max_memory = USUAL_MEMORY;
-    run.compute.shading = NORMA_SHADING_SMOOTH;
+    if (run.compute.shading == NORMA_SHADING_DEFAULT) run.compute.shading = NORMA_SHADING_SMOOTH;
     run.equal.rounded = rounds(files, count);
-    run.passes = run.compute.weld == NORMA_WELD_DISTANCE ? 3 : 2;
+    const int creased = run.compute.shading == NORMA_SHADING_CREASE;
+    run.passes = run.compute.weld == NORMA_WELD_DISTANCE && !creased ? 3 : 2;
     run.folder = run.options.temporary_folder;
     if (!run.folder) run.folder = run.own_folder = norma_together_folder_of(files[0].output);
     norma_document_result result =

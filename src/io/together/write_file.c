@@ -1,5 +1,5 @@
 /* write_file.c: the second pass over a file, and all outputs into place. */
-#include "io/together/run.h"
+#include "io/together/creases.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,14 +19,16 @@ static norma_document_result make_normals(void *user, const document_surface *su
     if (!grown) return norma_document_fail_memory(w->m->document, w->run->error);
     w->surfaces = grown;
     for (; w->count <= surface->number; ++w->count) w->surfaces[w->count] = (surface_normals){0};
-    return norma_together_surface_normals(w->run, w->m, surface, &w->surfaces[surface->number]);
+    surface_normals *made = &w->surfaces[surface->number];
+    return w->run->creases ? norma_creases_surface(w->run, w->m, surface, made)
+                           : norma_together_surface_normals(w->run, w->m, surface, made);
 }
 
 static norma_result take(
     void *user, size_t surface, const norma_mesh *mesh, float *normals, uint8_t *reasons) {
     const writing *w = user;
-    if (surface >= w->count || w->surfaces[surface].count != mesh->positions.count)
-        return NORMA_ERROR_ARGUMENT;
+    const size_t count = w->run->creases ? mesh->corner_count : mesh->positions.count;
+    if (surface >= w->count || w->surfaces[surface].count != count) return NORMA_ERROR_ARGUMENT;
     const surface_normals *made = &w->surfaces[surface];
     memcpy(normals, made->normals, made->count * 3 * sizeof *normals);
     if (reasons) memcpy(reasons, made->reasons, made->count);
@@ -40,7 +42,7 @@ static norma_document_result compute(writing *w) {
     norma_document *document = w->m->document;
     norma_compute_summary summary;
     norma_compute_options options = run->compute;
-    const shared_normals shared = {w, take, w->m->locked};
+    const shared_normals shared = {w, take, w->m->locked, run->creases != NULL};
     options.weld = NORMA_WELD_EXACT;
     options.progress = tell;
     options.progress_user = run;
