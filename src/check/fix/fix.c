@@ -61,6 +61,7 @@ static norma_document_result try_request(
         trial->plans[trial->count++] = plan;
         return result;
     }
+    f->request.changes_maps |= plan.greens != NULL;
     if (!f->before.findings)
         result = norma_fix_measure(f->document, &f->request, &f->before, f->error);
     if (result) {
@@ -232,6 +233,8 @@ static int is_told(const fixing *f, const norma_rule *rule) {
     for (size_t i = 0; i < f->best.count; i++)
         for (size_t k = 0; k < f->best.plans[i].note_count; k++)
             if (strstr(f->best.plans[i].notes[k], rule->id)) return 1;
+    for (size_t i = 0; i < norma_document_note_count(f->document); i++)
+        if (strstr(norma_document_note(f->document, i), rule->id)) return 1;
     return 0;
 }
 

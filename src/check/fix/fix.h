@@ -14,6 +14,7 @@ typedef struct fix_left_out {
 typedef struct fix_request {
     norma_check_options options; /* max_samples: all of them */
     int unsafe, by_rays;         /* by_rays: open parts are turned (N304) */
+    int changes_maps;            /* normal maps are then measured too */
     uint8_t left_out[CHECK_RULE_COUNT];
     const fix_left_out *places; /* a rule at one mesh or node */
     size_t place_count;
@@ -25,6 +26,7 @@ typedef struct fix_plan {
     norma_mesh_edit *edits;
     size_t mesh_count;
     uint8_t *recentred; /* marks of meshes, or NULL */
+    uint8_t *greens;    /* the same: green channels of their normal maps are inverted */
     uint8_t *tangents;  /* the same: broken and missing tangents are computed */
     int replaces, computes, morphs, bakes;
     uint8_t asked[CHECK_RULE_COUNT]; /* rules whose fixes these are */

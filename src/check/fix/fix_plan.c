@@ -2,6 +2,7 @@
  * by an edit of its mesh; missing normals by computing them; transforms by baking them. A plan is
  * made without a change to the document, and may be applied to any copy of it. */
 #include "check/fix/fix.h"
+#include "io/document/turn_green.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -153,6 +154,7 @@ void norma_fix_plan_free(fix_plan *plan) {
     free(plan->notes);
     free(plan->edits);
     free(plan->recentred);
+    free(plan->greens);
     free(plan->tangents);
     *plan = (fix_plan){0};
 }
@@ -164,8 +166,8 @@ static int has_edit(const fix_plan *plan) {
 }
 
 int norma_fix_plan_is_empty(const fix_plan *plan) {
-    return !has_edit(plan) && !plan->recentred && !plan->tangents && !plan->replaces &&
-           !plan->computes && !plan->bakes;
+    return !has_edit(plan) && !plan->recentred && !plan->greens && !plan->tangents &&
+           !plan->replaces && !plan->computes && !plan->bakes;
 }
 
 int norma_fix_plan_moves(const fix_plan *plan) {
@@ -186,16 +188,17 @@ static void mark_asked(mender *m) {
     }
 }
 
-/* The meshes that N701 names. */
-static norma_document_result mark_recentred(mender *m) {
-    m->plan->recentred = calloc(m->mesh_count + 1, 1);
-    if (!m->plan->recentred) return fail(m, NORMA_ERROR_MEMORY);
+/* The meshes that a rule names. */
+static norma_document_result mark_meshes(mender *m, check_rule rule, uint8_t **marks) {
+    if (!m->plan->asked[rule]) return NORMA_DOCUMENT_OK;
+    *marks = calloc(m->mesh_count + 1, 1);
+    if (!*marks) return fail(m, NORMA_ERROR_MEMORY);
     for (size_t i = 0; i < m->mesh_count; i++) {
         fix_mesh mesh = {.document = m->document};
         const norma_document_result result = norma_document_mesh_info(m->document, i, &mesh.info);
         if (result) return result;
         if (!gather_findings(m, &mesh)) return fail(m, NORMA_ERROR_MEMORY);
-        m->plan->recentred[i] = (uint8_t)norma_fix_has(&mesh, RULE_N701);
+        (*marks)[i] = (uint8_t)norma_fix_has(&mesh, rule);
         free(mesh.findings);
     }
     return NORMA_DOCUMENT_OK;
@@ -209,7 +212,8 @@ static norma_document_result plan_rest(mender *m) {
     plan->computes = asked[RULE_N104] || asked[RULE_N106] || asked[RULE_N806] || asked[RULE_N901];
     plan->morphs = asked[RULE_N901];
     plan->bakes = asked[RULE_N601] || asked[RULE_N602] || asked[RULE_N604];
-    return asked[RULE_N701] ? mark_recentred(m) : NORMA_DOCUMENT_OK;
+    const norma_document_result result = mark_meshes(m, RULE_N701, &plan->recentred);
+    return result ? result : mark_meshes(m, RULE_N812, &plan->greens);
 }
 
 /* Whether facets are named whose normals are on the other side. */
@@ -313,7 +317,7 @@ norma_document_result norma_fix_apply(norma_document *document, const fix_plan *
                                                     ? NORMA_STORED_TANGENTS_REGENERATE
                                                     : NORMA_STORED_TANGENTS_ORTHOGONALISE};
     norma_document_result result = NORMA_DOCUMENT_OK;
-    int moved = 0;
+    int moved = 0, turned = 0;
     if (has_edit(plan)) {
         result = norma_document_edit(document, plan->edits, error);
         *changed |= !result;
@@ -321,6 +325,9 @@ norma_document_result norma_fix_apply(norma_document *document, const fix_plan *
     if (!result && plan->recentred)
         result = norma_document_recentre(document, plan->recentred, &moved, error);
     *changed |= moved;
+    if (!result && plan->greens)
+        result = norma_document_turn_green(document, plan->greens, &turned, error);
+    *changed |= turned;
     if (!result && plan->replaces) result = compute(document, &all, changed, error);
     if (!result && plan->computes) result = compute(document, &missing, changed, error);
     if (!result && plan->tangents)

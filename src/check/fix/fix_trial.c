@@ -80,13 +80,13 @@ static norma_document_result count_loose(norma_document *document, const fix_req
 
 /* ---- better or worse */
 
-/* All rules but those that look into images, which no fix touches. */
+/* All rules; those that look into images only where a fix changes some. */
 norma_document_result norma_fix_measure(norma_document *document, const fix_request *request,
     fix_measure *measure, norma_document_error *error) {
     norma_check_options options = request->options;
     uint8_t rules[CHECK_RULE_COUNT];
     memset(rules, 1, sizeof rules);
-    rules[RULE_N811] = rules[RULE_N812] = 0;
+    rules[RULE_N811] = rules[RULE_N812] = (uint8_t)request->changes_maps;
     options.rules = rules;
     options.max_samples = 1;
     *measure = (fix_measure){0};
@@ -119,11 +119,32 @@ static verdict weigh(const norma_findings *findings) {
     return sum;
 }
 
+static int is_found_at(const norma_findings *findings, check_rule rule, const char *where) {
+    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        if (norma_fix_is_rule(finding, rule) && strcmp(finding->where, where) == 0) return 1;
+    }
+    return 0;
+}
+
+/* Whether one part of a map is right now, and another wrong. */
+static int moves(const fix_measure *before, const fix_measure *after, check_rule rule) {
+    for (size_t i = 0; i < norma_findings_count(after->findings); i++) {
+        const norma_finding *finding = norma_findings_get(after->findings, i);
+        if (norma_fix_is_rule(finding, rule) &&
+            !is_found_at(before->findings, rule, finding->where))
+            return 1;
+    }
+    return 0;
+}
+
 int norma_fix_find_worse(const fix_measure *before, const fix_measure *after, uint8_t *worse) {
     const verdict was = weigh(before->findings), is = weigh(after->findings);
     int any = after->loose > before->loose;
     for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
-        any |= worse[i] = is.counts[i] > was.counts[i] || is.gravest[i] > was.gravest[i];
+        worse[i] = is.counts[i] > was.counts[i] || is.gravest[i] > was.gravest[i];
+    worse[RULE_N812] |= (uint8_t)moves(before, after, RULE_N812);
+    for (size_t i = 0; i < CHECK_RULE_COUNT; i++) any |= worse[i];
     return any;
 }
 
@@ -142,6 +163,8 @@ static norma_document_result take_steps(norma_document *copy, const fix_request 
         if (result || !changed || trial->count == FIX_MOST_STEPS) break;
         /* What rays said they would say again, but where something was moved since. */
         next.by_rays = request->by_rays && norma_fix_plan_moves(plan);
+        /* What one turn of a map does not make right, another would only undo. */
+        next.left_out[RULE_N812] |= plan->greens != NULL;
         result = norma_fix_make_plan(copy, &next, &trial->plans[trial->count], error);
         trial->count += !result;
     }

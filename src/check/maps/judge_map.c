@@ -75,7 +75,7 @@ static norma_result judge_curl(check_mesh *m, const map_texels *texels, const ma
     if (!norma_map_curl(texels, mask, &curl)) return NORMA_ERROR_MEMORY;
     if (!is_turned(&curl, &agreement)) return NORMA_OK;
     return add(m, RULE_N812, -agreement,
-        "the normal map fits a surface only with its green channel turned; it was made for the "
+        "the normal map fits a surface only with its green channel inverted; it was made for the "
         "other convention (DirectX), so light from above makes bumps look like dents");
 }
 

@@ -1,4 +1,5 @@
 /* document.c: hands every call to the table of functions of the document's format. */
+#include "io/document/turn_green.h"
 #include "io/format/flush_edits.h"
 #include "io/format/recentre.h"
 #include "io/format/scene.h"
@@ -273,6 +274,20 @@ norma_document_result norma_document_recentre(
         return meshes && !meshes[0] ? NORMA_DOCUMENT_OK : recentre_whole(document, changed, error);
     result = document->functions->recentre(document, meshes, changed, error);
     end_change(document, result);
+    return result;
+}
+
+/* Read anew at once: where new images stand is known only then. */
+norma_document_result norma_document_turn_green(
+    norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error) {
+    norma_document_result result = begin_change(document, error);
+    *changed = 0;
+    if (result || !document->functions->turn_green) return result;
+    result = document->functions->turn_green(document, meshes, changed, error);
+    end_change(document, result);
+    if (result || !*changed) return result;
+    result = norma_document_flush(document, error);
+    document->failed |= result != NORMA_DOCUMENT_OK;
     return result;
 }
 

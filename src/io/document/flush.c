@@ -25,6 +25,7 @@ static void swap(norma_document *document, norma_document *made) {
     document->given = made->given;
     document->given_count = made->given_count;
     document->scene = made->scene;
+    if (document->replaced) norma_document_forget_images(document); /* they are files now */
     document->replaced = 0;
     made->source = old.source;
     made->state = old.state;

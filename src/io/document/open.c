@@ -158,6 +158,7 @@ void norma_document_close(norma_document *document) {
     for (size_t i = 0; document->given && i < document->given_count; ++i)
         free(document->given[i].bytes);
     free(document->given);
+    norma_document_forget_images(document);
     free(document->path);
     free(document->folder);
     free(document);

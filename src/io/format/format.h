@@ -38,6 +38,13 @@ typedef struct given_buffer { /* a buffer file of a .gltf that is not on the dis
     int changed;
 } given_buffer;
 
+typedef struct given_image { /* an image of a glTF that is not on the disk yet */
+    size_t number;           /* in the file's list */
+    unsigned char *bytes;
+    size_t size;
+    char *name; /* of its file beside the output, chosen by the layout */
+} given_image;
+
 struct norma_document {
     const format_functions *functions;
     norma_file_format format;
@@ -54,6 +61,8 @@ struct norma_document {
     given_buffer *given; /* NULL, or of a changed glTF: by the number of the buffer */
     int replaced;        /* it was saved over its own file */
     size_t given_count;
+    given_image *images; /* those that are to be files of their own */
+    size_t image_count;
     char **notes;
     size_t note_count, note_capacity;
     int failed;   /* a change went wrong half-way and could not be taken back: it can only be closed
@@ -94,6 +103,9 @@ struct format_functions {
         norma_document_error *error); /* NULL: vertices have nothing else to compare */
     norma_document_result (*recentre)(norma_document *document, const uint8_t *meshes, int *changed,
         norma_document_error *error); /* NULL: by a transform */
+    /* NULL: the format has no materials. */
+    norma_document_result (*turn_green)(
+        norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error);
     /* The document's own bytes in order. glTF: the text or GLB, as it is to stand at path (NULL:
      * with data URIs). */
     norma_document_result (*write)(norma_document *document, const char *path, norma_write *write,
@@ -186,6 +198,10 @@ int norma_document_up_to_date(const norma_document *document);
 norma_document_result norma_document_flush(norma_document *document, norma_document_error *error);
 norma_document_result norma_document_ready(
     norma_document *document, norma_document_error *error); /* usable, and flushed */
+
+/* Of the image of this number the bytes that it will have; NULL: those of its file. */
+const given_image *norma_document_given_image(const norma_document *document, size_t number);
+void norma_document_forget_images(norma_document *document);
 
 /* Writes the document and what goes beside it to temporary files, and adds their writers, in the
  * order in which they are to be put in place. options: all fields are read. */

@@ -5,6 +5,7 @@
 #include "io/format/edit.h"
 #include "io/gltf/write/patch.h"
 #include "io/gltf/read/gltf_scene.h"
+#include "io/document/turn_green.h"
 #include "io/format/recentre.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -271,6 +272,7 @@ const format_functions norma_gltf_functions = {
     .edit = norma_gltf_edit,
     .equal_vertices = norma_gltf_equal_vertices,
     .recentre = norma_gltf_recentre,
+    .turn_green = norma_gltf_turn_green,
     .write = norma_gltf_write,
     .write_companions = norma_gltf_write_companions,
     .changed_companion = norma_gltf_changed_companion,

@@ -2,7 +2,7 @@
  * at a map of normals need not hold it whole. */
 #ifndef NORMA_IO_IMAGE_H
 #define NORMA_IO_IMAGE_H
-#include <stddef.h>
+#include "io/file/memory.h"
 #include <stdint.h>
 
 typedef struct image_sink {
@@ -20,6 +20,7 @@ typedef enum image_result {
     IMAGE_BROKEN,    /* malformed or cut off */
     IMAGE_TOO_LARGE, /* to be decoded with memory that its file's size allows */
     IMAGE_MEMORY,
+    IMAGE_GREY,    /* it has no green channel that could be changed alone */
     IMAGE_LEFT_OUT /* the library was built without libpng and libjpeg */
 } image_result;
 
@@ -27,11 +28,27 @@ typedef enum image_result {
 image_result norma_image_read(const unsigned char *bytes, size_t size, const image_sink *sink);
 const char *norma_image_text(image_result result); /* what is wrong with it */
 
+/* The same image as a PNG whose green channel is inverted, its size, depth, alpha and all other
+ * data kept; what a JPEG decodes to becomes a PNG of eight bits, so that nothing more is lost.
+ * out: empty; its data is the caller's to free in any case. */
+image_result norma_image_turn_green(const unsigned char *bytes, size_t size, growing_bytes *out);
+int norma_image_is_png(const unsigned char *bytes, size_t size);
+
 /* ---- within this room */
 
 enum { IMAGE_MOST_SIDE = 1 << 14 };
 image_result norma_image_read_png(const unsigned char *bytes, size_t size, const image_sink *sink);
 image_result norma_image_read_jpeg(const unsigned char *bytes, size_t size, const image_sink *sink);
+image_result norma_image_turn_png(const unsigned char *bytes, size_t size, growing_bytes *out);
+image_result norma_image_turn_jpeg(const unsigned char *bytes, size_t size, growing_bytes *out);
+
+typedef struct image_raster { /* an image as PNG stores it: rows of samples, high bytes first */
+    size_t width, height, stride;
+    int depth, color_type, interlace; /* as in IHDR */
+    unsigned char *pixels;            /* the caller's to free */
+} image_raster;
+image_result norma_image_write_png(const image_raster *raster, growing_bytes *out);
+
 /* A header may say that an image is larger than memory, and a deflated byte can become a thousand.
  * Whether a file of size bytes may have so many bytes of an image decoded; held at once. */
 static inline int norma_image_may_decode(size_t size, size_t bytes) {

@@ -12,6 +12,7 @@
 #include <jpeglib.h>
 #include <png.h>
 #include <norma/check.h>
+#include "document_bytes.h"
 #include "gltf_asset.h"
 
 enum { SIDE = 128 };
@@ -126,31 +127,37 @@ typedef struct shown {
 } shown;
 static const shown whole = {{0, 0}, {1, 1}, "", ""};
 
-static norma_findings *check_bytes(const void *bytes, size_t size, const shown *s) {
+/* a: freed once the document is closed. */
+static norma_document *open_square(
+    gltf_asset *a, const void *bytes, size_t size, const char *type, const shown *s) {
     const float at[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
                 up[4][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
                 uvs[4][2] = {{s->from[0], s->to[1]}, {s->to[0], s->to[1]}, {s->to[0], s->from[1]},
                     {s->from[0], s->from[1]}};
     const uint16_t corners[6] = {0, 1, 2, 0, 2, 3};
-    gltf_asset a = {0};
     char rest[1000];
-    asset_floats(&a, &at[0][0], 4, 3);
-    asset_floats(&a, &up[0][0], 4, 3);
-    asset_uint16(&a, corners, 6);
-    asset_floats(&a, &uvs[0][0], 4, 2);
-    const int view = asset_view(&a, bytes, size, "");
+    asset_floats(a, &at[0][0], 4, 3);
+    asset_floats(a, &up[0][0], 4, 3);
+    asset_uint16(a, corners, 6);
+    asset_floats(a, &uvs[0][0], 4, 2);
+    const int view = asset_view(a, bytes, size, "");
     snprintf(rest, sizeof rest,
-        "\"images\":[{\"bufferView\":%d,\"mimeType\":\"image/png\"}],\"samplers\":[{%s}],"
+        "\"images\":[{\"bufferView\":%d,\"mimeType\":\"image/%s\"}],\"samplers\":[{%s}],"
         "\"textures\":[{\"source\":0,\"sampler\":0}],\"materials\":[{\"normalTexture\":{"
         "\"index\":0%s}}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
         "\"NORMAL\":1,\"TEXCOORD_0\":3},\"indices\":2,\"material\":0}]}]",
-        view, s->wrap, s->transform);
+        view, type, s->wrap, s->transform);
+    return asset_open(a, rest, 1);
+}
+
+static norma_findings *check_bytes(const void *bytes, size_t size, const shown *s) {
+    gltf_asset a = {0};
     uint8_t mask[128] = {0};
     norma_findings *findings;
     norma_document_error error;
     assert_int_equal(norma_rules_select("N002,N811,N812", mask, NULL), NORMA_OK);
     const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
-    norma_document *document = asset_open(&a, rest, 1);
+    norma_document *document = open_square(&a, bytes, size, "png", s);
     if (norma_check_document(document, &options, &findings, &error)) fail_msg("%s", error.message);
     norma_document_close(document);
     asset_free(&a);
@@ -318,6 +325,71 @@ static void test_green_of_both_kinds(void **state) {
     assert_string_equal(found(&im, &(shown){{0, .5F}, {1, 1}, "", ""}), "");
 }
 
+/* ---- the fix of N812 */
+
+static void read_jpeg(const void *bytes, size_t size, image *im) {
+    struct jpeg_decompress_struct jpeg;
+    struct jpeg_error_mgr manager;
+    jpeg.err = jpeg_std_error(&manager);
+    jpeg_create_decompress(&jpeg);
+    jpeg_mem_src(&jpeg, bytes, (unsigned long)size);
+    jpeg_read_header(&jpeg, TRUE);
+    jpeg_start_decompress(&jpeg);
+    while (jpeg.output_scanline < SIDE) {
+        JSAMPROW row = im->texels[SIDE * jpeg.output_scanline];
+        jpeg_read_scanlines(&jpeg, &row, 1);
+    }
+    jpeg_finish_decompress(&jpeg);
+    jpeg_destroy_decompress(&jpeg);
+}
+
+static void fix_green(norma_document *document) {
+    uint8_t mask[128] = {0};
+    norma_fix_summary summary;
+    norma_document_error error;
+    assert_int_equal(norma_rules_select("N812", mask, NULL), NORMA_OK);
+    const norma_check_options options = {.struct_size = sizeof options, .rules = mask};
+    for (int again = 0; again < 2; again++) {
+        if (norma_fix_document(document, &options, 1, &summary, &error))
+            fail_msg("%s", error.message);
+        assert_int_equal(summary.changed, !again);
+    }
+}
+
+/* A JPEG becomes a PNG of what libjpeg makes of it, its green inverted; and the file says so. */
+static void test_turn_jpeg(void **state) {
+    (void)state;
+    static image im, was, now;
+    paint(&im, hills);
+    turn_green(&im);
+    for (int progressive = 0; progressive < 2; progressive++) {
+        size_t size;
+        uint8_t *bytes = write_jpeg(&im, 95, progressive, &size);
+        gltf_asset a = {0};
+        norma_texture_info map;
+        norma_document *document = open_square(&a, bytes, size, "jpeg", &whole);
+        fix_green(document);
+        assert_non_null(strstr(norma_document_note(document, 0), "a JPEG, becomes a PNG"));
+        assert_int_equal(norma_document_normal_map(document, 0, &map, NULL), NORMA_DOCUMENT_OK);
+        png_image png = {.version = PNG_IMAGE_VERSION};
+        assert_true(png_image_begin_read_from_memory(&png, map.bytes, map.size));
+        assert_int_equal(png.format, PNG_FORMAT_RGB);
+        assert_int_equal(png.width * png.height, SIDE * SIDE);
+        assert_true(png_image_finish_read(&png, NULL, now.texels, 0, NULL));
+        read_jpeg(bytes, size, &was);
+        turn_green(&was);
+        assert_memory_equal(&was, &now, sizeof was);
+        document_bytes out = bytes_of(document);
+        const char *json = (const char *)out.data + 20;
+        assert_non_null(strstr(json, "\"mimeType\":\"image/png\""));
+        assert_null(strstr(json, "jpeg"));
+        bytes_free(&out);
+        norma_document_close(document);
+        asset_free(&a);
+        free(bytes);
+    }
+}
+
 /* ---- N002 */
 
 static void test_damaged(void **state) {
@@ -349,6 +421,7 @@ int main(void) {
         cmocka_unit_test(test_green),
         cmocka_unit_test(test_green_undecided),
         cmocka_unit_test(test_green_of_both_kinds),
+        cmocka_unit_test(test_turn_jpeg),
         cmocka_unit_test(test_damaged),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -149,6 +149,8 @@ static int read_image(gltf *g, uint32_t texture, norma_texture_info *info) {
                                 norma_json_size(j, list), sizeof *scene->images)))
         return 0;
     gltf_image *image = &scene->images[number];
+    const given_image *given = norma_document_given_image(g->document, (size_t)number);
+    if (given) *image = (gltf_image){given->bytes, given->size, NULL, 1, 0, 0};
     if (!image->looked_at && !load_image(g, image, token)) return 0;
     image->looked_at = 1;
     info->bytes = image->bytes;

@@ -262,6 +262,15 @@ static void choose_places(const placer *p, patch_view *to, uint32_t near) {
 
 /* ---- new views */
 
+static int add_view(gltf_patch *patch) {
+    patch_view *grown =
+        norma_io_grow(patch->views, &patch->view_capacity, patch->view_count + 1, sizeof *grown);
+    if (!grown) return 0;
+    patch->views = grown;
+    patch->views[patch->view_count++] = (patch_view){.stride = 0};
+    return 1;
+}
+
 static norma_document_result add_views(placer *p) {
     gltf_patch *patch = p->patch;
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -272,17 +281,29 @@ static norma_document_result add_views(placer *p) {
     for (size_t i = 0; !result && i < patch->run_count; ++i) {
         data_run *piece = &patch->pieces[i];
         if (piece->placed) continue;
-        patch_view *grown = norma_io_grow(
-            patch->views, &patch->view_capacity, patch->view_count + 1, sizeof *grown);
-        if (!grown) return out_of_memory(p);
-        patch->views = grown;
-        uint32_t view = (uint32_t)patch->view_count++;
-        patch->views[view] = (patch_view){.stride = 0};
+        if (!add_view(patch)) return out_of_memory(p);
+        const uint32_t view = (uint32_t)patch->view_count - 1;
         choose_places(
             p, &patch->views[view], piece->old_view == GLTF_NONE ? compressed : piece->old_view);
         result = take_view(p, view, piece);
     }
     return result;
+}
+
+/* Images are never compressed like numbers. */
+static norma_document_result place_images(placer *p) {
+    gltf_patch *patch = p->patch;
+    for (size_t i = 0; i < patch->image_count; ++i) {
+        patch_image *image = &patch->images[i];
+        const int new = image->view == GLTF_NONE;
+        if (new && !add_view(patch)) return out_of_memory(p);
+        patch_view *to = &patch->views[new ? patch->view_count - 1 : image->view];
+        if (new) choose_places(p, to, GLTF_NONE);
+        to->plain.bytes = to->owned = image->bytes;
+        to->plain.length = image->size;
+        image->bytes = NULL;
+    }
+    return NORMA_DOCUMENT_OK;
 }
 
 static int prepare(placer *p) {
@@ -318,6 +339,7 @@ norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *err
     placer p = {.g = g, .patch = g->patch, .error = error};
     norma_document_result result = norma_gltf_make_data_runs(g, error);
     if (!result && !prepare(&p)) result = out_of_memory(&p);
+    if (!result) result = place_images(&p);
     for (uint32_t v = 0; !result && v < g->view_count; ++v)
         if (p.first[v] != GLTF_NONE) result = place_in_view(&p, v);
     if (!result) result = add_views(&p);

@@ -24,18 +24,23 @@ gltf_destination norma_gltf_destination(const gltf *g, const char *path) {
     return norma_file_same(path, g->document->path) ? GLTF_IN_PLACE : GLTF_TO_PATH;
 }
 
-/* "scene.bin" for scene.gltf; several: "scene_0.bin", ...; further tries: "scene-1.bin", ... */
-static char *name_after(const char *path, uint32_t number, int several, unsigned attempt) {
+char *norma_gltf_name_after(const char *path, const char *ending) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,
                *dot = strrchr(name, '.');
-    int length = (int)(dot && dot != name ? (size_t)(dot - name) : strlen(name));
-    char *out = norma_io_allocate((size_t)length + 40, 1);
-    if (!out) return NULL;
-    int at = snprintf(out, (size_t)length + 1, "%.*s", length, name);
-    if (several) at += snprintf(out + at, 16, "_%u", (unsigned)number);
-    if (attempt) at += snprintf(out + at, 16, "-%u", attempt);
-    memcpy(out + at, ".bin", 5);
+    const size_t length = dot && dot != name ? (size_t)(dot - name) : strlen(name);
+    char *stem = norma_io_copy_text(name, length), *out = stem ? norma_io_join(stem, ending) : NULL;
+    free(stem);
     return out;
+}
+
+/* "scene.bin" for scene.gltf; several: "scene_0.bin", ...; further tries: "scene-1.bin", ... */
+static char *name_after(const char *path, uint32_t number, int several, unsigned attempt) {
+    char ending[40];
+    int at = 0;
+    if (several) at += snprintf(ending, 16, "_%u", (unsigned)number);
+    if (attempt) at += snprintf(ending + at, 16, "-%u", attempt);
+    memcpy(ending + at, ".bin", 5);
+    return norma_gltf_name_after(path, ending);
 }
 
 typedef enum found { FOUND_NOTHING, FOUND_SAME, FOUND_OTHER, FOUND_UNKNOWN } found;

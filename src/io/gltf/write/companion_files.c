@@ -18,6 +18,7 @@ typedef struct companion {
     const unsigned char *bytes; /* or these */
     size_t size;
     file_bytes file;      /* an image's */
+    int is_new;           /* overwrites nothing, even in place */
     file_stamp *replaces; /* in place: of the buffer as it was read */
 } companion;
 
@@ -123,7 +124,8 @@ static norma_document_result add(companions *c, companion one) {
     else if (!same && !stays_in_folder(c, &one))
         result = refuse(
             c, one.path, "a symbolic link, or reached through one, and is not written through");
-    else if (!same && failed != ENOENT && failed != ENOTDIR && !(c->in_place && !failed))
+    else if (!same && failed != ENOENT && failed != ENOTDIR &&
+             (one.is_new || !(c->in_place && !failed)))
         result = refuse(c, one.path, "there with other content and is not overwritten");
     if (!same && !result) result = write_one(c, &one);
     free(one.path);
@@ -220,9 +222,15 @@ static norma_document_result add_file(companions *c, const file_name *file) {
     return add(c, one);
 }
 
-/* An image's URI as a name; NULL: it has none, or its bytes stand in the URI itself. *failed:
- * memory is out. */
-static char *image_name(const json *j, uint32_t image, int *failed) {
+static norma_document_result add_given(companions *c, const given_image *image) {
+    const companion one = {.path = norma_io_join(c->folder, image->name),
+        .bytes = image->bytes,
+        .size = image->size,
+        .is_new = 1};
+    return one.path ? add(c, one) : out_of_memory(c);
+}
+
+char *norma_gltf_image_name(const json *j, uint32_t image, int *failed) {
     const uint32_t token =
         norma_json_is(j, image, JSON_OBJECT) ? norma_json_member(j, image, "uri") : JSON_NONE;
     errno = 0;
@@ -281,10 +289,12 @@ static norma_document_result add_image_names(companions *c, file_names *names) {
     const json *j = &c->g->json;
     uint32_t images = norma_json_member(j, 0, "images");
     norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t number = 0;
     for (uint32_t image = norma_json_first(j, images); !result && image != JSON_NONE;
          image = norma_json_next(j, images, image)) {
         int failed;
-        char *name = image_name(j, image, &failed);
+        if (norma_document_given_image(c->document, number++)) continue;
+        char *name = norma_gltf_image_name(j, image, &failed);
         if (name)
             result = add_name(c, names, name, GLTF_NONE);
         else if (failed)
@@ -321,6 +331,8 @@ static norma_document_result collect(companions *c, const char *path) {
     for (uint32_t b = 0; differs && !result && b <= g->buffer_count; ++b)
         if (g->patch->buffers[b].name && (!c->in_place || g->patch->buffers[b].changed))
             result = add_buffer(c, b);
+    for (size_t i = 0; !result && i < c->document->image_count; ++i)
+        result = add_given(c, &c->document->images[i]);
     return result || !elsewhere ? result : add_files(c, !differs, c->document->folder != NULL);
 }
 
@@ -344,9 +356,11 @@ static int visit_images(const norma_document *document, norma_visit_file *visit,
     const json *j = &norma_gltf_of(document)->json;
     const uint32_t images = norma_json_member(j, 0, "images");
     int stop = 0;
+    size_t number = 0;
     for (uint32_t image = norma_json_first(j, images); !stop && image != JSON_NONE;
          image = norma_json_next(j, images, image)) {
-        char *name = image_name(j, image, &stop);
+        if (norma_document_given_image(document, number++)) continue;
+        char *name = norma_gltf_image_name(j, image, &stop);
         if (stop) return -1;
         if (name) stop = norma_document_visit_name(document, name, strlen(name), visit, user);
         free(name);
@@ -362,6 +376,7 @@ static int measure(const companions *c, uint64_t *size) {
     int failed = 0;
     for (uint32_t b = 0; made && b <= g->buffer_count; ++b)
         if (made[b].changed && made[b].name) *size += made[b].length;
+    for (size_t i = 0; i < c->document->image_count; ++i) *size += c->document->images[i].size;
     if (!c->document->folder) return 1;
     for (uint32_t b = 0; b < g->buffer_count && !failed; ++b)
         if (!made || !made[b].changed) failed = visit_buffer(c->document, b, add_size, size);

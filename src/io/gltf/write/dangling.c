@@ -31,7 +31,8 @@ static int names_element(const json *j, uint32_t token, gltf_list list) {
     static const char *const accessors[] = {
         "input", "output", "inverseBindMatrices", "indices", "accessor", NULL};
     static const char *const views[] = {"bufferView", NULL}, *const buffers[] = {"buffer", NULL},
-                             *const meshes[] = {"mesh", NULL},
+                             *const meshes[] = {"mesh", NULL}, *const textures[] = {"index", NULL},
+                             *const images[] = {"source", NULL},
                              *const nodes[] = {"node", "skeleton", NULL},
                              *const node_lists[] = {"nodes", "children", "joints", NULL};
     switch (list) {
@@ -43,6 +44,10 @@ static int names_element(const json *j, uint32_t token, gltf_list list) {
         return key_is(j, token, buffers);
     case GLTF_LIST_MESHES:
         return key_is(j, token, meshes);
+    case GLTF_LIST_TEXTURES:
+        return key_is(j, token, textures);
+    case GLTF_LIST_IMAGES:
+        return key_is(j, token, images);
     default:
         return key_is(j, token, nodes) || lies_in(j, token, node_lists);
     }
@@ -55,10 +60,12 @@ static uint32_t skip_extras(const json *j, uint32_t token) {
 
 norma_document_result norma_gltf_check_dangling(
     const gltf *g, gltf_list list, norma_document_error *error) {
-    static const char *const names[] = {"accessor", "bufferView", "buffer", "mesh", "node"};
-    const uint32_t counts[] = {
-        g->accessor_count, g->view_count, g->buffer_count, g->mesh_count, g->node_count};
+    static const char *const names[] = {
+        "accessor", "bufferView", "buffer", "mesh", "node", "texture", "image"};
     const json *j = &g->json;
+    const uint32_t counts[] = {g->accessor_count, g->view_count, g->buffer_count, g->mesh_count,
+        g->node_count, norma_json_size(j, norma_json_member(j, 0, "textures")),
+        norma_json_size(j, norma_json_member(j, 0, "images"))};
     uint64_t index;
     for (uint32_t token = 1; token < j->count; token = skip_extras(j, token)) {
         if (j->tokens[token].type != JSON_NUMBER || !norma_json_uint(j, token, &index) ||

@@ -19,6 +19,7 @@ norma_document_result norma_gltf_lay_out_for(
                                              : norma_document_fail_memory(g->document, error);
     if (!result) result = norma_gltf_fill_buffers(g, destination, error);
     if (!result) result = norma_gltf_name_buffers(g, destination, path, error);
+    if (!result) result = norma_gltf_name_images(g, destination, path, error);
     if (!result) norma_gltf_edit_views(g);
     if (!result) result = norma_gltf_edit_buffers(g, destination, error);
     return result;

@@ -37,9 +37,10 @@ void norma_gltf_patch_free(gltf *g) {
         free(patch->views[i].owned);
         free(patch->views[i].owned_packed);
     }
+    for (size_t i = 0; i < patch->image_count; ++i) free(patch->images[i].bytes);
     void *const blocks[] = {patch->datas, patch->same, patch->slots, patch->copies,
         patch->accessors, patch->pieces, patch->views, patch->replaced, patch->released,
-        patch->pins, patch->stripped, patch->unpacked};
+        patch->pins, patch->stripped, patch->unpacked, patch->images};
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
     free(patch);
     g->patch = NULL;

@@ -20,6 +20,12 @@ typedef struct patch_unpacked { /* a primitive that Draco held, and that is writ
     uint32_t copy, primitive;
 } patch_unpacked;
 
+typedef struct patch_image { /* new bytes of an image in a view */
+    uint32_t view;           /* GLTF_NONE: a new one, the first of them behind the old views */
+    unsigned char *bytes;
+    size_t size;
+} patch_image;
+
 typedef struct patch_accessor { /* a new one */
     uint32_t data, like;        /* like: the accessor whose type it has, or GLTF_NONE */
     uint32_t view;
@@ -86,8 +92,10 @@ struct gltf_patch {
     uint32_t *pins;     /* for each old view: what uses it beside the accessors' own numbers */
     uint32_t *stripped; /* primitives that lose their normals and tangents */
     patch_unpacked *unpacked;
+    patch_image *images;
     const char *unlisted[2]; /* extensions that nothing uses any more; NULL: none */
-    size_t stripped_count, stripped_capacity, unpacked_count, unpacked_capacity;
+    size_t stripped_count, stripped_capacity, unpacked_count, unpacked_capacity, image_count,
+        image_capacity;
     size_t data_count, data_capacity, slot_count, slot_capacity, copy_count, copy_capacity;
     size_t accessor_count, accessor_capacity, run_count, run_capacity, view_count, view_capacity,
         released_count, released_capacity;
@@ -138,25 +146,38 @@ norma_document_result norma_gltf_write_laid_out(
 void norma_gltf_free_layout(gltf *g);
 norma_document_result norma_gltf_fill_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error); /* byte_layout.c */
+void norma_gltf_add_base64(json_text *text, const patch_segment *segments, size_t count);
 void norma_gltf_edit_views(gltf *g); /* layout_json.c: the layout's JSON */
 norma_document_result norma_gltf_edit_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error);
 norma_document_result norma_gltf_name_buffers(gltf *g, gltf_destination destination,
-    const char *path, norma_document_error *error);            /* buffer_names.c */
+    const char *path, norma_document_error *error); /* buffer_names.c */
+/* The output's name with another ending: "scene.bin" for scene.gltf. NULL: out of memory. */
+char *norma_gltf_name_after(const char *path, const char *ending);
+norma_document_result norma_gltf_name_images(gltf *g, gltf_destination destination,
+    const char *path, norma_document_error *error);            /* image_names.c */
 int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer); /* by other buffers, one file */
 gltf_storage norma_gltf_storage_of(
     const gltf *g, uint32_t buffer); /* of old ones and the one more */
 int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size);
+/* image_uses.c: adds to counts how often the JSON names each texture, each image. */
+void norma_gltf_count_texture_uses(const gltf *g, uint32_t *counts, size_t textures);
+void norma_gltf_count_image_uses(const gltf *g, uint32_t *counts, size_t images);
 /* dangling.c: refuses to add to a list that some index of the file reaches beyond. */
 typedef enum gltf_list {
     GLTF_LIST_ACCESSORS,
     GLTF_LIST_VIEWS,
     GLTF_LIST_BUFFERS,
     GLTF_LIST_MESHES,
-    GLTF_LIST_NODES
+    GLTF_LIST_NODES,
+    GLTF_LIST_TEXTURES,
+    GLTF_LIST_IMAGES
 } gltf_list;
 norma_document_result norma_gltf_check_dangling(
     const gltf *g, gltf_list list, norma_document_error *error);
+/* An image's URI as a name; NULL: it has none, or its bytes stand in the URI itself. *failed:
+ * memory is out. (companion_files.c) */
+char *norma_gltf_image_name(const json *j, uint32_t image, int *failed);
 /* ---- paths (buffer_names.c) */
 int norma_gltf_same_folder(
     const gltf *g, const char *path); /* path stands in the folder that the asset was read from */
