@@ -5,7 +5,7 @@
 #include "io/format/edit.h"
 #include "io/gltf/write/patch.h"
 #include "io/gltf/read/gltf_scene.h"
-#include "io/document/turn_green.h"
+#include "io/format/turn_green.h"
 #include "io/format/recentre.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -288,6 +288,9 @@ char *norma_gltf_uri_decode(const char *uri); /* percent escapes resolved, to be
                                                  memory, a bad escape, or an escaped NUL */
 char *norma_gltf_uri_encode(const char *name);
 int norma_gltf_uri_is_data(const char *uri);
+/* An image's URI as a name; NULL: it has none, or its bytes stand in the URI itself. *failed:
+ * memory is out. */
+char *norma_gltf_image_name(const json *j, uint32_t image, int *failed);
 unsigned char *norma_gltf_data_decode(
     const char *uri, size_t *size); /* of a data: URI; NULL: not base64 (or percent-encoded) as it
                                        should be, or out of memory */

@@ -90,6 +90,17 @@ int norma_gltf_uri_is_data(const char *uri) {
     return 1;
 }
 
+char *norma_gltf_image_name(const json *j, uint32_t image, int *failed) {
+    const uint32_t token =
+        norma_json_is(j, image, JSON_OBJECT) ? norma_json_member(j, image, "uri") : JSON_NONE;
+    errno = 0;
+    char *uri = norma_json_string(j, token),
+         *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL;
+    *failed = !name && errno == ENOMEM;
+    free(uri);
+    return name;
+}
+
 static int base64_value(char c) {
     if (c >= 'A' && c <= 'Z') return c - 'A';
     if (c >= 'a' && c <= 'z') return c - 'a' + 26;

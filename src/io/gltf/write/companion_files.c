@@ -230,17 +230,6 @@ static norma_document_result add_given(companions *c, const given_image *image) 
     return one.path ? add(c, one) : out_of_memory(c);
 }
 
-char *norma_gltf_image_name(const json *j, uint32_t image, int *failed) {
-    const uint32_t token =
-        norma_json_is(j, image, JSON_OBJECT) ? norma_json_member(j, image, "uri") : JSON_NONE;
-    errno = 0;
-    char *uri = norma_json_string(j, token),
-         *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL;
-    *failed = !name && errno == ENOMEM;
-    free(uri);
-    return name;
-}
-
 /* ---- the names of an asset, each once */
 
 typedef struct file_names {

@@ -175,9 +175,6 @@ typedef enum gltf_list {
 } gltf_list;
 norma_document_result norma_gltf_check_dangling(
     const gltf *g, gltf_list list, norma_document_error *error);
-/* An image's URI as a name; NULL: it has none, or its bytes stand in the URI itself. *failed:
- * memory is out. (companion_files.c) */
-char *norma_gltf_image_name(const json *j, uint32_t image, int *failed);
 /* ---- paths (buffer_names.c) */
 int norma_gltf_same_folder(
     const gltf *g, const char *path); /* path stands in the folder that the asset was read from */

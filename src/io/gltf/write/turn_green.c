@@ -2,7 +2,7 @@
  * nothing else uses changes itself; else the materials get one of their own, and all others keep
  * theirs. An image in a view or a data: URI stays in one; one in a file becomes a new file, so that
  * the old one, which other assets may show, stays as it is. */
-#include "io/document/turn_green.h"
+#include "io/format/turn_green.h"
 #include "io/gltf/read/gltf_scene.h"
 #include "io/gltf/write/patch.h"
 #include "io/image/image.h"
