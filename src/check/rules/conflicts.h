@@ -11,7 +11,10 @@ typedef enum conflict_kind {
     CONFLICT_RIGHT,
     CONFLICT_KINDS
 } conflict_kind;
-conflict_kind norma_check_conflict_kind(uint8_t first, uint8_t second); /* by their sides */
+/* Of the faces of two corners that begin such an edge, by the sides of all faces. A face that is
+ * there twice is not wound against itself. */
+conflict_kind norma_check_conflict_kind(
+    const core_topology *topology, size_t first, size_t second, const uint8_t *sides);
 norma_result norma_check_add_conflicts(
     check_mesh *m, conflict_kind kind, size_t turned, check_hits *hits);
 

@@ -32,8 +32,7 @@ norma_result norma_check_conflicts_joined(check_mesh *m, const core_topology *t,
     const size_t first = first_corner / 3;
     for (size_t c = first_corner; c < first_corner + m->mesh.corner_count; c++) {
         if (t->partners[c] != CORE_EDGE_CONFLICT || !is_told_here(t, c, edges, sides)) continue;
-        const conflict_kind kind = norma_check_conflict_kind(
-            sides[norma_core_topology_face(t, c)], sides[other_face(t, c)]);
+        const conflict_kind kind = norma_check_conflict_kind(t, c, t->others[c], sides);
         norma_check_hit(m->run, &kinds[kind], 0,
             (check_spot){norma_core_corner(&m->mesh, c - first_corner), c / 3 - first, SIZE_MAX});
     }

@@ -141,15 +141,25 @@ static check_spot conflict_spot(const check_mesh *m, const conflict *c, const ui
         norma_core_topology_face(&m->topology, corner), SIZE_MAX};
 }
 
-conflict_kind norma_check_conflict_kind(uint8_t first, uint8_t second) {
-    return norma_check_is_turned(first) || norma_check_is_turned(second) ? CONFLICT_TURNED
-           : (first | second) & CORE_SIDE_UNDECIDED                      ? CONFLICT_UNDECIDED
-                                                                         : CONFLICT_RIGHT;
+static uint32_t last_position(const core_topology *t, size_t face, size_t corner) {
+    const size_t next = norma_core_topology_next(t, face, corner);
+    return norma_core_corner(&t->mesh, norma_core_topology_next(t, face, next));
 }
 
-static conflict_kind kind_of(const check_mesh *m, const conflict *c, const uint8_t *sides) {
-    return norma_check_conflict_kind(sides[norma_core_topology_face(&m->topology, c->first)],
-        sides[norma_core_topology_face(&m->topology, c->second)]);
+/* Of two faces that run along the edge at these corners in the same direction. */
+static int is_repeated(const core_topology *t, size_t first, size_t second) {
+    const size_t a = norma_core_topology_face(t, first), b = norma_core_topology_face(t, second);
+    return t->polygons ? t->polygons[a].key == t->polygons[b].key
+                       : last_position(t, a, first) == last_position(t, b, second);
+}
+
+conflict_kind norma_check_conflict_kind(
+    const core_topology *t, size_t first, size_t second, const uint8_t *sides) {
+    const uint8_t a = sides[norma_core_topology_face(t, first)],
+                  b = sides[norma_core_topology_face(t, second)];
+    if (norma_check_is_turned(a) || norma_check_is_turned(b)) return CONFLICT_TURNED;
+    return (a | b) & CORE_SIDE_UNDECIDED && !is_repeated(t, first, second) ? CONFLICT_UNDECIDED
+                                                                           : CONFLICT_RIGHT;
 }
 
 static void describe_conflicts(
@@ -168,9 +178,8 @@ static void describe_conflicts(
             edges, norma_check_plural(edges));
     else
         norma_check_message(message,
-            "%z edge%s between faces wound against each other, where parts touch: the faces on "
-            "both "
-            "sides are right",
+            "%z edge%s between faces wound against each other, where parts touch or a face is "
+            "repeated: no face there has to be turned",
             edges, norma_check_plural(edges));
 }
 
@@ -196,7 +205,9 @@ static norma_result add_judged(check_mesh *m, const edge_part *parts, size_t blo
     for (size_t i = 0; i < blocks; i++)
         for (size_t k = 0; k < parts[i].conflict_count; k++) {
             const conflict *c = &parts[i].conflicts[k];
-            norma_check_hit(m->run, &kinds[kind_of(m, c, sides)], 0, conflict_spot(m, c, edges));
+            const conflict_kind kind =
+                norma_check_conflict_kind(&m->topology, c->first, c->second, sides);
+            norma_check_hit(m->run, &kinds[kind], 0, conflict_spot(m, c, edges));
         }
     const size_t turned = norma_check_count_turned(m, edges, sides);
     norma_result result = NORMA_OK;

@@ -2,6 +2,7 @@
  * at positions where the surface itself is smooth; and the finding about them (N501). */
 #include "check/rules/seams.h"
 #include "check/findings/angle.h"
+#include "check/rules/facing.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include <string.h>
@@ -144,6 +145,21 @@ static edge_end end_of(const check_mesh *m, size_t one, size_t other, double lea
     return (edge_end){differ(m, &a, &b), angle_between(m, a.normal, b.normal) > least};
 }
 
+static int fits_face(const check_mesh *m, size_t corner, double least) {
+    const size_t face = norma_core_topology_face(&m->topology, corner);
+    return norma_check_cosine_to(m, face, norma_check_normal_of(m, face, corner)) > cos(least);
+}
+
+/* Both faces have their own direction as their normal, at both ends of the edge. */
+static int edge_is_flat(const check_mesh *m, size_t corner, double least) {
+    const size_t partner = m->topology.partners[corner];
+    return fits_face(m, corner, least) && fits_face(m, partner, least) &&
+           fits_face(m, across(m, corner), least) && fits_face(m, across(m, partner), least);
+}
+
+/* An edge is split for another reason than a seam where no seam runs along it, or where both its
+ * faces are shaded flat. The ends of one small strip look flat as well: they are outnumbered by the
+ * edges within it, which are smooth. */
 void norma_check_seam_creases(const check_mesh *m, double least, seam_creases *creases) {
     const core_topology *t = &m->topology;
     *creases = (seam_creases){{0}, {0}};
@@ -158,7 +174,8 @@ void norma_check_seam_creases(const check_mesh *m, double least, seam_creases *c
                      parts nothing there */
         const edge_end begin = end_of(m, c, across(m, c), least),
                        end = end_of(m, across(m, partner), partner, least);
-        if (begin.seam || end.seam) continue;
+        if ((begin.seam || end.seam) && !(begin.split && end.split && edge_is_flat(m, c, least)))
+            continue;
         creases->all[(size_t)bend]++;
         creases->split[(size_t)bend] += begin.split || end.split;
     }

@@ -4,8 +4,8 @@
 #define NORMA_CHECK_SEAMS_H
 #include "check/rules/mesh_rules.h"
 
-/* How many edges along which no seam runs bend by so many degrees, and how many of them have
- * different normals on both sides: what the file's own crease is. */
+/* How many edges along which no seam runs, or whose faces are shaded flat, bend by so many degrees,
+ * and how many of them have different normals on both sides: what the file's own crease is. */
 enum { SEAM_BENDS = 40 };
 typedef struct seam_creases {
     size_t all[SEAM_BENDS], split[SEAM_BENDS];

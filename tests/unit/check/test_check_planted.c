@@ -365,6 +365,33 @@ static void a_sheet_is_undecided(void **state) {
     surface_free(&s);
 }
 
+/* A sheet of which one face at the border is there twice: its two copies run along that edge the
+ * same way, and neither is turned. Its other face at the border is turned: that is told of. */
+static void a_face_twice_is_not_turned(void **state) {
+    (void)state;
+    for (int polygons = 0; polygons < 2; polygons++) {
+        surface s = surface_box(origin, 1, 0);
+        s.vertices = s.faces = 0;
+        for (int i = 0; i < 6; i++)
+            surface_add_vertex(
+                &s, (const float[3]){(float)(i % 2), (float)(i / 2), 0}, (const float[3]){0, 0, 1});
+        static const uint32_t faces[5][3] = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}, {1, 3, 0}};
+        for (int i = 0; i < 5; i++) surface_add_face(&s, faces[i]);
+        s.starts = polygons ? malloc((s.faces + 2) * sizeof *s.starts) : NULL;
+        for (uint32_t f = 0; polygons && f <= s.faces; f++) s.starts[f] = 3 * f;
+        const norma_finding *f = in_render(&s, "N301", NORMA_SEVERITY_INFO);
+        assert_found(f, 2); /* of three: one is shared with the next face */
+        assert_int_equal(f->fix, NORMA_FIX_NONE);
+        assert_found(finding_of(found, "N305", NORMA_SEVERITY_WARNING), 1);
+        assert_null(finding_of(found, "N301", NORMA_SEVERITY_WARNING));
+        assert_null(finding_of(found, "N301", NORMA_SEVERITY_ERROR));
+        surface_turn_face(&s, 3);
+        assert_found(in_render(&s, "N301", NORMA_SEVERITY_WARNING), 1);
+        assert_found(finding_of(found, "N301", NORMA_SEVERITY_INFO), 2);
+        surface_free(&s);
+    }
+}
+
 /* ---- N307 */
 
 static void open_edges(void **state) {
@@ -616,32 +643,70 @@ static void a_seam_two_degrees_apart(void **state) {
     surface_free(&s);
 }
 
-/* Each quad with vertices and a normal of its own: the seam of UVs is a hard edge like all others.
- */
+enum { ROUND = 48, OVER = 32 };
+
+/* A torus of quads, cut into patches of rows by columns of them, that have vertices, UVs and
+ * normals of their own: the mean of each patch's faces, at each vertex. Patches of one quad are
+ * flat. */
+static surface patched_torus(size_t rows, size_t columns, int own_islands) {
+    surface smooth = surface_torus(ROUND, OVER), s = surface_box(origin, 1, 0);
+    const size_t over = OVER / columns, side = columns + 1;
+    s.vertices = s.faces = 0;
+    for (size_t p = 0; p < ROUND / rows * over; p++) {
+        const uint32_t first = (uint32_t)s.vertices;
+        for (size_t i = 0; i < (rows + 1) * side; i++)
+            surface_add_vertex(&s, (const float[3]){0, 0, 0}, (const float[3]){0, 0, 0});
+        for (size_t q = 0; q < rows * columns; q++) {
+            const size_t x = q / columns, y = q % columns,
+                         at = (p / over * rows + x) * OVER + p % over * columns + y;
+            const uint32_t *c = &smooth.corners[6 * at], quad[4] = {c[0], c[1], c[2], c[5]},
+                           a = first + (uint32_t)(x * side + y), b = a + (uint32_t)side,
+                           own[4] = {a, b, b + 1, a + 1};
+            float normal[3] = {0, 0, 0};
+            for (uint32_t k = 0; k < 12; k++)
+                normal[k % 3] += smooth.normals[3 * quad[k / 3] + k % 3];
+            for (int k = 0; k < 4; k++) {
+                memcpy(&s.positions[3 * own[k]], &smooth.positions[3 * quad[k]], 12);
+                for (uint32_t d = 0; d < 3; d++) s.normals[3 * own[k] + d] += normal[d];
+                memcpy(&s.texcoords[2 * own[k]], &smooth.texcoords[2 * quad[k]], 8);
+                if (own_islands) s.texcoords[2 * own[k]] += (float)(2 * p);
+            }
+            surface_add_face(&s, (const uint32_t[3]){own[0], own[1], own[2]});
+            surface_add_face(&s, (const uint32_t[3]){own[0], own[2], own[3]});
+        }
+    }
+    for (size_t v = 0; v < s.vertices; v++) {
+        float *n = &s.normals[3 * v];
+        const float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        for (int d = 0; d < 3; d++) n[d] /= length;
+    }
+    surface_free(&smooth);
+    return s;
+}
+
+/* Each quad has vertices and a normal of its own: the seam of UVs is a hard edge like all others,
+ * and so is each edge where each quad is an island of its own. */
 static void a_seam_of_a_flat_file(void **state) {
     (void)state;
-    surface smooth = surface_torus(48, 32), s = surface_box(origin, 1, 0);
-    s.vertices = s.faces = 0;
-    for (size_t q = 0; q < smooth.faces / 2; q++) {
-        const uint32_t *c = &smooth.corners[6 * q], quad[4] = {c[0], c[1], c[2], c[5]},
-                       first = (uint32_t)s.vertices;
-        float normal[3] = {0, 0, 0};
-        for (int k = 0; k < 4; k++)
-            for (int d = 0; d < 3; d++) normal[d] += smooth.normals[3 * quad[k] + (uint32_t)d] / 4;
-        const float length =
-            sqrtf(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-        for (int d = 0; d < 3; d++) normal[d] /= length;
-        for (int k = 0; k < 4; k++) {
-            const uint32_t v = surface_add_vertex(&s, &smooth.positions[3 * quad[k]], normal);
-            memcpy(&s.texcoords[2 * v], &smooth.texcoords[2 * quad[k]], 8);
-        }
-        surface_add_face(&s, (const uint32_t[3]){first, first + 1, first + 2});
-        surface_add_face(&s, (const uint32_t[3]){first, first + 2, first + 3});
+    for (int own_islands = 0; own_islands < 2; own_islands++) {
+        surface s = patched_torus(1, 1, own_islands);
+        assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
+        assert_null(finding_of(found, "N201", NORMA_SEVERITY_NONE));
+        surface_free(&s);
     }
-    assert_null(in_render(&s, "N501", NORMA_SEVERITY_NONE));
-    assert_null(finding_of(found, "N201", NORMA_SEVERITY_NONE));
+}
+
+/* Islands that are smooth within: all positions on their borders are told of. Along the borders of
+ * strips as narrow as a face there is no edge that is smooth; yet the strips are not flat. */
+static void seams_of_many_islands(void **state) {
+    (void)state;
+    surface s = patched_torus(4, 4, 1);
+    const size_t inner = ROUND / 4 * (OVER / 4) * 9;
+    assert_found(in_render(&s, "N501", NORMA_SEVERITY_WARNING), ROUND * OVER - inner);
     surface_free(&s);
-    surface_free(&smooth);
+    s = patched_torus(4, 1, 1);
+    assert_found(in_render(&s, "N501", NORMA_SEVERITY_WARNING), ROUND * OVER);
+    surface_free(&s);
 }
 
 enum { SIDE = 6 };
@@ -883,6 +948,7 @@ int main(void) {
         cmocka_unit_test(one_face_turned_in_a_soup),
         cmocka_unit_test(pieces_that_touch),
         cmocka_unit_test(a_sheet_is_undecided),
+        cmocka_unit_test(a_face_twice_is_not_turned),
         cmocka_unit_test(open_edges),
         cmocka_unit_test(turned_inside_out),
         cmocka_unit_test(shells_in_shells),
@@ -894,6 +960,7 @@ int main(void) {
         cmocka_unit_test(polygons),
         cmocka_unit_test(a_seam_two_degrees_apart),
         cmocka_unit_test(a_seam_of_a_flat_file),
+        cmocka_unit_test(seams_of_many_islands),
         cmocka_unit_test(a_seam_at_a_degenerate_face),
         cmocka_unit_test(a_seam_between_primitives),
         cmocka_unit_test(soups_and_cracks),
