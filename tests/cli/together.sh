@@ -118,6 +118,20 @@ cp levels1.ply rock_lod0.ply
 "$norma" compute rock_LOD1.ply rock_lod0.ply --together --out-dir named --quiet
 check "names tell the levels" make same 1e-6 named/rock_lod0.ply -- alone.ply
 
+make levels lod
+"$norma" compute lod.ply -o alone.ply --quiet
+"$norma" compute lod.glb -o lod-done.glb --together --quiet
+check "MSFT_lod tells the levels" make same 1e-6 lod-done.glb -- alone.ply
+"$norma" compute lod-two.glb -o lod-done.glb --together --quiet
+check "without it, both add to the normals" sh -c "! python3 '$meshes' same 1e-6 lod-done.glb -- alone.ply 2>/dev/null"
+make skin skin
+"$norma" compute skin.ply -o alone.ply --quiet
+"$norma" compute skin.glb -o skin-done.glb --together --quiet
+check "a mesh with a skin is compared as it was bound" make same 1e-6 skin-done.glb -- alone.ply
+make locks locks
+"$norma" compute locks.glb -o locks-done.glb --together --lock part1 --quiet
+check "glTF: a locked mesh keeps its normals, and what meets it takes them" make locked locks-done.glb
+
 # ---- all or none
 mkdir good
 cp cut3-?.ply good

@@ -3,6 +3,9 @@
     cut K SEED PREFIX         an ellipsoid, its faces dealt at random into K PLY files, in any order
     halves PREFIX             the same in one glTF of two nodes, one mirrored and stretched, and as PLY
     twice PREFIX              a glTF whose two nodes draw one mesh, side by side, and touch
+    levels PREFIX             a glTF with MSFT_lod, one without, and the finer level as PLY
+    skin PREFIX               a glTF whose second half has a skin, and the whole as PLY
+    locks PREFIX              a glTF whose second half has normals; locked FILE: what it becomes
     steps PREFIX              the same, and they share an edge that bends by 45 degrees
     grid PREFIX               a large height field in two PLY files
     same LIMIT A... -- B...   one normal at each position of A, and of B, at most LIMIT apart
@@ -78,20 +81,34 @@ def cut(k, seed, prefix):
 
 def write_gltf(name, meshes, nodes):
     data, views, accessors, made = b"", [], [], []
-    for points, triangles in meshes:
-        for kind, numbers in (("VEC3", [x for p in points for x in p]), ("SCALAR", [v for t in triangles for v in t])):
-            part = struct.pack("<%d%s" % (len(numbers), "f" if kind == "VEC3" else "I"), *numbers)
-            views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(part)})
-            accessor = {"bufferView": len(views) - 1, "componentType": 5126 if kind == "VEC3" else 5125,
-                        "count": len(numbers) // (3 if kind == "VEC3" else 1), "type": kind}
-            if kind == "VEC3":
-                accessor["min"] = [min(p[k] for p in points) for k in range(3)]
-                accessor["max"] = [max(p[k] for p in points) for k in range(3)]
-            accessors.append(accessor)
-            data += part
-        made.append({"name": "part%d" % len(made), "primitives": [{"attributes": {"POSITION": len(accessors) - 2}, "indices": len(accessors) - 1}]})
+
+    def add(kind, code, rows):
+        nonlocal data
+        numbers = [x for row in rows for x in row]
+        part = struct.pack("<%d%s" % (len(numbers), code), *numbers)
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(part)})
+        accessors.append({"bufferView": len(views) - 1, "componentType": {"f": 5126, "I": 5125, "B": 5121}[code], "count": len(rows), "type": kind})
+        data += part
+        return len(accessors) - 1
+
+    for points, triangles, *more in meshes:
+        attributes = {"POSITION": add("VEC3", "f", points)}
+        accessors[-1]["min"] = [min(p[k] for p in points) for k in range(3)]
+        accessors[-1]["max"] = [max(p[k] for p in points) for k in range(3)]
+        if more:
+            attributes["NORMAL"] = add("VEC3", "f", more[0])
+        if any(node.get("mesh") == len(made) and "skin" in node for node in nodes):
+            attributes["JOINTS_0"] = add("VEC4", "B", [(0, 0, 0, 0)] * len(points))
+            attributes["WEIGHTS_0"] = add("VEC4", "f", [(1, 0, 0, 0)] * len(points))
+        indices = add("SCALAR", "I", [(v,) for t in triangles for v in t])
+        made.append({"name": "part%d" % len(made), "primitives": [{"attributes": attributes, "indices": indices}]})
     tree = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes,
             "meshes": made, "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(data)}]}
+    if any("skin" in node for node in nodes):
+        tree["skins"] = [{"joints": [len(nodes) - 1]}]
+    if any("extensions" in node for node in nodes):
+        tree["extensionsUsed"] = ["MSFT_lod"]
+        tree["scenes"][0]["nodes"] = [0]
     text = json.dumps(tree).encode()
     text += b" " * (-len(text) % 4)
     data += b"\0" * (-len(data) % 4)
@@ -135,6 +152,54 @@ def halves(prefix):
 def twice(prefix):
     points = [(0, 0, 0), (1, 0, 0), (1, 1, 1), (0, 1, 0)]
     write_gltf(prefix + ".glb", [(points, [(0, 1, 2), (0, 2, 3)])], [{"mesh": 0}, {"mesh": 0, "translation": [1, 0, 0]}])
+
+
+def part_of(points, triangles):
+    used = sorted({v for t in triangles for v in t})
+    number = {v: i for i, v in enumerate(used)}
+    return [points[v] for v in used], [tuple(number[v] for v in t) for t in triangles]
+
+
+def levels(prefix):
+    """The second node draws some of the triangles of the first: as its coarser level, or not."""
+    points, faces = ellipsoid()
+    triangles = triangles_of(faces)
+    meshes = [part_of(points, triangles), part_of(points, random.Random(5).sample(triangles, 300))]
+    write_ply(prefix + ".ply", points, triangles, random.Random(1))
+    write_gltf(prefix + "-two.glb", meshes, [{"mesh": 0}, {"mesh": 1}])
+    write_gltf(prefix + ".glb", meshes, [{"mesh": 0, "extensions": {"MSFT_lod": {"ids": [1]}}}, {"mesh": 1}])
+
+
+def skin(prefix):
+    """Two halves; the second has a skin, and its node is elsewhere."""
+    points, faces = ellipsoid()
+    triangles = triangles_of(faces)
+    halves = [[t for t in triangles if (sum(points[v][0] for v in t) < 0) == side] for side in (True, False)]
+    write_ply(prefix + ".ply", points, triangles, random.Random(1))
+    write_gltf(prefix + ".glb", [part_of(points, half) for half in halves],
+               [{"mesh": 0}, {"mesh": 1, "skin": 0, "translation": [100, 0, 0]}, {"name": "joint"}])
+
+
+LOCKED = (0.6000000238418579, 0, 0.800000011920929)
+
+
+def locks(prefix):
+    points, faces = ellipsoid()
+    triangles = triangles_of(faces)
+    halves = [[t for t in triangles if (sum(points[v][0] for v in t) < 0) == side] for side in (True, False)]
+    first, second = (part_of(points, half) for half in halves)
+    write_gltf(prefix + ".glb", [first, second + ([LOCKED] * len(second[0]),)], [{"mesh": 0}, {"mesh": 1}])
+
+
+def locked(name):
+    """Where part1 is, its normals; elsewhere others."""
+    normals, meeting = [dict(part) for part in read_glb_nodes(name)], 0
+    for at, normal in normals[0].items():
+        meeting += at in normals[1]
+        if (normal == LOCKED) != (at in normals[1]):
+            sys.exit("%s has %s" % (at, normal))
+    if meeting < 10 or any(normal != LOCKED for normal in normals[1].values()):
+        sys.exit("%d positions meet" % meeting)
 
 
 def steps(prefix):
@@ -264,6 +329,8 @@ def read_glb(name):
         return [struct.unpack_from("<3f", data, begin + i * stride) for i in range(a["count"])]
 
     for node in tree["nodes"]:
+        if "mesh" not in node:
+            continue
         m = node.get("matrix", [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])
         columns = [m[0:3], m[4:7], m[8:11]]
         cofactors = [cross(columns[1], columns[2]), cross(columns[2], columns[0]), cross(columns[0], columns[1])]
@@ -274,6 +341,17 @@ def read_glb(name):
                 normal = [sign * sum(cofactors[k][axis] * n[k] for k in range(3)) for axis in range(3)]
                 length = math.sqrt(sum(x * x for x in normal))
                 yield tuple(single(x) for x in world), tuple(x / length for x in normal)
+
+
+def read_glb_nodes(name):
+    """The same for each node that has no matrix, normals as they are stored."""
+    vertices = list(read_glb(name))
+    raw = open(name, "rb").read()
+    tree = json.loads(raw[20:20 + struct.unpack_from("<I", raw, 12)[0]])
+    for node in tree["nodes"]:
+        count = tree["accessors"][tree["meshes"][node["mesh"]]["primitives"][0]["attributes"]["POSITION"]]["count"]
+        yield [(at, tuple(single(x) for x in normal)) for at, normal in vertices[:count]]
+        vertices = vertices[count:]
 
 
 def cross(a, b):
@@ -312,4 +390,4 @@ if __name__ == "__main__":
     if verb in ("same", "subset"):
         compare(rest, verb == "subset")
     else:
-        {"cut": cut, "halves": halves, "twice": twice, "grid": grid, "steps": steps, "corners": corners, "obj": obj}[verb](*rest)
+        {"cut": cut, "halves": halves, "twice": twice, "grid": grid, "steps": steps, "levels": levels, "skin": skin, "locks": locks, "locked": locked, "corners": corners, "obj": obj}[verb](*rest)
