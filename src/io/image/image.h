@@ -21,6 +21,7 @@ typedef enum image_result {
     IMAGE_TOO_LARGE, /* to be decoded with memory that its file's size allows */
     IMAGE_MEMORY,
     IMAGE_GREY,    /* it has no green channel that could be changed alone */
+    IMAGE_CMYK,    /* a JPEG of four inks */
     IMAGE_LEFT_OUT /* the library was built without libpng and libjpeg */
 } image_result;
 

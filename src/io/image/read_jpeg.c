@@ -39,6 +39,8 @@ static void refuse_made_up(j_common_ptr jpeg, int level) {
 
 static void begin(struct jpeg_decompress_struct *jpeg, jpeg_job *job) {
     jpeg_read_header(jpeg, TRUE);
+    if (jpeg->jpeg_color_space == JCS_CMYK || jpeg->jpeg_color_space == JCS_YCCK)
+        give_up(jpeg, job, IMAGE_CMYK);
     const size_t width = jpeg->image_width, height = jpeg->image_height;
     if (width > IMAGE_MOST_SIDE || height > IMAGE_MOST_SIDE ||
         !norma_image_may_decode(job->size, 3 * width * height) ||

@@ -412,6 +412,34 @@ static void test_damaged(void **state) {
     assert_string_equal(rules_of(check_bytes("RIFF____WEBPVP8 ", 16, &whole), NULL), "N002");
 }
 
+/* Four inks: libjpeg makes no red, green and blue of them. */
+static void test_cmyk(void **state) {
+    (void)state;
+    struct jpeg_compress_struct jpeg;
+    struct jpeg_error_mgr manager;
+    unsigned char *bytes = NULL;
+    unsigned long room = 0;
+    char message[400];
+    jpeg.err = jpeg_std_error(&manager);
+    jpeg_create_compress(&jpeg);
+    jpeg_mem_dest(&jpeg, &bytes, &room);
+    jpeg.image_width = jpeg.image_height = 16;
+    jpeg.input_components = 4;
+    jpeg.in_color_space = JCS_CMYK;
+    jpeg_set_defaults(&jpeg);
+    jpeg_start_compress(&jpeg, TRUE);
+    while (jpeg.next_scanline < 16) {
+        uint8_t line[4 * 16] = {0};
+        JSAMPROW row = line;
+        jpeg_write_scanlines(&jpeg, &row, 1);
+    }
+    jpeg_finish_compress(&jpeg);
+    jpeg_destroy_compress(&jpeg);
+    assert_string_equal(rules_of(check_bytes(bytes, room, &whole), message), "N002");
+    assert_non_null(strstr(message, "a JPEG in CMYK"));
+    free(bytes);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_not_unit),
@@ -423,6 +451,7 @@ int main(void) {
         cmocka_unit_test(test_green_of_both_kinds),
         cmocka_unit_test(test_turn_jpeg),
         cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_cmyk),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

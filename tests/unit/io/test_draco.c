@@ -297,7 +297,10 @@ static void test_not_read(void **state) {
     } cases[] = {
         {"{\"mode\":5," ATTRIBUTES ",\"extensions\":{\"" NAMES
          "\":{\"bufferView\":0,\"attributes\":{" IDS "}}}}",
-            "as strips or fans, which are not read"},
+            "viewers disagree on what they mean as a strip"},
+        {"{\"mode\":6," ATTRIBUTES ",\"extensions\":{\"" NAMES
+         "\":{\"bufferView\":0,\"attributes\":{" IDS "}}}}",
+            "which holds no fans"},
         {"{\"attributes\":{\"POSITION\":1},\"extensions\":{\"" NAMES
          "\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0}}}}",
             "but without indices"},

@@ -81,7 +81,10 @@ static norma_document_result claim_accessors(
 static const char *why_not_decoded(const gltf_primitive *p) {
     if (!norma_draco_reads()) return norma_draco_missing(1);
     if (p->mode != GLTF_TRIANGLES)
-        return "compressed with KHR_draco_mesh_compression as strips or fans, which are not read";
+        return p->mode == GLTF_STRIP
+                   ? "compressed with KHR_draco_mesh_compression as a strip; such a stream holds "
+                     "single triangles, and viewers disagree on what they mean as a strip"
+                   : "compressed with KHR_draco_mesh_compression, which holds no fans";
     return p->indices == GLTF_NONE
                ? "compressed with KHR_draco_mesh_compression, but without indices"
                : NULL;
