@@ -78,14 +78,17 @@ static norma_result add(check_mesh *m, const uint8_t *verdicts, size_t with, siz
             against, norma_check_plural(against), against == 1 ? "has" : "have");
     else if (side == AGAINST)
         norma_check_message(message,
-            "%z tangent%s %s the opposite of the sign that the UVs give, and %z that sign; bumps "
-            "become dents in one of the two groups",
-            against, norma_check_plural(against), against == 1 ? "has" : "have", with);
+            "%z tangent%s %s the opposite of the sign that the UVs give, and %z agree%s with the "
+            "UVs; "
+            "bumps become dents in one of the two groups",
+            against, norma_check_plural(against), against == 1 ? "has" : "have", with,
+            with == 1 ? "s" : "");
     else
         norma_check_message(message,
-            "%z tangent%s with the sign that the UVs give, %z with the opposite; bumps become "
-            "dents in one of the two groups",
-            with, norma_check_plural(with), against);
+            "%z tangent%s %s the sign that the UVs give, and %z the opposite; bumps become dents "
+            "in "
+            "one of the two groups",
+            with, norma_check_plural(with), with == 1 ? "has" : "have", against);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N804,
             .severity = mixed ? norma_check_tangent_severity(m) : NORMA_SEVERITY_INFO,
