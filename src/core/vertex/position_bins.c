@@ -6,7 +6,6 @@ enum {
     LEAST_IN_BIN = 1 << 10,
     MOST_IN_BIN = 1 << 17, /* more than the cache holds gains nothing */
     MOST_BUFFERS = 64,
-    BUFFERS_FOR_JOBS = 8,
     SPANS_IN_BIN = 32,
     LEAST_SPANS_IN_BIN = 6,
     BINS_FOR_EACH = 4
@@ -51,9 +50,8 @@ static size_t choose_buffers(const core_bins *bins, size_t workers, size_t most)
 
 int norma_core_plan_bins(const core_call *call, const core_mesh *mesh, const core_range *ranges,
     core_bin_limits limits, core_bins *bins) {
-    const size_t workers = call->options.parallel_for ? BUFFERS_FOR_JOBS : norma_core_workers(call),
-                 positions = mesh->positions.count, chunks = norma_core_count_chunks(mesh),
-                 most = smaller(MOST_IN_BIN, limits.in_one);
+    const size_t workers = norma_core_shares(call), positions = mesh->positions.count,
+                 chunks = norma_core_count_chunks(mesh), most = smaller(MOST_IN_BIN, limits.in_one);
     if (!positions) return 0;
     *bins = (core_bins){.mesh = mesh,
         .ranges = ranges,
