@@ -364,11 +364,15 @@ for (const [name, files, words] of [["an OBJ", [["turned.obj", Buffer.from(TURNE
     if (files.length > 1) await dropFiles(page, ["shape.zip", readFileSync(join(shots, "shape.zip"))]);
     else await dropFiles(page, files[0]);
     await page.evaluate(`document.getElementById("fix-unsafe").checked = ${words.includes("--fix-unsafe")}`);
+    await page.click("finding-0");
+    if (name === "an OBJ") await page.until("/camera=/.test(location.hash)");
     await page.click("fix");
     await page.until("/^Before: .* After: /.test(document.getElementById('fix-facts').textContent)");
     await page.settled();
     expectSame(await handedOut(page, "fixed-files"), byCommand(files, words));
     expect(await page.evaluate("!document.getElementById('divider').hidden && document.getElementById('side-wrong-name').textContent === 'Before' && document.getElementById('side-right-name').textContent === 'After'"), "nothing to compare");
+    expect(await page.evaluate("getComputedStyle(document.getElementById('side-wrong-name')).color === getComputedStyle(document.body).color"), "before has the colour of wrong");
+    await page.until("!/camera=/.test(location.hash)");
     await page.picture(`fixed-${files[0][0]}`);
   });
 

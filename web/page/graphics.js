@@ -16,6 +16,8 @@ const FAINT = 0.14;
 const PHONG = [0.06, 0.94, 0.16, 26], UNLIT = [1, 0, 0, 1];
 /* Where a surface with one side is not drawn from behind; errors, winding and findings are looked for on either. */
 const HAS_SIDES = new Set(["lit", "normals", "matcap", "zebra", "tangents"]);
+/* In narrower pictures arrows are thinner. */
+const WIDE = 480;
 /* Alpha 0 is no alpha to the shader; and a cutoff that nothing reaches. */
 const LEAST_ALPHA = 1e-6, NOTHING_IS_LEFT = 2;
 
@@ -328,8 +330,8 @@ export function makeGraphics(canvas, texts) {
   const arrowBuffer = makeBuffer(new Float32Array(10), gl.DYNAMIC_DRAW);
   /* Arrows in world space: [{ from, to, colour }]. */
   const drawArrows = (arrows, camera, pixels) => {
-    const place = programOf("line");
-    startLines(place, camera, 3 * pixels, 13 * pixels, 0.01);
+    const place = programOf("line"), size = pixels * Math.max(0.5, Math.min(1, box.width / pixels / WIDE));
+    startLines(place, camera, 3 * size, 13 * size, 0.01);
     gl.uniformMatrix4fv(place("local_to_world"), false, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     for (const { from, to, colour } of arrows) {
       fillBuffer(arrowBuffer, Float32Array.of(...from, ...to, ...colour));

@@ -11,7 +11,7 @@ import { STEPS, showFormula } from "./lesson.js";
 import { apply3, degreesBetween, IDENTITY, invert, length, multiply, point, unit, upper } from "./matrix.js";
 import { makeMoving } from "./moving.js";
 import { listParts, showMaterialControls, showPart, usesOf } from "./parts.js";
-import { panelAt, panelsOf } from "./panels.js";
+import { NAME, panelAt, panelsOf } from "./panels.js";
 import { savePicture } from "./picture.js";
 import { count, counted, degrees, notice, showComputeFacts, showMatrix, showMatrixFacts, showModelFacts, showMovingFacts } from "./readouts.js";
 import { startRemote } from "./remote.js";
@@ -59,6 +59,7 @@ function showModel(model, { changed = false } = {}) {
     before = original;
     scene = makeScene(graphics, model, original.up, original.frame);
     scene.hidden = original.hidden;
+    if (chosen) camera.reset();      /* it stood close to one finding */
     chosen = null;
     look = { ...look, faint: false, pins: null };
   } else {
@@ -373,8 +374,8 @@ function placeStage() {
   byId("side-wrong").hidden = !compared || !sides.includes("wrong");
   byId("side-right").hidden = !compared || !sides.includes("right");
   byId("side-angle").hidden = !angle;
-  if (angle) byId("side-angle").style.top = `${angle.box.y + 6}px`;
-  byId("intro").style.top = angle ? `${angle.box.y + 6}px` : "";
+  if (angle) byId("side-angle").style.top = `${angle.box.y - NAME + 6}px`;
+  byId("intro").style.top = angle ? `${angle.box.y - NAME + 6}px` : "";
   byId("side-wrong-name").textContent = left;
   byId("side-right-name").textContent = right;
   byId("side-wrong").classList.toggle("plain", compared === "change");

@@ -2,6 +2,8 @@
 
 /* Below three panels lies a strip for what is read. */
 const STRIP = 84;
+/* Above each of them its name. */
+export const NAME = 30;
 
 const whole = (width, height) => ({ x: 0, y: 0, width, height });
 
@@ -9,9 +11,9 @@ const whole = (width, height) => ({ x: 0, y: 0, width, height });
 function beside(width, height) {
   const upper = Math.round(0.6 * (height - STRIP)), half = Math.floor(width / 2), low = height - upper - STRIP;
   return [
-    { side: "wrong", box: { x: 0, y: 0, width: half, height: upper } },
-    { side: "right", box: { x: half, y: 0, width: width - half, height: upper } },
-    { side: "angle", box: { x: 0, y: upper, width: half, height: low } },
+    { side: "wrong", box: { x: 0, y: NAME, width: half, height: upper - NAME } },
+    { side: "right", box: { x: half, y: NAME, width: width - half, height: upper - NAME } },
+    { side: "angle", box: { x: 0, y: upper + NAME, width: half, height: low - NAME } },
   ];
 }
 
