@@ -440,6 +440,66 @@ static void test_compressed(void **state) {
         }
 }
 
+/* What the extension's formula makes of an encoded normal, in steps of the encoding. */
+static void unfold_exactly(const double encoded[3], double most, double out[3]) {
+    double x = encoded[0] / encoded[2], y = encoded[1] / encoded[2];
+    const double z = 1 - fabs(x) - fabs(y), below = z < 0 ? z : 0;
+    x -= copysign(below, x);
+    y -= copysign(below, y);
+    const double length = sqrt(x * x + y * y + z * z);
+    out[0] = most * x / length, out[1] = most * y / length, out[2] = most * z / length;
+}
+
+/* Every component is the whole number nearest to the formula's, on every processor. */
+static void test_octahedral(void **state) {
+    enum { COUNT = 200 };
+    static float normals[COUNT][4];
+    static unsigned char octahedral[8 * COUNT];
+    (void)state;
+    for (int i = 0; i < COUNT; ++i) {
+        const double z = 1 - (2 * i + 1.0) / COUNT, turn = 2.399963 * i, r = sqrt(1 - z * z);
+        normals[i][0] = (float)(r * cos(turn)), normals[i][1] = (float)(r * sin(turn));
+        normals[i][2] = (float)z;
+    }
+    for (int wide = 0; wide < 2; ++wide) {
+        const double most = wide ? 32767 : 127;
+        gltf_asset a = {0};
+        norma_mesh_data data;
+        float v[3];
+        meshopt_encodeFilterOct(octahedral, COUNT, wide ? 8 : 4, wide ? 16 : 8, normals[0]);
+        asset_view(&a, normals, 12 * COUNT, "");
+        compressed_view(&a, octahedral, COUNT, wide ? 8 : 4, "ATTRIBUTES", "OCTAHEDRAL");
+        asset_accessor(
+            &a, "{\"bufferView\":0,\"componentType\":5126,\"count\":200,\"type\":\"VEC3\"}");
+        asset_accessor(&a, wide ? "{\"bufferView\":1,\"componentType\":5122,\"normalized\":true,"
+                                  "\"count\":200,\"type\":\"VEC3\"}"
+                                : "{\"bufferView\":1,\"componentType\":5120,\"normalized\":true,"
+                                  "\"count\":200,\"type\":\"VEC3\"}");
+        norma_document *document = asset_open(&a,
+            "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"KHR_mesh_quantization\"],"
+            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]",
+            0);
+        assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
+        for (size_t i = 0; i < COUNT; ++i) {
+            double encoded[3], exact[3];
+            for (int k = 0; k < 3; ++k) {
+                int16_t two;
+                memcpy(&two, octahedral + 8 * i + 2 * (size_t)k, 2);
+                encoded[k] = wide ? two : (int8_t)octahedral[4 * i + (size_t)k];
+            }
+            unfold_exactly(encoded, most, exact);
+            at(&data.normals, i, v);
+            for (int k = 0; k < 3; ++k) {
+                const double steps = most * (double)v[k];
+                assert_true(fabs(steps - round(steps)) < 2e-3); /* a whole number of steps */
+                assert_true(fabs(round(steps) - exact[k]) < 0.5 + (wide ? 5e-3 : 1e-4));
+            }
+        }
+        norma_document_close(document);
+        asset_free(&a);
+    }
+}
+
 /* The bytes of a view of the output, decoded by meshoptimizer; to be freed. */
 static unsigned char *decoded(const gltf_output *b, long view, const char *name) {
     const unsigned char *glb = (const unsigned char *)b->bytes.data;
@@ -764,6 +824,7 @@ int main(void) {
         cmocka_unit_test(test_indices),
         cmocka_unit_test(test_sparse),
         cmocka_unit_test(test_compressed),
+        cmocka_unit_test(test_octahedral),
         cmocka_unit_test(test_compressed_again),
         cmocka_unit_test(test_compressed_twice),
         cmocka_unit_test(test_compressed_rotations),

@@ -372,10 +372,10 @@ static void test_meshopt(void **state) {
 #define AT "/bufferViews/0/extensions/EXT_meshopt_compression: there should be "
     static const bad_text texts[] = {
         {COMPRESSED("36", "'byteLength':36,'count':3,'mode':'ATTRIBUTES'"),
-            AT "a byteStride and count whose product is plausible here"},
+            AT "a byteStride that is not zero here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':9007199254740991,'count':9007199254740991,'"
                           "mode':'ATTRIBUTES'"),
-            AT "a byteStride and count whose product is plausible here"},
+            AT "a byteLength of at least count times byteStride here"},
         {COMPRESSED("36", "'byteLength':36,'byteStride':12,'count':4,'mode':'ATTRIBUTES'"),
             AT "a byteLength of at least count times byteStride here"},
         {COMPRESSED(

@@ -1,6 +1,7 @@
 /* meshopt_views.c: views under EXT_meshopt_compression, through meshoptimizer, both ways. Its
  * decoder asserts what it is handed, so all of that is checked here first. */
 #include "io/gltf/read/asset.h"
+#include <math.h>
 #include <meshoptimizer.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,11 +11,10 @@ enum { LARGEST_RATIO = 64, SMALL = 1024 };
 
 static const char *wrong_layout(const gltf_view *view) {
     const gltf_meshopt *m = &view->meshopt;
-    size_t size;
-    if (m->stride == 0 || m->count > SIZE_MAX / m->stride)
-        return "a byteStride and count whose product is plausible";
-    size = m->count * m->stride;
-    if (size > view->length) return "a byteLength of at least count times byteStride";
+    if (m->stride == 0) return "a byteStride that is not zero";
+    if (m->count > view->length / m->stride)
+        return "a byteLength of at least count times byteStride";
+    const size_t size = m->count * m->stride;
     if (size > SMALL && size / LARGEST_RATIO > m->length)
         return "no more elements than the compressed bytes can hold";
     if (m->mode == GLTF_MODE_ATTRIBUTES ? m->stride % 4 != 0 || m->stride > 256
@@ -28,6 +28,46 @@ static const char *wrong_layout(const gltf_view *view) {
         (m->filter == GLTF_FILTER_QUATERNION && m->stride != 8))
         return "a byteStride that its filter allows";
     return NULL;
+}
+
+/* To the nearest whole number, halves to even ones; for less than 2^22. */
+static int nearest(float x) { return (int)((x + 0x3p22F) - 0x3p22F); }
+
+/* The octahedral filter (Meyer et al. 2010, as EXT_meshopt_compression has it). meshoptimizer's own
+ * takes the processor's approximate reciprocal roots, which differ from one processor to the next.
+ */
+static void unfold(int n[3], float most) {
+    const float one = (float)n[2];
+    float x = (float)n[0], y = (float)n[1];
+    const float z = one - fabsf(x) - fabsf(y), below = z < 0 ? z : 0;
+    x += x >= 0 ? below : -below;
+    y += y >= 0 ? below : -below;
+    const float length = (float)sqrt((double)(x * x + (y * y + z * z))),
+                scale = length > 0 ? most / length : 0;
+    n[0] = nearest(x * scale);
+    n[1] = nearest(y * scale);
+    n[2] = nearest(z * scale);
+}
+
+static void decode_octahedral(const gltf_meshopt *m, unsigned char *out) {
+    for (size_t i = 0; i < m->count; ++i, out += m->stride) {
+        int8_t bytes[3];
+        int16_t shorts[3];
+        int n[3];
+        if (m->stride == 4) {
+            memcpy(bytes, out, sizeof bytes);
+            for (int k = 0; k < 3; ++k) n[k] = bytes[k];
+            unfold(n, 127);
+            for (int k = 0; k < 3; ++k) bytes[k] = (int8_t)n[k];
+            memcpy(out, bytes, sizeof bytes);
+        } else {
+            memcpy(shorts, out, sizeof shorts);
+            for (int k = 0; k < 3; ++k) n[k] = shorts[k];
+            unfold(n, 32767);
+            for (int k = 0; k < 3; ++k) shorts[k] = (int16_t)n[k];
+            memcpy(out, shorts, sizeof shorts);
+        }
+    }
 }
 
 static int decode(const gltf_meshopt *m, const unsigned char *bytes, unsigned char *out) {
@@ -46,7 +86,7 @@ static int decode(const gltf_meshopt *m, const unsigned char *bytes, unsigned ch
     if (failed) return 0;
     switch (m->filter) {
     case GLTF_FILTER_OCTAHEDRAL:
-        meshopt_decodeFilterOct(out, m->count, m->stride);
+        decode_octahedral(m, out);
         break;
     case GLTF_FILTER_QUATERNION:
         meshopt_decodeFilterQuat(out, m->count, m->stride);
