@@ -1,10 +1,12 @@
 /* Puts together what `make web` leaves.
- *   node build.mjs package FOLDER    FOLDER/npm, from FOLDER/norma.wasm
- *   node build.mjs page FOLDER       FOLDER/norma.html, one file with everything in it, from FOLDER/page.wasm */
+ *   node build.mjs package FOLDER SOURCES    FOLDER/npm, from FOLDER/norma.wasm, check.wasm and draco.wasm
+ *   node build.mjs page FOLDER SOURCES       FOLDER/norma.html, one file with everything in it, from FOLDER/page.wasm and draco.wasm
+ * SOURCES: where the sources of others lie, whose licences go with what was made of them. */
 import { execFileSync } from "node:child_process";
-import { copyFileSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { deflateRawSync } from "node:zlib";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
@@ -14,16 +16,28 @@ function bundle(start, more = []) {
   return execFileSync(process.env.ESBUILD || "esbuild", [start, ...options, ...more], { encoding: "utf8", maxBuffer: 1 << 26 });
 }
 
-function buildPackage(folder) {
+/* The licences of what the modules hold of others. */
+function readNotices(sources) {
+  const texts = [["meshoptimizer", "LICENSE.md"], ["draco", "LICENSE"]].map(([name, file]) => [name, join(sources, name, file)]).filter(([, path]) => existsSync(path));
+  return texts.map(([name, path]) => `The WebAssembly modules hold code of ${name}:\n\n${readFileSync(path, "utf8").trim()}\n`).join("\n\n");
+}
+
+/* A module without anything stands where Draco was left out: bundlers find the file, and nothing ever loads it. */
+const EMPTY = Buffer.from([0x00, 0x61, 0x73, 0x6d, 0x01, 0x00, 0x00, 0x00]);
+const readModule = (folder, name) => (name !== "draco" || existsSync(join(folder, "draco.wasm")) ? readFileSync(join(folder, `${name}.wasm`)) : EMPTY);
+
+function buildPackage(folder, sources) {
   const out = join(folder, "npm"), source = join(here, "package");
   rmSync(out, { recursive: true, force: true });
   mkdirSync(out, { recursive: true });
   for (const name of readdirSync(source)) if (/\.(js|ts|json|md)$/.test(name) && name !== "worker-inline.js") copyFileSync(join(source, name), join(out, name));
   copyFileSync(join(here, "..", "LICENSE"), join(out, "LICENSE"));
   const textModule = (name, about, text) => writeFileSync(join(out, name), `/* ${about} */\nexport default ${JSON.stringify(text)};\n`);
-  for (const name of ["norma", "check"]) {
-    copyFileSync(join(folder, `${name}.wasm`), join(out, `${name}.wasm`));
-    textModule(`${name}-text.js`, `${name}.wasm in base64.`, readFileSync(join(folder, `${name}.wasm`)).toString("base64"));
+  writeFileSync(join(out, "NOTICES"), readNotices(sources));
+  for (const name of ["norma", "check", "draco"]) {
+    const bytes = readModule(folder, name);
+    writeFileSync(join(out, `${name}.wasm`), bytes);
+    textModule(`${name}-text.js`, `${name}.wasm in base64.`, bytes.toString("base64"));
   }
   textModule("worker-text.js", "The worker of norma-mesh/inline as one script.", bundle(join(source, "worker-inline.js"), ["--minify"]));
 }
@@ -50,25 +64,31 @@ function packSculpture(path) {
   return bytes.toString("base64");
 }
 
-function buildPage(folder) {
+/* A module as the page holds it (web/page/inflate.js). */
+const packModule = (bytes) => deflateRawSync(bytes, { level: 9 }).toString("base64");
+
+function buildPage(folder, sources) {
   const page = join(here, "page");
   /* No closing tag may stand in what lies within one. */
   const guard = (text) => text.replaceAll("</", "<\\/");
   const parts = {
     STYLE: readFileSync(join(page, "style.css"), "utf8"),
-    WASM: readFileSync(join(folder, "page.wasm")).toString("base64"),
+    WASM: packModule(readFileSync(join(folder, "page.wasm"))),
+    NOTICES: guard(readNotices(sources)),
     WORKER: guard(bundle(join(page, "worker.js"), ["--minify"])),
     SCRIPT: guard(`${readShaders()}\n${bundle(join(page, "main.js"), ["--minify"])}`),
   };
-  const text = readFileSync(join(page, "index.html"), "utf8").replace(/\/\*(STYLE|WASM|WORKER|SCRIPT)\*\//g, (_, name) => parts[name]);
-  writeFileSync(join(folder, "page.html"), text.replace("/*SCULPTURE*/", ""));
-  writeFileSync(join(folder, "norma.html"), text.replace("/*NAME*/", "").replace("/*MODEL*/", "").replace("/*SCULPTURE*/", packSculpture(join(here, "..", "assets", "goathead.obj"))));
+  const text = readFileSync(join(page, "index.html"), "utf8").replace(/\/\*(STYLE|WASM|NOTICES|WORKER|SCRIPT)\*\//g, (_, name) => parts[name]);
+  /* The page of norma view needs neither: the tool has read its file. */
+  writeFileSync(join(folder, "page.html"), text.replace("/*SCULPTURE*/", "").replace("/*DRACO*/", ""));
+  const sculpture = packSculpture(join(here, "..", "assets", "goathead.obj")), draco = existsSync(join(folder, "draco.wasm")) ? packModule(readModule(folder, "draco")) : "";
+  writeFileSync(join(folder, "norma.html"), text.replace("/*NAME*/", "").replace("/*MODEL*/", "").replace("/*SCULPTURE*/", sculpture).replace("/*DRACO*/", draco));
 }
 
-const [what, folder] = process.argv.slice(2);
+const [what, folder, sources] = process.argv.slice(2);
 const works = { package: buildPackage, page: buildPage };
-if (!works[what] || !folder) {
-  console.error(`usage: node build.mjs ${Object.keys(works).join("|")} FOLDER`);
+if (!works[what] || !sources) {
+  console.error(`usage: node build.mjs ${Object.keys(works).join("|")} FOLDER SOURCES`);
   process.exit(2);
 }
-works[what](folder);
+works[what](folder, sources);

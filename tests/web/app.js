@@ -1,5 +1,6 @@
 /* What every bundle of the tests holds: each part of norma-mesh once. run() gives text, the same wherever it runs. */
 import { BoxGeometry } from "three";
+import packed from "./packed-file.js";
 import { computeTangents, planFor, toCreased } from "norma-mesh/three";
 
 const digits = (array) => Array.from(array, (x) => x.toFixed(5)).join(" ");
@@ -12,7 +13,10 @@ export async function run({ load, loadWorker }) {
   report.push(digits(box.attributes.normal.array));
   const file = new TextEncoder().encode("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1//1 2//1 3//1\n"), rules = ({ files: [{ findings }] }) => findings.map(({ rule }) => rule).join();
   report.push(rules(await norma.check(file, { name: "back.obj" })));
+  const draco = () => Uint8Array.from(atob(packed), (c) => c.charCodeAt(0)), judged = ({ files: [{ status, findings }] }) => [status, ...findings.map(({ rule, message }) => `${rule} ${message}`)].join();
+  report.push(judged(await norma.check(draco(), { name: "packed.glb" })));
   const worker = await loadWorker();
+  report.push(judged(await worker.check(draco(), { name: "packed.glb" })));
   report.push(digits(await worker.cornerNormals(position.array, box.index.array, { crease: 30 })), rules(await worker.check(file, { name: "back.obj" })));
   worker.terminate();
   return report.join("\n");

@@ -30,7 +30,8 @@ pass "npm pack and npm install"
 installed=$user/node_modules/norma-mesh
 check "package.json has the library's version" test "$(node -p 'require(process.argv[1]).version' "$installed/package.json")" = "$version"
 check "the core is at most 120 kB (brotli)" node -e 'process.exit(require("zlib").brotliCompressSync(require("fs").readFileSync(process.argv[1])).length > 120000 ? 1 : 0)' "$installed/norma.wasm"
-check "nothing of the page or of C is in the package" bash -c '! find "$0" -type f ! -name "*.js" ! -name "*.d.ts" ! -name "norma.wasm" ! -name "check.wasm" ! -name package.json ! -name README.md ! -name LICENSE | grep .' "$installed"
+check "the decoder for Draco is at most 60 kB (brotli)" node -e 'process.exit(require("zlib").brotliCompressSync(require("fs").readFileSync(process.argv[1])).length > 60000 ? 1 : 0)' "$installed/draco.wasm"
+check "nothing of the page or of C is in the package" bash -c '! find "$0" -type f ! -name "*.js" ! -name "*.d.ts" ! -name "norma.wasm" ! -name "check.wasm" ! -name "draco.wasm" ! -name package.json ! -name README.md ! -name LICENSE ! -name NOTICES | grep .' "$installed"
 for path in "$modules"/* "$modules"/@*/*; do
     name=${path#"$modules"/}
     [ ! -e "$path" ] || [[ $name == @* && $name != */* ]] || { mkdir -p "$(dirname "$user/node_modules/$name")" && ln -s "$path" "$user/node_modules/$name"; }
@@ -57,6 +58,17 @@ for file in khronos/AnimatedMorphCube/AnimatedMorphCube.gltf khronos/Fox/Fox.glt
     [ ! -f "$data/gltf/$file" ] || gltf+=("$data/gltf/$file")
 done
 if [ -d "$modules/@gltf-transform" ]; then relay "glTF-Transform" beside node gltf-transform.mjs "$(realpath "$tool")" "$root/tests/cli/golden/files/roof.gltf" "${gltf[@]}"; else skip "glTF-Transform (not installed: scripts/install-deps.sh)"; fi
+printf 'export default "%s";\n' "$(base64 -w 0 tests/fuzz/corpus/glb/draco)" >"$user/packed-file.js"
+is_packed=$(node -p 'require("fs").statSync(process.argv[1]).size > 8 && /meshoptimizer/.test(require("fs").readFileSync(process.argv[2], "utf8"))' "$installed/draco.wasm" "$installed/NOTICES")
+if [ "$is_packed" != true ]; then
+    skip "compressed glTF (this tree was built without the sources of meshoptimizer and draco: scripts/install-deps.sh)"
+elif [ -d "$modules/draco3dgltf" ] && [ -d "$modules/@gltf-transform" ]; then
+    packed=()
+    for file in gltf/misc/box-draco.glb gltf/misc/box-meshopt.glb gltf/quantized/avocado-meshopt.glb; do [ ! -f "$data/$file" ] || packed+=("$data/$file"); done
+    relay "compressed glTF" beside node packed.mjs "$(realpath "$tool")" "${packed[@]}"
+else
+    skip "compressed glTF (draco3d is not installed: scripts/install-deps.sh)"
+fi
 if [ -d "$modules/three" ]; then relay bundles beside node bundles.mjs; else skip "bundles (three.js is not installed)"; fi
 relay README beside node readme.mjs "$(realpath "$tool")" "$root/tests/cli/golden/files/roof.gltf"
 

@@ -265,6 +265,10 @@ await attempt("200,000 triangles are computed anew as the slider moves", async (
 /* ---- files */
 
 const FILES = [["assets/goathead.obj", 5522, /OBJ, no normals/], ["assets/spider.stl", 1368, /STL, normals per facet/], ["tests/cli/golden/files/roof.ply", 0, /PLY/], ["tests/cli/golden/files/roof.glb", 4, /GLB/]];
+/* Without the sources of meshoptimizer and draco, the page does not decode theirs. */
+const NOTICES = /id="notices">([^]*?)<\/script>/.exec(readFileSync(join(pageFolder, "norma.html"), "utf8"))[1], PACKED = ["meshoptimizer", "draco"].every((name) => NOTICES.includes(`code of ${name}`)) ? ["draco", "meshopt"] : [];
+if (!PACKED.length) skip("compressed glTF (the page was built without the sources of meshoptimizer and draco: scripts/install-deps.sh)");
+FILES.push(...PACKED.map((name) => [`assets/ball-${name}.glb`, 1216, /GLB, normals per vertex/]));
 for (const [index, [file, triangles, words]] of FILES.entries())
   await attempt(`a file that is ${index % 2 ? "chosen" : "dropped"} appears: ${file}`, async () => {
     const bytes = readFileSync(join(root, file)), name = file.split("/").pop();
@@ -359,7 +363,8 @@ await attempt("a zip with a .gltf and its buffer is opened; alone the .gltf is t
   await page.until("/bad\\.zip.*damaged/.test(document.getElementById('notice').textContent)");
 });
 
-for (const [name, files, words] of [["an OBJ", [["turned.obj", Buffer.from(TURNED)]], ["check", "--fix-unsafe"]], ["a .gltf from a zip", makeAsset(), ["check", "--fix"]]])
+for (const [name, files, words] of [["an OBJ", [["turned.obj", Buffer.from(TURNED)]], ["check", "--fix-unsafe"]], ["a .gltf from a zip", makeAsset(), ["check", "--fix"]],
+  ...PACKED.map((name) => [`a GLB that ${name === "draco" ? "Draco" : "meshoptimizer"} compressed`, [[`ball-${name}.glb`, readFileSync(join(root, `assets/ball-${name}.glb`))]], ["check", "--fix-unsafe"]])])
   await attempt(`${name} is fixed in the page: the bytes of norma check --fix, before and after beside each other`, async () => {
     if (files.length > 1) await dropFiles(page, ["shape.zip", readFileSync(join(shots, "shape.zip"))]);
     else await dropFiles(page, files[0]);
@@ -374,6 +379,23 @@ for (const [name, files, words] of [["an OBJ", [["turned.obj", Buffer.from(TURNE
     expect(await page.evaluate("getComputedStyle(document.getElementById('side-wrong-name')).color === getComputedStyle(document.body).color"), "before has the colour of wrong");
     await page.until("!/camera=/.test(location.hash)");
     await page.picture(`fixed-${files[0][0]}`);
+  });
+
+for (const name of PACKED)
+  await attempt(`the findings of a file under ${name} are those of norma check; a damaged one is told of, and the page goes on`, async () => {
+    const path = join(root, `assets/ball-${name}.glb`), bytes = readFileSync(path), { files: [{ findings }] } = JSON.parse(spawnSync(tool, ["check", "--format", "json", path], { encoding: "utf8" }).stdout);
+    await dropFiles(page, [`ball-${name}.glb`, bytes]);
+    const listed = await page.evaluate("document.getElementById('findings').textContent"), serious = findings.filter(({ severity }) => severity !== "info");
+    expect(serious.length > 1 && serious.every(({ rule }) => listed.includes(rule)), listed);
+    await page.pick("colours", "findings");
+    await page.picture(`packed-${name}`);
+    await page.pick("colours", "lit");
+    const damaged = Buffer.from(bytes);
+    damaged.fill(0xff, 28 + bytes.readUInt32LE(12), 48 + bytes.readUInt32LE(12));
+    await page.evaluate("document.getElementById('notice').textContent = ''");
+    await page.evaluate(`(() => { const data = new DataTransfer(); data.items.add(new File([Uint8Array.from(atob(${JSON.stringify(damaged.toString("base64"))}), (c) => c.charCodeAt(0))], "harmed.glb")); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`);
+    await page.until("/harmed\\.glb.*(libdraco|meshoptimizer)/.test(document.getElementById('notice').textContent)");
+    await page.pick("model", "vase");
   });
 
 await attempt("normals are computed into a copy: the bytes of norma compute", async () => {

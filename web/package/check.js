@@ -93,14 +93,14 @@ export function bindCheck(wasm) {
   });
 }
 
-/* check as a call: the module is loaded when it is first needed. loadModule: () => a promise of its exports. */
-export function makeCheck(loadModule) {
+/* check as a call: the module is loaded when it is first needed. loadModule: () => a promise of its exports; reading: of makeDraco. */
+export function makeCheck(loadModule, reading) {
   let bound = null;
   return async (file, options) => {
     const bytes = given.bytes(file), chosen = given.options(options, "name profile");
     const name = given.name(chosen.name), profile = given.profile(chosen.profile);
     bound ??= loadModule().then(bindCheck);
     const check = await bound.catch((error) => { bound = null; throw error; });
-    return check(bytes, name, profile);
+    return reading(() => check(bytes, name, profile));
   };
 }

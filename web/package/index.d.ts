@@ -294,6 +294,8 @@ export type ModuleSource = string | URL | Bytes | WebAssembly.Module;
 export interface LoadOptions {
   /** Where check.wasm is. Default: beside the package's other files. */
   check?: ModuleSource | undefined;
+  /** Where draco.wasm is, which is loaded when a file with Draco's compression is first checked. Default: beside the package's other files. */
+  draco?: ModuleSource | undefined;
 }
 
 /** Without a source: norma.wasm from this package, loaded once. */

@@ -1,4 +1,4 @@
-/* norma-mesh with its modules as text: one file for bundlers and pages that cannot serve a .wasm beside their script. The text of check.wasm is loaded when a file is first checked. */
+/* norma-mesh with its modules as text: one file for bundlers and pages that cannot serve a .wasm beside their script. The text of check.wasm is loaded when a file is first checked, that of draco.wasm with the first Draco stream. */
 import { fail } from "./arguments.js";
 import { makeLoad } from "./load.js";
 import { read } from "./load-web.js";
@@ -14,13 +14,13 @@ function decode(text) {
   return bytes;
 }
 
-const checkBytes = async () => decode((await import("./check-text.js")).default);
+const later = { check: async () => decode((await import("./check-text.js")).default), draco: async () => decode((await import("./draco-text.js")).default) };
 
-export const load = makeLoad(read, { core: () => decode(core), check: checkBytes });
+export const load = makeLoad(read, { core: () => decode(core), ...later });
 
 /* The worker is made from text too: a content security policy has to allow worker-src blob:. */
 export const loadWorker = async (source, options) => {
   if (typeof Worker === "undefined") fail("loadWorker: there is no Worker here; import it from norma-mesh instead of norma-mesh/inline");
   const address = URL.createObjectURL(new Blob([workerText], { type: "text/javascript" }));
-  return connect(new Worker(address), source ?? decode(core), { check: checkBytes, ...options });
+  return connect(new Worker(address), source ?? decode(core), { ...later, ...options });
 };

@@ -1,6 +1,7 @@
-/* Loading, the same for every entry: what differs is where the two modules lie. */
+/* Loading, the same for every entry: what differs is where the modules lie. */
 import { bindCalls } from "./calls.js";
 import { makeCheck } from "./check.js";
+import { makeDraco } from "./draco.js";
 import { fail, options as checkOptions, spell } from "./arguments.js";
 
 /* What `norma-mesh/three` and `norma-mesh/gltf-transform` compute with: whatever was loaded last. */
@@ -14,29 +15,34 @@ const isAddress = (source) => typeof source === "string" || source instanceof UR
 
 const MAGIC = [0x00, 0x61, 0x73, 0x6d];
 
-async function instantiate(source, read, what) {
-  if (isModule(source)) return (await WebAssembly.instantiate(source)).exports;
+async function compile(source, read, what) {
+  if (isModule(source)) return source;
   if (!isBytes(source) && !isAddress(source)) fail(`${what}: ${spell(source)} is neither an address, nor bytes, nor a WebAssembly.Module`);
   const bytes = isBytes(source) ? source : await read(source);
   const head = new Uint8Array(bytes.buffer ?? bytes, bytes.byteOffset ?? 0, Math.min(4, bytes.byteLength));
   if (!MAGIC.every((byte, i) => head[i] === byte)) {
     fail(`${what}: ${isBytes(source) ? "these bytes are" : `${source} is`} not a WebAssembly module. A bundler that does not copy the package's .wasm files needs \`norma-mesh/inline\`, or load(address)`);
   }
-  return (await WebAssembly.instantiate(bytes)).instance.exports;
+  return WebAssembly.compile(bytes);
 }
 
-/* read: (address) => a promise of bytes. modules: core and check, each giving an address, bytes, or a promise of them. */
+const instantiate = async (source, read, what, imports = {}) => (await WebAssembly.instantiate(await compile(source, read, what), imports)).exports;
+
+/* read: (address) => a promise of bytes. modules: core, check and draco, each giving an address, bytes, or a promise of them. */
 export function makeLoad(read, modules) {
   let first = null;
-  const open = async (source, check) => {
+  const sourceOf = (given, standard) => (typeof given === "function" ? given() : given ?? standard());
+  const open = async (source, check, draco) => {
     const core = await instantiate(source ?? (await modules.core()), read, "load");
-    return bindCalls(core, makeCheck(async () => instantiate(typeof check === "function" ? await check() : check ?? (await modules.check()), read, "check")));
+    const decoder = makeDraco(async () => compile(await sourceOf(draco, modules.draco), read, "draco"));
+    const loadCheck = async () => decoder.serve(await instantiate(await sourceOf(check, modules.check), read, "check", decoder.imports));
+    return bindCalls(core, makeCheck(loadCheck, decoder.reading));
   };
-  /* source: nothing, an address of norma.wasm, its bytes, or a compiled module; check: the same of check.wasm. */
+  /* source: nothing, an address of norma.wasm, its bytes, or a compiled module; check, draco: the same of check.wasm and draco.wasm. */
   return async (source, options) => {
-    const { check } = checkOptions(options, "check");
-    const standard = (source === undefined || source === null) && check === undefined;
-    if (!standard) return (current = await open(source, check));
+    const { check, draco } = checkOptions(options, "check draco");
+    const standard = (source === undefined || source === null) && check === undefined && draco === undefined;
+    if (!standard) return (current = await open(source, check, draco));
     first ??= open();
     try {
       return (current = await first);

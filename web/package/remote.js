@@ -30,16 +30,17 @@ function pack(args) {
   return { packed, buffers: [...buffers] };
 }
 
-/* worker: of a browser, or of node. source, check: as load takes them; check may be a function that gives bytes. */
+/* worker: of a browser, or of node. source, check, draco: as load takes them; the latter two may be functions that give bytes. */
 export async function connect(worker, source, options) {
-  const { check } = checkOptions(options, "check"), waiting = new Map();
+  const modules = checkOptions(options, "check draco"), waiting = new Map();
   let next = 0, ended = null;
   const end = (reason) => {
     ended = reason;
     for (const { fail } of waiting.values()) fail(reason);
     waiting.clear();
   };
-  const answer = ({ id, value, error }) => {
+  const answer = ({ id, value, error, wanted }) => {
+    if (wanted) { sendModule(wanted); return; }
     if (!waiting.has(id)) return; // ended meanwhile
     const { done, fail } = waiting.get(id);
     waiting.delete(id);
@@ -72,9 +73,9 @@ export async function connect(worker, source, options) {
     return send(call, packed, buffers);
   };
 
-  const sendsCheck = typeof check === "function";
-  let sentCheck = null;
-  const version = await send("load", [source instanceof URL ? String(source) : source, sendsCheck ? undefined : check instanceof URL ? String(check) : check, sendsCheck], []).catch((error) => {
+  const sendModule = (name) => modules[name]().then((bytes) => send("send", [name, bytes], []), (error) => send("send", [name, null, error.message], [])).catch(() => undefined); // ended meanwhile
+  const sendable = (module) => (typeof module === "function" ? true : module instanceof URL ? String(module) : module);
+  const version = await send("load", [source instanceof URL ? String(source) : source, { check: sendable(modules.check), draco: sendable(modules.draco) }], []).catch((error) => {
     worker.terminate();
     throw error;
   });
@@ -87,7 +88,6 @@ export async function connect(worker, source, options) {
     version, plan,
     ...Object.fromEntries(CALLS.map((call) => [call, (...args) => ask(call, args)])),
     check: async (...args) => {
-      if (sendsCheck) await (sentCheck ??= check().then((bytes) => send("sendCheck", [bytes], [])));
       const bytes = Object.prototype.toString.call(args[0]) === "[object ArrayBuffer]" ? new Uint8Array(args[0]) : args[0];
       return ask("check", [bytes, ...args.slice(1)]);
     },

@@ -1,4 +1,4 @@
-/* A worker answers calls: { id, call, args } in, { id, value } or { id, error } out. Buffers of answers are handed over, not copied. */
+/* A worker answers calls: { id, call, args } in, { id, value } or { id, error } out. Buffers of answers are handed over, not copied. For a module whose bytes are sent it asks by { wanted }. */
 
 import { fail } from "./arguments.js";
 
@@ -8,16 +8,21 @@ const buffersOf = (value) => {
 };
 
 export function serve(port, load) {
-  let norma = null, number = 0, sendCheck;
-  const sentCheck = new Promise((done) => { sendCheck = done; }), plans = new Map();
+  let norma = null, number = 0;
+  const plans = new Map(), waiting = new Map();
+  const askFor = (wanted) => new Promise((done, fail) => {
+    waiting.set(wanted, { done, fail });
+    port.postMessage({ wanted }, []);
+  });
 
   const calls = {
-    /* isCheckSent: the bytes of check.wasm follow, before the first check. */
-    load: async (source, check, isCheckSent) => {
-      norma = await load(source, isCheckSent ? { check: () => sentCheck } : check ? { check } : {});
+    /* modules: check and draco as load takes them; true: their bytes are sent when they are asked for. */
+    load: async (source, modules) => {
+      const given = Object.entries(modules).filter(([, module]) => module !== undefined);
+      norma = await load(source, Object.fromEntries(given.map(([name, module]) => [name, module === true ? () => askFor(name) : module])));
       return norma.version;
     },
-    sendCheck: (bytes) => sendCheck(bytes),
+    send: (name, bytes, error) => { if (error) waiting.get(name).fail(new Error(error)); else waiting.get(name).done(bytes); },
     plan: (...args) => {
       const plan = norma.plan(...args);
       plans.set(++number, plan);

@@ -1,5 +1,7 @@
 /* The page's module: the package's calls; models, which are packs; documents, which are files read, fixed and written by the library's own code. */
 import { bindCalls } from "../package/calls.js";
+import { makeDraco } from "../package/draco.js";
+import { moduleOf } from "./inflate.js";
 
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
 const WELDS = ["exact", "none"];
@@ -19,9 +21,16 @@ const materialOf = ([base, normal, baseS, baseT, normalS, normalT, mode, cutoff,
   baseMap: mapOf(base, [baseS, baseT], [baseMag, baseMin]), normalMap: mapOf(normal, [normalS, normalT], [normalMag, normalMin]), cutoff: mode === MASK ? cutoff : 0, seeThrough: mode > MASK || mode < OPAQUE, strength,
   hasTexcoords: hasTexcoords > 0, hasTangents: hasTangents > 0, hasColours: hasColours > 0, hasMaterial: hasMaterial > 0, isLit: isLit > 0, isDoubleSided: isDoubleSided > 0 });
 
-export async function startEngine(bytes) {
-  const { instance } = await WebAssembly.instantiate(bytes);
-  const wasm = instance.exports;
+/* packed: draco.wasm as the page holds it; a page of norma view has none. */
+async function compileDraco(packed) {
+  if (!packed) throw new Error("This page cannot decode Draco's compression (KHR_draco_mesh_compression). The command line can.");
+  return WebAssembly.compile(await moduleOf(packed));
+}
+
+export async function startEngine({ bytes, draco: packed }) {
+  const draco = makeDraco(() => compileDraco(packed));
+  const { instance } = await WebAssembly.instantiate(bytes, draco.imports);
+  const wasm = draco.serve(instance.exports);
   const norma = bindCalls(wasm);
   const memory = () => wasm.memory.buffer;
   const floats = (at, count) => new Float32Array(memory(), at >>> 0, count);
@@ -156,11 +165,11 @@ export async function startEngine(bytes) {
     const pack = orError(path, (error) => wasm.document_pack(document, size, error), isNull) >>> 0;
     return openPack(pack, new Uint32Array(memory(), size, 1)[0], name);
   });
-  const openFile = (path, name) => withDocument(path, (document) => packOf(document, path, name));
+  const openFile = (path, name) => draco.reading(() => withDocument(path, (document) => packOf(document, path, name)), (model) => model.free());
   const notesOf = (document, from = 0) => [...new Set(Array.from({ length: wasm.document_note_count(document) - from }, (_, i) => longTextAt(wasm.document_note(document, from + i))))];
 
   /* A changed copy of one of the files: its model, and the files that it consists of. change(document, numbers) fills the numbers, of which the first says whether anything changed. */
-  const changed = (path, name, change) => withDocument(path, (document) => lend([24], (numbers) => {
+  const changeOnce = (path, name, change) => withDocument(path, (document) => lend([24], (numbers) => {
     const before = wasm.document_note_count(document);
     orError(path, (error) => change(document, numbers, error), isSet);
     const [isChanged, verticesBefore, verticesAfter] = doubles(numbers, 3), to = `norma/${path.split("/").pop()}`;
@@ -169,6 +178,7 @@ export async function startEngine(bytes) {
     orError(path, (error) => withText(to, (at) => wasm.document_save(document, at, error)), isSet);
     return { changed: true, model, files: takeWritten().map((file) => ({ ...file, path: file.path.replace(/^norma\//, "") })), verticesBefore, verticesAfter, notes: notesOf(document, before) };
   }));
+  const changed = (...args) => draco.reading(() => changeOnce(...args), ({ model }) => model?.free());
   const fixFile = (path, name, { unsafe = false } = {}) => changed(path, name, (document, numbers, error) => wasm.document_fix(document, unsafe ? 1 : 0, numbers, error));
   /* crease: degrees; null: as norma compute does it unasked. */
   const computeFile = (path, name, { weight, weld, crease }) =>

@@ -14,6 +14,7 @@ import { listParts, showMaterialControls, showPart, usesOf } from "./parts.js";
 import { NAME, panelAt, panelsOf } from "./panels.js";
 import { savePicture } from "./picture.js";
 import { count, counted, degrees, notice, showComputeFacts, showMatrix, showMatrixFacts, showModelFacts, showMovingFacts } from "./readouts.js";
+import { bytesOf, moduleOf } from "./inflate.js";
 import { startRemote } from "./remote.js";
 import { fitOf, itemsOf, makeScene, meanColumn } from "./scene.js";
 import { CREDIT, unpackSculpture } from "./sculpture.js";
@@ -826,8 +827,6 @@ function textOf(id) {
   byId(id).textContent = "";
   return text;
 }
-const bytesOf = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-
 function fallBack(reason) {
   byId("fallback").hidden = false;
   byId("fallback-reason").textContent = reason;
@@ -849,8 +848,8 @@ function paintLegend(texts) {
 }
 
 async function startEngines() {
-  const bytes = bytesOf(textOf("wasm"));
-  const [{ instance }, started] = await Promise.all([WebAssembly.instantiate(bytes), startRemote(textOf("worker"), bytes, (now) => { calls = now; })]);
+  const bytes = await moduleOf(textOf("wasm")), modules = { bytes, draco: textOf("draco") }, noStreams = { norma: { draco_decode: () => 0 } }; // no file is read here
+  const [{ instance }, started] = await Promise.all([WebAssembly.instantiate(bytes, noStreams), startRemote(textOf("worker"), modules, (now) => { calls = now; })]);
   norma = bindCalls(instance.exports);
   remote = started;
 }

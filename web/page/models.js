@@ -10,8 +10,9 @@ function describe(number, model) {
            arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), reach: mesh.reach().slice() })) };
 }
 
-export async function startModels(wasm) {
-  const engine = await startEngine(wasm), models = new Map();
+/* modules: the bytes of the page's module, and draco.wasm as the page holds it. */
+export async function startModels(modules) {
+  const engine = await startEngine(modules), models = new Map();
   let next = 1;
   const add = (model) => {
     models.set(next, model);
@@ -36,12 +37,12 @@ export async function startModels(wasm) {
     openTriangles: ({ positions, indices, colour, name }) => add(engine.openBytes(packTriangles(positions, indices, colour), name)),
     /* A pack in base64. */
     openText: (text, name) => add(engine.openBytes(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)), name)),
-    openFiles: (files, path, name) => {
+    openFiles: async (files, path, name) => {
       engine.setFiles(files);
-      return add(engine.openFile(path, name));
+      return add(await engine.openFile(path, name));
     },
-    fix: (path, name, options) => addChanged(engine.fixFile(path, name, options)),
-    computeFile: (path, name, options) => addChanged(engine.computeFile(path, name, options)),
+    fix: async (path, name, options) => addChanged(await engine.fixFile(path, name, options)),
+    computeFile: async (path, name, options) => addChanged(await engine.computeFile(path, name, options)),
     free: (number) => {
       models.get(number)?.free();
       models.delete(number);

@@ -18,20 +18,21 @@ function promises(worker) {
 }
 
 /* What a dead worker leaves unanswered ends in one error, that of its start. */
-const started = (worker, ask, wasm) => new Promise((done, fail) => {
+const started = (worker, ask, modules) => new Promise((done, fail) => {
   worker.onerror = (event) => { event.preventDefault?.(); fail(new Error(event.message ?? "no worker")); };
-  ask("start", wasm).then(done, fail);
+  ask("start", modules).then(done, fail);
 });
 
-export async function startRemote(text, wasm, onBusy) {
+export async function startRemote(text, modules, onBusy) {
   let ask;
   try {
     const worker = makeWorker(text);
     ask = promises(worker);
-    await started(worker, ask, wasm);
+    await started(worker, ask, modules);
   } catch {
-    const calls = await startModels(wasm);
-    ask = async (name, ...values) => calls[name](...values);
+    const calls = await startModels(modules);
+    let last = Promise.resolve();
+    ask = (name, ...values) => (last = last.catch(() => undefined).then(() => calls[name](...values)));
   }
   let busy = 0;
   const counted = async (name, ...values) => {

@@ -1,15 +1,10 @@
 /* The files of a zip: its central directory (PKWARE's APPNOTE 6.3), each inflated by the browser. */
+import { inflate } from "./inflate.js";
 
 const END = 0x06054b50, ENTRY = 0x02014b50, LOCAL = 0x04034b50;
 const STORED = 0, DEFLATED = 8, ENCRYPTED = 1;
 const LONGEST_COMMENT = 65535, END_SIZE = 22;
 const MOST_BYTES = 1 << 30;
-
-async function inflate(bytes) {
-  const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw")).getReader(), parts = [];
-  for (let part = await reader.read(); !part.done; part = await reader.read()) parts.push(part.value);
-  return new Uint8Array(await new Blob(parts).arrayBuffer());
-}
 
 function findEnd(view) {
   for (let at = view.byteLength - END_SIZE; at >= Math.max(0, view.byteLength - END_SIZE - LONGEST_COMMENT); at--) if (view.getUint32(at, true) === END) return at;

@@ -1,39 +1,9 @@
 /* no_system.c: a browser is no system. What wasi-libc would ask of its host answers that there is
- * none, so that the module imports nothing. Compressed glTF buffers and meshes are refused here,
- * for want of their decoders. */
-#include "io/gltf/read/asset.h"
-#include "io/gltf/read/draco_decoder.h"
+ * none, so that the module needs no host. */
 #include <errno.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-int norma_gltf_reads_meshopt(void) { return 1; } /* the reason is given below, when one is met */
-
-norma_document_result norma_gltf_decode_meshopt(
-    gltf *g, uint32_t number, norma_document_error *error) {
-    (void)number;
-    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-        "compressed with EXT_meshopt_compression, which WebAssembly builds cannot read; the "
-        "command line can");
-}
-unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes) {
-    return (void)m, (void)bytes, NULL;
-}
-
-int norma_draco_reads(void) { return 0; }
-
-#define DRACO_WHERE                                                                                \
-    "WebAssembly builds cannot read; the command line can, and gltf-transform copy unpacks it"
-const char *norma_draco_missing(int of_primitive) {
-    return of_primitive ? "compressed with KHR_draco_mesh_compression, which " DRACO_WHERE
-                        : DRACO_WHERE;
-}
-
-draco_result norma_draco_decode(const draco_stream *stream, size_t *found) {
-    return (void)stream, *found = 0, DRACO_KIND;
-}
-
-/* ---- wasi-libc */
 
 /* assert and the streams of the C library end here. */
 _Noreturn void abort(void) { __builtin_trap(); }
