@@ -42,8 +42,7 @@ static void unfold(int n[3], float most) {
     const float z = one - fabsf(x) - fabsf(y), below = z < 0 ? z : 0;
     x += x >= 0 ? below : -below;
     y += y >= 0 ? below : -below;
-    const float length = (float)sqrt((double)(x * x + (y * y + z * z))),
-                scale = length > 0 ? most / length : 0;
+    const float length = sqrtf(x * x + (y * y + z * z)), scale = length > 0 ? most / length : 0;
     n[0] = nearest(x * scale);
     n[1] = nearest(y * scale);
     n[2] = nearest(z * scale);
