@@ -1,5 +1,5 @@
 /* node packed.mjs TOOL FILE..., beside an installed norma-mesh: glTF files that meshoptimizer and Draco compressed, whole, cut short, damaged and with numbers that lie, are checked as the tool
- * checks them; draco.wasm is loaded with the first Draco stream, not before. FILE: packed glTF files; others are packed here. */
+ * checks them; draco.wasm is loaded with the first Draco stream, not before. FILE: packed GLBs, and streams that the fuzzer of Draco found; other files are packed here. */
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -43,7 +43,7 @@ const packed = {
   "meshopt-medium": await pack(meshopt({ encoder: MeshoptEncoder, level: "medium" })), "meshopt-high": await pack(meshopt({ encoder: MeshoptEncoder, level: "high" })), "meshopt-floats": await pack(exponential),
 };
 packed["meshopt-khr"] = Buffer.from(packed["meshopt-high"].toString("latin1").replaceAll("EXT_meshopt_compression", "KHR_meshopt_compression"), "latin1");
-for (const path of given) packed[basename(path)] = readFileSync(path);
+for (const path of given.filter((name) => name.endsWith(".glb"))) packed[basename(path)] = readFileSync(path);
 
 /* ---- damage */
 const split = (glb) => { const length = glb.readUInt32LE(12); return { json: JSON.parse(glb.toString("utf8", 20, 20 + length)), body: Buffer.from(glb.subarray(28 + length)) }; };
@@ -79,7 +79,19 @@ function damaged(glb, kind) {
   DAMAGE[kind](parts);
   return join2(parts);
 }
-const EACH = 12, files = [];
+/* Around a stream of the fuzzer's, whose first three bytes count attributes and vertices: one that declares more than it holds makes the decoder trap. */
+function wrap(bytes, triangles) {
+  const stream = bytes.subarray(3), accessor = (type, count, componentType) => ({ type, count, componentType });
+  return join2({
+    json: {
+      asset: { version: "2.0" }, extensionsUsed: ["KHR_draco_mesh_compression"], extensionsRequired: ["KHR_draco_mesh_compression"], nodes: [{ mesh: 0 }],
+      meshes: [{ primitives: [{ indices: 0, attributes: { POSITION: 1 }, extensions: { KHR_draco_mesh_compression: { bufferView: 0, attributes: { POSITION: 0 } } } }] }],
+      accessors: [accessor("SCALAR", 3 * triangles, 5123), accessor("VEC3", bytes.readUInt16LE(1), 5126)], bufferViews: [{ buffer: 0, byteLength: stream.length }], buffers: [{ byteLength: stream.length }],
+    },
+    body: Buffer.concat([stream, Buffer.alloc((4 - (stream.length % 4)) % 4)]),
+  });
+}
+const EACH = 12, files = given.filter((name) => !name.endsWith(".glb")).map((path) => [`${basename(path)}.glb`, wrap(readFileSync(path), 8)]);
 for (const [name, glb] of Object.entries(packed)) {
   files.push([`${name}.glb`, glb]);
   if (glb.readUInt32LE(0) === 0x46546c67) for (const kind of Object.keys(DAMAGE)) for (let i = 0; i < EACH; i++) files.push([`${name}-${kind}-${i}.glb`, damaged(glb, kind)]);
