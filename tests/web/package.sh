@@ -63,7 +63,7 @@ is_packed=$(node -p 'require("fs").statSync(process.argv[1]).size > 8 && /meshop
 if [ "$is_packed" != true ]; then
     skip "compressed glTF (this tree was built without the sources of meshoptimizer and draco: scripts/install-deps.sh)"
 elif [ -d "$modules/draco3dgltf" ] && [ -d "$modules/@gltf-transform" ]; then
-    packed=("$root/tests/fuzz/found/draco/orientations")
+    packed=("$root"/tests/web/ball-*.glb "$root/tests/fuzz/found/draco/orientations")
     for file in gltf/misc/box-draco.glb gltf/misc/box-meshopt.glb gltf/quantized/avocado-meshopt.glb; do [ ! -f "$data/$file" ] || packed+=("$data/$file"); done
     relay "compressed glTF" beside node packed.mjs "$(realpath "$tool")" "${packed[@]}"
 else

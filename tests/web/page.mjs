@@ -268,7 +268,7 @@ const FILES = [["assets/goathead.obj", 5522, /OBJ, no normals/], ["assets/spider
 /* Without the sources of meshoptimizer and draco, the page does not decode theirs. */
 const NOTICES = /id="notices">([^]*?)<\/script>/.exec(readFileSync(join(pageFolder, "norma.html"), "utf8"))[1], PACKED = ["meshoptimizer", "draco"].every((name) => NOTICES.includes(`code of ${name}`)) ? ["draco", "meshopt"] : [];
 if (!PACKED.length) skip("compressed glTF (the page was built without the sources of meshoptimizer and draco: scripts/install-deps.sh)");
-FILES.push(...PACKED.map((name) => [`assets/ball-${name}.glb`, 1216, /GLB, normals per vertex/]));
+FILES.push(...PACKED.map((name) => [`tests/web/ball-${name}.glb`, 1216, /GLB, normals per vertex/]));
 for (const [index, [file, triangles, words]] of FILES.entries())
   await attempt(`a file that is ${index % 2 ? "chosen" : "dropped"} appears: ${file}`, async () => {
     const bytes = readFileSync(join(root, file)), name = file.split("/").pop();
@@ -364,7 +364,7 @@ await attempt("a zip with a .gltf and its buffer is opened; alone the .gltf is t
 });
 
 for (const [name, files, words] of [["an OBJ", [["turned.obj", Buffer.from(TURNED)]], ["check", "--fix-unsafe"]], ["a .gltf from a zip", makeAsset(), ["check", "--fix"]],
-  ...PACKED.map((name) => [`a GLB that ${name === "draco" ? "Draco" : "meshoptimizer"} compressed`, [[`ball-${name}.glb`, readFileSync(join(root, `assets/ball-${name}.glb`))]], ["check", "--fix-unsafe"]])])
+  ...PACKED.map((name) => [`a GLB that ${name === "draco" ? "Draco" : "meshoptimizer"} compressed`, [[`ball-${name}.glb`, readFileSync(join(root, `tests/web/ball-${name}.glb`))]], ["check", "--fix-unsafe"]])])
   await attempt(`${name} is fixed in the page: the bytes of norma check --fix, before and after beside each other`, async () => {
     if (files.length > 1) await dropFiles(page, ["shape.zip", readFileSync(join(shots, "shape.zip"))]);
     else await dropFiles(page, files[0]);
@@ -383,7 +383,7 @@ for (const [name, files, words] of [["an OBJ", [["turned.obj", Buffer.from(TURNE
 
 for (const name of PACKED)
   await attempt(`the findings of a file under ${name} are those of norma check; a damaged one is told of, and the page goes on`, async () => {
-    const path = join(root, `assets/ball-${name}.glb`), bytes = readFileSync(path), { files: [{ findings }] } = JSON.parse(spawnSync(tool, ["check", "--format", "json", path], { encoding: "utf8" }).stdout);
+    const path = join(root, `tests/web/ball-${name}.glb`), bytes = readFileSync(path), { files: [{ findings }] } = JSON.parse(spawnSync(tool, ["check", "--format", "json", path], { encoding: "utf8" }).stdout);
     await dropFiles(page, [`ball-${name}.glb`, bytes]);
     const listed = await page.evaluate("document.getElementById('findings').textContent"), serious = findings.filter(({ severity }) => severity !== "info");
     expect(serious.length > 1 && serious.every(({ rule }) => listed.includes(rule)), listed);
