@@ -16,7 +16,8 @@ typedef struct face_survey {
     core_prepared_mesh *prepared;
     atomic_uchar
         *flat_at; /* NULL, or nonzero at positions of faces that have edges but no direction */
-    survey_part *parts; /* of each chunk */
+    const uint8_t *chunks; /* NULL, or of each CORE_FACES_IN_CHUNK faces: 0 where none is wanted */
+    survey_part *parts;    /* of each chunk of this survey */
 } face_survey;
 
 static void survey_face(
@@ -42,6 +43,10 @@ static void survey_chunk(void *context, size_t chunk) {
     core_face faces[CORE_FACES_AT_ONCE];
     for (size_t f = begin, next; f < end; f = next) {
         next = end - f < CORE_FACES_AT_ONCE ? end : f + CORE_FACES_AT_ONCE;
+        if (survey->chunks && !survey->chunks[f / CORE_FACES_IN_CHUNK]) {
+            memset(s->faces + f, 0, (next - f) * sizeof *s->faces);
+            continue;
+        }
         norma_core_faces_geometry(s->call, &s->mesh, f, next - f, faces);
         for (size_t i = 0; i < next - f; i++)
             survey_face(survey, f + i, &faces[i], &survey->parts[chunk]);
@@ -105,9 +110,10 @@ static norma_result borrow_directions(core_prepared_mesh *s) {
     return result;
 }
 
-norma_result norma_core_find_borrowed_directions(core_prepared_mesh *s) {
+/* Of the faces of some chunks, or of all. */
+static norma_result find_borrowed_directions(core_prepared_mesh *s, const uint8_t *chunks) {
     const size_t positions = s->mesh.positions.count;
-    face_survey survey = {.prepared = s};
+    face_survey survey = {.prepared = s, .chunks = chunks};
     int any_flat = 0;
     survey.flat_at = norma_core_allocate(s->call, positions, sizeof *survey.flat_at);
     if (!survey.flat_at) return NORMA_ERROR_MEMORY;
@@ -115,6 +121,10 @@ norma_result norma_core_find_borrowed_directions(core_prepared_mesh *s) {
     s->flat_at = survey.flat_at;
     const norma_result result = survey_faces(&survey, &any_flat);
     return result == NORMA_OK && any_flat ? borrow_directions(s) : result;
+}
+
+norma_result norma_core_find_borrowed_directions(core_prepared_mesh *s) {
+    return find_borrowed_directions(s, NULL);
 }
 
 /* Faces without corners: who adds to sums of positions never meets them. */
@@ -156,12 +166,30 @@ norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, 
     return result;
 }
 
+/* As for fans, but of some chunks only; faces without corners belong to none. */
+static norma_result measure_some_polygons(core_prepared_mesh *s, const uint8_t *chunks) {
+    const core_call *call = s->call;
+    const size_t faces = s->mesh.face_count;
+    if (s->degenerate_faces.count) chunks = NULL;
+    s->degenerate_faces = (norma_count){0, 0};
+    norma_core_release(call, s->faces, faces, sizeof *s->faces);
+    norma_core_release(call, s->flat_at, s->mesh.positions.count, sizeof *s->flat_at);
+    norma_core_release(call, s->borrowed_from, faces, sizeof *s->borrowed_from);
+    s->flat_at = NULL;
+    s->borrowed_from = NULL;
+    s->faces = norma_core_allocate(call, faces, sizeof *s->faces);
+    return s->faces ? find_borrowed_directions(s, chunks) : NORMA_ERROR_MEMORY;
+}
+
 norma_result norma_core_prepare_stars(
     core_prepared_mesh *prepared, const core_some_positions *some) {
     if (prepared->corners_of.starts)
         norma_core_corners_of_position_release(prepared->call, &prepared->corners_of);
-    return norma_core_corners_of_some_positions(
+    const norma_result result = norma_core_corners_of_some_positions(
         prepared->call, &prepared->mesh, some, &prepared->corners_of);
+    return result == NORMA_OK && prepared->mesh.face_starts
+               ? measure_some_polygons(prepared, some ? some->chunks : NULL)
+               : result;
 }
 
 norma_result norma_core_begin_with_crease(core_call *call, const norma_options *options,

@@ -18,7 +18,7 @@ typedef struct corner_lanes {
 /* Eight faces of equally many corners. */
 typedef struct face_lanes {
     _Alignas(64) core_lane at[CORE_MOST_CORNERS][3];
-    core_lane normal[3], size, twice_area, sure;
+    core_lane normal[3], size, twice_area, sure, flat;
     corner_lanes corner[CORE_MOST_CORNERS];
 } face_lanes;
 
@@ -211,12 +211,20 @@ CORE_INLINE void weigh_corner(const face_lanes *t, corner_lanes *c, norma_weight
         weight, c->aa[i], c->bb[i], c->angle[i], c->length[i], t->twice_area[i]);
 }
 
+CORE_INLINE void see_flat(face_lanes *t, const corner_lanes *c, size_t k) {
+    CORE_EACH_LANE {
+        const double flat = c->along[i] >= CORE_FLAT_COSINE * c->length[i] ? 1 : 0;
+        t->flat[i] = k ? t->flat[i] * flat : flat;
+    }
+}
+
 /* Each step for all corners, so that none waits for another's. */
 CORE_INLINE void weigh_lanes(face_lanes *t, size_t corners, norma_weight weight) {
     const core_weighed_by by = core_weighed(weight);
     for (size_t k = 0; k < corners && by != CORE_BY_FACE; k++)
         measure_corner(t, &t->corner[k], k, corners);
     for (size_t k = 0; k < corners && by == CORE_BY_ANGLE; k++) take_angle(&t->corner[k], corners);
+    for (size_t k = 0; k < corners && by == CORE_BY_ANGLE; k++) see_flat(t, &t->corner[k], k);
     for (size_t k = 0; k < corners; k++) {
         corner_lanes *c = &t->corner[k];
         CORE_LOOP_FOR_WEIGHT(weight, weigh_corner, t, c)
@@ -245,6 +253,7 @@ CORE_INLINE void keep_lanes(
         const size_t f = out->face[slot + i];
         const int kept = has_kept_corners(out->at + out->first[f], corners);
         out->corners[f] = (uint8_t)(t->sure[i] != 0 && kept ? corners : 0);
+        out->flat[f] = t->flat[i] != 0;
     }
 }
 
@@ -257,6 +266,7 @@ CORE_INLINE void measure_alike(const core_mesh *mesh, const uint32_t *at, size_t
             measure_triangles(&t);
         else
             measure_polygons(&t, corners);
+        for (size_t i = 0; i < CORE_LANES; i++) t.flat[i] = 0;
         if (wanted == CORE_ALL_CORNERS) weigh_lanes(&t, corners, weight);
         keep_lanes(&t, slot, corners, wanted, out);
     }

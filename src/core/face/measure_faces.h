@@ -13,6 +13,8 @@ enum {
     CORE_SLOTS = 112 /* batches of eight, one of each number of corners not full */
 };
 
+static const double CORE_FLAT_COSINE = 0.98481; /* of 10 degrees and a little less */
+
 typedef struct core_measured {
     _Alignas(64) double row[CORE_SLOTS][4]; /* the unit normal, and 1; of each slot, as all here */
     core_lane twice_area[CORE_SLOTS / CORE_LANES];
@@ -20,6 +22,8 @@ typedef struct core_measured {
     uint8_t face[CORE_SLOTS];            /* its face, numbered from begin */
     uint8_t slot[CORE_FACES_AT_ONCE];    /* of each face */
     uint8_t corners[CORE_FACES_AT_ONCE]; /* 0: left to others, and nothing else is said of it */
+    uint8_t flat[CORE_FACES_AT_ONCE];    /* where weights are by angle: whether each corner's edges
+                                            turn about its normal, to CORE_FLAT_COSINE */
     uint32_t first[CORE_FACES_AT_ONCE];  /* the place of its first corner in at */
     const uint32_t *at;                  /* of each corner its position, welded where they are */
     uint32_t room[CORE_CORNERS_AT_ONCE]; /* for at, where it is not the mesh's */

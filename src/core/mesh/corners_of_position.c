@@ -40,18 +40,28 @@ CORE_INLINE void count_range(
     for (size_t c = begin; c < end; c++) counts[position_of(mesh, c, plain)]++;
 }
 
-/* The end of the corners from c on that lie in one chunk; *skipped: none of them is wanted. */
-static size_t chunk_end(const part_work *w, size_t c, size_t end, int *skipped) {
-    const size_t corners = 3 * (size_t)CORE_FACES_IN_CHUNK, chunk = c / corners;
-    *skipped = !w->some->chunks[chunk];
-    return end - chunk * corners < corners ? end : (chunk + 1) * corners;
+/* The corners of a chunk of faces that lie in a range; none where no corner of it is wanted. */
+typedef struct corner_range {
+    size_t begin, end;
+} corner_range;
+
+static corner_range corners_in_chunk(const part_work *w, size_t chunk, size_t begin, size_t end) {
+    const size_t first = chunk * CORE_FACES_IN_CHUNK, faces = w->mesh->face_count,
+                 last = faces - first < CORE_FACES_IN_CHUNK ? faces : first + CORE_FACES_IN_CHUNK;
+    const size_t from = norma_core_face_begin(w->mesh, first),
+                 to = norma_core_face_begin(w->mesh, last);
+    if (!w->some->chunks[chunk]) return (corner_range){0, 0};
+    return (corner_range){from < begin ? begin : from, to < end ? to : end};
+}
+
+static size_t count_chunks(const core_mesh *mesh) {
+    return mesh->face_count / CORE_FACES_IN_CHUNK + (mesh->face_count % CORE_FACES_IN_CHUNK != 0);
 }
 
 static void count_some(const part_work *w, size_t begin, size_t end, uint32_t *counts) {
-    for (size_t c = begin, next; c < end; c = next) {
-        int skipped;
-        next = chunk_end(w, c, end, &skipped);
-        for (; c < next && !skipped; c++) {
+    for (size_t chunk = 0; chunk < count_chunks(w->mesh); chunk++) {
+        const corner_range r = corners_in_chunk(w, chunk, begin, end);
+        for (size_t c = r.begin; c < r.end; c++) {
             const uint32_t p = norma_core_welded_corner(w->mesh, c);
             counts[p] += w->some->wanted[p];
         }
@@ -105,10 +115,9 @@ CORE_INLINE void place_all(const part_work *w, int plain) {
 
 static void place_some(const part_work *w, uint32_t first, uint32_t count) {
     uint32_t *places = w->corners_of->starts + 1, *corners = w->corners_of->corners;
-    for (size_t c = 0, next, end = w->mesh->corner_count; c < end; c = next) {
-        int skipped;
-        next = chunk_end(w, c, end, &skipped);
-        for (; c < next && !skipped; c++) {
+    for (size_t chunk = 0; chunk < count_chunks(w->mesh); chunk++) {
+        const corner_range r = corners_in_chunk(w, chunk, 0, w->mesh->corner_count);
+        for (size_t c = r.begin; c < r.end; c++) {
             const uint32_t p = norma_core_welded_corner(w->mesh, c);
             if (p - first < count && w->some->wanted[p]) corners[places[p]++] = (uint32_t)c;
         }

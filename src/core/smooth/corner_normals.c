@@ -66,7 +66,7 @@ static norma_result compute_stars(core_prepared_mesh *prepared, const smooth_fan
     core_call *call = prepared->call;
     const size_t count = prepared->mesh.corner_count;
     corner_work work = {.output = output};
-    stars_part sum = {.waiting = 0};
+    stars_part sum = {.tally.degenerate = prepared->degenerate_faces};
     const position_visit visit = {.join = CORE_JOIN_FANS,
         .counting = is_counting(call, report),
         .by_fan = 1,

@@ -3,6 +3,7 @@
  * vertices that begin there are written. */
 #include "core/smooth/smooth_fans.h"
 #include "core/mesh/scattered_positions.h"
+#include "core/vertex/add_polygons.h"
 #include <stdatomic.h>
 
 enum {
@@ -38,23 +39,57 @@ typedef struct smooth_bin {
     size_t chunk;       /* that is gone through */
 } smooth_bin;
 
-/* Some corners of whole faces from first on, in a row, and their positions. */
-typedef void corner_group(smooth_bin *b, const uint32_t *at, size_t first, size_t count);
+/* Some corners in a row, from first on, and their positions: those of whole faces, or a part of
+ * one of more corners than a group has, and then faces is 0. */
+typedef struct corner_group {
+    const uint32_t *at;
+    size_t first, count, face, faces;
+} corner_group;
+typedef void see_group(smooth_bin *b, const corner_group *g);
 
-static void each_group(smooth_bin *b, corner_group *visit) {
-    const core_mesh *mesh = &b->work->prepared->mesh;
-    const core_bins *bins = &b->work->bins;
-    uint32_t at[CORNERS_AT_ONCE];
-    for (b->chunk = norma_core_chunk_of_bin(bins, b->bin, 0); b->chunk < bins->chunks;
-         b->chunk = norma_core_chunk_of_bin(bins, b->bin, b->chunk + 1)) {
-        const size_t end = 3 * norma_core_chunk_end(bins, b->chunk);
-        for (size_t c = 3 * b->chunk * CORE_FACES_IN_CHUNK, count; c < end; c += count) {
-            count = end - c < CORNERS_AT_ONCE ? end - c : CORNERS_AT_ONCE;
-            norma_core_read_corners(mesh, c, count, at);
-            for (size_t i = 0; i < count && mesh->weld; i++) at[i] = mesh->weld[at[i]];
-            visit(b, at, c, count);
-        }
+/* The group that begins with this face, and with this corner of it. */
+static corner_group group_at(const core_mesh *mesh, size_t face, size_t end, size_t corner) {
+    corner_group g = {.first = corner, .face = face};
+    if (!mesh->face_starts) {
+        g.faces = end - face < CORNERS_AT_ONCE / 3 ? end - face : CORNERS_AT_ONCE / 3;
+        g.count = 3 * g.faces;
+        return g;
     }
+    while (
+        face + g.faces < end && mesh->face_starts[face + g.faces + 1] - corner <= CORNERS_AT_ONCE)
+        g.faces++;
+    g.count = mesh->face_starts[face + g.faces] - corner;
+    if (g.faces) return g;
+    g.count = mesh->face_starts[face + 1] - corner;
+    g.count = g.count < CORNERS_AT_ONCE ? g.count : CORNERS_AT_ONCE;
+    return g;
+}
+
+static void each_group_of_chunk(smooth_bin *b, see_group *see) {
+    const core_mesh *mesh = &b->work->prepared->mesh;
+    const size_t end = norma_core_chunk_end(&b->work->bins, b->chunk);
+    uint32_t at[CORNERS_AT_ONCE];
+    size_t face = b->chunk * CORE_FACES_IN_CHUNK, corner = norma_core_face_begin(mesh, face);
+    while (face < end) {
+        corner_group g = group_at(mesh, face, end, corner);
+        norma_core_read_corners(mesh, g.first, g.count, at);
+        for (size_t i = 0; i < g.count && mesh->weld; i++) at[i] = mesh->weld[at[i]];
+        g.at = at;
+        see(b, &g);
+        corner += g.count;
+        face += g.faces ? g.faces : corner == norma_core_face_end(mesh, face);
+    }
+}
+
+static void each_group(smooth_bin *b, see_group *see) {
+    const core_bins *bins = &b->work->bins;
+    for (b->chunk = norma_core_chunk_of_bin(bins, b->bin, 0); b->chunk < bins->chunks;
+         b->chunk = norma_core_chunk_of_bin(bins, b->bin, b->chunk + 1))
+        each_group_of_chunk(b, see);
+}
+
+static size_t corners_of(const core_mesh *mesh, size_t face) {
+    return norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face);
 }
 
 /* NULL: in another bin. */
@@ -86,12 +121,13 @@ static void finish_queue(const smooth_bin *b, fan_queue *queue) {
 
 /* Returns whether some are wide. */
 static int take_normals(smooth_bin *b) {
+    const int polygons = b->work->prepared->mesh.face_starts != NULL;
     fan_queue queue = {.count = 0};
     int wide = 0;
     for (size_t i = 0; i < b->bin->count; i++) {
         face_chains *c = &b->chains[i];
         if (!core_has_faces(c)) continue;
-        if (!norma_core_is_one_turn(c, b->sums[i].weight)) {
+        if (!norma_core_is_one_turn(c, b->sums[i].weight, polygons)) {
             core_break_chains(c);
             continue;
         }
@@ -106,35 +142,47 @@ static int take_normals(smooth_bin *b) {
 
 /* ---- normals far from the first one may all be near the sum */
 
-static void cross_of(const core_mesh *mesh, const uint32_t at[3], double cross[3]) {
-    double p[3][3], u[3], v[3];
-    for (int k = 0; k < 3; k++) norma_core_position(mesh, at[k], p[k]);
-    norma_core_subtract(p[1], p[0], u);
-    norma_core_subtract(p[2], p[0], v);
-    norma_core_cross(u, v, cross);
+/* Along the normal of a face: twice its area. */
+static void cross_of(const core_mesh *mesh, const uint32_t *at, size_t corners, double cross[3]) {
+    double first[3], u[3], v[3], term[3];
+    norma_core_position(mesh, at[0], first);
+    norma_core_position(mesh, at[1], v);
+    norma_core_subtract(v, first, v);
+    cross[0] = cross[1] = cross[2] = 0;
+    for (size_t k = 2; k < corners; k++) {
+        memcpy(u, v, sizeof u);
+        norma_core_position(mesh, at[k], v);
+        norma_core_subtract(v, first, v);
+        norma_core_cross(u, v, term);
+        for (int x = 0; x < 3; x++) cross[x] += term[x];
+    }
 }
 
-static void look_at_face(smooth_bin *b, const uint32_t at[3]) {
-    face_chains *c[3];
+static void look_at_face(smooth_bin *b, const uint32_t *at, size_t corners) {
     double cross[3];
     int wide = 0;
-    for (int k = 0; k < 3; k++) {
-        c[k] = chains_at(b, at[k]);
-        wide |= c[k] && c[k]->wide;
+    for (size_t k = 0; k < corners; k++) {
+        const face_chains *c = chains_at(b, at[k]);
+        wide |= c && c->wide;
     }
     if (!wide) return;
-    cross_of(&b->work->prepared->mesh, at, cross);
+    cross_of(&b->work->prepared->mesh, at, corners, cross);
     const double least = (double)b->work->cosine * norma_core_length(cross);
-    for (int k = 0; k < 3; k++) {
-        if (!c[k] || !c[k]->wide) continue;
-        const double axis[3] = {c[k]->axis[0], c[k]->axis[1], c[k]->axis[2]};
-        if (!(norma_core_dot(cross, axis) >= least)) core_break_chains(c[k]);
+    for (size_t k = 0; k < corners; k++) {
+        face_chains *c = chains_at(b, at[k]);
+        if (!c || !c->wide) continue;
+        const double axis[3] = {c->axis[0], c->axis[1], c->axis[2]};
+        if (!(norma_core_dot(cross, axis) >= least)) core_break_chains(c);
     }
 }
 
-static void look_at_wide(smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
-    (void)first;
-    for (size_t i = 0; i < count; i += 3) look_at_face(b, at + i);
+static void look_at_wide(smooth_bin *b, const corner_group *g) {
+    const uint32_t *at = g->at;
+    for (size_t f = g->face; f < g->face + g->faces; f++) {
+        const size_t corners = corners_of(&b->work->prepared->mesh, f);
+        if (corners > 2) look_at_face(b, at, corners);
+        at += corners;
+    }
 }
 
 static void mark_others(const smooth_bin *b) {
@@ -151,11 +199,15 @@ static void mark_others(const smooth_bin *b) {
 /* ---- edges to positions of higher number: of each corner that to its next, and of an open fan the
  * last one */
 
-static void count_edges(smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
-    (void)first;
-    for (size_t i = 0; i < count; i++) {
-        const face_chains *c = chains_at(b, at[i]);
-        if (c && !core_is_broken(c)) b->edges->count += at[i] < at[i % 3 == 2 ? i - 2 : i + 1];
+static void count_edges(smooth_bin *b, const corner_group *g) {
+    const uint32_t *at = g->at;
+    for (size_t f = g->face; f < g->face + g->faces; f++) {
+        const size_t corners = corners_of(&b->work->prepared->mesh, f);
+        for (size_t k = 0; k < corners; k++) {
+            const face_chains *c = chains_at(b, at[k]);
+            if (c && !core_is_broken(c)) b->edges->count += at[k] < at[k + 1 < corners ? k + 1 : 0];
+        }
+        at += corners;
     }
 }
 
@@ -175,22 +227,22 @@ static void mark_chunk(const smooth_bin *b) {
     atomic_store_explicit(&b->work->chunks[b->chunk], 1, memory_order_relaxed);
 }
 
-static void write_singly(const smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
-    for (size_t i = 0; i < count; i++) {
-        const face_chains *c = chains_at(b, at[i]);
+static void write_singly(const smooth_bin *b, const corner_group *g) {
+    for (size_t i = 0; i < g->count; i++) {
+        const face_chains *c = chains_at(b, g->at[i]);
         if (c && core_is_broken(c))
             mark_chunk(b);
         else if (c)
             norma_core_write_normals(
-                b->work->target->output, first + i, 1, (const float(*)[3])(const void *)c->axis);
+                b->work->target->output, g->first + i, 1, (const float(*)[3])(const void *)c->axis);
     }
 }
 
-static void write_group(smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
+static void write_group(smooth_bin *b, const corner_group *g) {
     float normals[CORNERS_AT_ONCE + 1][3]; /* copied with what follows the axis */
     int whole = 1;
-    for (size_t i = 0; i < count; i++) {
-        const face_chains *c = chains_at(b, at[i]);
+    for (size_t i = 0; i < g->count; i++) {
+        const face_chains *c = chains_at(b, g->at[i]);
         if (!c) {
             whole = 0;
             break;
@@ -199,26 +251,27 @@ static void write_group(smooth_bin *b, const uint32_t *at, size_t first, size_t 
         whole &= !core_is_broken(c);
     }
     if (whole)
-        norma_core_write_normals(b->work->target->output, first, count, (const float(*)[3])normals);
+        norma_core_write_normals(
+            b->work->target->output, g->first, g->count, (const float(*)[3])normals);
     else
-        write_singly(b, at, first, count);
+        write_singly(b, g);
 }
 
 /* ---- telling vertices apart: each has one normal, that of its position */
 
 /* Without a branch, which nothing could foretell. */
-static void mark_firsts(smooth_bin *b, const uint32_t *at, size_t first, size_t count) {
+static void mark_firsts(smooth_bin *b, const corner_group *g) {
     const smooth_target *target = b->work->target;
     const core_mesh *mesh = &b->work->prepared->mesh;
-    for (size_t i = 0; i < count; i++) {
-        const face_chains *c = chains_at(b, at[i]);
+    for (size_t i = 0; i < g->count; i++) {
+        const face_chains *c = chains_at(b, g->at[i]);
         if (!c) continue;
         if (core_is_broken(c)) {
             mark_chunk(b);
             continue;
         }
-        const uint32_t vertex = mesh->weld ? norma_core_corner(mesh, first + i) : at[i];
-        target->firsts[first + i] = !target->single[vertex];
+        const uint32_t vertex = mesh->weld ? norma_core_corner(mesh, g->first + i) : g->at[i];
+        target->firsts[g->first + i] = !target->single[vertex];
         target->single[vertex] = 1;
     }
 }
@@ -302,17 +355,23 @@ static const double LEAST_CREASE_RAD = 0.2; /* below it, few positions could be 
 
 /* Whether sums and chains can find smooth positions: what face_chain.h reckons with. */
 static int may_be_smooth(const core_call *call, const core_mesh *mesh, double crease_angle_rad) {
-    return !mesh->face_starts && !mesh->hard_edges && !mesh->smoothing_groups &&
+    return !mesh->hard_edges && !mesh->smoothing_groups &&
            call->options.weight == NORMA_WEIGHT_ANGLE &&
            call->options.weld != NORMA_WELD_DISTANCE && crease_angle_rad > LEAST_CREASE_RAD;
 }
 
+/* Of the first three corners. */
+static int cross_of_face(const core_mesh *mesh, size_t face, double cross[3]) {
+    uint32_t at[3];
+    if (corners_of(mesh, face) < 3) return 0;
+    norma_core_read_corners(mesh, norma_core_face_begin(mesh, face), 3, at);
+    cross_of(mesh, at, 3, cross);
+    return 1;
+}
+
 static int are_near(const core_mesh *mesh, size_t face, double cosine) {
-    uint32_t at[6];
     double a[3], b[3];
-    norma_core_read_corners(mesh, 3 * face, 6, at);
-    cross_of(mesh, at, a);
-    cross_of(mesh, at + 3, b);
+    if (!cross_of_face(mesh, face, a) || !cross_of_face(mesh, face + 1, b)) return 0;
     const double along = norma_core_dot(a, b);
     return along >= 0 &&
            along * along >= cosine * cosine * norma_core_dot(a, a) * norma_core_dot(b, b);
@@ -370,14 +429,16 @@ static void look_at_corners(sampled_positions *s, const uint32_t at[3]) {
     for (int k = 0; k < 3; k++) {
         const uint32_t position = norma_core_welded(s->mesh, at[k]);
         if (!(s->marked[position / 64] >> position % 64 & 1)) continue;
-        cross_of(s->mesh, at, cross);
+        cross_of(s->mesh, at, 3, cross);
         look_at_sample(s, position, cross);
     }
 }
 
 static int scattered_looks_smooth(const core_mesh *mesh, double cosine) {
     sampled_positions s = {.mesh = mesh, .cosine = cosine};
-    if (mesh->positions.count > MOST_SCATTERED || !norma_core_is_scattered(mesh)) return 0;
+    if (mesh->face_starts || mesh->positions.count > MOST_SCATTERED ||
+        !norma_core_is_scattered(mesh))
+        return 0;
     mark_samples(&s);
     for (size_t c = 0, count; c < mesh->corner_count; c += count) {
         uint32_t at[CORNERS_AT_ONCE];
@@ -394,8 +455,9 @@ static void touch_chunk(void *context, size_t chunk) {
     const smooth_work *work = context;
     const core_mesh *mesh = &work->prepared->mesh;
     core_range touched = {UINT32_MAX, 0};
-    const size_t end = 3 * norma_core_chunk_end(&work->bins, chunk);
-    for (size_t c = 3 * chunk * CORE_FACES_IN_CHUNK; c < end; c++) {
+    const size_t begin = norma_core_face_begin(mesh, chunk * CORE_FACES_IN_CHUNK),
+                 end = norma_core_face_begin(mesh, norma_core_chunk_end(&work->bins, chunk));
+    for (size_t c = begin; c < end; c++) {
         const uint32_t position = norma_core_welded_corner(mesh, c);
         touched.least = position < touched.least ? position : touched.least;
         touched.most = position > touched.most ? position : touched.most;
@@ -456,7 +518,8 @@ static norma_result find_fans(
     smooth_work work = {.prepared = prepared,
         .ranges = fans->ranges,
         .target = target,
-        .add = norma_core_choose_add(call->options.isa),
+        .add = prepared->mesh.face_starts ? norma_core_choose_add_polygons(call->options.isa)
+                                          : norma_core_choose_add(call->options.isa),
         .finish = norma_core_choose_finish(call->options.isa),
         .cosine = norma_core_chain_cosine(prepared->crease.angle)};
     norma_result result = NORMA_OK;

@@ -388,7 +388,7 @@ static norma_result find_firsts(split_work *work, const uint8_t *skip, stars_par
 static norma_result compute(
     core_prepared_mesh *prepared, split_work *work, const split_output *out, norma_report *report) {
     core_call *call = prepared->call;
-    stars_part sum = {.waiting = 0};
+    stars_part sum = {.tally.degenerate = prepared->degenerate_faces};
     size_t count;
     norma_result result = find_firsts(work, out->skip, &sum);
     norma_core_stage(call, 0.75, 0.76);

@@ -41,6 +41,54 @@ CORE_INLINE void add_corners(
     }
 }
 
+/* ---- the same with chains */
+
+/* Two corners at one position: the face may meet itself there. */
+static int has_twice(const uint32_t *at, size_t corners) {
+    for (size_t k = 2; k < corners; k++)
+        for (size_t j = 0; j + 1 < k; j++)
+            if (at[j] == at[k]) return 1;
+    return 0;
+}
+
+CORE_INLINE void chain_face(
+    const core_adder *adder, const core_measured *m, size_t face, size_t corners) {
+    const size_t slot = m->slot[face];
+    const uint32_t *at = m->at + m->first[face];
+    const float normal[3] = {
+        (float)m->row[slot][0], (float)m->row[slot][1], (float)m->row[slot][2]};
+    for (size_t k = 0; k < corners; k++) {
+        const uint32_t sum = at[k] - adder->first;
+        if (sum >= adder->count) continue;
+        core_add_row(
+            &adder->sums[sum].x, m->row[slot], m->weight[slot / CORE_LANES][k][slot % CORE_LANES]);
+        core_follow_chains(&adder->chains[sum], normal, adder->chain_cosine,
+            at[k + 1 < corners ? k + 1 : 0], at[k ? k - 1 : corners - 1]);
+    }
+}
+
+static void break_face(const core_adder *adder, size_t face) {
+    const core_mesh *mesh = adder->mesh;
+    const size_t end = norma_core_face_end(mesh, face);
+    for (size_t c = norma_core_face_begin(mesh, face); c < end; c++) {
+        const uint32_t sum = norma_core_welded_corner(mesh, c) - adder->first;
+        if (sum < adder->count) core_break_chains(&adder->chains[sum]);
+    }
+}
+
+CORE_INLINE void chain_block(
+    const core_adder *adder, const core_measured *m, size_t begin, size_t faces) {
+    for (size_t i = 0; i < faces; i++) {
+        const size_t corners = m->corners[i];
+        if (!corners || !m->flat[i] || has_twice(m->at + m->first[i], corners))
+            break_face(adder, begin + i);
+        else if (corners == 4)
+            chain_face(adder, m, i, 4);
+        else
+            chain_face(adder, m, i, corners);
+    }
+}
+
 CORE_INLINE void add_block(
     const core_adder *adder, const core_measured *m, size_t begin, size_t faces) {
     for (size_t i = 0; i < faces; i++) {
@@ -64,7 +112,10 @@ CORE_INLINE void add_polygons(const core_adder *adder, size_t begin, size_t end,
             look_ahead(adder->mesh, next,
                 end - next < CORE_FACES_AT_ONCE ? end : next + CORE_FACES_AT_ONCE);
         }
-        add_block(adder, &measured, f, next - f);
+        if (adder->chains)
+            chain_block(adder, &measured, f, next - f);
+        else
+            add_block(adder, &measured, f, next - f);
     }
 }
 

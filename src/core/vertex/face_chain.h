@@ -10,7 +10,9 @@
  * pi, which is 2 pi where its angles add up to less than 4 pi cos 30, and an open one by less than
  * 2 pi where they add up to less than 2 pi cos 30. So no neighbour is met twice, each edge has one
  * face on either side, none is another's reversed twin, and every dihedral angle is within the
- * crease. What fails may still be one fan: stars are made of it. */
+ * crease. A polygon counts for as much where no corner of it bends by more than 10 degrees from its
+ * normal: then 40 degrees take the place of 30. What fails may still be one fan: stars are made of
+ * it. */
 #ifndef NORMA_CORE_VERTEX_FACE_CHAIN_H
 #define NORMA_CORE_VERTEX_FACE_CHAIN_H
 #include "core/call/instruction_set.h"
@@ -110,13 +112,14 @@ CORE_INLINE void core_follow_chains(
     if (!(ends | begins)) norma_core_chain_apart(c, next, previous);
 }
 
-/* Whether all faces are one chain that turns less than twice, if their angles add up to this and
- * their normals are near one axis. */
-static inline int norma_core_is_one_turn(face_chains *c, double angles) {
+/* Whether all faces are one chain that turns less than twice (an open one: less than once), if
+ * their angles add up to this and their normals are near one axis. The limits are below 4 pi cos
+ * 40, or 9.62, and 2 pi cos 30 and cos 40, or 5.44 and 4.81. */
+static inline int norma_core_is_one_turn(face_chains *c, double angles, int polygons) {
     if (!core_has_faces(c) || core_is_broken(c)) return 0;
     norma_core_join_chains(c);
     for (int i = 1; i < CORE_CHAINS; i++)
         if (c->first[i] != CORE_NO_CHAIN) return 0;
-    return angles < (c->first[0] == c->last[0] ? 9 : 5.4); /* below 10.88 and 5.44 */
+    return angles < (c->first[0] == c->last[0] ? 9 : polygons ? 4.8 : 5.4);
 }
 #endif

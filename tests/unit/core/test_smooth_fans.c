@@ -145,6 +145,35 @@ static void all_faces_twice(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* Quads and the triangles at poles; then ever more bent, so that corners leave the plane of their
+ * face; then some that come back to a corner of theirs (a slit). */
+static void polygons(void **state) {
+    (void)state;
+    uint64_t random = 5;
+    mesh_file mesh = {0};
+    shape_uv_sphere(&mesh, 40, 30, 1, 1);
+    const norma_mesh view = mesh_file_view(&mesh);
+    float *bent = test_malloc(12 * view.positions.count);
+    for (double by = 0; by < 0.2; by = 2 * by + 0.002) {
+        norma_mesh moved = view;
+        for (size_t i = 0; i < view.positions.count; ++i) {
+            double at[3];
+            norma_view_vector(&view.positions, i, at);
+            for (size_t k = 0; k < 3; ++k)
+                bent[3 * i + k] = (float)(at[k] + by * shape_random_unit(&random));
+        }
+        moved.positions = (norma_vec3_view){bent, view.positions.count, 0, NORMA_FORMAT_FLOAT};
+        compare_all(&moved);
+    }
+    for (size_t f = 0; f < view.face_count; f += 7) {
+        const size_t c = view.face_starts[f];
+        if (view.face_starts[f + 1] - c == 4) mesh.corners[c + 2] = mesh.corners[c];
+    }
+    compare_all(&view);
+    test_free(bent);
+    mesh_file_free(&mesh);
+}
+
 /* Sixty faces round the origin, by so many degrees each: one fan that rises a little, or two cones
  * of one tip, one within the other. */
 static void turn(double degrees, int cones) {
@@ -182,6 +211,6 @@ static void turns(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(smooth_meshes),
-        cmocka_unit_test(all_faces_twice), cmocka_unit_test(turns)};
+        cmocka_unit_test(all_faces_twice), cmocka_unit_test(polygons), cmocka_unit_test(turns)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
