@@ -69,7 +69,7 @@ function(web_objects list)
     # Pages and packages are downloaded: kernels are made fast, where more code is faster; the readers and the rules small.
     if(name MATCHES "^src_core_(${web_seldom})")
       set(optimise -Os)
-    elseif(name MATCHES "^src_core_(corner|face|smooth_split)")
+    elseif(name MATCHES "^src_core_(corner|face_[^m])")
       set(optimise -O3)
     elseif(name MATCHES "^(src_core|web_package_wasm_(keep|merge)_)")
       set(optimise -O2)
