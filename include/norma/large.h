@@ -122,8 +122,8 @@ typedef struct norma_together_options {
  *   count     of files
  *   options   NULL for the defaults
  *   compute   NULL for the defaults. shading: default, smooth or crease; weld: exact, or a
- * distance; only: all; progress is told the share of all files error     written on failure; or
- * NULL
+ *             distance; only: all; progress is told the share of all files
+ *   error     written on failure; or NULL
  *
  * The outputs are written all or none: a failure before the first is put in place leaves everything
  * as it was, a later one puts back what was replaced. Each sum is exact enough to be the same in
