@@ -174,6 +174,88 @@ static void polygons(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* A sheet of n by n cells cut at random: quads, pairs of triangles, two cells as one face of six
+ * corners with two of them straight, three round a corner as one that is concave; the vertices
+ * in random order, each face from a random corner on; some faces come back to a corner. */
+enum { CELLS = 14, POINTS = (CELLS + 1) * (CELLS + 1), MOST_CORNERS = 8 };
+
+typedef struct cut_sheet {
+    float positions[POINTS][3];
+    uint32_t corners[6 * CELLS * CELLS], starts[2 * CELLS * CELLS + 1], number[POINTS];
+    size_t corner_count, face_count;
+} cut_sheet;
+
+static void add_face(cut_sheet *s, uint64_t *random, const uint32_t *at, size_t count) {
+    const size_t first = shape_random(random) % count;
+    uint32_t *to = s->corners + s->corner_count;
+    for (size_t k = 0; k < count; ++k) to[k] = s->number[at[(first + k) % count]];
+    if (count > 4 && shape_random(random) % 16 == 0) to[3] = to[0];
+    s->corner_count += count;
+    s->starts[++s->face_count] = (uint32_t)s->corner_count;
+}
+
+static void cut_cells(cut_sheet *s, uint64_t *random) {
+    static const uint32_t side = CELLS + 1;
+    uint8_t taken[CELLS * CELLS] = {0};
+    for (uint32_t cell = 0; cell < CELLS * CELLS; ++cell) {
+        const uint32_t x = cell % CELLS, y = cell / CELLS, p = y * side + x, q = p + side;
+        const uint32_t kind = shape_random(random) % 4;
+        const int right = x + 1 < CELLS && !taken[cell + 1],
+                  above = y + 1 < CELLS && !taken[cell + CELLS];
+        if (taken[cell]) continue;
+        if (kind == 0 && right && above) {
+            const uint32_t corner[MOST_CORNERS] = {
+                p, p + 1, p + 2, q + 2, q + 1, q + 1 + side, q + side, q};
+            taken[cell + 1] = taken[cell + CELLS] = 1;
+            add_face(s, random, corner, MOST_CORNERS);
+        } else if (kind == 1 && right) {
+            taken[cell + 1] = 1;
+            add_face(s, random, (const uint32_t[]){p, p + 1, p + 2, q + 2, q + 1, q}, 6);
+        } else if (kind == 2) {
+            add_face(s, random, (const uint32_t[]){p, p + 1, q + 1}, 3);
+            add_face(s, random, (const uint32_t[]){p, q + 1, q}, 3);
+        } else {
+            add_face(s, random, (const uint32_t[]){p, p + 1, q + 1, q}, 4);
+        }
+    }
+}
+
+static void make_sheet(cut_sheet *s, uint64_t seed) {
+    uint64_t random = seed;
+    const double waves = 0.04 * (double)(seed % 7),
+                 noise = seed % 3 ? 0.02 * (double)(seed % 5) : 0;
+    s->corner_count = s->face_count = 0;
+    s->starts[0] = 0;
+    for (uint32_t i = 0; i < POINTS; ++i) s->number[i] = i;
+    for (uint32_t i = POINTS; i > 1; --i) {
+        const uint32_t k = shape_random(&random) % i, kept = s->number[i - 1];
+        s->number[i - 1] = s->number[k];
+        s->number[k] = kept;
+    }
+    for (uint32_t i = 0; i < POINTS; ++i) {
+        const double x = i % (CELLS + 1), y = i / (CELLS + 1);
+        float *at = s->positions[s->number[i]];
+        at[0] = (float)(x + noise * shape_random_unit(&random));
+        at[1] = (float)(y + noise * shape_random_unit(&random));
+        at[2] = (float)(waves * sin(x) * cos(y) + noise * shape_random_unit(&random));
+    }
+    cut_cells(s, &random);
+}
+
+static void polygons_cut_at_random(void **state) {
+    (void)state;
+    cut_sheet *s = test_malloc(sizeof *s);
+    for (uint64_t seed = 1; seed <= 40; ++seed) {
+        make_sheet(s, seed);
+        compare_all(&(norma_mesh){.positions = {s->positions, POINTS, 0, NORMA_FORMAT_FLOAT},
+            .corners = s->corners,
+            .corner_count = s->corner_count,
+            .face_starts = s->starts,
+            .face_count = s->face_count});
+    }
+    test_free(s);
+}
+
 /* Sixty faces round the origin, by so many degrees each: one fan that rises a little, or two cones
  * of one tip, one within the other. */
 static void turn(double degrees, int cones) {
@@ -211,6 +293,7 @@ static void turns(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(smooth_meshes),
-        cmocka_unit_test(all_faces_twice), cmocka_unit_test(polygons), cmocka_unit_test(turns)};
+        cmocka_unit_test(all_faces_twice), cmocka_unit_test(polygons),
+        cmocka_unit_test(polygons_cut_at_random), cmocka_unit_test(turns)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
