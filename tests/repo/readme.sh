@@ -81,7 +81,7 @@ if [ "$refresh" = --refresh ]; then
 fi
 
 # The table of rules in docs/checking.md is what norma explain prints.
-verb() { norma explain "$1" | sed -nE 's/^Fix \((\w+)\).*/\1/p'; }
+verb() { norma explain "$1" | sed -nE 's/^Fix \(([a-z ]+)\).*/\1/p'; }
 value() { sed -nE "s/.*\"$1\": \"([^\"]*)\".*/\1/p" "$scratch/rule"; }
 {
     echo '| Rule | To render | To print | Generated | Fix |'
