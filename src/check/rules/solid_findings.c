@@ -27,8 +27,8 @@ static norma_result add_inward(check_mesh *m, check_hits *hits, size_t count) {
     norma_severity severity = m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_ERROR
                                                                            : NORMA_SEVERITY_WARNING;
     norma_check_message(message,
-        "%z of %z components are inside out: they are closed and their faces look inward",
-        hits->count, count);
+        "%z of %z component%s %s inside out: closed, and the faces look inward", hits->count, count,
+        norma_check_plural(count), hits->count == 1 ? "is" : "are");
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N302,
             .severity = severity,
