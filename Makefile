@@ -31,7 +31,7 @@ help:
 	@echo "make tsan      runs the tests that use threads with the thread sanitizer only (clang)"
 	@echo "make fuzz      runs every fuzz target for MINUTES (15) of processor time (clang)"
 	@echo "make judges    fixes every file of the data set by each rule and has the results judged by admesh, the glTF validator and a reader of our own"
-	@echo "make marks     presses every error and warning of the data set's large files in the page, and counts what is marked in the picture (an hour)"
+	@echo "make marks     presses every error and warning of the data set's large files in the page, and counts what is marked in the picture (some minutes)"
 	@echo "make firefox   installs Firefox and Xvfb if they are missing, and runs the page's tests in it (several minutes)"
 	@echo "make mpi       installs Open MPI and MPICH, builds libnorma-mpi and norma-mpi with each, and tests them on 1 to 16 ranks"
 	@echo "make coverage  shows which lines and branches of core and io the tests run (gcov)"

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Every error and warning that is pressed in the page is seen: at least 0.2 % of the picture is marked (marks.mjs).
 #   tests/web/marks.sh          the small meshes of the repository, and faults planted into some
-#   tests/web/marks.sh --all    every file of data/large (make marks; an hour)
+#   tests/web/marks.sh --all    every file of data/large (make marks; some minutes)
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 cd "$root" || exit 1
