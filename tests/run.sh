@@ -85,9 +85,7 @@ run_scripts() {
     say "scripts: the command line, arrows between layers, headers, README, examples, install, single file, manual"
     export NORMA_TREE=$out/gcc
     export NORMA_BIN=$out/gcc/bin/norma
-    # The longest first, so that none of them runs alone at the end.
-    find tests/cli tests/mpi tests/python tests/repo tests/tangent tests/web -maxdepth 1 -name '*.sh' ! -name threads.sh |
-        sed -E 's/^/2 /; s/^2 (.*\/(page|single|wheel)\.sh)$/1 \1/' | sort | cut -d' ' -f2 |
+    find tests/cli tests/mpi tests/python tests/repo tests/tangent tests/web -maxdepth 1 -name '*.sh' ! -name threads.sh | sort |
         xargs -P "$jobs" -I{} bash -c 'name=${0#tests/}; name=${name%.sh}; one "${name/\//.}" "$0"' {}
 }
 

@@ -63,7 +63,7 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
       return result.value;
     };
     /* Until an expression holds; what it gave. */
-    const until = async (expression, seconds = 20) => {
+    const until = async (expression, seconds = 100) => {
       for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(30)) {
         const value = await evaluate(expression).catch(() => undefined);
         if (value) return value;

@@ -90,7 +90,7 @@ export async function launchFirefox(path, { width = 1280, height = 800 } = {}) {
       if (exceptionDetails) throw new Error(`${expression.slice(0, 2000)}: ${exceptionDetails.text}`);
       return valueOf(result);
     };
-    const until = async (expression, seconds = 20) => {
+    const until = async (expression, seconds = 100) => {
       for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(30)) {
         const value = await evaluate(expression).catch(() => undefined);
         if (value) return value;
