@@ -2,8 +2,10 @@
 
     bench_python.py [TRIANGLES]      with norma_mesh installed; Open3D is measured where it is installed
 
-trimesh's method (4.x, `trimesh.geometry.weighted_vertex_normals` with angles as weights) is written
-down here in numpy and scipy's place taken by np.add.at's faster form, bincount.
+Each library gets the arrays that it keeps itself: trimesh doubles and indices of 64 bits, Open3D its
+own vectors. trimesh's method (4.x, `Trimesh.vertex_normals`) is written down here in numpy; scipy's
+sparse matrix, which trimesh multiplies by, has its place taken by bincount, which is faster.
+Two times: on the clock, and of the processors, which other programs on the machine disturb less.
 """
 import sys
 import time
@@ -26,21 +28,29 @@ def grid(triangles, shuffled):
     return points.astype(np.float32), np.ascontiguousarray(faces, np.int64)
 
 
+def unit(vectors):
+    lengths = np.sqrt((vectors * vectors).sum(axis=1))
+    lengths[lengths < 1e-12] = 1
+    return vectors / lengths[:, None]
+
+
 def trimesh_method(points, faces):
-    """Face normals by cross products; angles at corners; sums by vertex; unit."""
+    """Face normals by cross products; angles at corners; faces without a normal left out; sums by vertex; unit."""
     triangles = points[faces]
-    vectors = np.diff(triangles[:, [0, 1, 2, 0]], axis=1)
-    normals = np.cross(vectors[:, 0], vectors[:, 1])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    unit = vectors / np.linalg.norm(vectors, axis=2, keepdims=True)
-    angles = np.empty((len(faces), 3))
-    angles[:, 0] = np.arccos(np.clip(-(unit[:, 0] * unit[:, 2]).sum(1), -1, 1))
-    angles[:, 1] = np.arccos(np.clip(-(unit[:, 0] * unit[:, 1]).sum(1), -1, 1))
+    u, v, w = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0], triangles[:, 2] - triangles[:, 1]
+    normals = unit(np.cross(u, w))
+    u, v, w = unit(u), unit(v), unit(w)
+    angles = np.zeros((len(faces), 3))
+    angles[:, 0] = np.arccos(np.clip((u * v).sum(axis=1), -1, 1))
+    angles[:, 1] = np.arccos(np.clip((-u * w).sum(axis=1), -1, 1))
     angles[:, 2] = np.pi - angles[:, 0] - angles[:, 1]
-    sums = np.empty_like(points, np.float64)
+    angles[(angles < 1e-8).any(axis=1), :] = 0
+    kept = (normals**2).sum(axis=1) > 0.5
+    faces, normals, angles = faces[kept], normals[kept], angles[kept]
+    sums = np.empty_like(points)
     for axis in range(3):
         sums[:, axis] = np.bincount(faces.ravel(), (angles * normals[:, axis, None]).ravel(), len(points))
-    return sums / np.linalg.norm(sums, axis=1, keepdims=True)
+    return unit(sums)
 
 
 def open3d_method(points, faces):
@@ -62,31 +72,34 @@ def main():
     print(f"norma_mesh {norma.__version__}, numpy {np.__version__}, {triangles} triangles, ns a triangle")
     for shuffled in (False, True):
         points, faces = grid(triangles, shuffled)
-        narrow = faces.astype(np.uint32)
-        out = np.empty_like(points)
+        doubles, narrow, out = points.astype(np.float64), faces.astype(np.uint32), np.empty_like(points)
         runs = {
-            "norma, angle, int64 faces, one thread": lambda: norma.vertex_normals(points, faces, threads=1),
-            "norma, angle, uint32 faces, one thread": lambda: norma.vertex_normals(points, narrow, threads=1, out=out),
-            "norma, area, uint32 faces, by index, one thread": lambda: norma.vertex_normals(points, narrow, weight="area", weld="none", threads=1, out=out),
-            "norma, area, int64 faces, by index, one thread": lambda: norma.vertex_normals(points, faces, weight="area", weld="none", threads=1),
-            "norma, angle, uint32 faces, all threads": lambda: norma.vertex_normals(points, narrow, out=out),
-            "norma, corners with creases, all threads": lambda: norma.corner_normals(points, narrow),
-            "trimesh's method, angle": lambda: trimesh_method(points, faces),
+            "norma, float64, int64 (as trimesh has them)": lambda: norma.vertex_normals(doubles, faces),
+            "norma, float32, int64": lambda: norma.vertex_normals(points, faces),
+            "norma, float32, uint32": lambda: norma.vertex_normals(points, narrow),
+            "norma, float32, uint32, out": lambda: norma.vertex_normals(points, narrow, out=out),
+            "  one thread": lambda: norma.vertex_normals(points, narrow, out=out, threads=1),
+            "  by index": lambda: norma.vertex_normals(points, narrow, weld="none", out=out),
+            "  by index, area": lambda: norma.vertex_normals(points, narrow, weight="area", weld="none", out=out),
+            "  by index, area, one thread": lambda: norma.vertex_normals(points, narrow, weight="area", weld="none", out=out, threads=1),
+            "norma, corners with creases": lambda: norma.corner_normals(points, narrow),
+            "trimesh's method, angle, one thread": lambda: trimesh_method(doubles, faces),
         }
         try:
-            runs["Open3D, area"] = open3d_method(points, faces)
+            runs["Open3D, area, by index"] = open3d_method(points, faces)
         except ImportError:
             print("Open3D is not installed")
-        difference = np.abs(trimesh_method(points, faces) - norma.vertex_normals(points, faces)).max()
-        best = dict.fromkeys(runs, float("inf"))
-        for _ in range(5):
+        difference = np.abs(trimesh_method(doubles, faces) - norma.vertex_normals(doubles, faces)).max()
+        best = {name: (float("inf"), float("inf")) for name in runs}
+        for _ in range(7):
             for name, run in runs.items():
-                start = time.perf_counter()
+                start = time.perf_counter(), time.process_time()
                 run()
-                best[name] = min(best[name], time.perf_counter() - start)
-        print("shuffled" if shuffled else "rows of neighbours", f"(largest difference to trimesh's method {difference:.1e})")
+                took = time.perf_counter() - start[0], time.process_time() - start[1]
+                best[name] = min(best[name][0], took[0]), min(best[name][1], took[1])
+        print("shuffled" if shuffled else "rows of neighbours", f"(largest difference to trimesh's method {difference:.1e}); clock, processors")
         for name, took in best.items():
-            print(f"  {name:50} {took / len(faces) * 1e9:8.1f}")
+            print(f"  {name:50} {took[0] / len(faces) * 1e9:8.1f} {took[1] / len(faces) * 1e9:8.1f}")
     one = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.uint32([[0, 1, 2]])
     points, faces = grid(1000, False)
     calls = {

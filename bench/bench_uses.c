@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RUNS = 7, COLD_RUNS = 5, COLD_BYTES = 128 << 20 };
+enum { RUNS = 25, COLD_RUNS = 5, COLD_BYTES = 128 << 20 };
 static const float CREASE_60 = 1.0471975512F;
 
 typedef enum use_call { BY_INDEX, DEFAULT, CORNERS, CALLS } use_call;
@@ -138,7 +138,7 @@ static void bench_file(const char *path, unsigned char *thrown) {
             norma_options options = {.allocator = bench_pool_allocator(&pool)};
             const double warm = least_time(call, &mesh, &options, NULL),
                          cold = least_time(call, &mesh, &options, thrown);
-            options.threads = 2;
+            options.threads = bench_threads();
             printf("  | %7.1f %7.1f %7.1f", warm, least_time(call, &mesh, &options, NULL), cold);
             bench_pool_free(&pool);
         }

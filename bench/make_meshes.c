@@ -1,9 +1,9 @@
 /* make_meshes.c: large meshes for measuring: a grid of triangles, row by row, displaced by waves,
  * with a step every 64 rows so that some edges are hard. make_meshes KIND TRIANGLES FILE KIND: obj
- * (v and f alone), obj-full (v, vt, vn and f v/vt/vn, as exporters write), ply, stl (binary), glb,
- * glb-normals; ply-vertices writes no triangles but a binary PLY of TRIANGLES bytes of vertices, as
- * a file with a hole. Files are the same on every machine: no libm result is printed with all its
- * digits. */
+ * (v and f alone), obj-quads, obj-vt and obj-quads-vt (with texture coordinates), obj-full (v, vt,
+ * vn and f v/vt/vn, as exporters write), ply, stl (binary), glb, glb-normals; ply-vertices writes
+ * no triangles but a binary PLY of TRIANGLES bytes of vertices, as a file with a hole. Files are
+ * the same on every machine: no libm result is printed with all its digits. */
 #define _FILE_OFFSET_BITS 64
 #include <math.h>
 #include <stdint.h>
@@ -72,28 +72,45 @@ static void corners(const grid *g, size_t triangle, uint32_t out[3]) {
     out[2] = c;
 }
 
-static void write_obj(const grid *g, FILE *out, int full) {
+/* What a statement of an OBJ names beside positions, and how many corners a face has. */
+typedef struct obj_kind {
+    const char *name;
+    int texcoords, normals, quads;
+} obj_kind;
+
+static const obj_kind OBJ_KINDS[] = {{"obj", 0, 0, 0}, {"obj-quads", 0, 0, 1}, {"obj-vt", 1, 0, 0},
+    {"obj-quads-vt", 1, 0, 1}, {"obj-full", 1, 1, 0}};
+
+static void write_obj_face(const obj_kind *kind, FILE *out, const uint32_t *c, int count) {
+    fputc('f', out);
+    for (int k = 0; k < count; ++k) {
+        fprintf(out, " %u", c[k] + 1);
+        if (kind->texcoords) fprintf(out, "/%u", c[k] + 1);
+        if (kind->normals) fprintf(out, "/%u", c[k] + 1);
+    }
+    fputc('\n', out);
+}
+
+static void write_obj(const grid *g, FILE *out, const obj_kind *kind) {
     float p[3];
-    uint32_t c[3];
     fprintf(out, "# %zu vertices, %zu triangles\no grid\n", g->vertices, g->triangles);
     for (size_t i = 0; i < g->vertices; ++i) {
         position(g, i, p);
         fprintf(out, "v %.6f %.6f %.6f\n", (double)p[0], (double)p[1], (double)p[2]);
     }
-    for (size_t i = 0; i < g->vertices && full; ++i)
+    for (size_t i = 0; i < g->vertices && kind->texcoords; ++i)
         fprintf(out, "vt %.6f %.6f\n", (double)(i % (g->side + 1)) / g->side,
             (double)(i / (g->side + 1)) / g->side);
-    for (size_t i = 0; i < g->vertices && full; ++i) {
+    for (size_t i = 0; i < g->vertices && kind->normals; ++i) {
         normal(g, i, p);
         fprintf(out, "vn %.4f %.4f %.4f\n", (double)p[0], (double)p[1], (double)p[2]);
     }
-    for (size_t i = 0; i < g->triangles; ++i) {
-        corners(g, i, c);
-        if (full)
-            fprintf(out, "f %u/%u/%u %u/%u/%u %u/%u/%u\n", c[0] + 1, c[0] + 1, c[0] + 1, c[1] + 1,
-                c[1] + 1, c[1] + 1, c[2] + 1, c[2] + 1, c[2] + 1);
-        else
-            fprintf(out, "f %u %u %u\n", c[0] + 1, c[1] + 1, c[2] + 1);
+    for (size_t i = 0; i < g->triangles; i += kind->quads ? 2 : 1) {
+        uint32_t one[3], other[3];
+        corners(g, i, one);
+        corners(g, i | 1, other);
+        const uint32_t quad[4] = {one[0], one[1], other[1], one[2]};
+        write_obj_face(kind, out, kind->quads ? quad : one, kind->quads ? 4 : 3);
     }
 }
 
@@ -205,10 +222,16 @@ static void write_hole(FILE *out, size_t bytes) {
     put(out, "", 1);
 }
 
+static const obj_kind *obj_kind_named(const char *name) {
+    for (size_t i = 0; i < sizeof OBJ_KINDS / sizeof *OBJ_KINDS; ++i)
+        if (!strcmp(name, OBJ_KINDS[i].name)) return &OBJ_KINDS[i];
+    return NULL;
+}
+
 int main(int count, char **arguments) {
     if (count != 4) {
-        fprintf(stderr, "usage: make_meshes obj|obj-full|ply|stl|glb|glb-normals|ply-vertices "
-                        "TRIANGLES FILE\n");
+        fprintf(stderr, "usage: make_meshes obj|obj-quads|obj-vt|obj-quads-vt|obj-full|ply|stl|glb|"
+                        "glb-normals|ply-vertices TRIANGLES FILE\n");
         return 2;
     }
     const char *kind = arguments[1];
@@ -222,8 +245,9 @@ int main(int count, char **arguments) {
         perror(arguments[3]);
         return 1;
     }
-    if (!strcmp(kind, "obj") || !strcmp(kind, "obj-full"))
-        write_obj(&g, out, kind[3] != 0);
+    const obj_kind *obj = obj_kind_named(kind);
+    if (obj)
+        write_obj(&g, out, obj);
     else if (!strcmp(kind, "ply"))
         write_ply(&g, out);
     else if (!strcmp(kind, "stl"))

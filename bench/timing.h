@@ -4,13 +4,17 @@
 #define NORMA_BENCH_TIMING_H
 #include <norma/norma.h>
 
-/* Seconds, of a clock that never goes back. */
+/* Seconds, of a clock that never goes back; with NORMA_BENCH_BUSY in the environment those that
+ * this process had a processor, for machines that others use meanwhile. */
 double bench_now(void);
 
-/* Sorts the times and gives the one in the middle. */
-double bench_median(double *times, size_t count);
+/* How many threads are worth timing: 2, or 1 on a busy machine, where they would be summed. */
+uint32_t bench_threads(void);
 
-/* Seconds that memcpy takes for bytes, from one warm block to another: the median of runs. 0 where
+/* The least of the times: what the work takes when nothing else runs meanwhile. */
+double bench_least(const double *times, size_t count);
+
+/* Seconds that memcpy takes for bytes, from one warm block to another: the least of runs. 0 where
  * there is no memory for it. */
 double bench_memcpy_seconds(size_t bytes, size_t runs);
 

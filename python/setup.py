@@ -24,7 +24,7 @@ setup(
     ext_modules=[
         Extension(
             "norma_mesh._norma",
-            ["norma_mesh/_norma.c"],
+            sorted(str(path) for path in Path("norma_mesh").glob("*.c")),
             include_dirs=[str(root / "include")],
             extra_objects=[os.environ["NORMA_LIBRARY"]],
             extra_compile_args=["-std=c11", "-O2", "-Wall", "-Wextra", "-fvisibility=hidden"],

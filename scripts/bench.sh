@@ -1,14 +1,14 @@
 #!/bin/bash
 # make bench: Norma beside memcpy of the same bytes and beside the other libraries that are installed, on the same meshes, in one run. Everything is printed and left in
-# build/bench: core.txt, rivals.tsv, rivals.md (the README's table), files.txt, web.txt, python.txt.
+# build/bench: core.txt, real.txt, rivals.tsv, rivals.md (the README's table), files.txt, web.txt, python.txt.
 #   scripts/bench.sh             everything (about ten minutes)
-#   scripts/bench.sh core web    some of: core, rivals, files, web, python
-# NORMA_BENCH_TRIANGLES: of the meshes made (2000000; core: 10000000).
+#   scripts/bench.sh core web    some of: core, real, rivals, files, web, python
+# NORMA_BENCH_TRIANGLES: of the meshes made (2000000; core: 10000000). NORMA_BENCH_BUSY=1: processor time of one thread, where others use the machine.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 root=$PWD
 out=$root/build/bench
-sections=${*:-core rivals files web python}
+sections=${*:-core real rivals files web python}
 triangles=${NORMA_BENCH_TRIANGLES:-2000000}
 mkdir -p "$out"
 
@@ -18,13 +18,23 @@ cmake -S . -B "$out/tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DNORMA_BENCH=ON -
 bin=$out/tree/bin
 
 about() {
-    echo "$(date +%Y-%m-%d), $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1), $(nproc) cores, $(gcc --version | head -1)"
+    local isa
+    isa=$(grep -owm1 -E 'avx512f|avx2|asimd' /proc/cpuinfo | sort | tail -1)
+    echo "$(date +%Y-%m-%d), $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1), $(nproc) cores${isa:+, $isa}, $(gcc --version | head -1)${NORMA_BENCH_BUSY:+, busy: processor time of one thread}; load $(cut -d' ' -f1 /proc/loadavg)"
 }
 
 run_core() {
     about | tee "$out/core.txt"
     "$bin/bench_core" --triangles "${NORMA_BENCH_TRIANGLES:-10000000}" | tee -a "$out/core.txt"
     "$bin/bench_plan" | tee -a "$out/core.txt"
+}
+
+# Meshes that people made, if the data set is there; quads among them.
+run_real() {
+    local data=${NORMA_DATA:-$root/../shared/data}/large
+    about | tee "$out/real.txt"
+    (cd "$data" && "$bin/bench_uses" --only files medical/headsq-bone.ply terrain/jacksboro.ply game/vino-scooter.glb interior/dream-apartment.glb cad/exhaust_filter_housing.stl \
+        voxel/pandora/pandora.obj foliage/bamboo/bamboo.obj hair/bob01.obj hair/long01.obj) | tee -a "$out/real.txt"
 }
 
 run_rivals() {
@@ -58,6 +68,7 @@ run_python() {
         "$out/venv/bin/python" bench/bench_python.py | tee "$out/python.txt"
 }
 
+# bench/tables.sh writes what was measured into docs/speed.md.
 for section in $sections; do
     echo "== $section"
     "run_$section"

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Writes the core as one file, norma.c, beside norma.h, for those who copy two files:
 #   scripts/single.sh [FOLDER]          (build/single)
-# Internal headers come first, each once, then every file of src/core and its folders. A file-scope name that several files use gets the file's name in front.
+# Internal headers come first, each once (but *.template.h, which are written out where they are included), then every file of src/core and its folders. A file-scope name that several files use gets the file's name in front.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 out=${1:-$root/build/single}
@@ -9,7 +9,15 @@ mkdir -p "$out"
 out=$(cd "$out" && pwd)
 cp "$root/include/norma/norma.h" "$out/norma.h"
 
-cd "$root/src"
+# A template is part of each file that includes it.
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cp -r "$root/src/core" "$work"
+cd "$work"
+grep -lE '^#include ".*\.template\.h"' $(find core -name '*.c') | while read -r file; do
+    awk '/^#include ".*\.template\.h"/ { split($0, quoted, "\""); while ((getline line < quoted[2]) > 0) print line; next } { print }' "$file" >"$file.new"
+    mv "$file.new" "$file"
+done
 version=$(sed -nE 's/^#define NORMA_VERSION_(MAJOR|MINOR|PATCH) +([0-9]+).*/\2/p' "$out/norma.h" | paste -sd.)
 
 # The internal headers that the core itself includes, each after those it includes.
@@ -26,7 +34,7 @@ names() {
     awk '
         function emit(name) { if (name != "" && name != "__attribute__") print FILENAME, name }
         /^#[ \t]*define[ \t]+[A-Za-z_]/ { s = $0; sub(/^#[ \t]*define[ \t]+/, "", s); match(s, /^[A-Za-z0-9_]+/); emit(substr(s, 1, RLENGTH)); next }
-        { sub(/^(CORE_(INLINE|FOR_[A-Z0-9]+( static)?)|CORE_IN_REGISTERS) /, "static ") }
+        { sub(/^(CORE_(INLINE|FOR_[A-Z0-9]+( static)?|IN_[A-Z0-9]+)|IN_VECTORS|FOR_VECTORS static) /, "static ") }
         { sub(/ __attribute__\(\(vector_size\([^;]*\)\)\);/, ";") }
         /^static [^=;]*\(/ && !/^static [^(]*=/ { s = $0; sub(/\(.*/, "", s); sub(/[ \t]+$/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s); next }
         /^static / { s = $0; sub(/[=;].*/, "", s); sub(/\[.*/, "", s); sub(/[ \t]+$/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s); next }
@@ -68,7 +76,7 @@ body() { # FILE: without includes of ours
  *     NORMA_WITHOUT_ORIENT     norma_orient, norma_reverse_winding
  *     NORMA_WITHOUT_PLANS      norma_plan_*, and morph targets, which use them
  *     NORMA_WITHOUT_MORPHS     norma_morph_normals
- *     NORMA_WITHOUT_TANGENTS   norma_corner_tangents, norma_split_tangents
+ *     NORMA_WITHOUT_TANGENTS   norma_corner_tangents, norma_split_tangents, norma_tangent_plan_*
  *     NORMA_WITHOUT_AVX512     code for AVX-512; AVX2 does the same work
  *
 HEAD

@@ -27,7 +27,7 @@ static void many_matrices() {
     const double copy = copy_seconds(50 * MODELS);
     auto tell = [&](const char *library, const char *call, const std::function<void()> &work) {
         print(library, call, "-", "-", MODELS,
-            median(
+            least(
                 7, [] {}, work),
             copy, -1);
     };
@@ -72,7 +72,7 @@ static void many_normals() {
     const double copy = copy_seconds(12 * NORMALS);
     auto tell = [&](const char *library, const char *call, const std::function<void()> &work) {
         print(library, call, "-", "-", NORMALS,
-            median(
+            least(
                 5, [] {}, work),
             copy, -1);
     };

@@ -10,7 +10,7 @@ static void vertices(const Mesh &mesh, const norma_mesh &view, norma_weight weig
     options.weight = weight;
     options.weld = weld;
     options.threads = threads;
-    const double seconds = median(
+    const double seconds = least(
         5, [] {},
         [&] {
             norma_vertex_normals(&view, &options, normals.data(), mesh.vertex_count(), nullptr);
@@ -35,7 +35,7 @@ static void planned(
     options.threads = threads;
     norma_plan *plan = nullptr;
     if (norma_plan_create(&view, NORMA_PER_VERTEX, 1.0471976f, &options, &plan) != NORMA_OK) return;
-    const double seconds = median(
+    const double seconds = least(
         9, [] {},
         [&] {
             norma_plan_update(plan, view.positions, nullptr, 0, &options, normals.data(),
@@ -59,7 +59,7 @@ int main(int count, char **arguments) {
         view.positions = {mesh.positions.data(), mesh.vertex_count(), 0, NORMA_FORMAT_FLOAT};
         view.corners = mesh.triangles.data();
         view.corner_count = mesh.triangles.size();
-        for (uint32_t threads : {1u, 2u}) {
+        for (uint32_t threads = 1; threads <= bench_threads(); ++threads) {
             vertices(mesh, view, NORMA_WEIGHT_AREA, NORMA_WELD_NONE, threads, copy);
             vertices(mesh, view, NORMA_WEIGHT_ANGLE, NORMA_WELD_NONE, threads, copy);
             vertices(mesh, view, NORMA_WEIGHT_ANGLE, NORMA_WELD_EXACT, threads, copy);
@@ -68,7 +68,7 @@ int main(int count, char **arguments) {
             std::vector<float> normals(3 * mesh.triangles.size());
             norma_options options = {};
             options.threads = threads;
-            const double seconds = median(
+            const double seconds = least(
                 5, [] {},
                 [&] {
                     norma_corner_normals(&view, 1.0471976f, &options, normals.data(),

@@ -18,7 +18,7 @@ int main(int count, char **arguments) {
                 handles[mesh.triangles[t + 2]]);
         their.request_face_normals();
         their.request_vertex_normals();
-        const double seconds = median(
+        const double seconds = least(
             5, [] {}, [&] { their.update_normals(); });
         const double off = largest_angle(reference(mesh, Weight::uniform),
             [&](size_t v, int k) { return double(their.normal(handles[v])[size_t(k)]); });

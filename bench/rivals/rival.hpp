@@ -1,7 +1,6 @@
-// rival.hpp: what every program of this folder shares: the same meshes as Norma's own benchmark, medians, a reference in double precision, one line of a table for each call.
+// rival.hpp: what every program of this folder shares: the same meshes as Norma's own benchmark, least times, a reference in double precision, one line of a table for each call.
 #pragma once
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -13,6 +12,7 @@
 #include <vector>
 extern "C" {
 #include "../made_meshes.h"
+#include "../timing.h"
 }
 
 namespace rival {
@@ -39,17 +39,18 @@ inline Mesh make(size_t triangles, bool shuffled) {
     return mesh;
 }
 
-// Seconds: the median of runs; prepare is not timed.
-inline double median(int runs, const std::function<void()> &prepare, const std::function<void()> &work) {
+// Seconds: the least of so many runs, or of those that half a second holds; prepare is not timed.
+inline double least(int runs, const std::function<void()> &prepare, const std::function<void()> &work) {
     std::vector<double> times;
-    for (int run = 0; run < runs; ++run) {
+    double spent = 0;
+    for (int run = 0; run < runs || (spent < .5 && run < 200); ++run) {
         prepare();
-        const auto begun = std::chrono::steady_clock::now();
+        const double begun = bench_now();
         work();
-        times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count());
+        times.push_back(bench_now() - begun);
+        spent += times.back();
     }
-    std::sort(times.begin(), times.end());
-    return times[times.size() / 2];
+    return *std::min_element(times.begin(), times.end());
 }
 
 // Normals by a weight, vertices shared by index, in double precision throughout: what errors are measured against.
@@ -94,7 +95,7 @@ inline double largest_angle(const std::vector<double> &reference, const std::fun
 // Seconds of copying so many bytes, warm.
 inline double copy_seconds(size_t bytes, int runs = 9) {
     std::vector<char> from(bytes, 1), to(bytes, 2);
-    return median(runs, [] {}, [&] {
+    return least(runs, [] {}, [&] {
         std::memcpy(to.data(), from.data(), bytes);
         asm volatile("" : : "r"(to.data()) : "memory");
     });

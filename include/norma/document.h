@@ -343,6 +343,16 @@ NORMA_API norma_document_result norma_document_normal_map(
 NORMA_API norma_document_result norma_document_texcoords(norma_document *document, size_t mesh,
     size_t set, const float **texcoords, size_t *count, norma_document_error *error);
 
+/* Applies the transform of a texture (KHR_texture_transform) to texture coordinates.
+ *
+ *   info        offset, scale and rotation are read
+ *   texcoords   two numbers for each vertex
+ *   count       vertices
+ *   stride      number of floats from one vertex to the next in placed; at least 2
+ *   placed      written; texcoords itself if stride is 2 */
+NORMA_API void norma_texture_place(const norma_texture_info *info, const float *texcoords,
+    size_t count, size_t stride, float *placed);
+
 /* The attributes of a mesh that norma_mesh_data does not contain. */
 typedef struct norma_mesh_attributes {
     /* SIZE_MAX: none (glTF: the default material). OBJ with several: that of the first face. */
@@ -773,6 +783,42 @@ NORMA_API norma_document_result norma_document_write(
  *   error   written on failure; or NULL */
 NORMA_API norma_document_result norma_save_bytes(
     const char *path, const void *bytes, size_t size, norma_document_error *error);
+
+/* A file on its way to a path, piece by piece. One thread at a time may use it. */
+typedef struct norma_saving norma_saving;
+
+/* Begins to write a file as norma_save_bytes does, for contents that are larger than memory or made
+ * bit by bit. Until norma_save_end the path stays as it is.
+ *
+ *   path     replaced at the end if it exists
+ *   saving   written: to be passed to norma_save_end or norma_save_abandon; NULL on failure
+ *   error    written on failure; or NULL */
+NORMA_API norma_document_result norma_save_begin(
+    const char *path, norma_saving **saving, norma_document_error *error);
+
+/* Appends bytes. After a failure, such as a full disk, every later call fails in the same way.
+ *
+ *   saving   of norma_save_begin
+ *   bytes    copied or written before the call returns
+ *   size     bytes
+ *   error    written on failure; or NULL */
+NORMA_API norma_document_result norma_save_piece(
+    norma_saving *saving, const void *bytes, size_t size, norma_document_error *error);
+
+/* The temporary file that would stay if the process ended now, for a signal handler to unlink; NULL
+ * where it has no name (on most file systems of Linux), or for a device or a pipe. Valid until
+ * norma_save_end or norma_save_abandon. */
+NORMA_API const char *norma_save_temporary(const norma_saving *saving);
+
+/* Flushes the file and puts it in place; on failure the path stays as it was. Frees saving in any
+ * case.
+ *
+ *   saving   of norma_save_begin
+ *   error    written on failure; or NULL */
+NORMA_API norma_document_result norma_save_end(norma_saving *saving, norma_document_error *error);
+
+/* Frees saving and leaves the path as it was. NULL is fine. */
+NORMA_API void norma_save_abandon(norma_saving *saving);
 
 #ifdef __cplusplus
 }

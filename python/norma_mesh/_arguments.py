@@ -62,6 +62,8 @@ def number(name: str, value: object) -> float:
         raise TypeError(f"{name}: a number is needed, not {type(value).__name__}") from None
     except ValueError:
         raise ValueError(f"{name}: a number is needed, not {value!r}") from None
+    except OverflowError:
+        raise ValueError(f"{name}: a smaller number is needed") from None
     return result
 
 
@@ -80,14 +82,17 @@ def given_degrees(radians: float) -> float:
 
 def thread_count(threads: object) -> int:
     """None: as many threads as the machine runs at once."""
-    if threads is None:
-        return ALL_THREADS
+    return ALL_THREADS if threads is None else count_of("threads", threads)
+
+
+def count_of(name: str, value: object) -> int:
+    """At least 1, or a TypeError or ValueError that names the argument."""
     try:
-        count = operator.index(threads)  # type: ignore[arg-type]
+        count = operator.index(value)  # type: ignore[arg-type]
     except TypeError:
-        raise TypeError(f"threads: an integer or None is needed, not {type(threads).__name__}") from None
+        raise TypeError(f"{name}: an integer is needed, not {type(value).__name__}") from None
     if not 0 < count < ALL_THREADS:
-        raise ValueError(f"threads: 1 or more are needed, not {count}")
+        raise ValueError(f"{name}: 1 or more are needed, not {count}")
     return count
 
 
@@ -123,15 +128,15 @@ def options(
             raise ValueError(f"fallback: 'zero', 'nearest' or three numbers are needed, not {fallback!r}")
     else:
         kind = 2
-        three = tuple(number("fallback", part) for part in np.ravel(np.asarray(fallback)))
+        three = tuple(number("fallback", part) for part in np.ravel(as_array("fallback", fallback)))
         if len(three) != 3 or not all(abs(part) <= 3.4028234e38 for part in three):
             raise ValueError(f"fallback: three finite numbers are needed, not {fallback!r}")
         given = (three[0], three[1], three[2])
     return (
-        WEIGHTS[weight] if weight in WEIGHTS else choice("weight", weight, WEIGHTS),
+        choice("weight", weight, WEIGHTS),
         mode,
         distance,
-        NON_MANIFOLD[non_manifold] if non_manifold in NON_MANIFOLD else choice("non_manifold", non_manifold, NON_MANIFOLD),
+        choice("non_manifold", non_manifold, NON_MANIFOLD),
         kind,
         *given,
         normal_stride,
@@ -140,9 +145,19 @@ def options(
     )
 
 
+def as_array(name: str, values: object) -> Array:
+    """An array, or a ValueError that names what cannot be one, such as rows of different lengths."""
+    if type(values) is np.ndarray:
+        return values
+    try:
+        return np.asarray(values)
+    except (ValueError, TypeError, OverflowError) as problem:
+        raise ValueError(f"{name}: an array is needed: {problem}") from None
+
+
 def vectors(name: str, values: ArrayLike, width: int = 3) -> Tuple[Array, int]:
     """An array of `width` floats a row that the library can read, and the number of its format."""
-    array = values if type(values) is np.ndarray else np.asarray(values)
+    array = as_array(name, values)
     if array.ndim != 2 or array.shape[1] != width:
         if array.size == 0 and array.ndim == 1:
             array = array.reshape(0, width)
@@ -194,7 +209,7 @@ def _overlap(a: Array, b: Array) -> bool:
 
 def integers(name: str, values: ArrayLike) -> Array:
     """An array of integers, of any shape."""
-    array = values if type(values) is np.ndarray else np.asarray(values)
+    array = as_array(name, values)
     if array.dtype.kind not in "iu":
         if array.size == 0:
             return array.astype(np.uint32)
@@ -204,6 +219,8 @@ def integers(name: str, values: ArrayLike) -> Array:
 
 def indices(name: str, array: Array) -> Array:
     """Packed indices of 4, 2 or 1 bytes, in the order of the array's elements."""
+    if array.ndim not in (1, 2):
+        array = array.reshape(-1)
     if array.dtype in _PACKED_INDICES and array.flags.c_contiguous and array.flags.aligned:
         return array
     converted = np.empty(array.shape, np.uint32)
@@ -285,7 +302,7 @@ def _split_faces(faces: Faces) -> Tuple[Optional[Array], Optional[Indices]]:
     array = integers("faces", faces)  # type: ignore[arg-type]
     if array.size == 0 and array.ndim == 1:
         array = array.reshape(0, 3)
-    if array.ndim != 2:
+    if array.ndim != 2 or (array.shape[1] < 3 and array.size):
         raise ValueError(f"faces: shape (n, 3) or (n, k) is needed, not {array.shape}")
     if array.shape[1] == 3:
         return array, None
@@ -302,8 +319,10 @@ def mesh(
     vertices and triangles (Open3D)."""
     if faces is None and hasattr(positions, "vertices"):
         whole = positions
-        faces = np.asarray(whole.faces if hasattr(whole, "faces") else whole.triangles)
-        positions = np.asarray(whole.vertices)
+        given_faces = getattr(whole, "faces", getattr(whole, "triangles", None))
+        if given_faces is None:
+            raise TypeError("positions: an object with vertices needs faces or triangles too")
+        faces, positions = as_array("faces", given_faces), as_array("positions", whole.vertices)
     points, kind = vectors("positions", positions)
     given, starts = _split_faces(faces)
     corners = None if given is None else indices("faces", given)
@@ -318,7 +337,7 @@ def mesh(
             raise ValueError(f"smoothing_groups: one for each of {face_count} faces is needed, not {groups.size}")
         groups_at, extras = groups.__array_interface__["data"][0], (*extras, groups)
     if hard_edges is not None:
-        hard = np.ascontiguousarray(np.asarray(hard_edges) != 0).reshape(-1).view(np.uint8)
+        hard = np.ascontiguousarray(as_array("hard_edges", hard_edges) != 0).reshape(-1).view(np.uint8)
         if hard.size != corner_count:
             raise ValueError(f"hard_edges: one for each of {corner_count} corners is needed, not {hard.size}")
         hard_at, extras = hard.__array_interface__["data"][0], (*extras, hard)

@@ -15,6 +15,7 @@ from ._arguments import (
     Floats,
     Mesh,
     Weld,
+    as_array,
     choice,
     crease_radians,
     indices,
@@ -362,7 +363,7 @@ def index_corners(*streams: ArrayLike, threads: Optional[int] = None) -> Indexed
 
 def _stream(number: int, values: ArrayLike) -> NDArray[Any]:
     """An array whose values, the rows, are of at least one byte and without gaps."""
-    array = values if type(values) is np.ndarray else np.asarray(values)
+    array = as_array(f"streams[{number}]", values)
     if array.dtype.hasobject:
         raise TypeError(f"streams[{number}]: numbers are needed, not {array.dtype}")
     if array.ndim == 0 or 0 in array.shape[1:]:
@@ -515,7 +516,7 @@ class Plan:
 
 
 def _models(name: str, values: ArrayLike, many: bool) -> NDArray[Any]:
-    array = np.asarray(values)
+    array = as_array(name, values)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: numbers are needed, not {array.dtype}")
     kind = np.float32 if array.dtype == np.float32 else np.float64
@@ -586,7 +587,7 @@ def transform_normals(matrix: ArrayLike, normals: ArrayLike, *, out: Optional[Fl
     >>> norma.transform_normals(norma.normal_matrix([[2, 0, 0], [0, 1, 0], [0, 0, 1]]), [[1, 1, 0]]).round(3)
     array([[0.447, 0.894, 0.   ]], dtype=float32)
     """
-    columns = np.asarray(matrix)
+    columns = as_array("matrix", matrix)
     if columns.shape != (3, 3):
         raise ValueError(f"matrix: shape (3, 3) is needed, not {columns.shape}")
     if columns.dtype.kind not in "fiu":

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 from . import _norma
-from ._arguments import WEIGHTS, choice, given_degrees, thread_count
+from ._arguments import WEIGHTS, choice, count_of, given_degrees, thread_count
 from ._files import Path, bytes_of, raise_document
 from ._selection import PROFILES, Names, mask_of
 from ._tool import tool_path
@@ -324,11 +324,9 @@ def check(
     shown = os.fsdecode(encoded)
     if not os.path.exists(encoded):
         raise FileNotFoundError(2, os.strerror(2), shown)
-    if samples < 1:
-        raise ValueError(f"samples: 1 or more are needed, not {samples}")
     kind = choice("profile", profile, PROFILES)
     time = os.stat(encoded).st_mtime_ns
-    answer = _norma.check(encoded, kind, bool(strict), samples, mask_of(select, ignore), thread_count(threads))
+    answer = _norma.check(encoded, kind, bool(strict), count_of("samples", samples), mask_of(select, ignore), thread_count(threads))
     if isinstance(answer[0], int):
         raise_document(answer)
     (applied, partly, findings), unreadable = answer

@@ -20,7 +20,10 @@ def mask_of(select: Names, ignore: Names) -> Optional[bytes]:
 
 
 def _marked(name: str, names: Names, count: int) -> bytes:
-    words = names if isinstance(names, str) else ",".join(names or ())
+    try:
+        words = names if isinstance(names, str) else ",".join(names or ())
+    except TypeError:
+        raise TypeError(f"{name}: names of rules are needed, not {names!r}") from None
     answer = _norma.rules_select(words, bytes(count))
     if isinstance(answer, str):
         raise ValueError(f"{name}: no rule is called {answer!r}")

@@ -198,7 +198,7 @@ enum render_result render_image_decode(
 
 typedef struct render_png {
     uint8_t *bytes;
-    size_t size, capacity;
+    size_t size;
 } render_png;
 /* As a PNG that says it is sRGB; without alpha where all of it is opaque. The caller frees bytes.
  */

@@ -96,6 +96,46 @@ head -c 100000 "$folder/in.obj" >"$folder/out/old.obj"
 cp "$folder/out/old.obj" "$folder/old"
 interrupt 0.05 compute "$folder/in.obj" -o "$folder/out/old.obj"
 if [ "$status" = 130 ]; then check "the file of before stays" cmp "$folder/old" "$folder/out/old.obj"; else skip "the file of before stays (it was too quick: status $status)"; fi
+# A report on many files is on its way to the disk for a long time: on a file system whose temporary files have names, too.
+cat >"$scratch/named.c" <<'END'
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+static int call(const char *name, const char *path, int flags, unsigned mode) {
+    int (*next)(const char *, int, ...) = (int (*)(const char *, int, ...))dlsym(RTLD_NEXT, name);
+    if ((flags & O_TMPFILE) == O_TMPFILE) return errno = EOPNOTSUPP, -1;
+    return next(path, flags, mode);
+}
+static unsigned mode_of(int flags, va_list rest) { return flags & (O_CREAT | O_TMPFILE) ? va_arg(rest, unsigned) : 0; }
+int open(const char *path, int flags, ...) { va_list rest; va_start(rest, flags); unsigned mode = mode_of(flags, rest); va_end(rest); return call("open", path, flags, mode); }
+int open64(const char *path, int flags, ...) { va_list rest; va_start(rest, flags); unsigned mode = mode_of(flags, rest); va_end(rest); return call("open64", path, flags, mode); }
+END
+rm -f "$folder/out"/*
+mkdir "$folder/farm"
+cp "$root/tests/cli/golden/files/cube.obj" "$folder/farm/0.obj"
+for ((i = 1; i < 20000; ++i)); do echo "$folder/farm/$i.obj"; done | xargs -n 1 ln "$folder/farm/0.obj"
+named=""
+${CC:-cc} -shared -fPIC -o "$scratch/named.so" "$scratch/named.c" -ldl 2>"$scratch/log" && named=$scratch/named.so
+for preload in "" $named; do
+    echo old >"$folder/out/report.json"
+    LD_PRELOAD=$preload "$norma" check "$folder/farm" --no-config -o "$folder/out/report.json" >/dev/null 2>"$folder/err" &
+    child=$!
+    seen=0
+    for _ in {1..100}; do
+        [ -z "$(find "$folder/out" -name '.norma-*.tmp')" ] || { seen=1; break; }
+        sleep 0.01
+        [ -n "$preload" ] || { sleep 0.3; break; }
+    done
+    kill -INT "$child"
+    wait "$child"
+    status=$?
+    left=$(ls -A "$folder/out")
+    name="a report that is interrupted: the old one stays, and nothing else${preload:+, where temporary files have names}"
+    if [ $status = 130 ] && [ "$left" = report.json ] && [ "$(cat "$folder/out/report.json")" = old ] && { [ -z "$preload" ] || [ $seen = 1 ]; }; then pass "$name"; else fail "$name" "status $status, seen $seen, left $left"; fi
+done
+rm -rf "$folder/farm" "$folder/out/report.json"
 # Every verb, while it reads a line of 300 megabytes: whatever a reader is at, it ends at once.
 rm -f "$folder"/in.*
 # long HEAD UNIT TAIL: one line.

@@ -63,6 +63,17 @@ for ((i = 0; i < ${#expected_rules[@]}; i += 2)); do
     if [ "$found" = "${expected_rules[i + 1]}" ]; then pass "check $kind in parts: $found"; else fail "check $kind in parts" "$found, expected ${expected_rules[i + 1]}; $(cat said)"; fi
 done
 for kind in ply stl; do peak 48 "check of a $kind stays within 48M" "$norma" check in.$kind --no-config --max-memory 48M --fail-on never; done
+# The report on many files goes to its file piece by piece.
+mkdir many
+{
+    for ((i = 0; i < 1000; ++i)); do echo "v $i 0 0"; echo "v $i 1 0"; echo "v $i 0 1"; echo "vn 0 0 0"; done
+    for ((i = 1; i <= 1000; ++i)); do echo "f $((3 * i - 2))//$i $((3 * i - 1))//$i $((3 * i))//$i"; done
+} >many/1.obj
+for ((i = 2; i <= 600; ++i)); do ln many/1.obj "many/$i.obj"; done
+for form in json sarif; do
+    peak 24 "a report in $form that is larger than the memory it takes" "$norma" check many --no-config --select N102,N103 --max-samples 1000 --fail-on never -o "many.$form"
+done
+if [ "$(stat -c %s many.json)" -gt 40000000 ]; then pass "that report has more than 40 MB"; else fail "that report has more than 40 MB" "$(stat -c %s many.json)"; fi
 for form in text line json sarif html; do
     "$norma" check ply.ply --no-config --max-memory 20M --format $form >report 2>said
     if grep -q 'N002' report && grep -q 'N302, N303' report; then pass "$form names the rules that were not applied"; else fail "$form names the rules that were not applied" "$(head -c 2000 report)"; fi

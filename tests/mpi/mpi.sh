@@ -105,6 +105,27 @@ refused() {
     fi
 }
 
+# killed WHEN MPI TREE RANK WAIT: SIGKILL hits the rank once WAIT succeeds: no rank hangs, and the output is the old one or, if all was done by then, the whole new one.
+# Unless rank 0 is hit, which makes it, no temporary file is left either.
+killed() {
+    local folder=$scratch/killed status from tries hit=0 left bad=""
+    for tries in 1 2 3 4 5; do
+        rm -rf "$folder"
+        mkdir -p "$folder"
+        echo old >"$folder/out.ply"
+        status=0
+        from=$SECONDS
+        (cd "$folder" && export WAIT=$5 && PATH=$3/bin:$PATH LIMIT=60 ranks "$3" 3 bash -c "$AS_RANK"'; if [ "$(as_rank '"$4"' yes no)" = yes ]; then (while kill -0 $$ && ! eval "$WAIT"; do :; done; kill -KILL $$) 2>/dev/null & fi; exec norma-mpi compute ../a.ply -o out.ply --quiet') >"$scratch/log" 2>&1 || status=$?
+        left=$(cd "$folder" && echo .out.ply.*)
+        [ "$left" = ".out.ply.*" ] || [ "$4" = 0 ] || bad="left behind: $left"
+        [ $((SECONDS - from)) -lt 60 ] || bad="it hung"
+        if cmp -s "$folder/out.ply" "$scratch/a.done.ply"; then continue; fi # too late
+        if [ "$(cat "$folder/out.ply")" = old ] && [ "$status" != 0 ]; then hit=1; else bad="status $status, another output"; fi
+        break
+    done
+    if [ -n "$bad" ]; then fail "$2: rank $4 is killed $1" "$bad: $(tail -5 "$scratch/log")"; elif [ $hit = 0 ]; then skip "$2: rank $4 is killed $1 (it was always done by then)"; else pass "$2: rank $4 is killed $1"; fi
+}
+
 test_tool() { # TREE MPI RANKS...
     local tree=$1 mpi=$2 words n
     shift 2
@@ -150,6 +171,12 @@ test_tool() { # TREE MPI RANKS...
     check "$mpi: the source is no output" bash -c '. tests/mpi/launch.bash; cp "$1" "$2" && ln -f "$2" "$3" && ! ranks "$0" 2 "$0/bin/norma-mpi" compute "$2" -o "$3" 2>"$4" && grep -q "this is the input" "$4" && cmp "$1" "$2"' "$tree" "$scratch/a.ply" "$scratch/source.ply" "$scratch/link.ply" "$scratch/log"
     python3 tests/mpi/make_file.py "$scratch/a.ply" 480 # so large that MPI's own files stay below the limit
     refused "a rank that cannot write all of its slice" "$mpi" "$tree" "out.ply: cannot be written" 'trap "" XFSZ; ulimit -f "$(as_rank 2 6000 unlimited)"; exec norma-mpi compute a.ply -o out.ply'
+    "$tree/bin/norma" compute "$scratch/a.ply" -o "$scratch/a.done.ply" --quiet
+    for n in 0 2; do
+        killed "at the start" "$mpi" "$tree" "$n" 'sleep 0.1'
+        killed "while it reads or computes" "$mpi" "$tree" "$n" 'readlink /proc/$$/fd/* | grep -q "/a.ply$"'
+        killed "while the output is written" "$mpi" "$tree" "$n" 'compgen -G ".out.ply.*" >/dev/null'
+    done
     check "$mpi: the example of a solver's seams" bash -c '. tests/mpi/launch.bash; ranks "$0" 4 "$0/examples/solver_seams" | tee "$1" | grep -q "norma_mpi_vertex_normals: *0.0 %" && ! grep -q "by itself: *0.0 %" "$1"' "$tree" "$scratch/seams"
     if [ -x "$tree/examples/petsc_seams" ]; then
         check "$mpi: the example with PETSc has the same bits on 1, 2 and 5 ranks" bash -c '. tests/mpi/launch.bash; for n in 1 2 5; do ranks "$0" "$n" "$0/examples/petsc_seams"; done >"$1" && [ "$(grep "norma_mpi_vertex_normals: *0.0 %" "$1" | sort | uniq -c | awk "{print \$1}")" = 3 ] && [ "$(grep "by itself" "$1" | sort -u | wc -l)" = 3 ]' "$tree" "$scratch/petsc"

@@ -4,6 +4,7 @@ import os
 import signal
 import threading
 import time
+import types
 import unittest
 
 import numpy as np
@@ -107,6 +108,11 @@ class ClosedForms(unittest.TestCase):
         self.assertEqual(report.degenerate, 0)
         indexed = norma.tangents(SQUARE, [[0, 0, 1]], uv, [[0, 1, 2, 3]], normal_faces=[[0, 0, 0, 0]])
         self.assertTrue(np.array_equal(indexed, found))
+        tilted = [[0.1, 0, 1], [0, 0.2, 1], [0.3, 0, 1], [0, 0.4, 1]]
+        by_corner = norma.tangents(SQUARE, tilted[::-1], uv, [[0, 1, 2, 3]])
+        for numbers in ([[[3, 2], [1, 0]]], [[3, 2, 1, 0]], [3, 2, 1, 0]):
+            indexed = norma.tangents(SQUARE, tilted, uv, [[0, 1, 2, 3]], normal_faces=np.array(numbers))
+            self.assertTrue(np.array_equal(indexed, by_corner))
 
     def test_a_plan_gives_what_a_call_gives(self):
         points, faces = sphere(15, 20)
@@ -232,6 +238,10 @@ class Refusals(unittest.TestCase):
         self.refused(TypeError, "positions: numbers", v, [["a", "b", "c"]], f)
         self.refused(TypeError, "positions: numbers", v, SQUARE + 1j, f)
         self.refused(TypeError, "positions: numbers", v, SQUARE > 0, f)
+        self.refused(ValueError, "positions: an array is needed", v, [[0, 0, 0], [1, 0]], f)
+        self.refused(TypeError, "positions: an object with vertices needs faces", v, types.SimpleNamespace(vertices=SQUARE))
+        self.refused(ValueError, "faces: shape", v, SQUARE, [[0, 1], [1, 2]])
+        self.refused(ValueError, "faces[1]: an array is needed", v, SQUARE, [[0, 1, 2], [[0], [1, 2]]])
         self.refused(IndexError, "faces[0, 2] is 9; an index below 4", v, SQUARE, [[0, 1, 9]])
         self.refused(IndexError, "faces[1, 0] is -1", v, SQUARE, np.array([[0, 1, 2], [-1, 1, 2]], np.int64))
         self.refused(IndexError, "faces[1, 0] is -1", v, SQUARE, np.array([[0, 1, 2], [-1, 1, 2]], np.int32))
@@ -258,6 +268,8 @@ class Refusals(unittest.TestCase):
         f = [[0, 1, 2]]
         self.refused(ValueError, "weight: one of 'angle'", v, SQUARE, f, weight="angel")
         self.refused(ValueError, "weight: one of", v, SQUARE, f, weight=None)
+        self.refused(ValueError, "weight: one of", v, SQUARE, f, weight=["angle"])
+        self.refused(ValueError, "crease: a smaller number", c, SQUARE, f, crease=10**400)
         self.refused(ValueError, "weld: ", v, SQUARE, f, weld="most")
         self.refused(ValueError, "weld: ", v, SQUARE, f, weld=-1.0)
         self.refused(ValueError, "weld: ", v, SQUARE, f, weld=float("nan"))
@@ -270,6 +282,8 @@ class Refusals(unittest.TestCase):
         self.refused(ValueError, "crease: ", c, SQUARE, f, crease=181)
         self.refused(TypeError, "crease: ", c, SQUARE, f, crease=None)
         self.refused(ValueError, "non_manifold: ", c, SQUARE, f, non_manifold="soft")
+        self.refused(ValueError, "hard_edges: an array is needed", c, SQUARE, f, hard_edges=[[1], [1, 0]])
+        self.refused(ValueError, "fallback: an array is needed", v, SQUARE, f, fallback=[[1], [1, 0]])
         self.refused(ValueError, "smoothing_groups: one for each of 1 faces", c, SQUARE, f, smoothing_groups=[1, 2])
         self.refused(ValueError, "hard_edges: one for each of 3 corners", c, SQUARE, f, hard_edges=[1])
         self.refused(ValueError, "mode: ", norma.tangents, SQUARE, SQUARE, SQUARE[:, :2], f, mode="mik")

@@ -59,8 +59,13 @@ class Rules(unittest.TestCase):
         self.assertIn("no problems", str(norma.check("assets/goathead.obj", ignore="N1")))
         with self.assertRaisesRegex(ValueError, "select: no rule is called 'N999'"):
             norma.check("assets/goathead.obj", select="N999")
+        with self.assertRaisesRegex(TypeError, "^select: names of rules"):
+            norma.check("assets/goathead.obj", select=5)
         with self.assertRaisesRegex(ValueError, "profile"):
             norma.check("assets/goathead.obj", profile="paint")
+        for kind, samples in ((ValueError, 10**400), (ValueError, 0), (TypeError, "ten"), (TypeError, 1.5)):
+            with self.assertRaisesRegex(kind, "^samples: "):
+                norma.check("assets/goathead.obj", samples=samples)
 
     def test_the_command_of_a_finding_works_when_pasted(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -13,7 +13,8 @@ gltf_output output_of(norma_document *document) {
     out.document = bytes_open(out.bytes, "out.glb");
     const size_t length =
         out.bytes.data[12] | (size_t)out.bytes.data[13] << 8 | (size_t)out.bytes.data[14] << 16;
-    assert_true(norma_json_parse((const char *)out.bytes.data + 20, length, &out.json, &failed));
+    assert_true(
+        norma_json_parse((const char *)out.bytes.data + 20, length, NULL, &out.json, &failed));
     return out;
 }
 

@@ -97,3 +97,39 @@ export function shuffledSwirl(count, turns, gaps, seed) {
   for (let i = 0; i < gaps; i++) m.positions[9 * r.below(count) + 3 + r.below(6)] = NaN;
   return m;
 }
+
+// A sheet whose texture is mirrored halfway, cut off in part, or without extent in one direction or in both; its triangles in any order, some the other way round, and some so thin that
+// their angles are next to nothing. Now and then a number that is none.
+export function mirroredSheet(seed) {
+  const r = new Random(seed), across = 2 + r.below(6), fold = r.below(across + 1), thin = r.chance(0.3) ? 10 ** -(1 + r.below(9)) : 1;
+  const stretch = [r.chance(0.1) ? 0 : 1 + r.below(3), r.chance(0.1) ? 0 : 1 + r.below(3)], bent = r.chance(0.5) ? 1 : 0, rounded = r.chance(0.5);
+  const vertex = (x, y) => {
+    const u = (x <= fold ? x : 2 * fold - x) / across;
+    return {
+      position: [x, y * thin, bent * Math.sin(x) * thin].map((c) => (rounded ? Math.fround(c / 3) : c)),
+      normal: bent ? normalised([-bent * Math.cos(x) * thin, 0, 1]) : [0, 0, 1],
+      texcoord: [u * stretch[0], (y / across) * stretch[1]],
+    };
+  };
+  const faces = [];
+  for (let x = 0; x < across; x++)
+    for (let y = 0; y < across; y++) {
+      const [a, b, c, d] = [vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)];
+      faces.push(...(r.chance(0.5) ? [[a, b, c], [a, c, d]] : [[a, b, d], [b, c, d]]));
+    }
+  for (let i = r.chance(0.5) ? faces.length : 0; i > 1; i--) {
+    const j = r.below(i);
+    [faces[i - 1], faces[j]] = [faces[j], faces[i - 1]];
+  }
+  for (const face of faces) {
+    if (r.chance(0.05)) face.reverse();
+    if (r.chance(0.02)) face[r.below(3)] = face[r.below(3)];
+    for (let turn = r.below(3); turn > 0; turn--) face.push(face.shift());
+  }
+  const corners = faces.flat();
+  const gather = (key) => Float32Array.from(corners.flatMap((v) => v[key]));
+  const out = { positions: gather("position"), normals: gather("normal"), texcoords: gather("texcoord") };
+  const values = [out.positions, out.normals, out.texcoords][r.below(3)];
+  for (let i = r.chance(0.15) ? 1 + r.below(3) : 0; i > 0; i--) values[r.below(values.length)] = [NaN, Infinity, -Infinity, 3e38, 1e-45][r.below(5)];
+  return out;
+}

@@ -5,7 +5,7 @@
 import { spawn } from "node:child_process";
 import { pathToFileURL } from "node:url";
 import { createRequire } from "node:module";
-import { fan, madeMesh, shuffledSwirl, swirl } from "./meshes.mjs";
+import { fan, madeMesh, mirroredSheet, shuffledSwirl, swirl } from "./meshes.mjs";
 import { Native } from "./native.mjs";
 import { check, finish, skip } from "../web/tap.mjs";
 
@@ -55,7 +55,7 @@ function meshOf(seed) {
   if (kind === 125) return shuffledSwirl(60 + (seed % 1300), 1 + (seed % 3), 0, seed);
   if (kind === 250) return swirl(3 + (seed % 900));
   if (kind === 375) return shuffledSwirl(60 + (seed % 500), 1, 1 + (seed % 4), seed);
-  return madeMesh(seed);
+  return seed % 4 === 1 ? mirroredSheet(seed) : madeMesh(seed);
 }
 
 async function madeMeshes() {

@@ -3,12 +3,11 @@ import { spawn } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { pause, waitFor } from "./wait.mjs";
 
 const PLACES = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome", "/usr/bin/google-chrome-stable"];
 
 export function findChrome() { return process.env.NORMA_CHROME ?? PLACES.find((path) => existsSync(path)); }
-
-const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
 export async function launch(path, { width = 1280, height = 800, flags = [] } = {}) {
   const profile = mkdtempSync(join(tmpdir(), "norma-chrome-"));
@@ -62,14 +61,7 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
       if (exceptionDetails) throw new Error(`${expression}: ${exceptionDetails.exception?.description ?? exceptionDetails.text}`);
       return result.value;
     };
-    /* Until an expression holds; what it gave. */
-    const until = async (expression, seconds = 100) => {
-      for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(30)) {
-        const value = await evaluate(expression).catch(() => undefined);
-        if (value) return value;
-      }
-      throw new Error(`waited ${seconds} s in vain for ${expression}`);
-    };
+    const until = waitFor(evaluate);
     const screenshot = async (file) => {
       const { data } = await ask("Page.captureScreenshot", { format: "png" });
       const bytes = Buffer.from(data, "base64");

@@ -3,14 +3,13 @@ import { spawn } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { pause, waitFor } from "./wait.mjs";
 import { openWebSocket } from "./websocket.mjs";
 
 const PLACES = ["/usr/bin/firefox-esr", "/usr/bin/firefox"];
 const KEYS = { Tab: "\uE004", ArrowLeft: "\uE012", ArrowUp: "\uE013", ArrowRight: "\uE014", ArrowDown: "\uE015" };
 
 export const findFirefox = () => process.env.NORMA_FIREFOX ?? PLACES.find((path) => existsSync(path));
-
-const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
 const preferences = ({ dark, calm }) => Object.entries({
   "webgl.force-enabled": true, "remote.active-protocols": 1, "layout.css.prefers-color-scheme.content-override": dark ? 0 : 1, "ui.prefersReducedMotion": calm ? 1 : 0,
@@ -90,13 +89,7 @@ export async function launchFirefox(path, { width = 1280, height = 800 } = {}) {
       if (exceptionDetails) throw new Error(`${expression.slice(0, 2000)}: ${exceptionDetails.text}`);
       return valueOf(result);
     };
-    const until = async (expression, seconds = 100) => {
-      for (const end = Date.now() + 1000 * seconds; Date.now() < end; await pause(30)) {
-        const value = await evaluate(expression).catch(() => undefined);
-        if (value) return value;
-      }
-      throw new Error(`waited ${seconds} s in vain for ${expression}`);
-    };
+    const until = waitFor(evaluate);
     const screenshot = async (file) => {
       const { data } = await send("browsingContext.captureScreenshot", { context, origin: "viewport" }), bytes = Buffer.from(data, "base64");
       if (file) writeFileSync(file, bytes);

@@ -7,6 +7,7 @@ import { pathToFileURL } from "node:url";
 import { findChrome, launch } from "./chrome.mjs";
 import { countPixels, readPng } from "./png.mjs";
 import { attempt, finish } from "./tap.mjs";
+import { pause } from "./wait.mjs";
 
 const LEAST = 0.2, SIZE = [900, 640], STAGE = [0, 0, 540, 640], WAIT = 240;
 const [tool, folder, ...files] = process.argv.slice(2);
@@ -22,7 +23,7 @@ async function press(page, { id, grade }, picture) {
   await page.evaluate(`document.getElementById("${id}").click()`);
   await page.until(`Number(document.body.dataset.drawn) > ${drawn}`, WAIT);
   for (let times = 0; times < 3; times++) {
-    await new Promise((done) => setTimeout(done, 60));
+    await pause(60);
     await settled();
   }
   return (100 * countPixels(readPng(await page.screenshot(picture)), STAGE, IS_MARKED[grade])) / (STAGE[2] * STAGE[3]);

@@ -9,6 +9,7 @@ import { findChrome, launch } from "./chrome.mjs";
 import { findFirefox, launchFirefox } from "./firefox.mjs";
 import { countPixels, readPng } from "./png.mjs";
 import { attempt, check, finish, skip } from "./tap.mjs";
+import { pause } from "./wait.mjs";
 
 const inFirefox = process.argv[5] === "firefox", [pageFolder, tool, shots] = process.argv.slice(2, 5).map((path) => resolve(path));
 const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
@@ -55,14 +56,14 @@ const worst = (a) => (Math.asin((a * a - 1) / (a * a + 1)) * 180) / Math.PI;
 
 await attempt("the first seconds: a sculpture breathes, wrong beside right, the angle between them, one sentence; a press stops it", async () => {
   const first = await visit(home, { intro: true }), scale = () => first.evaluate("Number(document.getElementById('scale-x').value)"), seen = [];
-  for (const end = Date.now() + 8000; Date.now() < end; await new Promise((done) => setTimeout(done, 60))) seen.push(await scale());
+  for (const end = Date.now() + 8000; Date.now() < end; await pause(60)) seen.push(await scale());
   expect(Math.min(...seen) >= 1 && Math.max(...seen) <= 2 && Math.min(...seen) < 1.1 && Math.max(...seen) > 1.9, `the scale went from ${Math.min(...seen)} to ${Math.max(...seen)}`);
   expect(await first.evaluate("['side-wrong', 'side-right', 'side-angle', 'intro', 'legend'].every((id) => document.getElementById(id).offsetParent)"), "a part is missing");
   expect((await first.text("intro-words")).split(".").filter((part) => part.trim()).length === 1, "more than one sentence");
   expect((await first.text("said")) === "", "it talks while it moves");
   await first.evaluate("document.getElementById('breathe').click()");
   const still = await scale();
-  await new Promise((done) => setTimeout(done, 300));
+  await pause(300);
   expect((await scale()) === still, "it does not pause");
   await first.picture("intro");
   await first.set("scale-x", 2);
@@ -70,7 +71,7 @@ await attempt("the first seconds: a sculpture breathes, wrong beside right, the 
   expect(first.said.length === 0, first.said.join("\n"));
   await first.close();
   const calm = await visit(home, { intro: true, calm: true }), before = await calm.evaluate("document.getElementById('scale-x').value");
-  await new Promise((done) => setTimeout(done, 500));
+  await pause(500);
   expect(before === "2" && (await calm.evaluate("document.getElementById('scale-x').value")) === "2", "it moves where that is not wished");
   await calm.close();
 });
@@ -587,7 +588,7 @@ await attempt("touch: one finger orbits, two zoom and move, and the page itself 
   await small.touch("touchStart", [middle + 60, row]);
   for (const x of [20, -20, -40]) await small.after(() => small.touch("touchMove", [middle + x, row - (60 - x) / 4]));
   await small.touch("touchEnd");
-  await new Promise((done) => setTimeout(done, 200));      /* the arrows go back to where nobody points */
+  await pause(200);      /* the arrows go back to where nobody points */
   await small.settled();
   const turned = await small.picture("touch-orbit");
   expect(differences(start, turned, box) > 3000, "a finger turned nothing");

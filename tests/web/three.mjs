@@ -240,6 +240,7 @@ for (const [name, message, work] of [
   ["no geometry", /^geometry: an object with/, () => computeNormals({ attributes: {} })], ["no positions", /^geometry: it has no position attribute/, () => computeNormals(new BufferGeometry())],
   ["no uv", /^geometry: it has no uv attribute/, () => computeTangents(computeNormals(shapes.quantised.clone()))], ["an option that does not exist", /^options: angle is not an option/, () => toCreased(shapes.box, { angle: 30 })],
   ["three's radians as an argument", /^options: 1.04/, () => toCreased(shapes.box, Math.PI / 3)], ["a crease out of range", /^crease: 200/, () => toCreased(shapes.box, { crease: 200 })],
-  ["a channel out of range", /^texcoord: 4/, () => computeTangents(shapes.box.clone(), { texcoord: 4 })], ["an index out of range", /^indices: number 1 is 9/, () => computeNormals(shapes.box.clone().setAttribute("position", new Float32BufferAttribute([0, 0, 0, 1, 0, 0, 0, 1, 0], 3)).setIndex([0, 9, 1]))],
+  ["a channel out of range", /^texcoord: 4/, () => computeTangents(shapes.box.clone(), { texcoord: 4 })], ["a channel that is null", /^texcoord: null/, () => computeTangents(shapes.box.clone(), { texcoord: null })],
+  ["a crease that is null", /^crease: null/, () => toCreased(shapes.box, { crease: null })], ["a plan's crease that is null", /^crease: null/, () => planFor(shapes.box.clone(), { crease: null })], ["an index out of range", /^indices: number 1 is 9/, () => computeNormals(shapes.box.clone().setAttribute("position", new Float32BufferAttribute([0, 0, 0, 1, 0, 0, 0, 1, 0], 3)).setIndex([0, 9, 1]))],
 ]) check(`${name}: an error that begins with it`, message.test(thrown(work)), thrown(work));
 finish();

@@ -80,9 +80,11 @@ export const options = (value, known) => {
   return value;
 };
 
-export const degrees = (value, what = "crease") => {
-  if (typeof value !== "number" || Number.isNaN(value)) fail(`${what}: ${spell(value)} is not an angle in degrees`);
-  return value >= 0 && value <= 180 ? value : fail(`${what}: ${value} is out of range; an angle from 0 to 180 degrees is expected`);
+/* standard: where none is given. */
+export const crease = (value, standard = 60) => {
+  if (value === undefined) return standard;
+  if (typeof value !== "number" || Number.isNaN(value)) fail(`crease: ${spell(value)} is not an angle in degrees`);
+  return value >= 0 && value <= 180 ? value : fail(`crease: ${value} is out of range; an angle from 0 to 180 degrees is expected`);
 };
 
 const whole = (value, what, least) => (Number.isInteger(value) && value >= least ? value : fail(`${what}: ${spell(value)} is not a whole number of at least ${least}`));

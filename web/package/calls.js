@@ -73,12 +73,12 @@ export function bindCalls(wasm, check) {
 
   const cornerNormals = (positions, indices, options) => {
     const mesh = readMesh(positions, indices, options, "crease out");
-    return normals(mesh, mesh.corners, wasm.web_corner_normals, given.degrees(mesh.options.crease ?? 60));
+    return normals(mesh, mesh.corners, wasm.web_corner_normals, given.crease(mesh.options.crease));
   };
 
   const split = (positions, indices, options) => {
     const mesh = readMesh(positions, indices, options, "crease");
-    const crease = given.degrees(mesh.options.crease ?? 60), most = mesh.corners;
+    const crease = given.crease(mesh.options.crease), most = mesh.corners;
     return heap.lend((lender) => {
       const report = lendReport(lender, mesh.report);
       const corners = lender.block(4 * most), sources = lender.block(4 * most), normalsAt = lender.block(12 * most), count = lender.block(4);
@@ -104,7 +104,7 @@ export function bindCalls(wasm, check) {
 
   /* For the package's own use: normals with creases. isWhole: every vertex is one of a face. firsts: whether wanted. */
   const creaseVertices = (positions, indices, options, firsts) => {
-    const mesh = readMesh(positions, indices, options, "crease"), crease = given.degrees(mesh.options.crease ?? 60), most = mesh.corners;
+    const mesh = readMesh(positions, indices, options, "crease"), crease = given.crease(mesh.options.crease), most = mesh.corners;
     return heap.lend((lender) => {
       const report = lendReport(lender, mesh.report), partCount = lender.block(4);
       const [indicesAt, sourcesAt, normalsAt] = [4, 4, 12].map((size) => lender.block(size * most));

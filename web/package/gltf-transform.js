@@ -175,7 +175,7 @@ function keepTangents(edit, norma, primitive, result) {
 /* Computes the normals of all meshes, with creases. */
 export function normals(options) {
   const chosen = given.options(options, [...NORMAL_OPTIONS, "overwrite"].join(" ")), computed = pick(chosen, NORMAL_OPTIONS), overwrite = flag(chosen.overwrite, true, "overwrite");
-  if (computed.crease !== undefined) given.degrees(computed.crease);
+  given.crease(computed.crease);
   return named("normals", async (document) => {
     const norma = await ready(), edit = new Edit(document), logger = document.getLogger();
     for (const [primitive, place] of listPrimitives(document)) {

@@ -25,7 +25,7 @@ export function makePlans({ wasm, heap, expect, readMesh, hand, lendReport }) {
     const mesh = readMesh(positions, indices, options, "per crease");
     if (mesh.report) fail("report: is an option of a plan's update, not of the plan");
     const per = given.element(mesh.options.per), { vertices } = mesh;
-    const crease = given.degrees(mesh.options.crease ?? (per === PER_VERTEX ? 180 : 60));
+    const crease = given.crease(mesh.options.crease, per === PER_VERTEX ? 180 : 60);
     const count = per === PER_VERTEX ? vertices : mesh.corners;
     let address = create(mesh, per, crease);
     const rooms = { positions: makeRoom(3 * vertices), normals: makeRoom(3 * count) };

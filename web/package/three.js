@@ -177,7 +177,7 @@ function copyRest(geometry, from) {
 /* A geometry with creases: vertices are doubled only where one is. */
 export function toCreased(geometry, options) {
   const norma = loaded(), chosen = given.options(options, [...NORMAL_OPTIONS, "crease", "report"].join(" "));
-  const position = needed(geometry, "position"), indices = indicesOf(geometry), normal = { fallback: "nearest", ...pick(chosen, NORMAL_OPTIONS) }, crease = given.degrees(chosen.crease ?? 60);
+  const position = needed(geometry, "position"), indices = indicesOf(geometry), normal = { fallback: "nearest", ...pick(chosen, NORMAL_OPTIONS) }, crease = given.crease(chosen.crease);
   const positions = positionsOf(position, chosen), wanted = given.flag(chosen.report, "report");
   const creased = emptyLike(geometry), asked = { ...normal, crease, report: wanted };
   let normals, firsts, report;
@@ -220,7 +220,7 @@ function tangentAttribute(values, normal) {
 /* Tangents, in place. An indexed geometry stays indexed: vertices are added only where the tangents of their corners differ. */
 export function computeTangents(geometry, options) {
   const norma = loaded(), chosen = given.options(options, "mode weight negateSign texcoord report");
-  const channel = chosen.texcoord ?? 0, negate = chosen.negateSign === undefined || given.flag(chosen.negateSign, "negateSign"), wanted = given.flag(chosen.report, "report");
+  const { texcoord: channel = 0 } = chosen, negate = chosen.negateSign === undefined || given.flag(chosen.negateSign, "negateSign"), wanted = given.flag(chosen.report, "report");
   if (!Number.isInteger(channel) || channel < 0 || channel > 3) fail(`texcoord: ${spell(channel)} is not 0, 1, 2 or 3`);
   const position = needed(geometry, "position"), normal = needed(geometry, "normal"), uv = needed(geometry, channel ? `uv${channel}` : "uv"), indices = indicesOf(geometry);
   const streams = [viewOf(position, XYZ, false), viewOf(normal, XYZ, false), viewOf(uv, UV, false)], asked = { ...pick(chosen, ["mode", "weight"]), report: wanted };
@@ -235,7 +235,7 @@ export function computeTangents(geometry, options) {
 export function planFor(geometry, options) {
   const norma = loaded(), chosen = given.options(options, "weight weld nonManifold fallback crease");
   const position = needed(geometry, "position"), indices = indicesOf(geometry), { count } = position;
-  const plan = norma.plan(positionsOf(position, chosen), indices, { ...chosen, crease: chosen.crease ?? 180 });
+  const plan = norma.plan(positionsOf(position, chosen), indices, chosen);
   const free = () => {
     geometry.removeEventListener("dispose", free);
     plan.free();

@@ -43,8 +43,11 @@ static float angle_between(const float *a, const float *b) {
     const double u[3] = {(double)a[0], (double)a[1], (double)a[2]},
                  v[3] = {(double)b[0], (double)b[1], (double)b[2]};
     double cross[3];
+    const double dot = norma_core_dot(u, v);
+    if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) /* the case of normals that Norma computed */
+        return dot > 0 && dot < INFINITY ? 0 : -1;
     norma_core_cross(u, v, cross);
-    double dot = norma_core_dot(u, v), across = sqrt(norma_core_dot(cross, cross));
+    const double across = sqrt(norma_core_dot(cross, cross));
     return (across > 0 || dot != 0) && across < INFINITY ? (float)norma_core_angle(across, dot)
                                                          : -1;
 }

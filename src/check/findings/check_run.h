@@ -3,6 +3,7 @@
 #ifndef NORMA_CHECK_INTERNAL_H
 #define NORMA_CHECK_INTERNAL_H
 #include <norma/check.h>
+#include <stdatomic.h>
 #include "core/orient/orient.h"
 
 typedef enum check_rule {
@@ -116,6 +117,8 @@ int norma_check_is_required(const norma_rule *rule);
  * digits, %% a percent sign */
 enum { CHECK_MESSAGE = 1000 };
 void norma_check_message(char text[CHECK_MESSAGE], const char *format, ...);
+/* norma_check_add at the mesh's place, with such a message. */
+norma_result norma_check_report(check_mesh *m, check_report *report, const char *format, ...);
 /* For messages: "1 tangent", "2 tangents". */
 static inline const char *norma_check_plural(size_t count) { return count == 1 ? "" : "s"; }
 
@@ -149,6 +152,7 @@ struct check_mesh {
     size_t degenerate_count;
     uint8_t *opposed;                /* of each face: whether N201 names it. NULL: not looked at */
     size_t opposed_count, far_count; /* far: corners whose normal is far from their face (N202) */
+    atomic_uchar *far;               /* of each normal: it is one of these; filled with opposed */
     double opposed_area;             /* twice */
     int placeholder, frame;          /* CHECK_UNKNOWN, _NO or _YES: N203, N206 hold */
     int has_deviation;
@@ -199,7 +203,18 @@ static inline size_t norma_check_normal_of(const check_mesh *m, size_t face, siz
 }
 
 static inline void norma_check_normal(const check_mesh *m, size_t number, double normal[3]) {
-    norma_view_read(&m->given->data.normals, number, normal);
+    const norma_vec3_view *view = &m->given->data.normals;
+    if (view->format != NORMA_FORMAT_FLOAT) {
+        norma_view_read(view, number, normal);
+        return;
+    }
+    const unsigned char *at = (const unsigned char *)view->data +
+                              number * (view->stride ? view->stride : 3 * sizeof(float));
+    for (size_t i = 0; i < 3; i++) {
+        float n;
+        memcpy(&n, at + i * sizeof n, sizeof n); /* one by one: no detour through memory */
+        normal[i] = (double)n;
+    }
 }
 
 static inline double norma_check_dot(const float a[3], const double b[3]) {

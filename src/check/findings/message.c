@@ -102,10 +102,8 @@ static void add_number(text *t, double value) {
     }
 }
 
-void norma_check_message(char out[CHECK_MESSAGE], const char *format, ...) {
+static void write_message(char out[CHECK_MESSAGE], const char *format, va_list arguments) {
     text t = {out, 0};
-    va_list arguments;
-    va_start(arguments, format);
     for (const char *at = format; *at; at++) {
         const char *special = at[0] == '%' ? &at[1] : NULL;
         if (!special) {
@@ -124,6 +122,22 @@ void norma_check_message(char out[CHECK_MESSAGE], const char *format, ...) {
         }
         at++;
     }
-    va_end(arguments);
     out[t.length] = 0;
+}
+
+void norma_check_message(char out[CHECK_MESSAGE], const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    write_message(out, format, arguments);
+    va_end(arguments);
+}
+
+norma_result norma_check_report(check_mesh *m, check_report *report, const char *format, ...) {
+    char message[CHECK_MESSAGE];
+    va_list arguments;
+    va_start(arguments, format);
+    write_message(message, format, arguments);
+    va_end(arguments);
+    report->message = message;
+    return norma_check_add(m->run, &m->place, m, report);
 }

@@ -50,10 +50,12 @@ static norma_result tell_lengths(check_mesh *m, const map_texels *texels, const 
 
 /* ---- N812 */
 
-/* Turning green changes the sign of every agreement, so right maps tell what to expect of turned
- * ones: .35 to .65 between neighbouring texels and .2 to .35 between blocks of them. Maps that are
- * no heights stay within .1, but for what compression does to one level: two must agree, and none
- * may say the opposite. */
+/* Agreement is positive if the slopes of the map fit one height field, and negative if they would
+ * fit with green inverted. Measured on maps known to be right: .35 to .65 between neighbouring
+ * texels, .2 to .35 between blocks of texels; the same maps with green inverted give the same
+ * numbers below zero. Maps that come from no height field stay within .1, except that compression
+ * can shift one level. So a map counts as inverted if two consecutive levels are negative and no
+ * level is positive beyond .1. */
 static const double TURNED = -.2, CONFIRMED = -.1, AS_IS = .1;
 enum { FEW_VOTES = 256, FEW_TO_CONFIRM = 64, LAST_LEVEL = 4 };
 

@@ -27,7 +27,9 @@ static int all_in_front(const check_mesh *m, const uint32_t *corners, size_t cou
     double length = sqrt(norma_core_dot(sum, sum));
     for (size_t i = 0; i < count; i++) {
         const check_face *face = &m->faces[norma_core_topology_face(&m->topology, corners[i])];
-        if (norma_check_directed(face)) least = fmin(least, norma_check_dot(face->normal, sum));
+        if (!norma_check_directed(face)) continue;
+        const double cosine = norma_check_dot(face->normal, sum);
+        least = cosine < least ? cosine : least;
     }
     return least > 1.01 * CANCELLED * length;
 }
@@ -117,18 +119,15 @@ static norma_result judge_large(const check_mesh *m, check_hits *hits) {
 }
 
 static norma_result add_cancelled(check_mesh *m, check_hits *hits) {
-    char message[CHECK_MESSAGE];
     int missing = m->given->info.normals == NORMA_NORMALS_NONE;
-    norma_check_message(message,
-        "%z position%s where the normals of the faces cancel, so their average has no direction%s",
-        hits->count, norma_check_plural(hits->count),
-        missing ? ", and normals will be computed there" : "");
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_report){.rule = RULE_N403,
             .severity = missing ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .unit = "ratio",
-            .hits = hits,
-            .message = message});
+            .hits = hits},
+        "%z position%s where the normals of the faces cancel, so their average has no direction%s",
+        hits->count, norma_check_plural(hits->count),
+        missing ? ", and normals will be computed there" : "");
 }
 
 norma_result norma_check_cancelled(check_mesh *m) {

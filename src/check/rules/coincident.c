@@ -188,17 +188,12 @@ static norma_result open_slots(grid *g, size_t used) {
 }
 
 static norma_result add_coincident(check_mesh *m, check_hits *hits, double step) {
-    char message[CHECK_MESSAGE];
-    norma_check_message(message,
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N503, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = hits},
         "%z position%s closer to another than %g (a millionth of the mesh's diagonal), but not "
         "equal to it; the surface has cracks there",
         hits->count, norma_check_plural(hits->count), step);
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N503,
-            .severity = NORMA_SEVERITY_INFO,
-            .no_value = 1,
-            .hits = hits,
-            .message = message});
 }
 
 static norma_result search(check_mesh *m, grid *g, size_t blocks) {

@@ -15,8 +15,9 @@ typedef enum conflict_kind {
  * there twice is not wound against itself. */
 conflict_kind norma_check_conflict_kind(
     const core_topology *topology, size_t first, size_t second, const uint8_t *sides);
+/* Reports the hits of each kind and frees them; edges and sides: of the mesh's own faces. */
 norma_result norma_check_add_conflicts(
-    check_mesh *m, conflict_kind kind, size_t turned, check_hits *hits);
+    check_mesh *m, const uint8_t *edges, const uint8_t *sides, check_hits kinds[CONFLICT_KINDS]);
 
 /* Of the primitive whose corners begin at first_corner of a topology that holds all of them; edges:
  * how many conflicts each of the topology's faces has, at most 255; sides: of those faces. An edge

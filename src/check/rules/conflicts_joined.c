@@ -36,12 +36,5 @@ norma_result norma_check_conflicts_joined(check_mesh *m, const core_topology *t,
         norma_check_hit(m->run, &kinds[kind], 0,
             (check_spot){norma_core_corner(&m->mesh, c - first_corner), c / 3 - first, SIZE_MAX});
     }
-    const size_t turned = norma_check_count_turned(m, edges + first, sides + first);
-    norma_result result = NORMA_OK;
-    for (int kind = 0; kind < CONFLICT_KINDS; kind++) {
-        if (!result && kinds[kind].count)
-            result = norma_check_add_conflicts(m, (conflict_kind)kind, turned, &kinds[kind]);
-        norma_check_hits_free(&kinds[kind]);
-    }
-    return result;
+    return norma_check_add_conflicts(m, edges + first, sides + first, kinds);
 }

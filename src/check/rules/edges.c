@@ -184,7 +184,7 @@ static void describe_conflicts(
 }
 
 /* Where the material shows both sides, all of it only informs. */
-norma_result norma_check_add_conflicts(
+static norma_result add_conflicts_of(
     check_mesh *m, conflict_kind kind, size_t turned, check_hits *hits) {
     static const norma_severity severities[CONFLICT_KINDS] = {
         NORMA_SEVERITY_ERROR, NORMA_SEVERITY_WARNING, NORMA_SEVERITY_INFO};
@@ -199,6 +199,18 @@ norma_result norma_check_add_conflicts(
             .message = message});
 }
 
+norma_result norma_check_add_conflicts(
+    check_mesh *m, const uint8_t *edges, const uint8_t *sides, check_hits kinds[CONFLICT_KINDS]) {
+    const size_t turned = norma_check_count_turned(m, edges, sides);
+    norma_result result = NORMA_OK;
+    for (int kind = 0; kind < CONFLICT_KINDS; kind++) {
+        if (!result && kinds[kind].count)
+            result = add_conflicts_of(m, (conflict_kind)kind, turned, &kinds[kind]);
+        norma_check_hits_free(&kinds[kind]);
+    }
+    return result;
+}
+
 static norma_result add_judged(check_mesh *m, const edge_part *parts, size_t blocks,
     const uint8_t *edges, const uint8_t *sides) {
     check_hits kinds[CONFLICT_KINDS] = {{0}};
@@ -209,14 +221,7 @@ static norma_result add_judged(check_mesh *m, const edge_part *parts, size_t blo
                 norma_check_conflict_kind(&m->topology, c->first, c->second, sides);
             norma_check_hit(m->run, &kinds[kind], 0, conflict_spot(m, c, edges));
         }
-    const size_t turned = norma_check_count_turned(m, edges, sides);
-    norma_result result = NORMA_OK;
-    for (int kind = 0; kind < CONFLICT_KINDS; kind++) {
-        if (!result && kinds[kind].count)
-            result = norma_check_add_conflicts(m, (conflict_kind)kind, turned, &kinds[kind]);
-        norma_check_hits_free(&kinds[kind]);
-    }
-    return result;
+    return norma_check_add_conflicts(m, edges, sides, kinds);
 }
 
 static norma_result add_conflicts(check_mesh *m, const edge_part *parts, size_t blocks) {
@@ -263,30 +268,23 @@ static norma_result add_many(check_mesh *m, edge_part *sum) {
 }
 
 static norma_result add_duplicates(check_mesh *m, check_hits *hits) {
-    char message[CHECK_MESSAGE];
-    norma_check_message(message, "%z face%s repeated with the same winding; drawn more than once",
-        hits->count, norma_check_plural(hits->count));
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N305,
-            .severity = NORMA_SEVERITY_WARNING,
-            .no_value = 1,
-            .hits = hits,
-            .message = message});
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N305, .severity = NORMA_SEVERITY_WARNING, .no_value = 1, .hits = hits},
+        "%z face%s repeated with the same winding; drawn more than once", hits->count,
+        norma_check_plural(hits->count));
 }
 
 static norma_result add_twins(check_mesh *m, check_hits *hits) {
-    char message[CHECK_MESSAGE];
     int print = m->run->profile == NORMA_CHECK_PROFILE_PRINT;
-    norma_check_message(message,
-        print ? "%z pair%s of back-to-back faces: walls without thickness"
-              : "%z pair%s of back-to-back faces: a sheet modelled with two sides",
-        hits->count, norma_check_plural(hits->count));
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_report){.rule = RULE_N306,
             .severity = print ? NORMA_SEVERITY_ERROR : NORMA_SEVERITY_INFO,
             .no_value = 1,
-            .hits = hits,
-            .message = message});
+            .hits = hits},
+        print ? "%z pair%s of back-to-back faces: walls without thickness"
+              : "%z pair%s of back-to-back faces: a sheet modelled with two sides",
+        hits->count, norma_check_plural(hits->count));
 }
 
 static norma_result add_findings(check_mesh *m, edge_part *parts, size_t blocks) {

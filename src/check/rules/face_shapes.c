@@ -68,31 +68,24 @@ static void judge_shapes(void *context, size_t block, size_t begin, size_t end) 
 }
 
 static norma_result add_findings(check_mesh *m, check_shapes *sum) {
-    char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
-    if (sum->degenerate.count) {
-        norma_check_message(message,
-            "%z of %z faces are degenerate (almost no area) and have no normal",
-            sum->degenerate.count, m->mesh.face_count);
-        result = norma_check_add(m->run, &m->place, m,
+    if (sum->degenerate.count)
+        result = norma_check_report(m,
             &(check_report){.rule = RULE_N401,
                 .severity = NORMA_SEVERITY_INFO,
                 .unit = "ratio",
-                .hits = &sum->degenerate,
-                .message = message});
-    }
-    if (!result && sum->slivers.count) {
-        norma_check_message(message,
-            "%z of %z faces have an angle below 0.1 degrees (smallest %g); their direction depends "
-            "on the last digits of the positions",
-            sum->slivers.count, m->mesh.face_count, sum->slivers.worst);
-        result = norma_check_add(m->run, &m->place, m,
+                .hits = &sum->degenerate},
+            "%z of %z faces are degenerate (almost no area) and have no normal",
+            sum->degenerate.count, m->mesh.face_count);
+    if (!result && sum->slivers.count)
+        result = norma_check_report(m,
             &(check_report){.rule = RULE_N402,
                 .severity = NORMA_SEVERITY_INFO,
                 .unit = "deg",
-                .hits = &sum->slivers,
-                .message = message});
-    }
+                .hits = &sum->slivers},
+            "%z of %z faces have an angle below 0.1 degrees (smallest %g); their direction depends "
+            "on the last digits of the positions",
+            sum->slivers.count, m->mesh.face_count, sum->slivers.worst);
     return result;
 }
 

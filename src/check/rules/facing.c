@@ -62,7 +62,7 @@ static void gather_hits(check_mesh *m, check_hits *hits) {
 }
 
 static norma_result add_opposed(check_mesh *m) {
-    char message[CHECK_MESSAGE], which[CHECK_MESSAGE];
+    char which[CHECK_MESSAGE];
     const double whole = norma_check_add_areas(m, 0),
                  part = whole > 0 ? m->opposed_area / whole : 0;
     const norma_severity severity = m->on_purpose ? NORMA_SEVERITY_INFO
@@ -74,17 +74,15 @@ static norma_result add_opposed(check_mesh *m) {
     if (result) return result;
     gather_hits(m, &hits);
     describe_sides(&sides, which);
-    norma_check_message(message,
-        "%z of %z faces (%g %% of the area) %s lit from behind, as at every corner the normal "
-        "points to the back of the face; %s",
-        hits.count, m->mesh.face_count, 100 * part, hits.count == 1 ? "is" : "are", which);
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_report){.rule = RULE_N201,
             .severity = severity,
             .unit = "deg",
             .no_fix = !sides.turned && !sides.right,
-            .hits = &hits,
-            .message = message});
+            .hits = &hits},
+        "%z of %z faces (%g %% of the area) %s lit from behind, as at every corner the normal "
+        "points to the back of the face; %s",
+        hits.count, m->mesh.face_count, 100 * part, hits.count == 1 ? "is" : "are", which);
 }
 
 /* ---- both rules */

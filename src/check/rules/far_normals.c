@@ -22,7 +22,7 @@ static int says_something(const check_mesh *m, size_t face) {
     return norma_check_directed(&m->faces[face]) && !norma_check_is_sliver(&m->faces[face]);
 }
 
-/* Against the faces of its own vertices. */
+/* Against the faces of its own vertices, of those that are far from one of them. */
 static void find_nearest(const check_mesh *m, far_state *state) {
     for (size_t i = 0; i < norma_check_normal_count(m); i++) state->greatest[i] = 2;
     for (size_t f = 0; f < m->mesh.face_count; f++) {
@@ -30,6 +30,7 @@ static void find_nearest(const check_mesh *m, far_state *state) {
         for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
              c++) {
             const size_t number = norma_check_normal_of(m, f, c);
+            if (number == SIZE_MAX || !m->far[number]) continue;
             const double cosine = norma_check_cosine_to(m, f, number);
             if (!isnan(cosine) &&
                 (state->greatest[number] > 1.5f || cosine > (double)state->greatest[number]))
@@ -112,21 +113,40 @@ static void judge_star(const star *s, far_state *state) {
     }
 }
 
-static norma_result judge_stars(check_mesh *m, far_state *state) {
-    const norma_result result = norma_check_around(m);
+/* Marks the positions at which a corner has a far normal. */
+static void mark_positions(const check_mesh *m, const far_state *state, uint8_t *marks) {
+    memset(marks, 0, m->mesh.positions.count);
+    for (size_t f = 0; f < m->mesh.face_count; f++)
+        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
+             c++)
+            if (is_far(state, norma_check_normal_of(m, f, c))) marks[m->topology.corners[c]] = 1;
+}
+
+static void judge_position(const check_mesh *m, size_t position, far_state *state) {
     const core_corners_of_position *around = &m->topology.corners_of;
-    for (size_t p = 0; !result && p < around->position_count; p++) {
-        star s = {.m = m,
-            .corners = &around->corners[around->starts[p]],
-            .count = around->starts[p + 1] - around->starts[p]};
-        int any = 0;
-        for (size_t i = 0; i < s.count && !any; i++)
-            any = is_far(state,
-                norma_check_normal_of(m, norma_check_face_of(m, s.corners[i]), s.corners[i]));
-        if (!any) continue;
-        sum_star(&s);
-        judge_star(&s, state);
+    star s = {.m = m,
+        .corners = &around->corners[around->starts[position]],
+        .count = around->starts[position + 1] - around->starts[position]};
+    int any = 0; /* none, if all turned out to be averages at positions before */
+    for (size_t i = 0; i < s.count && !any; i++)
+        any = is_far(
+            state, norma_check_normal_of(m, norma_check_face_of(m, s.corners[i]), s.corners[i]));
+    if (!any) return;
+    sum_star(&s);
+    judge_star(&s, state);
+}
+
+static norma_result judge_stars(check_mesh *m, far_state *state) {
+    const core_call *call = &m->run->call;
+    norma_result result = norma_check_around(m);
+    uint8_t *marks = norma_core_allocate(call, m->mesh.positions.count, 1);
+    if (!result && !marks) result = NORMA_ERROR_MEMORY;
+    if (!result) {
+        mark_positions(m, state, marks);
+        for (size_t p = 0; p < m->topology.corners_of.position_count; p++)
+            if (marks[p]) judge_position(m, p, state);
     }
+    norma_core_release(call, marks, m->mesh.positions.count, 1);
     return result;
 }
 
@@ -134,23 +154,19 @@ static norma_result judge_stars(check_mesh *m, far_state *state) {
 
 static norma_result add_far(check_mesh *m, const far_state *state) {
     check_hits hits = {0};
-    char message[CHECK_MESSAGE];
     for (size_t i = 0; i < norma_check_normal_count(m); i++)
         if (is_far(state, i) && state->open[i])
             norma_check_hit(m->run, &hits,
                 norma_check_arc_cosine(fmax((double)state->greatest[i], -1)) * (180 / NORMA_PI),
                 norma_check_normal_spot(m, i));
-    if (hits.count)
-        norma_check_message(message,
-            "%z normal%s more than 75 degrees from every face at the position, up to %g, and far "
-            "from every average of those faces",
-            hits.count, norma_check_plural(hits.count), hits.worst);
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_report){.rule = RULE_N202,
             .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,
             .unit = "deg",
-            .hits = &hits,
-            .message = message});
+            .hits = &hits},
+        "%z normal%s more than 75 degrees from every face at the position, up to %g, and far "
+        "from every average of those faces",
+        hits.count, norma_check_plural(hits.count), hits.worst);
 }
 
 norma_result norma_check_far(check_mesh *m) {

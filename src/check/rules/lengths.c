@@ -92,32 +92,26 @@ static int wants_lengths(const check_mesh *m, check_rule rule) {
 }
 
 static norma_result add_findings(check_mesh *m, check_lengths *sum, size_t idle) {
-    char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
-    if (norma_check_wants(m, RULE_N101) && sum->non_finite.count) {
-        norma_check_message(message, "%z normal%s with a component that is NaN or infinite",
-            sum->non_finite.count, norma_check_plural(sum->non_finite.count));
-        result = norma_check_add(m->run, &m->place, m,
+    if (norma_check_wants(m, RULE_N101) && sum->non_finite.count)
+        result = norma_check_report(m,
             &(check_report){.rule = RULE_N101,
                 .severity = NORMA_SEVERITY_ERROR,
                 .no_value = 1,
-                .hits = &sum->non_finite,
-                .message = message});
-    }
+                .hits = &sum->non_finite},
+            "%z normal%s with a component that is NaN or infinite", sum->non_finite.count,
+            norma_check_plural(sum->non_finite.count));
     if (!result && wants_lengths(m, RULE_N102) && sum->zero.count)
         result = add_zero(m, &sum->zero, idle);
-    if (!result && wants_lengths(m, RULE_N103) && sum->non_unit.count) {
-        norma_check_message(message,
-            "%z normal%s whose length differs from 1, by up to %g; if a shader does not "
-            "renormalise, diffuse light is multiplied by the length",
-            sum->non_unit.count, norma_check_plural(sum->non_unit.count), sum->non_unit.worst);
-        result = norma_check_add(m->run, &m->place, m,
+    if (!result && wants_lengths(m, RULE_N103) && sum->non_unit.count)
+        result = norma_check_report(m,
             &(check_report){.rule = RULE_N103,
                 .severity = NORMA_SEVERITY_ERROR,
                 .unit = "length",
-                .hits = &sum->non_unit,
-                .message = message});
-    }
+                .hits = &sum->non_unit},
+            "%z normal%s whose length differs from 1, by up to %g; if a shader does not "
+            "renormalise, diffuse light is multiplied by the length",
+            sum->non_unit.count, norma_check_plural(sum->non_unit.count), sum->non_unit.worst);
     return result;
 }
 

@@ -14,7 +14,6 @@ static int lacks_normals(const check_mesh *m, size_t face) {
 }
 
 static norma_result add_missing(check_mesh *m) {
-    char message[CHECK_MESSAGE];
     check_hits hits = {0};
     int some = m->given->info.normals != NORMA_NORMALS_NONE;
     int too_few = m->given->attributes.normals_missing > 0 &&
@@ -24,15 +23,13 @@ static norma_result add_missing(check_mesh *m) {
     for (size_t f = 0; f < m->mesh.face_count; f++)
         if (!some || lacks_normals(m, f)) norma_check_hit(m->run, &hits, 0, norma_check_face(f));
     int obj = m->run->format == NORMA_FILE_OBJ, gltf = !obj && m->run->format != NORMA_FILE_PLY;
-    norma_check_message(message, "%z face%s without normals; %s", hits.count,
-        norma_check_plural(hits.count),
-        gltf ? "readers make them flat" : "each reader chooses flat or smooth");
-    return norma_check_add(m->run, &m->place, m,
+    return norma_check_report(m,
         &(check_report){.rule = RULE_N104,
             .severity = obj && some ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .no_value = 1,
-            .hits = &hits,
-            .message = message});
+            .hits = &hits},
+        "%z face%s without normals; %s", hits.count, norma_check_plural(hits.count),
+        gltf ? "readers make them flat" : "each reader chooses flat or smooth");
 }
 
 /* ---- N105 */

@@ -107,7 +107,6 @@ static norma_result judge_target(check_mesh *m, const norma_vec3_view *deltas, c
 }
 
 static norma_result judge_bends(check_mesh *m) {
-    char message[CHECK_MESSAGE];
     check_hits hits = {0};
     size_t targets = 0;
     for (size_t t = 0; t < m->given->morph_count; t++) {
@@ -122,22 +121,17 @@ static norma_result judge_bends(check_mesh *m) {
         targets += hits.count > before;
     }
     if (!hits.count) return NORMA_OK;
-    norma_check_message(message,
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N901, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &hits},
         "%z of %z morph targets turn faces (by up to %g degrees) but have no normals; the moved "
         "surface is shaded as if it had not moved",
         targets, m->given->morph_count, hits.worst);
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N901,
-            .severity = NORMA_SEVERITY_INFO,
-            .unit = "deg",
-            .hits = &hits,
-            .message = message});
 }
 
 /* ---- N902 */
 
 static norma_result judge_sums(check_mesh *m) {
-    char message[CHECK_MESSAGE];
     check_hits hits = {.least = 1};
     size_t normals = norma_check_normal_count(m);
     for (size_t t = 0; t < m->given->morph_count; t++) {
@@ -154,16 +148,12 @@ static norma_result judge_sums(check_mesh *m) {
         }
     }
     if (!hits.count) return NORMA_OK;
-    norma_check_message(message,
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N902, .severity = NORMA_SEVERITY_WARNING, .unit = "length", .hits = &hits},
         "%z normal%s reduced to less than a tenth by a morph target at weight 1 (to %g); the "
         "direction is noise",
         hits.count, norma_check_plural(hits.count), hits.worst);
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N902,
-            .severity = NORMA_SEVERITY_WARNING,
-            .unit = "length",
-            .hits = &hits,
-            .message = message});
 }
 
 /* ---- N903 */

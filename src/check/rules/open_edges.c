@@ -4,23 +4,17 @@
 
 norma_result norma_check_add_open(check_mesh *m, const core_topology *topology, size_t first) {
     check_hits hits = {0};
-    char message[CHECK_MESSAGE];
     for (size_t f = 0; f < m->mesh.face_count; f++)
         for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
              c++)
             if (topology->partners[first + c] == CORE_EDGE_OPEN)
                 norma_check_hit(
                     m->run, &hits, 0, (check_spot){norma_core_corner(&m->mesh, c), f, SIZE_MAX});
-    if (hits.count)
-        norma_check_message(message,
-            "%z open edge%s (of one face only); nothing separates inside from outside there",
-            hits.count, norma_check_plural(hits.count));
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N307,
-            .severity = NORMA_SEVERITY_WARNING,
-            .no_value = 1,
-            .hits = &hits,
-            .message = message});
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N307, .severity = NORMA_SEVERITY_WARNING, .no_value = 1, .hits = &hits},
+        "%z open edge%s (of one face only); nothing separates inside from outside there",
+        hits.count, norma_check_plural(hits.count));
 }
 
 int norma_check_wants_open(const check_run *run, const uint8_t *rules) {

@@ -22,10 +22,14 @@ double norma_check_greatest_cosine(const check_mesh *m, size_t face, size_t *far
     int whole = 1;
     for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face);
          c++) {
-        const double cosine = norma_check_cosine_to(m, face, norma_check_normal_of(m, face, c));
-        *far += cosine < CHECK_FAR_COSINE;
+        const size_t number = norma_check_normal_of(m, face, c);
+        const double cosine = norma_check_cosine_to(m, face, number);
+        if (cosine < CHECK_FAR_COSINE) {
+            ++*far;
+            atomic_store_explicit(&m->far[number], 1, memory_order_relaxed);
+        }
         whole &= !isnan(cosine);
-        greatest = fmax(greatest, cosine);
+        greatest = cosine > greatest ? cosine : greatest;
     }
     return whole ? greatest : NAN;
 }
@@ -54,8 +58,10 @@ norma_result norma_check_opposed(check_mesh *m) {
     facing_pass pass = {m, fmax(ACROSS, norma_check_encoding_bound(m->given->info.encoding)),
         norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
     m->opposed = norma_core_allocate(&m->run->call, m->mesh.face_count, 1);
-    result = pass.parts && m->opposed ? NORMA_OK : NORMA_ERROR_MEMORY;
+    m->far = norma_core_allocate(&m->run->call, norma_check_normal_count(m), sizeof *m->far);
+    result = pass.parts && m->opposed && m->far ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
+        memset((void *)m->far, 0, norma_check_normal_count(m) * sizeof *m->far);
         memset(pass.parts, 0, blocks * sizeof *pass.parts);
         result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_faces, &pass);
     }

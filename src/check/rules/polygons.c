@@ -165,38 +165,30 @@ static void judge_polygons(void *context, size_t block, size_t begin, size_t end
 }
 
 static norma_result add_folded(check_mesh *m, norma_severity severity, check_folds *f) {
-    char message[CHECK_MESSAGE];
     if (!f->hits.count || !norma_check_wants(m, RULE_N404)) return NORMA_OK;
-    norma_check_message(message,
+    return norma_check_report(m,
+        &(check_report){.rule = RULE_N404,
+            .severity = severity,
+            .unit = "ratio",
+            .no_fix = f->crossing == f->hits.count,
+            .hits = &f->hits},
         f->crossing ? "%z of %z polygons %s over if a reader cuts them into a fan from their first "
                       "corner; %z of them cross%s"
                     : "%z of %z polygons %s over if a reader cuts them into a fan from their first "
                       "corner",
         f->hits.count, m->mesh.face_count, f->hits.count == 1 ? "folds" : "fold", f->crossing,
         f->crossing == 1 ? "es itself" : " themselves");
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N404,
-            .severity = severity,
-            .unit = "ratio",
-            .no_fix = f->crossing == f->hits.count,
-            .hits = &f->hits,
-            .message = message});
 }
 
 static norma_result add_findings(check_mesh *m, check_polygons *sum) {
-    char message[CHECK_MESSAGE];
     norma_result result = add_folded(m, NORMA_SEVERITY_WARNING, &sum->folds);
     if (!result) result = add_folded(m, NORMA_SEVERITY_INFO, &sum->slight);
     if (result || !sum->bent.count || !norma_check_wants(m, RULE_N405)) return result;
-    norma_check_message(message,
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N405, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &sum->bent},
         "%z of %z polygons %s not flat, by up to %g degrees; readers cut them differently",
         sum->bent.count, m->mesh.face_count, sum->bent.count == 1 ? "is" : "are", sum->bent.worst);
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N405,
-            .severity = NORMA_SEVERITY_INFO,
-            .unit = "deg",
-            .hits = &sum->bent,
-            .message = message});
 }
 
 static void add_part(const check_run *run, check_polygons *sum, check_polygons *part) {

@@ -21,7 +21,8 @@ void norma_check_find_largest(const core_mesh *mesh, size_t first, check_largest
     for (size_t i = 0; i < mesh->positions.count; i++) {
         double p[3];
         norma_core_position(mesh, (uint32_t)i, p);
-        double most = fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2])));
+        double most = fabs(p[0]);
+        for (int k = 1; k < 3; k++) most = fabs(p[k]) > most ? fabs(p[k]) : most;
         if (most > largest->coordinate && norma_core_finite(p))
             *largest = (check_largest){most, first + i};
     }
@@ -40,16 +41,6 @@ static double spacing_at(const check_mesh *m, double largest) {
                : 0;
 }
 
-/* The squared length of the edge from a kept corner to the next; negative: no such edge exists. */
-static double edge_square(const core_topology *t, size_t face, size_t corner) {
-    double p[3], q[3], edge[3];
-    if (!norma_core_is_kept(&t->mesh, face, corner)) return -1;
-    norma_core_position(&t->mesh, t->corners[corner], p);
-    norma_core_position(&t->mesh, t->corners[norma_core_next_in_face(&t->mesh, face, corner)], q);
-    norma_core_subtract(q, p, edge);
-    return norma_core_dot(edge, edge);
-}
-
 /* The first length whose square is greater; count: none. */
 static size_t interval_of(const edge_pass *pass, double square) {
     size_t low = 0, high = pass->count;
@@ -63,16 +54,30 @@ static size_t interval_of(const edge_pass *pass, double square) {
     return low;
 }
 
+/* Corners at one position have no edge between them. */
+static void sort_edges_of_face(const edge_pass *pass, size_t face, size_t *counts) {
+    const core_topology *t = pass->topology;
+    const size_t begin = norma_core_face_begin(&t->mesh, face),
+                 end = norma_core_face_end(&t->mesh, face);
+    if (begin == end) return;
+    double before[3], p[3], edge[3];
+    uint32_t last = t->corners[end - 1];
+    norma_core_position(&t->mesh, last, before);
+    for (size_t c = begin; c < end; c++) {
+        const uint32_t position = t->corners[c];
+        norma_core_position(&t->mesh, position, p);
+        norma_core_subtract(p, before, edge);
+        const double square = norma_core_dot(edge, edge);
+        if (position != last && square >= 0) counts[interval_of(pass, square)]++;
+        memcpy(before, p, sizeof before);
+        last = position;
+    }
+}
+
 static void sort_edges(void *context, size_t block, size_t begin, size_t end) {
     const edge_pass *pass = context;
-    const core_topology *t = pass->topology;
     size_t *counts = &pass->parts[block * (pass->count + 1)];
-    for (size_t f = begin; f < end; f++)
-        for (size_t c = norma_core_face_begin(&t->mesh, f); c < norma_core_face_end(&t->mesh, f);
-             c++) {
-            double square = edge_square(t, f, c);
-            if (square >= 0) counts[interval_of(pass, square)]++;
-        }
+    for (size_t f = begin; f < end; f++) sort_edges_of_face(pass, f, counts);
 }
 
 norma_result norma_check_sort_edges(
@@ -116,18 +121,13 @@ double norma_check_coarse_length(const check_mesh *m, const check_largest *large
 norma_result norma_check_distance_add(check_mesh *m, const check_largest *largest, double median) {
     const double spacing = spacing_at(m, largest->coordinate);
     check_hits hits = {0};
-    char message[CHECK_MESSAGE];
     norma_check_hit(m->run, &hits, spacing / median, norma_check_vertex(largest->vertex));
-    norma_check_message(message,
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N701, .severity = NORMA_SEVERITY_WARNING, .unit = "ratio", .hits = &hits},
         "coordinates up to %g are rounded to %g, and half of the edges are shorter than %g; faces "
         "turn by about %g degrees",
         largest->coordinate, spacing, median, fmin(12 * spacing / median, 90));
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N701,
-            .severity = NORMA_SEVERITY_WARNING,
-            .unit = "ratio",
-            .hits = &hits,
-            .message = message});
 }
 
 static norma_result count_shorter(

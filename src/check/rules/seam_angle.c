@@ -218,15 +218,10 @@ double norma_check_seam_angle(
 }
 
 norma_result norma_check_add_seams(check_mesh *m, check_hits *hits) {
-    char message[CHECK_MESSAGE];
-    norma_check_message(message,
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N501, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .hits = hits},
         "%z position%s on seams where normals differ, by up to %g degrees, although the surface is "
         "smooth; a line is visible there",
         hits->count, norma_check_plural(hits->count), hits->worst);
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N501,
-            .severity = NORMA_SEVERITY_WARNING,
-            .unit = "deg",
-            .hits = hits,
-            .message = message});
 }

@@ -23,35 +23,23 @@ static size_t count_here(const check_solids *s) {
 /* ---- N302 */
 
 static norma_result add_inward(check_mesh *m, check_hits *hits, size_t count) {
-    char message[CHECK_MESSAGE];
     norma_severity severity = m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_ERROR
                                                                            : NORMA_SEVERITY_WARNING;
-    norma_check_message(message,
+    return norma_check_report(m,
+        &(check_report){.rule = RULE_N302, .severity = severity, .unit = "volume", .hits = hits},
         "%z of %z component%s %s inside out: closed, and the faces look inward", hits->count, count,
         norma_check_plural(count), hits->count == 1 ? "is" : "are");
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N302,
-            .severity = severity,
-            .unit = "volume",
-            .hits = hits,
-            .message = message});
 }
 
 static norma_result add_nested(check_mesh *m, check_hits *hits) {
-    char message[CHECK_MESSAGE];
     norma_severity severity =
         m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
-    norma_check_message(message,
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N302, .severity = severity, .unit = "volume", .no_fix = 1, .hits = hits},
         "%z component%s directly inside a solid and facing outward; either cavities that were "
         "turned, or separate bodies",
         hits->count, norma_check_plural(hits->count));
-    return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N302,
-            .severity = severity,
-            .unit = "volume",
-            .no_fix = 1,
-            .hits = hits,
-            .message = message});
 }
 
 static norma_result tell_inward(const check_solids *s) {
@@ -96,7 +84,6 @@ static norma_result find_one_sided(const core_topology *topology, core_component
 static norma_result tell_undecidable(const check_solids *s) {
     check_mesh *m = s->m;
     const core_components *c = s->components;
-    char message[CHECK_MESSAGE];
     check_hits hits = {0};
     size_t one_sided = 0;
     for (size_t i = 0; i < c->count; i++) {
@@ -108,18 +95,14 @@ static norma_result tell_undecidable(const check_solids *s) {
         norma_check_hit(m->run, &hits, (double)(c->starts[i + 1] - c->starts[i]), spot_of(s, i));
     }
     if (hits.count) {
-        norma_check_message(message,
+        return norma_check_report(m,
+            &(check_report){
+                .rule = RULE_N304, .severity = NORMA_SEVERITY_INFO, .unit = "faces", .hits = &hits},
             one_sided ? "%z of %z component%s %s open or one-sided (%z): which side is outward "
                         "cannot be decided"
                       : "%z of %z component%s %s open: which side is outward cannot be decided",
             hits.count, count_here(s), norma_check_plural(count_here(s)),
             hits.count == 1 ? "is" : "are", one_sided);
-        return norma_check_add(m->run, &m->place, m,
-            &(check_report){.rule = RULE_N304,
-                .severity = NORMA_SEVERITY_INFO,
-                .unit = "faces",
-                .hits = &hits,
-                .message = message});
     }
     norma_check_hits_free(&hits);
     return NORMA_OK;

@@ -62,46 +62,36 @@ static void judge_tangents(void *context, size_t block, size_t begin, size_t end
 }
 
 static norma_result add_findings(check_mesh *m, tangent_part *sum) {
-    char message[CHECK_MESSAGE];
     norma_result result = NORMA_OK;
-    if (norma_check_wants(m, RULE_N801) && sum->bad.count) {
-        norma_check_message(message,
+    if (norma_check_wants(m, RULE_N801) && sum->bad.count)
+        result = norma_check_report(m,
+            &(check_report){.rule = RULE_N801,
+                .severity = NORMA_SEVERITY_ERROR,
+                .unit = "length",
+                .hits = &sum->bad},
             "%z tangent%s with a component that is not finite or a length other than 1; normal "
             "maps "
             "are read through them",
             sum->bad.count, norma_check_plural(sum->bad.count));
-        result = norma_check_add(m->run, &m->place, m,
-            &(check_report){.rule = RULE_N801,
-                .severity = NORMA_SEVERITY_ERROR,
-                .unit = "length",
-                .hits = &sum->bad,
-                .message = message});
-    }
-    if (!result && norma_check_wants(m, RULE_N802) && sum->sign.count) {
-        norma_check_message(message,
-            "%z tangent%s with a sign that is neither 1 nor -1; bumps become dents or have the "
-            "wrong height",
-            sum->sign.count, norma_check_plural(sum->sign.count));
-        result = norma_check_add(m->run, &m->place, m,
+    if (!result && norma_check_wants(m, RULE_N802) && sum->sign.count)
+        result = norma_check_report(m,
             &(check_report){.rule = RULE_N802,
                 .severity = NORMA_SEVERITY_ERROR,
                 .no_value = 1,
-                .hits = &sum->sign,
-                .message = message});
-    }
-    if (!result && norma_check_wants(m, RULE_N803) && sum->leaning.count) {
-        norma_check_message(message,
+                .hits = &sum->sign},
+            "%z tangent%s with a sign that is neither 1 nor -1; bumps become dents or have the "
+            "wrong height",
+            sum->sign.count, norma_check_plural(sum->sign.count));
+    if (!result && norma_check_wants(m, RULE_N803) && sum->leaning.count)
+        result = norma_check_report(m,
+            &(check_report){.rule = RULE_N803,
+                .severity = norma_check_tangent_severity(m),
+                .unit = "deg",
+                .hits = &sum->leaning},
             "%z tangent%s up to %g degrees off perpendicular to the normal; %s", sum->leaning.count,
             norma_check_plural(sum->leaning.count), sum->leaning.worst,
             m->given->material.normal_map ? "a normal map bends light the wrong way"
                                           : "no normal map uses them here");
-        result = norma_check_add(m->run, &m->place, m,
-            &(check_report){.rule = RULE_N803,
-                .severity = norma_check_tangent_severity(m),
-                .unit = "deg",
-                .hits = &sum->leaning,
-                .message = message});
-    }
     return result;
 }
 

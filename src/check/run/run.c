@@ -97,6 +97,7 @@ void norma_check_close_mesh(check_mesh *m) {
     const core_call *call = &m->run->call;
     norma_core_release(call, m->faces, m->mesh.face_count, sizeof *m->faces);
     norma_core_release(call, m->opposed, m->mesh.face_count, 1);
+    norma_core_release(call, (void *)m->far, norma_check_normal_count(m), sizeof *m->far);
     norma_core_release(call, m->users, norma_check_normal_count(m), sizeof *m->users);
     if (m->has_topology) norma_core_topology_close(&m->topology);
 }

@@ -373,8 +373,8 @@ static int check_files(check_work *work, check_configs *configs) {
     status = check_all_files(&work->settings, configs, work->format, output.out, &totals);
     if (status != CLI_USAGE && guard_baseline(work)) status = CLI_USAGE;
     if (status == CLI_USAGE) {
-        /* What stands on standard output already must be whole for a program that reads it. */
-        if (output.out == stdout && work->format != &check_format_text &&
+        /* What has gone to standard output or a pipe must be whole for a program that reads it. */
+        if (output.passes_on && work->format != &check_format_text &&
             work->format != &check_format_quiet)
             work->format->end(output.out, &totals, &work->settings);
         if (!streams) cli_output_drop(&output);

@@ -26,22 +26,28 @@ static int open_regular(const char *path) {
     return -1;
 }
 
+static FILE *open_file(const char *path) {
+    const int number = open_regular(path);
+    if (number < 0) return NULL;
+    FILE *file = fdopen(number, "r");
+    if (file) return file;
+    close(number);
+    cli_out_of_memory();
+    return NULL;
+}
+
 static void copy_all(FILE *from, FILE *to) {
     char block[65536];
     for (size_t size; (size = fread(block, 1, sizeof block, from)) > 0;) fwrite(block, 1, size, to);
 }
 
 char *check_load_text(const char *path) {
-    const int number = open_regular(path);
-    FILE *file = number < 0 ? NULL : fdopen(number, "r");
+    FILE *file = open_file(path);
     cli_memory_stream text;
-    if (number < 0) return NULL;
-    if (!file || !cli_memory_open(&text)) {
+    if (!file) return NULL;
+    if (!cli_memory_open(&text)) {
         cli_out_of_memory();
-        if (file)
-            fclose(file);
-        else
-            close(number);
+        fclose(file);
         return NULL;
     }
     copy_all(file, text.out);
@@ -56,12 +62,13 @@ char *check_load_text(const char *path) {
 
 json_t *check_load_json(const char *path, const char *expected) {
     json_error_t error;
-    const int file = open_regular(path);
-    json_t *root = file < 0 ? NULL : json_loadfd(file, JSON_REJECT_DUPLICATES, &error);
-    if (file >= 0) close(file);
-    if (file >= 0 && !root && error.line > 0)
+    FILE *file = open_file(path);
+    if (!file) return NULL;
+    json_t *root = json_loadf(file, JSON_REJECT_DUPLICATES, &error);
+    fclose(file);
+    if (!root && error.line > 0)
         cli_error("%s:%d: %s; expected %s", path, error.line, error.text, expected);
-    else if (file >= 0 && !root)
+    else if (!root)
         cli_error("%s: %s; expected %s", path, error.text, expected);
     return root;
 }

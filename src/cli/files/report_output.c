@@ -1,75 +1,88 @@
-/* report_output.c: a report that goes to a file: gathered in memory, then written whole or not at
- * all. "-" is standard output. */
-#define _POSIX_C_SOURCE 200809L
+/* report_output.c: a report that goes to a file, written whole or not at all. It goes there piece
+ * by piece, so a report on any number of files takes no memory. "-" is standard output. */
+#define _GNU_SOURCE /* fopencookie */
 #include "cli/files/report_output.h"
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
-#include "cli/text/outside_text.h"
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-static int fail(const cli_output *output, int error) {
-    cli_error("%s: cannot be written: %s", output->path, strerror(error));
-    return 0;
+/* ---- a stream whose bytes go to norma_save_piece, which remembers its first error */
+
+#if defined(__linux__)
+static ssize_t pass_on(void *user, const char *bytes, size_t count) {
+    return norma_save_piece(user, bytes, count, NULL) ? 0 : (ssize_t)count;
 }
 
-/* What would fail in the end is said before the work. */
-static int look_ahead(const cli_output *output) {
-    const char *slash = strrchr(output->path, '/');
-    const size_t length = slash ? (size_t)(slash - output->path) + 1 : 0;
-    char *folder = malloc(length + 2);
-    if (!folder) return fail(output, ENOMEM);
-    memcpy(folder, output->path, length);
-    memcpy(folder + length, ".", 2);
-    int fine = access(output->path, W_OK) == 0 || (errno == ENOENT && access(folder, W_OK) == 0);
-    if (!fine) fail(output, errno);
-    free(folder);
-    return fine;
+static FILE *open_stream(norma_saving *saving) {
+    return fopencookie(saving, "w", (cookie_io_functions_t){.write = pass_on});
+}
+#else
+static int pass_on(void *user, const char *bytes, int count) {
+    return norma_save_piece(user, bytes, (size_t)count, NULL) ? -1 : count;
+}
+
+static FILE *open_stream(norma_saving *saving) {
+    return funopen(saving, NULL, pass_on, NULL, NULL);
+}
+#endif
+
+/* ---- the output */
+
+static int is_stream(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
+}
+
+/* The temporary file is made before the work, so what would fail in the end is said at once. */
+static int begin_file(cli_output *output) {
+    norma_document_error error;
+    output->passes_on = is_stream(output->path);
+    if (norma_save_begin(output->path, &output->saving, &error)) {
+        cli_print_error(&error);
+        return CLI_FILE;
+    }
+    cli_tidy_when_ended(norma_save_temporary(output->saving));
+    output->out = open_stream(output->saving);
+    if (output->out) return CLI_OK;
+    cli_output_drop(output);
+    return cli_out_of_memory();
 }
 
 int cli_output_begin(cli_output *output, const char *path, cli_guard *guard) {
     *output = (cli_output){.path = path, .guard = guard};
     const int status = cli_guard_output(guard, path, NULL);
-    if (status) return status;
-    if (strcmp(path, "-") == 0) {
-        output->out = stdout;
-        return CLI_OK;
-    }
-    if (!look_ahead(output)) return CLI_FILE;
-    if (!cli_memory_open(&output->gathered)) {
-        fail(output, ENOMEM);
-        return CLI_FILE;
-    }
-    output->out = output->gathered.out;
+    if (status || strcmp(path, "-") != 0) return status ? status : begin_file(output);
+    output->out = stdout;
+    output->passes_on = 1;
     return CLI_OK;
 }
 
 void cli_output_drop(cli_output *output) {
-    (void)cli_memory_close(&output->gathered);
-    free(output->gathered.text);
+    if (output->saving && output->out) fclose(output->out);
+    if (output->passes_on && output->saving)
+        norma_save_end(output->saving, NULL); /* the reader gets what there was */
+    else
+        norma_save_abandon(output->saving);
+    cli_tidy_when_ended(NULL);
     *output = (cli_output){0};
 }
 
 int cli_output_end(cli_output *output) {
-    if (output->out == stdout) return cli_finish(CLI_OK);
-    norma_document_error error = {0};
+    if (!output->saving) return cli_finish(CLI_OK);
+    norma_document_error error;
     const int refused = cli_guard_output(output->guard, output->path, NULL);
     if (refused) {
         cli_output_drop(output);
         return refused;
     }
-    const int whole = cli_memory_close(&output->gathered);
     cli_writing_begin();
-    const int written = whole && norma_save_bytes(output->path, output->gathered.text,
-                                     output->gathered.size, &error) == NORMA_DOCUMENT_OK;
+    fclose(output->out); /* a piece that cannot be written fails at the end */
+    cli_tidy_when_ended(NULL);
+    const int failed = norma_save_end(output->saving, &error) != NORMA_DOCUMENT_OK;
     cli_writing_end();
-    if (!whole)
-        fail(output, ENOMEM);
-    else if (!written)
-        cli_print_error(&error);
-    cli_output_drop(output);
-    return written ? CLI_OK : CLI_FILE;
+    if (failed) cli_print_error(&error);
+    *output = (cli_output){0};
+    return failed ? CLI_FILE : CLI_OK;
 }

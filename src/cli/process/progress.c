@@ -16,12 +16,14 @@
 /* The variables of the tool: a signal handler has no other way to know anything. */
 static volatile sig_atomic_t caught_signal, caught_count, line_shown;
 static atomic_int writers;
+static const char *volatile left_behind;
 
 static _Noreturn void end_now(int number) {
     static const char words[] = "\r\033[Knorma: interrupted\n";
     const size_t clear = line_shown ? 0 : 4;
     const ssize_t written = write(STDERR_FILENO, words + clear, sizeof words - 1 - clear);
     (void)written;
+    if (left_behind) unlink(left_behind);
     _exit(128 + number);
 }
 
@@ -30,6 +32,8 @@ static void catch_signal(int number) {
     /* Three times: someone insists, while a write does not come back. */
     if (atomic_load(&writers) == 0 || ++caught_count >= 3) end_now(number);
 }
+
+void cli_tidy_when_ended(const char *path) { left_behind = path; }
 
 void cli_writing_begin(void) { atomic_fetch_add(&writers, 1); }
 

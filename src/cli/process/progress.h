@@ -8,6 +8,8 @@
 void cli_watch_interrupts(void);
 void cli_writing_begin(void);
 void cli_writing_end(void);
+/* A temporary file that a signal removes before it ends the process; NULL: none any more. */
+void cli_tidy_when_ended(const char *path);
 int cli_interrupted(void); /* whether a signal waits for what is being written */
 
 typedef struct cli_progress {

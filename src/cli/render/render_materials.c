@@ -1,7 +1,6 @@
 /* render_materials.c: what a surface's material makes it look like: its colour, its images, which
  * of its sides are there, what lets light through. */
 #include "cli/render/render_scene.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,20 +45,6 @@ static const render_picture *picture_of(render_scene_file *file, const norma_tex
 
 /* ---- texture coordinates, as they are looked up */
 
-/* KHR_texture_transform: scaled, turned, moved. */
-static float *place_texcoords(
-    const norma_texture_info *info, const float *texcoords, size_t count) {
-    float *placed = malloc((2 * count + 1) * sizeof *placed);
-    const float c = cosf(info->rotation), s = sinf(info->rotation);
-    for (size_t i = 0; placed && i < count; ++i) {
-        const float u = texcoords[2 * i] * info->scale[0],
-                    v = texcoords[2 * i + 1] * info->scale[1];
-        placed[2 * i] = c * u + s * v + info->offset[0];
-        placed[2 * i + 1] = c * v - s * u + info->offset[1];
-    }
-    return placed;
-}
-
 static norma_document_result read_texcoords(render_scene_file *file, size_t mesh,
     const norma_texture_info *info, render_texture *map, norma_document_error *error) {
     const float *texcoords = NULL;
@@ -67,9 +52,10 @@ static norma_document_result read_texcoords(render_scene_file *file, size_t mesh
     norma_document_result result =
         norma_document_texcoords(file->document, mesh, info->texcoord, &texcoords, &count, error);
     if (result || !texcoords) return result;
-    float *placed = place_texcoords(info, texcoords, count);
+    float *placed = malloc((2 * count + 1) * sizeof *placed);
     if (!placed || !render_file_keep(file, placed))
         return render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    norma_texture_place(info, texcoords, count, 2, placed);
     map->texcoords = placed;
     return NORMA_DOCUMENT_OK;
 }

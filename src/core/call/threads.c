@@ -41,6 +41,7 @@ enum { MOST_WORKERS = 256 };
 typedef struct thread_pool {
     const pool *work;
     atomic_size_t next, done;
+    atomic_size_t ended; /* helpers */
     atomic_int stop;
 } thread_pool;
 
@@ -54,9 +55,27 @@ static int take_one(thread_pool *t) {
 }
 
 static void *help(void *pool_of_threads) {
-    while (take_one(pool_of_threads)) {
+    thread_pool *t = pool_of_threads;
+    while (take_one(t)) {
     }
+    atomic_fetch_add_explicit(&t->ended, 1, memory_order_release);
     return NULL;
+}
+
+static void tell(thread_pool *t) {
+    const size_t done = atomic_load_explicit(&t->done, memory_order_relaxed);
+    if (norma_core_progress(t->work->call, (double)done / (double)t->work->count))
+        atomic_store_explicit(&t->stop, 1, memory_order_relaxed);
+}
+
+/* A helper's last task may be long, and the caller may want to stop it meanwhile. */
+static void wait_for_helpers(thread_pool *t, size_t started) {
+    enum { WAITS_A_QUESTION = 1 << 14 }; /* some milliseconds */
+    for (int waits = 1; atomic_load_explicit(&t->ended, memory_order_acquire) < started;
+         waits = waits % WAITS_A_QUESTION + 1) {
+        sched_yield();
+        if (waits == WAITS_A_QUESTION) tell(t);
+    }
 }
 
 /* The calling thread works as the others do, and alone talks to the caller. A thread that cannot be
@@ -68,11 +87,9 @@ static norma_result run_in_threads(const pool *c, size_t workers) {
     if (workers > MOST_WORKERS) workers = MOST_WORKERS;
     while (started + 1 < workers && pthread_create(&threads[started], NULL, help, &shared) == 0)
         started++;
-    do {
-        const size_t done = atomic_load_explicit(&shared.done, memory_order_relaxed);
-        if (norma_core_progress(c->call, (double)done / (double)c->count))
-            atomic_store_explicit(&shared.stop, 1, memory_order_relaxed);
-    } while (take_one(&shared));
+    do tell(&shared);
+    while (take_one(&shared));
+    if (c->call->options.progress) wait_for_helpers(&shared, started);
     for (size_t i = 0; i < started; i++) pthread_join(threads[i], NULL);
     if (c->call->cancelled) return NORMA_CANCELLED;
     return norma_core_progress(c->call, 1) ? NORMA_CANCELLED : NORMA_OK;

@@ -22,12 +22,19 @@ typedef enum core_crease_verdict {
     CORE_CREASE_SMOOTH
 } core_crease_verdict;
 
-/* By the cosine of the dihedral angle: the dot product of the two unit normals. */
+/* By the cosine of the dihedral angle: the dot product of the two unit normals. Its doubt is beyond
+ * the rounding of both. */
+static const double CORE_COSINE_DOUBT = 0x1p-30;
+static inline int norma_core_is_surely_smooth(const core_crease *crease, double cosine) {
+    return cosine > crease->cosine + CORE_COSINE_DOUBT;
+}
+static inline int norma_core_is_surely_hard(const core_crease *crease, double cosine) {
+    return cosine < crease->cosine - CORE_COSINE_DOUBT;
+}
 static inline core_crease_verdict norma_core_crease_by_cosine(
     const core_crease *crease, double cosine) {
-    const double doubt = 0x1p-30; /* of cosines of unit vectors; beyond the rounding of both */
-    if (cosine > crease->cosine + doubt) return CORE_CREASE_SMOOTH;
-    return cosine < crease->cosine - doubt ? CORE_CREASE_HARD : CORE_CREASE_UNDECIDED;
+    if (norma_core_is_surely_smooth(crease, cosine)) return CORE_CREASE_SMOOTH;
+    return norma_core_is_surely_hard(crease, cosine) ? CORE_CREASE_HARD : CORE_CREASE_UNDECIDED;
 }
 
 /* The same where the cosine does not decide it: by the angle. */

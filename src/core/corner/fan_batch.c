@@ -26,8 +26,7 @@ static void list_polygon_corners(
                      face = norma_core_face_of(&prepared->corners_of, corners[i]);
         list->corners[at] = corners[i];
         list->face[at] = (uint32_t)face;
-        list->turn[at] =
-            norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face) == 3 ? 1 : 0;
+        list->turn[at] = 0;
         list->next[at] = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, corners[i]));
         list->previous[at] =
             norma_core_corner(mesh, norma_core_previous_in_face(mesh, face, corners[i]));
@@ -36,12 +35,13 @@ static void list_polygon_corners(
 
 static inline void list_corners(
     const core_mesh *mesh, const uint32_t *corners, size_t count, star_list *list) {
-    static const double turns[3] = {0, 1, 2};
     const size_t at = list->corner_count;
     for (size_t i = 0; i < count; i++) {
-        const uint32_t corner = corners[i], begin = corner / 3 * 3, turn = corner - begin;
+        const uint32_t corner = corners[i], face = corner / 3, begin = 3 * face,
+                       turn = corner - begin;
         list->corners[at + i] = corner;
-        list->turn[at + i] = turns[turn];
+        list->face[at + i] = face;
+        list->turn[at + i] = (uint8_t)turn;
         list->next[at + i] = norma_core_corner(mesh, turn == 2 ? begin : corner + 1);
         list->previous[at + i] = norma_core_corner(mesh, turn == 0 ? begin + 2 : corner - 1);
     }
@@ -66,6 +66,7 @@ int norma_core_list_star(
     const size_t at = list->corner_count;
     const int scattered = corners[count - 1] - corners[0] > NEAR;
     if (at + count > BATCH_CORNERS) return 0;
+    for (size_t i = at; i < at + count; i++) list->at[i] = position;
     list->stars[list->star_count++] = (listed_star){.position = position,
         .begin = (uint8_t)at,
         .count = (uint8_t)count,

@@ -3,16 +3,16 @@
  * decide; of polygons, faces that keep all their corners. To the same bits as one by one. */
 #ifndef NORMA_CORE_STAR_BATCH_H
 #define NORMA_CORE_STAR_BATCH_H
+#include "core/corner/measured_faces.h"
 #include "core/corner/visit_positions.h"
 
-enum { BATCH_CORNERS = 128, ORDINARY_CORNERS = 16 };
+enum { ORDINARY_CORNERS = 16 };
 
 typedef struct listed_star {
     uint32_t position;
     uint8_t begin, count;         /* of its corners among those of the list */
     uint8_t first_fan, fan_count; /* once settled; no fan: it is not ordinary */
     uint8_t open;                 /* its first and last face share no edge */
-    uint8_t higher;               /* of a closed one: neighbours of higher number */
     uint8_t scattered; /* its faces lie far apart: what memory they need is asked for ahead */
 } listed_star;
 
@@ -23,25 +23,21 @@ typedef struct star_list {
     uint32_t next[BATCH_CORNERS + ORDINARY_CORNERS],
         previous[BATCH_CORNERS +
                  ORDINARY_CORNERS]; /* the face's other corners, as the mesh names them */
-    double turn[BATCH_CORNERS];     /* which of its face's corners it is; of polygons: whether that
-                                       is a triangle */
-    uint32_t face[BATCH_CORNERS];   /* of polygons only */
+    uint32_t at[BATCH_CORNERS];     /* the star's position */
+    uint32_t face[BATCH_CORNERS];
+    uint8_t turn[BATCH_CORNERS]; /* which of its triangle's corners it is; of polygons 0 */
     listed_star stars[BATCH_CORNERS];
 } star_list;
 
-typedef double batch_lane[BATCH_CORNERS + ORDINARY_CORNERS]; /* a star may be written beyond its
-                                                                end, where the next one follows */
+typedef double batch_lane[BATCH_CORNERS + ORDINARY_CORNERS]; /* whole registers are filled */
 
-/* Lanes of a star go round it from face to face: what is previous in one is next in the following
- * one. */
 typedef struct fan_batch {
-    uint8_t lane_of[BATCH_CORNERS];                     /* of each corner of the list */
-    batch_lane at[3], next_at[3], previous_at[3], turn; /* in: positions */
-    batch_lane area;                                    /* in: twice that of polygons */
-    batch_lane normal[3], vote[3], weight, sure;        /* of each face; its weighted normal */
-    batch_lane
-        cosine; /* between its normal and the following lane's; UNSURE where its own is not sure */
-    batch_lane sum[3], total, decided; /* of each fan, from here on */
+    measured_faces measured;
+    uint16_t place[BATCH_CORNERS]; /* of each corner of the list: its face among the measured */
+    uint8_t order[BATCH_CORNERS + ORDINARY_CORNERS]; /* the corners of a star, numbered from its
+                                                        first, from each to the one whose edge to
+                                                        next is its own edge from previous */
+    batch_lane sum[3], total, decided;               /* of each fan, from here on */
     float direction[3][BATCH_CORNERS + ORDINARY_CORNERS];
     core_fan fans[BATCH_CORNERS];
     uint32_t fan_of[BATCH_CORNERS]; /* of each corner of the list, in stars of several fans */

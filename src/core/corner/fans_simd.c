@@ -1,62 +1,23 @@
-/* fans_simd.c: a batch of stars measured, joined and summed: loops over lanes, compiled for each
- * instruction set as those of measure.c are. */
+/* fans_simd.c: a batch of stars joined and summed: loops over lanes, compiled for each instruction
+ * set as those of measure.c are. */
 #include "core/corner/fan_batch.h"
 #include "core/call/instruction_set.h"
 #include "core/face/measure.h"
 #include "core/face/polygon.h"
 #include "core/mesh/face_corners.h"
 
-/* ---- directions and votes */
+/* ---- weights of polygons' corners; triangles are measured as faces (measured_faces.c) */
 
-/* The angle where the edges have the dot product own, as core_lanes_angles gives it: of the two
- * greater dot products by an arc tangent, of the least as what those leave of pi. */
-CORE_INLINE double angle_at(double own, double next, double previous, double length) {
-    const double lesser = next < previous ? next : previous,
-                 greater = next < previous ? previous : next, kept = own < lesser ? lesser : own;
-    const core_slope a = norma_core_slope(length, kept), b = norma_core_slope(length, greater);
-    const double belows = 1 / (a.below * b.below);
-    const double angle_a = norma_core_slope_angle(a, a.above * (belows * b.below)),
-                 angle_b = norma_core_slope_angle(b, b.above * (belows * a.below));
-    return own < lesser ? NORMA_PI - (angle_a + angle_b) : angle_a;
-}
-
-/* A triangle's direction is measured from its first corner, whichever corner is looked at: with a
- * and b the edges to the next and the previous corner, and c the edge between those, u x v is a x b
- * at the first corner, c x b at the second, c x a at the third. */
-CORE_INLINE void measure_corner(fan_batch *t, size_t i, norma_weight weight) {
-    const int by_angle = core_weighed(weight) == CORE_BY_ANGLE;
-    const int is_first = t->turn[i] == 0, is_third = t->turn[i] == 2;
-    double a[3], b[3], c[3], u[3], v[3];
-    for (int k = 0; k < 3; k++) {
-        const double p = t->at[k][i], next = t->next_at[k][i], previous = t->previous_at[k][i];
-        a[k] = next - p;
-        b[k] = previous - p;
-        c[k] = next - previous;
-        u[k] = is_first ? a[k] : c[k];
-        v[k] = is_third ? a[k] : b[k];
-    }
-    const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2],
-                 z = u[0] * v[1] - u[1] * v[0];
-    const double square = x * x + y * y + z * z, length = sqrt(square), inverse = 1 / length;
-    const double own = norma_core_dot(a, b), at_next = norma_core_dot(a, c),
-                 at_previous = -norma_core_dot(b, c);
-    const double angle = by_angle ? angle_at(own, at_next, at_previous, length) : 0;
-    t->normal[0][i] = x * inverse;
-    t->normal[1][i] = y * inverse;
-    t->normal[2][i] = z * inverse;
-    t->sure[i] = norma_core_triangle_is_sure(square, is_first   ? own
-                                                     : is_third ? at_next
-                                                                : at_previous)
-                     ? 1
-                     : 0;
-    t->weight[i] = norma_core_weight_of(
-        weight, norma_core_dot(a, a), norma_core_dot(b, b), angle, length, length);
-    for (int k = 0; k < 3; k++) t->vote[k][i] = t->weight[i] * t->normal[k][i];
-}
+typedef struct polygon_lanes {
+    _Alignas(64) core_lane at[3], next_at[3], previous_at[3]; /* in: positions */
+    core_lane normal[3], area, is_triangle;                   /* in: of the face; twice the area */
+    core_lane sure, weight; /* in and out: 1 where doubles are enough, else 0; out */
+} polygon_lanes;
 
 /* A polygon's corner: its direction and area are there. Weights are those of face_geometry.c. */
-CORE_INLINE void measure_polygon_corner(fan_batch *t, size_t i, norma_weight weight) {
-    const int by_angle = core_weighed(weight) == CORE_BY_ANGLE, is_triangle = t->turn[i] != 0;
+CORE_INLINE void measure_polygon_corner(polygon_lanes *t, size_t i, norma_weight weight) {
+    const int by_angle = core_weighed(weight) == CORE_BY_ANGLE,
+              is_triangle = t->is_triangle[i] != 0;
     double a[3], b[3], cross[3];
     for (int k = 0; k < 3; k++) {
         a[k] = t->next_at[k][i] - t->at[k][i];
@@ -75,32 +36,64 @@ CORE_INLINE void measure_polygon_corner(fan_batch *t, size_t i, norma_weight wei
                          ((by_angle == 0) | norma_core_turn_is_sure(along, length)));
     t->sure[i] = sure ? t->sure[i] : 0;
     t->weight[i] = norma_core_weight_of(weight, aa, bb, angle, length, t->area[i]);
-    for (int k = 0; k < 3; k++) t->vote[k][i] = t->weight[i] * t->normal[k][i];
 }
 
-CORE_INLINE void measure_polygons(fan_batch *t, size_t count, norma_weight weight) {
-    for (size_t from = 0; from < count; from += CORE_LANES)
-        for (size_t i = from; i < from + CORE_LANES; i++) measure_polygon_corner(t, i, weight);
+CORE_INLINE void measure_lanes(polygon_lanes *t, norma_weight weight) {
+    for (size_t i = 0; i < CORE_LANES; i++) measure_polygon_corner(t, i, weight);
 }
 
-CORE_INLINE void measure(fan_batch *t, size_t count, norma_weight weight) {
-    for (size_t from = 0; from < count; from += CORE_LANES)
-        for (size_t i = from; i < from + CORE_LANES; i++) measure_corner(t, i, weight);
+static void load_position(const core_mesh *mesh, uint32_t index, core_lane to[3], size_t lane) {
+    double p[3];
+    norma_core_position(mesh, index, p);
+    for (int k = 0; k < 3; k++) to[k][lane] = p[k];
 }
 
-CORE_INLINE void measure_all(fan_batch *t, size_t count, int polygons, norma_weight weight) {
-    if (polygons) {
-        CORE_LOOP_FOR_WEIGHT(weight, measure_polygons, t, count)
-    } else {
-        CORE_LOOP_FOR_WEIGHT(weight, measure, t, count)
+/* Sure are polygons that keep all their corners and have a direction. */
+static void load_polygon(const core_prepared_mesh *s, const star_list *list, size_t corner,
+    polygon_lanes *t, size_t lane) {
+    const size_t f = list->face[corner],
+                 corners = norma_core_face_end(&s->mesh, f) - norma_core_face_begin(&s->mesh, f);
+    const core_face *face = &s->faces[f];
+    load_position(&s->mesh, list->at[corner], t->at, lane);
+    load_position(&s->mesh, list->next[corner], t->next_at, lane);
+    load_position(&s->mesh, list->previous[corner], t->previous_at, lane);
+    for (int k = 0; k < 3; k++) t->normal[k][lane] = face->normal[k];
+    t->area[lane] = face->twice_area;
+    t->is_triangle[lane] = corners == 3 ? 1 : 0;
+    t->sure[lane] = (face->flags & CORE_FACE_DIRECTED) && face->kept == corners ? 1 : 0;
+}
+
+CORE_INLINE void measure_polygons(
+    const core_prepared_mesh *s, const star_list *list, fan_batch *b) {
+    polygon_lanes t;
+    for (size_t from = 0; from < list->corner_count; from += CORE_LANES) {
+        const size_t left = list->corner_count - from,
+                     count = left < CORE_LANES ? left : CORE_LANES;
+        for (size_t i = 0; i < CORE_LANES; i++)
+            load_polygon(s, list, from + (i < count ? i : 0), &t, i);
+        CORE_LOOP_FOR_WEIGHT(s->call->options.weight, measure_lanes, &t)
+        for (size_t i = 0; i < count; i++) {
+            b->place[from + i] = norma_core_place_of_corner(from + i);
+            b->measured.faces[b->place[from + i]] =
+                (measured_face){{t.normal[0][i], t.normal[1][i], t.normal[2][i], t.sure[i]},
+                    {t.weight[i], 0, 0, 0}};
+        }
     }
 }
 
-/* ---- lanes round a star: from each face to the one whose edge to next is its own edge from
+/* ---- the order round a star: from each face to the one whose edge to next is its own edge from
  * previous */
 
 typedef uint32_t index_lanes __attribute__((vector_size(4 * CORE_LANES)));
-typedef uint8_t byte_lanes __attribute__((vector_size(CORE_LANES)));
+typedef uint64_t pair_lanes __attribute__((vector_size(4 * CORE_LANES)));
+
+/* Each lane's lowest byte, in order; compilers take them out one by one. */
+CORE_INLINE uint64_t pack_bytes(const index_lanes *lanes) {
+    const uint64_t two = 0xffff;
+    pair_lanes pairs = (pair_lanes)*lanes;
+    pairs |= pairs >> 24;
+    return (pairs[0] & two) | (pairs[1] & two) << 16 | (pairs[2] & two) << 32 | pairs[3] << 48;
+}
 
 /* Closed stars of few corners, most of them, walked in a register: byte j tells where lane j leads,
  * eight times its number, with LEADS. Were two nexts the same, some corner could not be reached.
@@ -110,13 +103,11 @@ CORE_INLINE int walk_closed(
     const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order) {
     enum { LEADS = 0x80, BYTE = 0xff, SHIFT = 56 };
     index_lanes codes = {0}, here, code = (index_lanes){0} + LEADS;
-    uint64_t leads_to;
     uint32_t at = LEADS, seen = 0;
     memcpy(&here, previous, sizeof here);
     for (uint32_t i = 0; i < count; i++, code += 8)
         codes |= (index_lanes)(here == (index_lanes){0} + next[i]) & code;
-    const byte_lanes bytes = __builtin_convertvector(codes, byte_lanes);
-    memcpy(&leads_to, &bytes, sizeof leads_to);
+    const uint64_t leads_to = pack_bytes(&codes);
     for (uint32_t i = 0; i < count; i++) {
         order[i] = (uint8_t)((at & SHIFT) / 8);
         seen |= 1U << (at & SHIFT) / 8;
@@ -151,52 +142,12 @@ static int walk(
     return !*open && at == 0 && seen == all && count > 2;
 }
 
-CORE_INLINE void load_at(const core_mesh *mesh, uint32_t index, batch_lane to[3], size_t lane) {
-    double p[3];
-    norma_core_position(mesh, index, p);
-    for (int k = 0; k < 3; k++) to[k][lane] = p[k];
-}
-
-CORE_INLINE void load_lanes(const core_mesh *mesh, const star_list *list, const listed_star *star,
-    const uint8_t *order, fan_batch *t) {
-    const size_t begin = star->begin,
-                 lanes = star->count <= CORE_LANES ? CORE_LANES : ORDINARY_CORNERS;
-    double own[3];
-    norma_core_position(mesh, star->position, own);
-    for (int k = 0; k < 3; k++)
-        for (size_t i = 0; i < lanes; i++) t->at[k][begin + i] = own[k];
-    load_at(mesh, list->next[begin + order[0]], t->next_at, begin);
-    for (size_t i = 0; i < star->count; i++) {
-        const size_t corner = begin + order[i];
-        double p[3];
-        t->lane_of[corner] = (uint8_t)(begin + i);
-        t->turn[begin + i] = list->turn[corner];
-        norma_core_position(mesh, list->previous[corner], p);
-        for (int k = 0; k < 3; k++)
-            t->previous_at[k][begin + i] = t->next_at[k][begin + i + 1] = p[k];
-    }
-}
-
-/* Polygons that keep all their corners and have a direction. */
-static void load_faces(
-    const core_prepared_mesh *s, const star_list *list, const listed_star *star, fan_batch *t) {
-    for (size_t corner = star->begin; corner < (size_t)star->begin + star->count; corner++) {
-        const size_t lane = t->lane_of[corner], f = list->face[corner];
-        const core_face *face = &s->faces[f];
-        const size_t corners =
-            norma_core_face_end(&s->mesh, f) - norma_core_face_begin(&s->mesh, f);
-        for (int k = 0; k < 3; k++) t->normal[k][lane] = face->normal[k];
-        t->area[lane] = face->twice_area;
-        t->sure[lane] = (face->flags & CORE_FACE_DIRECTED) && face->kept == corners ? 1 : 0;
-    }
-}
-
 /* 0: the star is not ordinary. */
 CORE_INLINE int order_star(
     const core_mesh *mesh, const star_list *list, listed_star *star, fan_batch *t) {
-    uint32_t welded[2][ORDINARY_CORNERS], higher = 0;
+    uint32_t welded[2][ORDINARY_CORNERS];
     const uint32_t *next = list->next + star->begin, *previous = list->previous + star->begin;
-    uint8_t order[ORDINARY_CORNERS];
+    uint8_t *order = t->order + star->begin;
     int open = 0;
     for (uint32_t i = 0; i < star->count && mesh->weld; i++) {
         welded[0][i] = mesh->weld[next[i]];
@@ -209,38 +160,15 @@ CORE_INLINE int order_star(
     if (!(star->count <= CORE_LANES && walk_closed(next, previous, star->count, order)) &&
         !walk(next, previous, star->count, order, &open))
         return 0;
-    for (uint32_t i = 0; i < star->count; i++) higher += star->position < next[i];
-    star->higher = (uint8_t)higher;
     star->open = (uint8_t)open;
-    load_lanes(mesh, list, star, order, t);
     return 1;
 }
 
-#define UNSURE (-4.0)
-
-/* Also across the ends of stars, where they mean nothing. */
-CORE_INLINE void compare_normals(fan_batch *t, size_t count) {
-    for (size_t from = 0; from < count; from += CORE_LANES)
-        for (size_t i = from; i < from + CORE_LANES; i++) {
-            const double cosine = t->normal[0][i] * t->normal[0][i + 1] +
-                                  t->normal[1][i] * t->normal[1][i + 1] +
-                                  t->normal[2][i] * t->normal[2][i + 1];
-            t->cosine[i] = t->sure[i] == 0 ? UNSURE : cosine;
-        }
-}
-
-/* From the last lane to the first; across the gap of an open star everything passes. */
-CORE_INLINE void close_star(fan_batch *t, const listed_star *star) {
-    const size_t first = star->begin, last = first + star->count - 1U;
-    double cosine = 2;
-    if (!star->open)
-        cosine = t->normal[0][last] * t->normal[0][first] +
-                 t->normal[1][last] * t->normal[1][first] +
-                 t->normal[2][last] * t->normal[2][first];
-    t->cosine[last] = t->sure[last] == 0 ? UNSURE : cosine;
-}
-
 /* ---- joining */
+
+CORE_INLINE const measured_face *face_at(const fan_batch *t, size_t corner) {
+    return &t->measured.faces[t->place[corner]];
+}
 
 /* out begins at the star, back ends there. */
 static int is_unmarked(const core_prepared_mesh *s, uint32_t out, uint32_t back) {
@@ -249,28 +177,42 @@ static int is_unmarked(const core_prepared_mesh *s, uint32_t out, uint32_t back)
         (uint32_t)norma_core_previous_in_face(&s->mesh, face, back), (uint32_t)face);
 }
 
-/* One bit for each lane whose edge to the following one is cut. 0: too near the crease to tell by
- * the cosine. */
-static int find_cuts(const core_prepared_mesh *s, const star_list *list, const fan_batch *t,
-    const listed_star *star, uint32_t *cuts) {
-    const int marked = s->mesh.hard_edges || s->mesh.smoothing_groups;
-    uint32_t corner_of[ORDINARY_CORNERS];
-    for (uint32_t i = 0; i < star->count; i++)
-        corner_of[t->lane_of[star->begin + i] - star->begin] = list->corners[star->begin + i];
-    *cuts = 0;
-    for (uint32_t i = 0; i < star->count; i++) {
+/* One bit for each corner, in order, whose edge to the following one is marked hard. */
+static uint32_t find_marks(const core_prepared_mesh *s, const star_list *list,
+    const listed_star *star, const uint8_t *order, uint32_t edges) {
+    const uint32_t *corners = list->corners + star->begin;
+    uint32_t marks = 0;
+    for (uint32_t i = 0; i < edges; i++) {
         const uint32_t following = i + 1U == star->count ? 0 : i + 1;
-        if (star->open && !following) break;
-        if (marked && !is_unmarked(s, corner_of[following], corner_of[i])) {
-            *cuts |= 1U << i;
-            continue;
-        }
-        const core_crease_verdict verdict =
-            norma_core_crease_by_cosine(&s->crease, t->cosine[star->begin + i]);
-        if (verdict == CORE_CREASE_UNDECIDED) return 0;
-        if (verdict == CORE_CREASE_HARD) *cuts |= 1U << i;
+        if (!is_unmarked(s, corners[order[following]], corners[order[i]])) marks |= 1U << i;
     }
-    return 1;
+    return marks;
+}
+
+/* One bit for each corner, in order, whose edge to the following one is cut. 0: some direction is
+ * unsure, or some edge too near the crease to tell by the cosine. */
+CORE_INLINE int find_cuts(const core_prepared_mesh *s, const star_list *list, const fan_batch *t,
+    const listed_star *star, uint32_t *cuts) {
+    const uint8_t *order = t->order + star->begin;
+    const uint32_t edges = (uint32_t)star->count - star->open;
+    uint32_t hard = 0, smooth = 0, marks = 0;
+    int sure = 1;
+    const double *last = face_at(t, (size_t)star->begin + order[star->count - 1])->normal;
+    for (uint32_t i = 0; i < star->count; i++) {
+        /* of the edge to this corner from the one before */
+        const double *normal = face_at(t, (size_t)star->begin + order[i])->normal;
+        const uint32_t edge = i ? i - 1 : star->count - 1U;
+        const double cosine = last[0] * normal[0] + last[1] * normal[1] + last[2] * normal[2];
+        hard |= (uint32_t)norma_core_is_surely_hard(&s->crease, cosine) << edge;
+        smooth |= (uint32_t)norma_core_is_surely_smooth(&s->crease, cosine) << edge;
+        sure &= normal[3] != 0;
+        last = normal;
+    }
+    if (s->mesh.hard_edges || s->mesh.smoothing_groups)
+        marks = find_marks(s, list, star, order, edges);
+    const uint32_t all = (1U << edges) - 1;
+    *cuts = (hard | marks) & all;
+    return sure && ((hard | smooth | marks) & all) == all;
 }
 
 /* Edges to positions of higher number: one at each face's previous, and at the first one's next if
@@ -278,20 +220,18 @@ static int find_cuts(const core_prepared_mesh *s, const star_list *list, const f
 static void count_edges(const core_prepared_mesh *s, const star_list *list, const fan_batch *t,
     const listed_star *star, uint32_t cuts, norma_edges *edges) {
     for (uint32_t i = 0; i < star->count; i++) {
-        const uint32_t lane = (uint32_t)t->lane_of[star->begin + i] - star->begin;
-        const size_t higher =
-            star->position < norma_core_welded(&s->mesh, list->previous[star->begin + i]);
-        const int shared = !star->open || lane + 1 < star->count;
+        const size_t corner = (size_t)star->begin + t->order[star->begin + i];
+        const size_t higher = star->position < norma_core_welded(&s->mesh, list->previous[corner]);
+        const int shared = !star->open || i + 1 < star->count;
         edges->count += higher;
         if (!shared)
             edges->open += higher;
-        else if (cuts >> lane & 1)
+        else if (cuts >> i & 1)
             edges->hard += higher;
         else
             edges->smooth += higher;
-        if (!star->open || lane) continue;
-        const size_t first =
-            star->position < norma_core_welded(&s->mesh, list->next[star->begin + i]);
+        if (!star->open || i) continue;
+        const size_t first = star->position < norma_core_welded(&s->mesh, list->next[corner]);
         edges->count += first;
         edges->open += first;
     }
@@ -299,82 +239,74 @@ static void count_edges(const core_prepared_mesh *s, const star_list *list, cons
 
 /* ---- fans: a star that is cut nowhere or once is one, any other as many as there are cuts */
 
-CORE_INLINE void sum_one_fan(fan_batch *t, const listed_star *star) {
-    double x = 0, y = 0, z = 0, weight = 0;
-    for (uint32_t i = star->begin; i < (uint32_t)star->begin + star->count; i++) {
-        const size_t lane = t->lane_of[i];
-        x += t->vote[0][lane];
-        y += t->vote[1][lane];
-        z += t->vote[2][lane];
-        weight += t->weight[lane];
-    }
-    t->sum[0][star->first_fan] = x;
-    t->sum[1][star->first_fan] = y;
-    t->sum[2][star->first_fan] = z;
-    t->total[star->first_fan] = weight;
+typedef double vote_lanes __attribute__((vector_size(4 * sizeof(double)))); /* and the weight */
+
+CORE_INLINE void add_vote(
+    const fan_batch *t, const star_list *list, size_t corner, vote_lanes *sum) {
+    const measured_face *face = face_at(t, corner);
+    vote_lanes normal;
+    memcpy(&normal, face->normal, sizeof normal);
+    *sum += normal * face->weight[list->turn[corner]];
 }
 
-/* From one cut to the next, and then in the order of first corners. */
-static uint32_t number_fans(fan_batch *t, const listed_star *star, uint32_t cuts) {
-    uint32_t fan_of_lane[ORDINARY_CORNERS], number[ORDINARY_CORNERS + 1], fan = 0, count = 0;
+CORE_INLINE void set_sum(fan_batch *t, size_t fan, const vote_lanes *sum) {
+    for (int k = 0; k < 3; k++) t->sum[k][fan] = (*sum)[k];
+    t->total[fan] = (*sum)[3];
+}
+
+CORE_INLINE void sum_one_fan(fan_batch *t, const star_list *list, const listed_star *star) {
+    vote_lanes sum = {0};
+    for (size_t i = star->begin; i < (size_t)star->begin + star->count; i++)
+        add_vote(t, list, i, &sum);
+    set_sum(t, star->first_fan, &sum);
+}
+
+/* From one cut to the next, and then in the order of first corners; without branches, which nothing
+ * could foretell. Clears their sums. */
+CORE_INLINE uint32_t number_fans(
+    fan_batch *t, const listed_star *star, uint32_t cuts, vote_lanes *sums) {
+    enum { NO_NUMBER = 0xff };
+    const uint8_t *order = t->order + star->begin;
     const uint32_t last = star->count - 1U;
+    const uint32_t goes_on = !star->open && !(cuts >> last & 1); /* the last fan, in the first */
+    const uint32_t wrapped = goes_on ? (uint32_t)__builtin_popcount(cuts) : NO_NUMBER;
+    uint8_t fan_of[ORDINARY_CORNERS], number[ORDINARY_CORNERS + 1];
+    uint32_t fan = 0, count = 0;
     for (uint32_t i = 0; i < star->count; i++) {
-        fan_of_lane[i] = fan;
-        number[i] = UINT32_MAX;
+        fan_of[order[i]] = (uint8_t)(fan == wrapped ? 0 : fan);
         fan += cuts >> i & 1;
     }
-    number[star->count] = UINT32_MAX;
-    for (uint32_t i = 0; i <= last && !star->open && !(cuts >> last & 1);
-         i++) /* the last fan goes on in the first */
-        if (fan_of_lane[i] == fan) fan_of_lane[i] = 0;
+    memset(number, NO_NUMBER, sizeof number);
     for (uint32_t i = 0; i < star->count; i++) {
-        uint32_t *of = &number[fan_of_lane[t->lane_of[star->begin + i] - star->begin]];
-        if (*of == UINT32_MAX) *of = count++;
+        uint8_t *of = &number[fan_of[i]];
+        const uint32_t is_new = *of == NO_NUMBER;
+        *of = (uint8_t)(is_new ? count : *of);
         t->fan_of[star->begin + i] = *of;
+        sums[*of] = (vote_lanes){0};
+        count += is_new;
     }
     return count;
 }
 
-static void sum_fans(fan_batch *t, listed_star *star, uint32_t cuts) {
-    star->fan_count = (uint8_t)number_fans(t, star, cuts);
-    for (uint32_t f = star->first_fan; f < (uint32_t)star->first_fan + star->fan_count; f++)
-        t->sum[0][f] = t->sum[1][f] = t->sum[2][f] = t->total[f] = 0;
-    for (uint32_t i = star->begin; i < (uint32_t)star->begin + star->count; i++) {
-        const size_t f = star->first_fan + t->fan_of[i], lane = t->lane_of[i];
-        for (int k = 0; k < 3; k++) t->sum[k][f] += t->vote[k][lane];
-        t->total[f] += t->weight[lane];
-    }
-}
-
-/* Every edge far from the crease and smooth, no marks: what most stars are. -1: not ordinary. */
-CORE_INLINE int is_smooth(const core_prepared_mesh *s, fan_batch *t, const listed_star *star) {
-    double least = 2;
-    close_star(t, star);
+CORE_INLINE void sum_fans(fan_batch *t, const star_list *list, listed_star *star, uint32_t cuts) {
+    vote_lanes sums[ORDINARY_CORNERS];
+    star->fan_count = (uint8_t)number_fans(t, star, cuts, sums);
     for (size_t i = star->begin; i < (size_t)star->begin + star->count; i++)
-        least = t->cosine[i] < least ? t->cosine[i] : least;
-    if (least == UNSURE) return -1;
-    return norma_core_crease_by_cosine(&s->crease, least) == CORE_CREASE_SMOOTH &&
-           !s->mesh.hard_edges && !s->mesh.smoothing_groups;
+        add_vote(t, list, i, &sums[t->fan_of[i]]);
+    for (size_t f = 0; f < star->fan_count; f++) set_sum(t, star->first_fan + f, &sums[f]);
 }
 
 CORE_INLINE int settle_star(const core_prepared_mesh *s, const star_list *list, fan_batch *t,
     listed_star *star, uint32_t first_fan, norma_edges *edges) {
-    uint32_t cuts = 0;
-    const int smooth = is_smooth(s, t, star);
-    if (smooth < 0 || (!smooth && !find_cuts(s, list, t, star, &cuts))) return 0;
+    uint32_t cuts;
+    if (!find_cuts(s, list, t, star, &cuts)) return 0;
     star->first_fan = (uint8_t)first_fan;
     star->fan_count = 1;
     if ((cuts & (cuts - 1)) == 0 && !(cuts && star->open))
-        sum_one_fan(t, star);
+        sum_one_fan(t, list, star);
     else
-        sum_fans(t, star, cuts);
-    if (!edges) return 1;
-    if (star->open || cuts) {
-        count_edges(s, list, t, star, cuts, edges);
-    } else {
-        edges->count += star->higher;
-        edges->smooth += star->higher;
-    }
+        sum_fans(t, list, star, cuts);
+    if (edges) count_edges(s, list, t, star, cuts, edges);
     return 1;
 }
 
@@ -398,24 +330,24 @@ CORE_INLINE void decide(fan_batch *t, size_t count) {
         }
 }
 
-static void name_fans(fan_batch *t, size_t count) {
+/* Written as one, since it will be read so: what is written in pieces is read late. */
+typedef float fan_lanes __attribute__((vector_size(sizeof(core_fan))));
+_Static_assert(NORMA_REASON_NONE == 0, "a fan with a normal ends in zeros");
+
+CORE_INLINE void name_fans(fan_batch *t, size_t count) {
     for (size_t f = 0; f < count; f++) {
-        t->fans[f] = (core_fan){
-            {t->direction[0][f], t->direction[1][f], t->direction[2][f]}, NORMA_REASON_NONE};
+        const fan_lanes fan = {t->direction[0][f], t->direction[1][f], t->direction[2][f], 0};
+        memcpy(&t->fans[f], &fan, sizeof fan);
         if (t->decided[f] != 0) continue;
         const double sum[3] = {t->sum[0][f], t->sum[1][f], t->sum[2][f]};
         norma_core_decide_sum(sum, t->total[f], &t->fans[f]);
     }
 }
 
-/* So that lanes beyond the last one compute with numbers. */
-static void fill_up(fan_batch *t, size_t count) {
-    for (size_t i = count; i < count + CORE_LANES; i++) {
-        t->turn[i] = 0;
-        for (int k = 0; k < 3; k++)
-            t->at[k][i] = t->next_at[k][i] = t->previous_at[k][i] = t->normal[k][i] = 0;
-        t->area[i] = t->sure[i] = 0;
-    }
+/* The faces of a star. */
+CORE_INLINE void place_faces(const star_list *list, const listed_star *star, fan_batch *t) {
+    for (size_t i = star->begin; i < (size_t)star->begin + star->count; i++)
+        t->place[i] = norma_core_place_of_face(&t->measured, list->face[i], i);
 }
 
 CORE_INLINE int settle(
@@ -426,11 +358,12 @@ CORE_INLINE int settle(
         listed_star *star = &list->stars[i];
         if (star->scattered) norma_core_ask_for_targets(list, star);
         star->fan_count = (uint8_t)order_star(&s->mesh, list, star, t);
-        if (s->faces && star->fan_count) load_faces(s, list, star, t);
+        if (!s->faces && star->fan_count) place_faces(list, star, t);
     }
-    fill_up(t, list->corner_count);
-    measure_all(t, list->corner_count, s->faces != NULL, s->call->options.weight);
-    compare_normals(t, list->corner_count);
+    if (s->faces)
+        measure_polygons(s, list, t);
+    else
+        norma_core_measure_waiting(s, &t->measured);
     for (size_t i = 0; i < list->star_count; i++) {
         listed_star *star = &list->stars[i];
         if (star->scattered) norma_core_ask_for_corners(s, star);

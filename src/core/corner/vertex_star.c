@@ -98,11 +98,7 @@ static int load_lane(const core_mesh *mesh, star_corner *c, core_batch *batch, i
         welded[i] = norma_core_welded(mesh, at[i]);
         norma_core_position(mesh, at[i], p[i]);
     }
-    for (int i = 0; i < 3; i++) {
-        batch->u[i][lane] = p[1][i] - p[0][i];
-        batch->v[i][lane] = p[2][i] - p[0][i];
-        batch->a[i][lane] = p[2][i] - p[1][i];
-    }
+    core_set_edges(batch, lane, (const double(*)[3])p);
     c->next = welded[next];
     c->previous = welded[previous];
     c->previous_corner = begin + previous;

@@ -104,6 +104,7 @@ static void visit_in_batches(const visit_all *v, size_t position, size_t end, st
     star_list lists[2];
     fan_batch batch;
     int at = 0;
+    norma_core_clear_measured(&batch.measured);
     position = list_stars(v, position, end, &lists[at], part);
     while (lists[at].star_count) {
         position = list_stars(v, position, end, &lists[!at], part);

@@ -27,6 +27,15 @@ typedef struct core_batch {
                                 triangle is not to be used */
 } core_batch;
 
+/* Of a triangle, from the positions of its corners. */
+CORE_INLINE void core_set_edges(core_batch *batch, int lane, const double p[3][3]) {
+    for (int k = 0; k < 3; k++) {
+        batch->u[k][lane] = p[1][k] - p[0][k];
+        batch->v[k][lane] = p[2][k] - p[0][k];
+        batch->a[k][lane] = p[2][k] - p[1][k];
+    }
+}
+
 typedef enum core_corners {
     CORE_NO_CORNER = 0,
     CORE_ALL_CORNERS

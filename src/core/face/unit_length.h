@@ -18,7 +18,8 @@ static inline double norma_core_unit_tolerance(int bits, int strict) {
     return bits == 8 ? .00682 : bits == 10 ? .0017 : strict ? 1e-4 : 5e-4;
 }
 
-/* length: written; it has no meaning where a number is not finite. */
+/* length: written; it has no meaning if a number is not finite. Below 1e-6 of the length 1 that it
+ * ought to have, a stored vector counts as zero: its direction is rounding. */
 static inline core_length norma_core_judge_length(
     const double v[3], double tolerance, double *length) {
     *length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);

@@ -1,23 +1,29 @@
 /* corners_of_position.c: a counting sort of corners by position. Ascending corners at each position
  * are the order of every sum. Those who work together first count a part of the corners each, in
- * memory that the sorted corners will take, and then place each the corners of a range of
- * positions, so that none needs memory of its own. */
+ * memory that the sorted corners will take, so that none needs memory of its own; then each adds up
+ * and places the corners of a range of positions. There is room for a few counts only, but ranges
+ * may be as many as work. */
 #include "core/mesh/corners_of_position.h"
 #include "core/call/instruction_set.h"
 
-enum { CORNERS_WORTH_A_PART = 1 << 17, MOST_PARTS = 8 };
+enum { CORNERS_WORTH_A_PART = 1 << 17, MOST_PARTS = 8, MOST_RANGES = 64 };
 
 typedef struct part_work {
     const core_mesh *mesh;
     const core_some_positions *some; /* NULL: all */
     core_corners_of_position *corners_of;
-    size_t parts;
+    size_t parts, ranges;         /* of corners; of positions */
+    uint32_t listed[MOST_RANGES]; /* by each range: how many corners */
+    uint32_t most[MOST_RANGES];   /* at one position of the range */
 } part_work;
 
 /* The first of a part of count things. */
-static size_t begin_of(const part_work *w, size_t count, size_t part) {
-    const size_t rest = count % w->parts;
-    return count / w->parts * part + (part < rest ? part : rest);
+static size_t begin_of(size_t count, size_t part, size_t parts) {
+    const size_t rest = count % parts;
+    return count / parts * part + (part < rest ? part : rest);
+}
+static size_t range_begin(const part_work *w, size_t range) {
+    return begin_of(w->corners_of->position_count, range, w->ranges);
 }
 
 static uint32_t *counts_of(const part_work *w, size_t part) {
@@ -70,8 +76,8 @@ static void count_some(const part_work *w, size_t begin, size_t end, uint32_t *c
 
 static void count_part(void *context, size_t part) {
     const part_work *w = context;
-    const size_t begin = begin_of(w, w->mesh->corner_count, part),
-                 end = begin_of(w, w->mesh->corner_count, part + 1);
+    const size_t begin = begin_of(w->mesh->corner_count, part, w->parts),
+                 end = begin_of(w->mesh->corner_count, part + 1, w->parts);
     uint32_t *counts = counts_of(w, part);
     memset(counts, 0, w->corners_of->position_count * sizeof *counts);
     if (w->some)
@@ -82,23 +88,34 @@ static void count_part(void *context, size_t part) {
         count_range(w->mesh, begin, end, counts, 0);
 }
 
-/* Where each position's first corner will go, one entry further on than its start will be found:
- * placing moves it to where the next position starts. */
-static void add_up(const part_work *w) {
-    core_corners_of_position *corners_of = w->corners_of;
-    uint32_t sum = 0;
-    corners_of->starts[0] = 0;
-    corners_of->most = 0;
-    for (size_t p = 0; p < corners_of->position_count; p++) {
+/* The counts of all parts lie where corners will be placed, so all are added up before any is. */
+static void add_up_range(void *context, size_t range) {
+    part_work *w = context;
+    uint32_t *sums = w->corners_of->starts + 1, listed = 0, most = 0;
+    for (size_t p = range_begin(w, range); p < range_begin(w, range + 1); p++) {
         uint32_t count = 0;
         for (size_t part = 0; part < w->parts; part++) count += counts_of(w, part)[p];
-        corners_of->starts[p + 1] = sum;
+        sums[p] = count;
+        listed += count;
+        most = count > most ? count : most;
+    }
+    w->listed[range] = listed;
+    w->most[range] = most;
+}
+
+/* Where each position's first corner will go, one entry further on than its start will be found:
+ * placing moves it to where the next position starts. */
+static void turn_into_places(const part_work *w, size_t range) {
+    uint32_t *places = w->corners_of->starts + 1, sum = 0;
+    for (size_t before = 0; before < range; before++) sum += w->listed[before];
+    for (size_t p = range_begin(w, range); p < range_begin(w, range + 1); p++) {
+        const uint32_t count = places[p];
+        places[p] = sum;
         sum += count;
-        if (count > corners_of->most) corners_of->most = count;
     }
 }
 
-CORE_INLINE void place_range(const part_work *w, uint32_t first, uint32_t count, int plain) {
+CORE_INLINE void place_between(const part_work *w, uint32_t first, uint32_t count, int plain) {
     const core_mesh *mesh = w->mesh;
     uint32_t *places = w->corners_of->starts + 1, *corners = w->corners_of->corners;
     for (size_t c = 0; c < mesh->corner_count; c++) {
@@ -124,20 +141,21 @@ static void place_some(const part_work *w, uint32_t first, uint32_t count) {
     }
 }
 
-static void place_part(void *context, size_t part) {
+static void place_range(void *context, size_t range) {
     const part_work *w = context;
-    const uint32_t begin = (uint32_t)begin_of(w, w->corners_of->position_count, part),
-                   end = (uint32_t)begin_of(w, w->corners_of->position_count, part + 1);
+    const uint32_t begin = (uint32_t)range_begin(w, range),
+                   end = (uint32_t)range_begin(w, range + 1);
+    turn_into_places(w, range);
     if (w->some)
         place_some(w, begin, end - begin);
-    else if (w->parts == 1 && is_plain(w->mesh))
+    else if (w->ranges == 1 && is_plain(w->mesh))
         place_all(w, 1);
-    else if (w->parts == 1)
+    else if (w->ranges == 1)
         place_all(w, 0);
     else if (is_plain(w->mesh))
-        place_range(w, begin, end - begin, 1);
+        place_between(w, begin, end - begin, 1);
     else
-        place_range(w, begin, end - begin, 0);
+        place_between(w, begin, end - begin, 0);
 }
 
 static void name_faces(const core_mesh *mesh, core_corners_of_position *corners_of) {
@@ -146,33 +164,36 @@ static void name_faces(const core_mesh *mesh, core_corners_of_position *corners_
             corners_of->faces[c] = (uint32_t)f;
 }
 
+static size_t smaller(size_t a, size_t b) { return a < b ? a : b; }
+
 /* As many as may work, each with enough to do, and all their counts with room among the sorted
  * corners; one alone counts where the starts will be. */
-static size_t choose_parts(const core_call *call, const core_corners_of_position *corners_of) {
-    const size_t workers = norma_core_workers(call),
-                 by_size = corners_of->corner_count / CORNERS_WORTH_A_PART;
-    const size_t by_memory =
-        corners_of->position_count ? corners_of->corner_count / corners_of->position_count : 0;
-    size_t parts = workers < MOST_PARTS ? workers : MOST_PARTS;
-    if (parts > by_size) parts = by_size;
-    if (parts > by_memory) parts = by_memory;
-    return parts ? parts : 1;
+static void choose_parts(const core_call *call, part_work *w) {
+    const size_t corners = w->corners_of->corner_count, positions = w->corners_of->position_count,
+                 by_size = 1 + corners / CORNERS_WORTH_A_PART,
+                 by_memory = positions ? corners / positions : 0;
+    w->ranges = smaller(MOST_RANGES, smaller(norma_core_workers(call), by_size));
+    w->parts = smaller(MOST_PARTS, smaller(w->ranges, by_memory ? by_memory : 1));
+}
+
+/* Runs a step of the sort, this part of the whole. */
+static norma_result run_step(
+    core_call *call, part_work *w, double from, double to, size_t count, norma_task *task) {
+    norma_core_stage(call, from, to);
+    return norma_core_parallel(call, count, task, w);
 }
 
 static norma_result sort_corners(core_call *call, const core_mesh *mesh,
     const core_some_positions *some, core_corners_of_position *corners_of) {
-    const double from = call->progress_from, to = call->progress_to;
-    part_work w = {.mesh = mesh,
-        .some = some,
-        .corners_of = corners_of,
-        .parts = choose_parts(call, corners_of)};
-    norma_core_stage(call, from, (from + to) / 2);
-    norma_result result = norma_core_parallel(call, w.parts, count_part, &w);
-    if (result == NORMA_OK) {
-        add_up(&w);
-        norma_core_stage(call, (from + to) / 2, to);
-        result = norma_core_parallel(call, w.parts, place_part, &w);
-    }
+    const double from = call->progress_from, to = call->progress_to, half = (from + to) / 2;
+    part_work w = {.mesh = mesh, .some = some, .corners_of = corners_of};
+    choose_parts(call, &w);
+    norma_result result = run_step(call, &w, from, half, w.parts, count_part);
+    if (result == NORMA_OK) result = run_step(call, &w, half, half, w.ranges, add_up_range);
+    if (result == NORMA_OK) result = run_step(call, &w, half, to, w.ranges, place_range);
+    corners_of->starts[0] = 0;
+    for (size_t range = 0; range < w.ranges; range++)
+        if (w.most[range] > corners_of->most) corners_of->most = w.most[range];
     return result;
 }
 

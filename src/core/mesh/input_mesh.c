@@ -122,7 +122,7 @@ static int all_are_triangles(const core_mesh *mesh) {
 
 /* ---- what corners name: checked, and kept as one range for each chunk of faces */
 
-enum { FACES_IN_TASK = 256 * CORE_FACES_IN_CHUNK };
+enum { FACES_IN_TASK = 32 * CORE_FACES_IN_CHUNK };
 
 typedef struct corner_check {
     const core_mesh *mesh;

@@ -105,21 +105,23 @@ static void least_rank_first(core_kdtree *tree, size_t begin, size_t end) {
     tree->sites[begin] = site;
 }
 
-static void build_node(core_kdtree *tree, size_t node, size_t begin, size_t end) {
+/* Nonzero: the caller wants to stop. */
+static int build_node(core_call *call, core_kdtree *tree, size_t node, size_t begin, size_t end) {
+    if (end - begin >= KDTREE_MANY && norma_core_progress(call, 0)) return 1;
     tree->boxes[node] = box_of(tree, begin, end);
     if (is_point(&tree->boxes[node])) {
         least_rank_first(tree, begin, end);
-        return;
+        return 0;
     }
-    if (end - begin <= KDTREE_LEAF) return;
+    if (end - begin <= KDTREE_LEAF) return 0;
     const size_t middle = begin + (end - begin) / 2;
     select_middle(tree, begin, end, middle, widest_side(&tree->boxes[node]));
-    build_node(tree, 2 * node + 1, begin, middle);
-    build_node(tree, 2 * node + 2, middle, end);
+    return build_node(call, tree, 2 * node + 1, begin, middle) ||
+           build_node(call, tree, 2 * node + 2, middle, end);
 }
 
-norma_result norma_core_kdtree_build(const core_call *call, const core_mesh *mesh,
-    const uint32_t *rank, uint32_t *sites, size_t count, core_kdtree *tree) {
+norma_result norma_core_kdtree_build(core_call *call, const core_mesh *mesh, const uint32_t *rank,
+    uint32_t *sites, size_t count, core_kdtree *tree) {
     size_t nodes = 1;
     for (size_t range = count; range > KDTREE_LEAF; range = range - range / 2)
         nodes = 2 * nodes + 1;
@@ -127,8 +129,9 @@ norma_result norma_core_kdtree_build(const core_call *call, const core_mesh *mes
         .mesh = mesh, .rank = rank, .sites = sites, .count = count, .box_count = nodes};
     tree->boxes = norma_core_allocate(call, nodes, sizeof *tree->boxes);
     if (!tree->boxes) return NORMA_ERROR_MEMORY;
-    if (count) build_node(tree, 0, 0, count);
-    return NORMA_OK;
+    if (!count || !build_node(call, tree, 0, 0, count)) return NORMA_OK;
+    norma_core_kdtree_release(call, tree);
+    return NORMA_CANCELLED;
 }
 
 void norma_core_kdtree_release(const core_call *call, core_kdtree *tree) {

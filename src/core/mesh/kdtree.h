@@ -19,12 +19,15 @@ typedef struct core_kdtree {
     size_t box_count;
 } core_kdtree;
 
-enum { KDTREE_LEAF = 8 };
+/* LEAF: sites of a branch that is not divided. MANY: those of one before which the caller is asked
+ * whether to go on. */
+enum { KDTREE_LEAF = 8, KDTREE_MANY = 1 << 13 };
 
 /* Takes sites over as they are (finite positions; the caller releases them after the tree), and
- * orders them. MEMORY where the boxes find no room. */
-norma_result norma_core_kdtree_build(const core_call *call, const core_mesh *mesh,
-    const uint32_t *rank, uint32_t *sites, size_t count, core_kdtree *tree);
+ * orders them. MEMORY where the boxes find no room; where that or CANCELLED is returned, there is
+ * nothing to release. */
+norma_result norma_core_kdtree_build(core_call *call, const core_mesh *mesh, const uint32_t *rank,
+    uint32_t *sites, size_t count, core_kdtree *tree);
 void norma_core_kdtree_release(const core_call *call, core_kdtree *tree);
 
 /* The site nearest to point (Euclid). The tree is not empty. */

@@ -4,7 +4,7 @@
 enum { FEW_QUERIES = 48 };
 
 norma_result norma_core_nearest_begin(
-    const core_call *call, const core_mesh *mesh, core_nearest *nearest) {
+    core_call *call, const core_mesh *mesh, core_nearest *nearest) {
     const size_t count = mesh->positions.count;
     *nearest = (core_nearest){.call = call, .mesh = mesh, .first = UINT32_MAX};
     nearest->first_at = norma_core_allocate(call, count, sizeof *nearest->first_at);

@@ -4,7 +4,7 @@
 #include "core/mesh/kdtree.h"
 
 typedef struct core_nearest {
-    const core_call *call;
+    core_call *call;
     const core_mesh *mesh;
     uint32_t *first_at; /* of each position, the first element there that has a normal; UINT32_MAX:
                            none */
@@ -20,7 +20,7 @@ typedef struct core_nearest {
 /* Between begin and plant the caller tells of elements in ascending order. queries: about how many
  * will be asked. */
 norma_result norma_core_nearest_begin(
-    const core_call *call, const core_mesh *mesh, core_nearest *nearest);
+    core_call *call, const core_mesh *mesh, core_nearest *nearest);
 void norma_core_nearest_add(core_nearest *nearest, uint32_t position, uint32_t element);
 norma_result norma_core_nearest_plant(core_nearest *nearest, size_t queries);
 void norma_core_nearest_end(core_nearest *nearest);

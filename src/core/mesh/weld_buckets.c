@@ -12,8 +12,8 @@ enum {
     IN_BATCH = 128,
     MOST_BITS = 12,
     IN_BUCKET = 2048,
-    MOST_SLICES = 16,
-    FEWEST_IN_SLICE = 1 << 16,
+    MOST_SLICES = 32,
+    FEWEST_IN_SLICE = 1 << 14,
     LARGE_BUCKET = 1 << 16,
     FEW = 512 /* keys that a table on the stack is enough for */
 };

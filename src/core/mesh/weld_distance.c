@@ -7,6 +7,7 @@
 #include "core/mesh/weld.h"
 
 typedef struct joiner {
+    core_call *call;
     core_kdtree tree;
     uint32_t *weld; /* a forest: each points to a lower number or to itself */
     uint8_t *whole; /* of each node of the tree: all its sites are known to be joined */
@@ -32,6 +33,8 @@ typedef struct branch {
     size_t node, begin, end;
 } branch;
 
+static size_t sites_of(branch b) { return b.end - b.begin; }
+
 static branch half(branch b, int second) {
     const size_t middle = b.begin + (b.end - b.begin) / 2;
     return second ? (branch){2 * b.node + 2, middle, b.end}
@@ -40,7 +43,7 @@ static branch half(branch b, int second) {
 
 static int is_leaf(const joiner *j, branch b) {
     const core_box *box = &j->tree.boxes[b.node];
-    return b.end - b.begin <= KDTREE_LEAF ||
+    return sites_of(b) <= KDTREE_LEAF ||
            (box->low[0] == box->high[0] && box->low[1] == box->high[1] &&
                box->low[2] == box->high[2]);
 }
@@ -53,7 +56,13 @@ static void join_leaves(joiner *j, branch a, branch b) {
                 norma_core_join_sets(j->weld, j->tree.sites[i], j->tree.sites[k]);
 }
 
+/* Whether the caller wants to stop, who is asked at large branches. */
+static int is_stopped(joiner *j, size_t sites) {
+    return sites >= KDTREE_MANY ? norma_core_progress(j->call, 0) : j->call->cancelled;
+}
+
 static void join_across(joiner *j, branch a, branch b) {
+    if (is_stopped(j, sites_of(a) + sites_of(b))) return;
     const core_box *box_a = &j->tree.boxes[a.node], *box_b = &j->tree.boxes[b.node];
     if (norma_core_box_least(box_a, box_b) > j->squared_step) return;
     if (j->whole[a.node] && j->whole[b.node] &&
@@ -71,12 +80,13 @@ static void join_across(joiner *j, branch a, branch b) {
         join_leaves(j, a, b);
         return;
     }
-    const int split_a = !leaf_a && (leaf_b || a.end - a.begin >= b.end - b.begin);
+    const int split_a = !leaf_a && (leaf_b || sites_of(a) >= sites_of(b));
     join_across(j, split_a ? half(a, 0) : a, split_a ? b : half(b, 0));
     join_across(j, split_a ? half(a, 1) : a, split_a ? b : half(b, 1));
 }
 
 static void join_within(joiner *j, branch b) {
+    if (is_stopped(j, sites_of(b))) return;
     const core_box *box = &j->tree.boxes[b.node];
     if (norma_core_box_greatest(box, box) <= j->squared_step) {
         join_range(j, b.node, b.begin, b.end);
@@ -105,13 +115,14 @@ static size_t collect_distinct(const core_mesh *mesh, const uint32_t *weld, uint
 
 static norma_result join_sites(core_call *call, const core_mesh *mesh, double distance,
     uint32_t *weld, uint32_t *sites, size_t count) {
-    joiner j = {.weld = weld, .squared_step = distance * distance};
+    joiner j = {.call = call, .weld = weld, .squared_step = distance * distance};
     norma_result result = norma_core_kdtree_build(call, mesh, NULL, sites, count, &j.tree);
     if (result != NORMA_OK) return result;
     j.whole = norma_core_allocate(call, j.tree.box_count, 1);
     if (j.whole) {
         memset(j.whole, 0, j.tree.box_count);
         join_within(&j, (branch){0, 0, count});
+        if (call->cancelled) result = NORMA_CANCELLED;
     } else {
         result = NORMA_ERROR_MEMORY;
     }

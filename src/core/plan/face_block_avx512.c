@@ -2,7 +2,13 @@
  * corners to rows. Loops over lanes take 16.8 cycles a triangle, these 14.4. */
 #include "core/plan/face_block_avx512.h"
 #if defined(CORE_HAS_AVX512)
-#include "core/face/measure_avx512.h"
+#include "core/face/vectors_avx512.h"
+
+#define VECTORS(name) core_avx512_##name
+#define IN_VECTORS    CORE_IN_REGISTERS
+typedef core_avx512_vector vector;
+typedef core_avx512_mask mask;
+#include "core/face/measure_triangles.template.h"
 
 CORE_IN_REGISTERS __m512d two_rows(const double *low, const double *high) {
     return _mm512_insertf64x4(
@@ -22,18 +28,18 @@ CORE_IN_REGISTERS void read_corner_of_eight(
     axis[2] = _mm512_shuffle_f64x2(xz_low, xz_high, 0xdd);
 }
 
-CORE_IN_REGISTERS void open_faces(
-    const double (*rows)[4], const uint16_t *at, core_opened_eight *o) {
+CORE_IN_REGISTERS void open_faces(const double (*rows)[4], const uint16_t *at, opened_faces *o) {
     __m512d p[3][3];
     for (int k = 0; k < 3; k++) read_corner_of_eight(rows, at, k, p[k]);
-    core_open_eight(p, o);
+    open_points(p, NORMA_WEIGHT_ANGLE, o);
 }
 
 CORE_IN_REGISTERS void keep_faces(
-    const core_opened_eight *o, const core_sloped_eight *s, uint32_t begin, block_room *room) {
+    const opened_faces *o, const sloped_faces *s, uint32_t begin, block_room *room) {
     __m512d weight[3];
-    core_weigh_eight(s, weight);
-    core_store_eight_rows(o->normal, _mm512_set1_pd(1), room->normals + begin);
+    weigh_faces(s, weight);
+    core_avx512_store_rows(
+        o->normal[0], o->normal[1], o->normal[2], _mm512_set1_pd(1), room->normals + begin);
     for (int k = 0; k < 3; k++)
         _mm512_storeu_pd(room->weights + ((size_t)k << BLOCK_FACE_BITS) + begin, weight[k]);
 }
@@ -49,14 +55,14 @@ CORE_FOR_AVX512 void norma_core_block_angles_avx512(
     const block_view *t, block_some eights, block_room *room) {
     const double(*rows)[4] = (const double(*)[4])room->positions;
     uint32_t number = eights.count && eights.numbers ? eights.numbers[0] : 0;
-    core_opened_eight o;
+    opened_faces o;
     if (eights.count) open_faces(rows, t->corners + (size_t)3 * CORE_LANES * number, &o);
     for (uint32_t i = 0; i < eights.count; i++) {
         const uint32_t after = i + 1 < eights.count ? i + 1 : i,
                        next = eights.numbers ? eights.numbers[after] : after;
-        core_sloped_eight s;
-        core_opened_eight opened;
-        core_slope_eight(&o, &s);
+        sloped_faces s;
+        opened_faces opened;
+        slope_faces(&o, &s);
         open_faces(rows, t->corners + (size_t)3 * CORE_LANES * next, &opened);
         norma_core_ask_ahead(&room->ahead);
         keep_faces(&o, &s, number * CORE_LANES, room);

@@ -9,25 +9,19 @@ typedef struct corner_work {
     uint8_t *reasons; /* of each corner; NULL unless the nearest is asked for */
 } corner_work;
 
-static void see_fan_by_fan(const corner_work *work, const core_fans *fans, core_tally *tally) {
+static void see_fans(void *context, const core_fans *fans, core_tally *tally) {
+    const corner_work *work = context;
+    const int reasons = work->reasons || work->output->reasons;
     for (size_t i = 0; i < fans->count; i++) {
         const core_fan *fan = &fans->fans[fans->fan_of ? fans->fan_of[i] : 0];
+        if (fan->reason == NORMA_REASON_NONE && !reasons) {
+            norma_core_write_normal(work->output, fans->corners[i], fan->normal);
+            continue;
+        }
         norma_core_write_element(
             work->output, fans->corners[i], (int)fan->reason, fan->normal, tally);
         if (work->reasons) work->reasons[fans->corners[i]] = (uint8_t)fan->reason;
     }
-}
-
-static void see_fans(void *context, const core_fans *fans, core_tally *tally) {
-    const corner_work *work = context;
-    const core_fan *fan = &fans->fans[0];
-    if (fans->fan_count > 1 || fan->reason != NORMA_REASON_NONE || work->reasons ||
-        work->output->reasons) {
-        see_fan_by_fan(work, fans, tally);
-        return;
-    }
-    for (size_t i = 0; i < fans->count; i++)
-        norma_core_write_normal(work->output, fans->corners[i], fan->normal);
 }
 
 static void receive(void *context, const corner_request *request, const float normal[3]) {

@@ -377,15 +377,33 @@ static int are_near(const core_mesh *mesh, size_t face, double cosine) {
            along * along >= cosine * cosine * norma_core_dot(a, a) * norma_core_dot(b, b);
 }
 
+enum { FEW_FACES = 1 << 9, FEW_LOOKS = 12 };
+
 /* Of faces in a row, most of which share an edge in meshes of any order, whether nearly all turn by
  * little: else most positions would be left to stars. */
 static int looks_smooth(const core_mesh *mesh, double cosine) {
-    enum { FEW_FACES = 1 << 9, FEW_LOOKS = 12, LOOKS = 24 };
+    enum { LOOKS = 24 };
     const size_t looks = mesh->face_count < FEW_FACES ? FEW_LOOKS : LOOKS;
     size_t near = 0;
     for (size_t i = 0; i < looks && mesh->face_count > 1; i++)
         near += (size_t)are_near(mesh, (mesh->face_count - 2) * i / (looks - 1), cosine);
     return 4 * near >= 3 * looks && !norma_core_is_scattered(mesh);
+}
+
+static int share_a_position(const core_mesh *mesh, size_t face) {
+    int shared = 0;
+    for (size_t c = 3 * face; c < 3 * face + 3; c++)
+        for (size_t d = 3 * face + 3; d < 3 * face + 6; d++)
+            shared |= norma_core_welded_corner(mesh, c) == norma_core_welded_corner(mesh, d);
+    return shared;
+}
+
+/* Whether triangles in a row are no neighbours. */
+static int is_in_random_order(const core_mesh *mesh) {
+    size_t shared = 0;
+    for (size_t i = 0; i < FEW_LOOKS; i++)
+        shared += (size_t)share_a_position(mesh, (mesh->face_count - 2) * i / (FEW_LOOKS - 1));
+    return 2 * shared < FEW_LOOKS;
 }
 
 /* Of a mesh in random order, faces in a row tell nothing. A small one, whose sums stay in the
@@ -437,7 +455,7 @@ static void look_at_corners(sampled_positions *s, const uint32_t at[3]) {
 static int scattered_looks_smooth(const core_mesh *mesh, double cosine) {
     sampled_positions s = {.mesh = mesh, .cosine = cosine};
     if (mesh->face_starts || mesh->positions.count > MOST_SCATTERED ||
-        !norma_core_is_scattered(mesh))
+        mesh->face_count < FEW_FACES || !is_in_random_order(mesh))
         return 0;
     mark_samples(&s);
     for (size_t c = 0, count; c < mesh->corner_count; c += count) {

@@ -2,17 +2,6 @@
  * two ways to make tangents. */
 #include "core/tangent/tangents.h"
 
-static norma_result open_output(const core_call *call, const norma_options *options,
-    float *tangents, size_t count, size_t capacity, tangent_output *output) {
-    const size_t least = 4 * sizeof(float), asked = options ? options->normal_stride : 0;
-    *output = (tangent_output){.tangents = (unsigned char *)tangents,
-        .stride = asked ? asked : least,
-        .reasons = call->options.reasons};
-    if (output->stride < least || (count && !tangents)) return NORMA_ERROR_ARGUMENT;
-    if (count > capacity) return NORMA_ERROR_CAPACITY;
-    return count && count > SIZE_MAX / output->stride ? NORMA_ERROR_OVERFLOW : NORMA_OK;
-}
-
 static norma_result compute(tangent_mesh *mesh, norma_tangent_mode mode,
     const tangent_output *output, norma_report *report) {
     core_tally tally = {0};
@@ -41,8 +30,8 @@ norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute
     if (result == NORMA_OK) norma_core_share(&call, checked.mesh.corner_count);
     if (result == NORMA_OK) result = norma_core_tangent_attributes(&checked, normals, texcoords);
     if (result == NORMA_OK)
-        result =
-            open_output(&call, options, tangents, checked.mesh.corner_count, capacity, &output);
+        result = norma_core_tangent_output_open(
+            options, tangents, checked.mesh.corner_count, capacity, &output);
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked.mesh);
     return result == NORMA_OK ? compute(&checked, mode, &output, report) : result;

@@ -45,6 +45,7 @@ typedef struct mikk_mesh {
     uint32_t *copy_starts;           /* NULL, or vertex_count + 1 offsets into copies */
     mikk_copy *copies;
     size_t copy_count;
+    int is_sorted; /* around is a plan's */
 } mikk_mesh;
 
 /* MEMORY or CANCELLED; norma_core_mikk_release in any case. */
@@ -55,6 +56,10 @@ norma_result norma_core_mikk_follow(mikk_mesh *mesh);
 norma_result norma_core_mikk_stars(
     mikk_mesh *mesh, const tangent_output *output, core_tally *tally);
 void norma_core_mikk_release(mikk_mesh *mesh);
+
+/* For a plan: triangles and what is there before their texture is looked at. MEMORY or CANCELLED
+ * leave nothing to release. */
+norma_result norma_core_mikk_keep(const tangent_mesh *mesh, mikk_mesh *kept);
 
 static inline int mikk_is_zero(float x) { return !(fabsf(x) > FLT_MIN); }
 

@@ -30,31 +30,49 @@ static void find_groups(mikk_star *star) {
     }
 }
 
+typedef struct seed_vectors {
+    float s[3], t[3];
+} seed_vectors;
+
+static seed_vectors seed_of(const mikk_star *star, uint32_t group) {
+    const mikk_corners *c = mikk_block(star, star->seeds[group]);
+    const size_t lane = mikk_lane_of(star, star->seeds[group]);
+    return (seed_vectors){{c->s[0][lane], c->s[1][lane], c->s[2][lane]},
+        {c->t[0][lane], c->t[1][lane], c->t[2][lane]}};
+}
+
 /* Two tangents that each lie well within a right angle of a third are not opposed to each other. */
-static int lies_near(const mikk_star *star, size_t j, size_t seed) {
-    enum { AXES = 3 };
-    const mikk_corners *a = mikk_block(star, j), *b = mikk_block(star, seed);
-    const size_t at = mikk_lane_of(star, j), to = mikk_lane_of(star, seed);
+static int lies_near(const mikk_corners *c, size_t lane, const seed_vectors *seed) {
     float s = 0, t = 0;
-    for (int k = 0; k < AXES; k++) {
-        s += a->s[k][at] * b->s[k][to];
-        t += a->t[k][at] * b->t[k][to];
+    for (int k = 0; k < 3; k++) {
+        s += c->s[k][lane] * seed->s[k];
+        t += c->t[k][lane] * seed->t[k];
     }
     return (s > 0.0625F) & (t > 0.0625F);
 }
 
-void norma_core_mikk_groups(mikk_star *star) {
+/* Returns whether some group's tangents may be opposed to each other. */
+static int sum_groups(mikk_star *star) {
+    const int has_quads = star->mesh->has_quads;
+    uint32_t seeded = MIKK_NONE; /* the group that seed is of */
+    seed_vectors seed = {{0}, {0}};
     int opposed = 0;
-    norma_core_mikk_link(star->next, star->previous, star->count, star->table, &star->links);
-    find_groups(star);
     for (size_t j = 0; j < star->count; j++) {
         const uint32_t g = star->space[j];
         if (g == MIKK_NONE || (mikk_flags_of(star, j) & MIKK_FOLLOWS)) continue;
-        norma_core_mikk_add(star, j, &star->spaces[g]);
-        if (lies_near(star, j, star->seeds[g])) continue;
-        star->spaces[g].opposed = opposed = 1;
+        const mikk_corners *c = mikk_block(star, j);
+        const size_t lane = mikk_lane_of(star, j);
+        if (g != seeded) seed = seed_of(star, seeded = g);
+        mikk_add(c, lane, has_quads, &star->spaces[g]);
+        if (!lies_near(c, lane, &seed)) star->spaces[g].opposed = opposed = 1;
     }
+    return opposed;
+}
+
+void norma_core_mikk_groups(mikk_star *star) {
+    norma_core_mikk_link(star->next, star->previous, star->count, star->table, &star->links);
+    find_groups(star);
     const size_t groups = star->space_count;
-    if (opposed) norma_core_mikk_divide(star);
+    if (sum_groups(star)) norma_core_mikk_divide(star);
     for (size_t g = 0; g < groups; g++) norma_core_mikk_finish(star, &star->spaces[g]);
 }

@@ -11,13 +11,15 @@
 
 enum {
     RUN = 32,          /* gaps that lie nearer to each other are passed by one sum alone */
-    MOST_FRESH = 1024, /* sums that have not been sorted in yet */
+    MOST_FRESH = 8192, /* sums that have not been sorted in yet */
     FEW_FRESH = 64,
+    WORTH_SORTING = 256, /* fresh sums squared, for each sum that is sorted */
     AT_A_TIME = 16
 };
 
 /* Gaps of one sum that lie near each other. After them it is put among the others, as a node; a
- * node that has met another of its value hangs on that one. */
+ * node that has met another of its value hangs on that one. A node is left at the sum's next run,
+ * and forgotten once all have left it. */
 typedef struct run {
     uint32_t sum, begin, end; /* begin, end: in positions */
 } run;
@@ -37,6 +39,7 @@ struct mikk_sums {
     float *alone;        /* of each run: the sum once it is past */
     uint32_t *parent;    /* of each node, which has the number of its run; itself if it is a root */
     uint32_t *place;     /* of each root: where its value is */
+    uint32_t *users;     /* of each root: how many sums have its value */
     float *values, *spare_values; /* ascending; the value is this plus shift */
     uint32_t *nodes, *spare_nodes;
     size_t count;
@@ -45,6 +48,7 @@ struct mikk_sums {
     int finite; /* all addends are */
     float fresh[MOST_FRESH];
     uint32_t fresh_nodes[MOST_FRESH];
+    uint64_t ranked[MOST_FRESH];
     size_t fresh_count;
 };
 
@@ -79,7 +83,7 @@ mikk_sums *norma_core_mikk_sums_open(
     s->runs = norma_core_allocate(call, positions, sizeof *s->runs);
     s->begins = norma_core_allocate(call, addend_count + 1, sizeof *s->begins);
     s->waits = norma_core_allocate(call, addend_count, sizeof *s->waits);
-    s->by_begin = norma_core_allocate(call, 8 * positions, sizeof *s->by_begin);
+    s->by_begin = norma_core_allocate(call, 7 * positions, sizeof *s->by_begin);
     s->alone = norma_core_allocate(call, 3 * positions, sizeof *s->alone);
     if (!s->runs || !s->begins || !s->waits || !s->by_begin || !s->alone) {
         norma_core_mikk_sums_close(s);
@@ -90,6 +94,7 @@ mikk_sums *norma_core_mikk_sums_open(
     s->place = s->by_begin + 3 * positions;
     s->nodes = s->by_begin + 4 * positions;
     s->spare_nodes = s->by_begin + 5 * positions;
+    s->users = s->by_begin + 6 * positions;
     s->values = s->alone + positions;
     s->spare_values = s->alone + 2 * positions;
     find_runs(s);
@@ -101,7 +106,7 @@ void norma_core_mikk_sums_close(mikk_sums *s) {
     norma_core_release(call, s->runs, s->position_count, sizeof *s->runs);
     norma_core_release(call, s->begins, s->addend_count + 1, sizeof *s->begins);
     norma_core_release(call, s->waits, s->addend_count, sizeof *s->waits);
-    norma_core_release(call, s->by_begin, 8 * s->position_count, sizeof *s->by_begin);
+    norma_core_release(call, s->by_begin, 7 * s->position_count, sizeof *s->by_begin);
     norma_core_release(call, s->alone, 3 * s->position_count, sizeof *s->alone);
     norma_core_release(call, s, 1, sizeof *s);
 }
@@ -150,8 +155,10 @@ static void find_ends(mikk_sums *s) {
 
 /* To the end of the sorted ones; what has the same bits as the last joins it. */
 static void append(mikk_sums *s, float value, uint32_t node) {
+    if (!s->users[node]) return;
     if (s->count && bits_of(s->values[s->count - 1]) == bits_of(value)) {
         s->parent[node] = s->nodes[s->count - 1];
+        s->users[s->nodes[s->count - 1]] += s->users[node];
         return;
     }
     s->values[s->count] = value;
@@ -170,7 +177,7 @@ static void swap_spare(mikk_sums *s) {
 
 /* Fresh sums go among the sorted ones. */
 static void sort_in(mikk_sums *s) {
-    uint64_t ranked[MOST_FRESH];
+    uint64_t *ranked = s->ranked;
     const size_t count = s->count;
     size_t at = 0;
     settle(s);
@@ -192,8 +199,10 @@ static void sort_in(mikk_sums *s) {
 
 static void add_fresh(mikk_sums *s, float value, uint32_t node) {
     const size_t count = s->fresh_count;
-    if (count == MOST_FRESH || (count >= FEW_FRESH && count * count >= s->count)) sort_in(s);
+    if (count == MOST_FRESH || (count >= FEW_FRESH && count * count >= WORTH_SORTING * s->count))
+        sort_in(s);
     s->parent[node] = node;
+    s->users[node] = 1;
     s->place[node] = (uint32_t)s->fresh_count | IS_FRESH;
     s->fresh_nodes[s->fresh_count] = node;
     s->fresh[s->fresh_count++] = value;
@@ -240,6 +249,14 @@ static void step(mikk_sums *s, float addend) {
 
 /* ---- the sums */
 
+/* The sum that this run begins with: whole before its first one. */
+static float sum_before(mikk_sums *s, uint32_t r, float whole) {
+    if (!r || s->runs[r - 1].sum != s->runs[r].sum) return whole;
+    const float value = value_of(s, r - 1);
+    s->users[root_of(s, r - 1)]--;
+    return value;
+}
+
 /* Those that begin a run of gaps here go through it by themselves. */
 static void begin_runs(mikk_sums *s, uint32_t position, float whole) {
     const uint32_t *positions = s->left_out->positions;
@@ -247,7 +264,7 @@ static void begin_runs(mikk_sums *s, uint32_t position, float whole) {
         const uint32_t r = s->by_begin[k];
         const run of = s->runs[r];
         const uint32_t last = positions[of.end - 1];
-        float sum = r && s->runs[r - 1].sum == of.sum ? value_of(s, r - 1) : whole;
+        float sum = sum_before(s, r, whole);
         uint32_t gap = of.begin;
         for (uint32_t p = position; p < last; p++) {
             if (positions[gap] == p)
@@ -282,6 +299,8 @@ float norma_core_mikk_sums_run(mikk_sums *s, const float *addends, float *out) {
         for (uint32_t r = s->waits[p]; r != MIKK_NONE; r = s->next_wait[r])
             add_fresh(s, s->alone[r], r);
     }
-    for (size_t r = 0; r < s->run_count; r++) out[s->runs[r].sum] = value_of(s, (uint32_t)r);
+    for (size_t r = 0; r < s->run_count; r++)
+        if (r + 1 == s->run_count || s->runs[r + 1].sum != s->runs[r].sum)
+            out[s->runs[r].sum] = value_of(s, (uint32_t)r);
     return whole;
 }

@@ -1,17 +1,5 @@
-/* mikk_space.c: the sum of what corners contribute, and the tangent space that it comes to. */
+/* mikk_space.c: the tangent space that a sum of contributions comes to. */
 #include "core/tangent/mikk_star.h"
-
-void norma_core_mikk_add(const mikk_star *star, size_t j, mikk_space *space) {
-    const mikk_corners *c = mikk_block(star, j);
-    const size_t lane = mikk_lane_of(star, j);
-    const float angle = c->angle[lane];
-    for (int k = 0; k < 3; k++) space->s[k] += angle * c->s[k][lane];
-    if (!star->mesh->has_quads) return;
-    for (int k = 0; k < 3; k++) space->t[k] += angle * c->t[k][lane];
-    space->length_s += angle * c->length_s[lane];
-    space->length_t += angle * c->length_t[lane];
-    space->angle += angle;
-}
 
 void norma_core_mikk_normalise(float v[3]) {
     if (mikk_is_zero(v[0]) && mikk_is_zero(v[1]) && mikk_is_zero(v[2])) return;

@@ -37,8 +37,21 @@ static inline size_t mikk_lane_of(const mikk_star *star, size_t j) {
     return (star->first + j) % MIKK_LANES;
 }
 
-/* Adds what corner j contributes, and makes the sum a space. */
-void norma_core_mikk_add(const mikk_star *star, size_t j, mikk_space *space);
+/* Adds what a corner contributes. */
+static inline void mikk_add(const mikk_corners *c, size_t lane, int has_quads, mikk_space *space) {
+    const float angle = c->angle[lane];
+    for (int k = 0; k < 3; k++) space->s[k] += angle * c->s[k][lane];
+    if (!has_quads) return;
+    for (int k = 0; k < 3; k++) space->t[k] += angle * c->t[k][lane];
+    space->length_s += angle * c->length_s[lane];
+    space->length_t += angle * c->length_t[lane];
+    space->angle += angle;
+}
+static inline void norma_core_mikk_add(const mikk_star *star, size_t j, mikk_space *space) {
+    mikk_add(mikk_block(star, j), mikk_lane_of(star, j), star->mesh->has_quads, space);
+}
+
+/* Makes the sum a space. */
 void norma_core_mikk_finish(const mikk_star *star, mikk_space *space);
 
 /* Finds groups and sums their spaces. */

@@ -2,6 +2,7 @@
  * (two equal positions) left out. */
 #include "core/face/cut_polygon.h"
 #include "core/tangent/mikk.h"
+#include "core/tangent/tangent_plan.h"
 
 enum { FACES_IN_TASK = 1 << 13 };
 
@@ -200,6 +201,22 @@ static norma_result hold_corners(mikk_mesh *m) {
     return result;
 }
 
+/* Where the triangles are those that a plan knows, so are the corners at each vertex. Returns
+ * whether the flags are, too: what copies a corner hangs on positions, and is found anew. */
+static int take_known(mikk_mesh *m) {
+    const mikk_mesh *known = m->input->known ? m->input->known->mikk : NULL;
+    const size_t size = 3 * m->count * sizeof *m->triangles;
+    if (!known || m->count != known->count || !m->corners != !known->corners ||
+        memcmp(m->triangles, known->triangles, size) != 0 ||
+        (m->corners && memcmp(m->corners, known->corners, size) != 0))
+        return 0;
+    m->around = known->around;
+    m->is_sorted = 1;
+    if (known->copy_count) return 0;
+    memcpy(m->flags, known->flags, m->count);
+    return 1;
+}
+
 norma_result norma_core_mikk_triangles(mikk_mesh *m) {
     const core_mesh *mesh = &m->input->mesh;
     const size_t tasks = task_count(mesh);
@@ -224,5 +241,6 @@ norma_result norma_core_mikk_triangles(mikk_mesh *m) {
     norma_core_release(m->call, starts, tasks, sizeof *starts);
     const int degenerate = atomic_load_explicit(&c.degenerate, memory_order_relaxed);
     if (result == NORMA_OK && degenerate) result = leave_out_degenerate(m);
+    if (result == NORMA_OK && take_known(m)) return NORMA_OK;
     return result == NORMA_OK && m->corners ? hold_corners(m) : result;
 }

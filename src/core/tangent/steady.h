@@ -7,6 +7,7 @@
 #define NORMA_CORE_STEADY_H
 #include "core/mesh/corners_of_position.h"
 #include "core/tangent/tangents.h"
+#include <math.h>
 
 typedef struct steady_face {
     double along[3];  /* unit: where the first texture coordinate grows; zero where sign is 0 */
@@ -25,6 +26,26 @@ typedef struct steady_mesh {
     core_corners_of_position around;
 } steady_mesh;
 
+/* norma_core_length and _normalise, without a call for nearly all vectors: those whose squares fit
+ * a double. */
+static inline double steady_length(const double v[3]) {
+    const double square = norma_core_dot(v, v);
+    return square > NORMA_TINIEST && square < NORMA_HUGEST ? sqrt(square) : norma_core_length(v);
+}
+static inline void steady_normalise(const double v[3], double unit[3]) {
+    const double square = norma_core_dot(v, v);
+    if (!(square > NORMA_TINIEST && square < NORMA_HUGEST)) {
+        norma_core_normalise(v, unit);
+        return;
+    }
+    const double inverse = 1 / sqrt(square);
+    for (int k = 0; k < 3; k++) unit[k] = v[k] * inverse;
+}
+
 /* CANCELLED, or every face measured. */
 norma_result norma_core_steady_faces(steady_mesh *mesh);
+
+/* For a plan: what steady_mesh has of the same names. */
+norma_result norma_core_steady_keep(
+    const tangent_mesh *mesh, uint32_t **vertex_of, core_corners_of_position *around);
 #endif

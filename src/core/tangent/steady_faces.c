@@ -90,11 +90,11 @@ static int8_t measure(const face_corners *f, steady_face *face) {
     for (size_t i = 1; i + 1 < f->count; i++)
         add_triangle(&sums, origin, corner_at(f, i), corner_at(f, i + 1));
     memcpy(face->normal, sums.normal, sizeof face->normal);
-    face->twice_area = norma_core_length(sums.normal);
+    face->twice_area = steady_length(sums.normal);
     if (!(fabs(sums.area) > ROUNDING * sums.magnitude) || !(face->twice_area > 0)) return 0;
     for (int k = 0; k < 3; k++) face->along[k] = sums.area < 0 ? -sums.along[k] : sums.along[k];
-    norma_core_normalise(face->along, face->along);
-    if (norma_core_length(face->along) == 0) return 0;
+    steady_normalise(face->along, face->along);
+    if (steady_length(face->along) == 0) return 0;
     return sums.area < 0 ? -1 : 1;
 }
 
@@ -109,7 +109,7 @@ static void face_task(void *context, size_t task) {
         const size_t first = norma_core_face_begin(mesh, face),
                      count = norma_core_face_end(mesh, face) - first;
         face_corners f = {m->input, first, count, 0};
-        for (size_t c = first; c < first + count; c++)
+        for (size_t c = first; c < first + count && !m->input->known; c++)
             m->vertex_of[c] = norma_core_tangent_vertex(m->input, c);
         m->faces[face] = (steady_face){0};
         m->signs[face] = 0;

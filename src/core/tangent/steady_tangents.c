@@ -3,6 +3,7 @@
 #include "core/face/reflex.h"
 #include "core/face/triangle.h"
 #include "core/tangent/steady.h"
+#include "core/tangent/tangent_plan.h"
 #include <math.h>
 
 enum { SMALL_STAR = 64, VERTICES_IN_TASK = 1 << 11, STARS_AHEAD = 6 };
@@ -40,7 +41,7 @@ static int is_reflex(const steady_mesh *m, size_t number, size_t corner, const d
     const core_mesh *mesh = &m->input->mesh;
     const face_points face = {m, norma_core_face_begin(mesh, number)};
     const double along = norma_core_dot(cross, m->faces[number].normal),
-                 lengths = norma_core_length(cross) * m->faces[number].twice_area;
+                 lengths = steady_length(cross) * m->faces[number].twice_area;
     double here[3], next[3], previous[3];
     if (lengths == 0 || fabs(along) > 0x1p-20 * lengths) return along < 0;
     position_of(m, corner, here);
@@ -61,7 +62,7 @@ static double weight_of(const steady_mesh *m, size_t number, size_t corner) {
     norma_core_subtract(b, at, b);
     norma_core_cross(a, b, cross);
     return norma_core_weigh(m->call->options.weight, norma_core_dot(a, a), norma_core_dot(b, b),
-        norma_core_dot(a, b), norma_core_length(cross), face->twice_area,
+        norma_core_dot(a, b), steady_length(cross), face->twice_area,
         mesh->face_starts && is_reflex(m, number, corner, cross));
 }
 
@@ -71,8 +72,10 @@ static const double NOTHING_LEFT = 0x1p-20;
 static int make_perpendicular(const double v[3], const double normal[3], double out[3]) {
     const double along = norma_core_dot(v, normal);
     for (int k = 0; k < 3; k++) out[k] = v[k] - along * normal[k];
-    if (!(norma_core_length(out) > NOTHING_LEFT)) return 0;
-    norma_core_normalise(out, out);
+    const double length = sqrt(norma_core_dot(out, out)); /* of a part of a unit vector */
+    if (!(length > NOTHING_LEFT)) return 0;
+    const double inverse = 1 / length;
+    for (int k = 0; k < 3; k++) out[k] *= inverse;
     return 1;
 }
 
@@ -117,7 +120,7 @@ static void sum_up(
     }
     double direction[3] = {(double)sum[0], (double)sum[1], (double)sum[2]};
     if (norma_core_cancels(direction, (double)weight)) return;
-    norma_core_normalise(direction, direction);
+    steady_normalise(direction, direction);
     if (!make_perpendicular(direction, star->normal, direction)) return;
     out->reason = NORMA_REASON_NONE;
     for (int k = 0; k < 3; k++) out->direction[k] = (float)direction[k] + 0.0F;
@@ -158,7 +161,7 @@ static void finish_star(
         .count = m->around.starts[vertex + 1] - begin,
         .parts = parts};
     const double normal[3] = {(double)at->normal[0], (double)at->normal[1], (double)at->normal[2]};
-    if (norma_core_tangent_is_finite(at)) norma_core_normalise(normal, star.normal);
+    if (norma_core_tangent_is_finite(at)) steady_normalise(normal, star.normal);
     for (size_t j = 0; j < star.count; j++) {
         const size_t face = norma_core_face_of(&m->around, star.corners[j]);
         if (m->signs[face]) parts[j] = part_of(m, star.normal, face, star.corners[j]);
@@ -279,25 +282,46 @@ static norma_result adopt(steady_mesh *m) {
     return ready ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-static norma_result sort_corners(steady_mesh *m) {
-    const core_mesh *mesh = &m->input->mesh;
-    const core_mesh vertices = {.positions = {.count = m->input->key_count},
-        .corners = m->vertex_of,
+/* The corners of each vertex. */
+static norma_result sort_corners(
+    const tangent_mesh *input, uint32_t *vertex_of, core_corners_of_position *around) {
+    const core_mesh *mesh = &input->mesh;
+    const core_mesh vertices = {.positions = {.count = input->key_count},
+        .corners = vertex_of,
         .corner_count = mesh->corner_count,
         .corner_size = 4,
         .face_starts = mesh->face_starts,
         .face_count = mesh->face_count};
-    return norma_core_corners_of_position_build(m->call, &vertices, &m->around);
+    return norma_core_corners_of_position_build(input->call, &vertices, around);
+}
+
+/* A face without texture area takes its sign from others. */
+static int hangs_on_others(const steady_mesh *m) {
+    for (size_t face = 0; face < m->input->mesh.face_count; face++)
+        if (!m->signs[face]) return 1;
+    return 0;
 }
 
 static norma_result run(steady_mesh *m, const tangent_output *output, core_tally *tally) {
     norma_core_stage(m->call, 0.3, 0.5);
     norma_result result = norma_core_steady_faces(m);
+    if (result == NORMA_OK && m->input->is_awkward && hangs_on_others(m)) {
+        *m->input->is_awkward = 1;
+        return NORMA_OK;
+    }
     norma_core_stage(m->call, 0.5, 0.6);
-    if (result == NORMA_OK) result = sort_corners(m);
+    if (result == NORMA_OK && !m->input->known)
+        result = sort_corners(m->input, m->vertex_of, &m->around);
     if (result == NORMA_OK) result = adopt(m);
     norma_core_stage(m->call, 0.6, 0.97);
     return result == NORMA_OK ? run_stars(m, output, tally) : result;
+}
+
+/* What a plan does not know. */
+static void release_unknown(steady_mesh *m) {
+    if (m->input->known) return;
+    norma_core_release(m->call, m->vertex_of, m->input->mesh.corner_count, sizeof *m->vertex_of);
+    if (m->around.starts) norma_core_corners_of_position_release(m->call, &m->around);
 }
 
 norma_result norma_core_steady_tangents(
@@ -307,15 +331,25 @@ norma_result norma_core_steady_tangents(
     if (!corners) return NORMA_OK;
     steady_mesh m = {.call = mesh->call,
         .input = mesh,
-        .vertex_of = norma_core_allocate(call, corners, sizeof *m.vertex_of),
         .faces = norma_core_allocate(call, faces, sizeof *m.faces),
         .signs = norma_core_allocate(call, faces, 1)};
+    m.vertex_of = mesh->known ? mesh->known->vertex_of
+                              : norma_core_allocate(call, corners, sizeof *m.vertex_of);
+    if (mesh->known) m.around = mesh->known->around;
     norma_result result = NORMA_ERROR_MEMORY;
     if (m.vertex_of && m.faces && m.signs) result = run(&m, output, tally);
-    norma_core_release(call, m.vertex_of, corners, sizeof *m.vertex_of);
     norma_core_release(call, m.faces, faces, sizeof *m.faces);
     norma_core_release(call, m.signs, faces, 1);
     norma_core_release(call, m.adopted, faces, 1);
-    if (m.around.starts) norma_core_corners_of_position_release(call, &m.around);
+    release_unknown(&m);
     return result;
+}
+
+norma_result norma_core_steady_keep(
+    const tangent_mesh *mesh, uint32_t **vertex_of, core_corners_of_position *around) {
+    const size_t corners = mesh->mesh.corner_count;
+    *vertex_of = norma_core_allocate(mesh->call, corners, sizeof **vertex_of);
+    if (!*vertex_of) return NORMA_ERROR_MEMORY;
+    for (size_t c = 0; c < corners; c++) (*vertex_of)[c] = norma_core_tangent_vertex(mesh, c);
+    return sort_corners(mesh, *vertex_of, around);
 }

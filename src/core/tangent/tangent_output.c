@@ -3,6 +3,17 @@
 #include "core/tangent/tangents.h"
 #include <math.h>
 
+norma_result norma_core_tangent_output_open(const norma_options *options, float *tangents,
+    size_t count, size_t capacity, tangent_output *output) {
+    const size_t least = 4 * sizeof(float), asked = options ? options->normal_stride : 0;
+    *output = (tangent_output){.tangents = (unsigned char *)tangents,
+        .stride = asked ? asked : least,
+        .reasons = options ? options->reasons : NULL};
+    if (output->stride < least || (count && !tangents)) return NORMA_ERROR_ARGUMENT;
+    if (count > capacity) return NORMA_ERROR_CAPACITY;
+    return count && count > SIZE_MAX / output->stride ? NORMA_ERROR_OVERFLOW : NORMA_OK;
+}
+
 /* A unit vector perpendicular to n, the same on every machine: the axis that n leans on least, made
  * perpendicular; the first axis where n has no direction. */
 static void any_perpendicular(const float normal[3], float out[3]) {

@@ -97,24 +97,27 @@ static size_t value_of(const norma_attribute *a, size_t position, size_t corner)
     return value < a->count ? value : SIZE_MAX;
 }
 
+int norma_core_tangent_read_key(const tangent_mesh *m, size_t key, tangent_vertex *v) {
+    const size_t position = m->by_position ? key : norma_core_corner(&m->mesh, key),
+                 normal = value_of(m->normals, position, key),
+                 texcoord = value_of(m->texcoords, position, key);
+    if (normal == SIZE_MAX || texcoord == SIZE_MAX) return 0;
+    read_position(&m->mesh.positions, position, v->position);
+    read_attribute(m->normals, normal, 3, v->normal);
+    read_attribute(m->texcoords, texcoord, 2, v->texcoord);
+    return 1;
+}
+
 static void read_task(void *context, size_t task) {
     reading *r = context;
     const tangent_mesh *m = r->mesh;
     const size_t begin = task * KEYS_IN_TASK,
                  end = m->key_count - begin < KEYS_IN_TASK ? m->key_count : begin + KEYS_IN_TASK;
-    for (size_t key = begin; key < end; key++) {
-        const size_t position = m->by_position ? key : norma_core_corner(&m->mesh, key),
-                     normal = value_of(m->normals, position, key),
-                     texcoord = value_of(m->texcoords, position, key);
-        tangent_vertex *v = &m->vertices[key];
-        if (normal == SIZE_MAX || texcoord == SIZE_MAX) {
+    for (size_t key = begin; key < end; key++)
+        if (!norma_core_tangent_read_key(m, key, &m->vertices[key])) {
             atomic_store_explicit(&r->wrong, 1, memory_order_relaxed);
             return;
         }
-        read_position(&m->mesh.positions, position, v->position);
-        read_attribute(m->normals, normal, 3, v->normal);
-        read_attribute(m->texcoords, texcoord, 2, v->texcoord);
-    }
 }
 
 static norma_result read_vertices(tangent_mesh *mesh) {
@@ -148,25 +151,37 @@ static void hash_vertices(const void *context, size_t first, size_t count, uint6
     }
 }
 
-static int same_vertex(const void *context, uint32_t one, uint32_t other) {
-    const tangent_vertex *vertices = context;
+int norma_core_tangent_are_equal(const tangent_vertex *one, const tangent_vertex *other) {
     float a[8], b[8];
     int same = 1;
-    memcpy(a, &vertices[one], sizeof a);
-    memcpy(b, &vertices[other], sizeof b);
+    memcpy(a, one, sizeof a);
+    memcpy(b, other, sizeof b);
     for (int k = 0; k < 8; k++) same &= a[k] == b[k];
     return same;
 }
 
-static norma_result weld_vertices(tangent_mesh *mesh) {
-    const weld_keys keys = {mesh->key_count, mesh->vertices, hash_vertices, same_vertex};
+static int same_vertex(const void *context, uint32_t one, uint32_t other) {
+    const tangent_vertex *vertices = context;
+    return norma_core_tangent_are_equal(&vertices[one], &vertices[other]);
+}
+
+norma_result norma_core_tangent_weld_vertices(
+    core_call *call, const tangent_vertex *vertices, size_t count, uint32_t *weld, size_t *found) {
+    const weld_keys keys = {count, vertices, hash_vertices, same_vertex};
+    return norma_core_weld_keys(call, &keys, weld, found);
+}
+
+norma_result norma_core_tangent_weld(tangent_mesh *mesh) {
+    const size_t count = mesh->key_count;
     size_t found;
-    mesh->weld = norma_core_allocate(mesh->call, mesh->key_count, sizeof *mesh->weld);
-    if (!mesh->weld) return NORMA_ERROR_MEMORY;
-    const norma_result result = norma_core_weld_keys(mesh->call, &keys, mesh->weld, &found);
+    uint32_t *weld = norma_core_allocate(mesh->call, count, sizeof *weld);
+    if (!weld) return NORMA_ERROR_MEMORY;
+    const norma_result result =
+        norma_core_tangent_weld_vertices(mesh->call, mesh->vertices, count, weld, &found);
+    mesh->weld = mesh->own_weld = weld;
     if (result != NORMA_OK || found) return result;
-    norma_core_release(mesh->call, mesh->weld, mesh->key_count, sizeof *mesh->weld);
-    mesh->weld = NULL;
+    norma_core_release(mesh->call, weld, count, sizeof *weld);
+    mesh->weld = mesh->own_weld = NULL;
     return NORMA_OK;
 }
 
@@ -174,20 +189,24 @@ static int is_per_vertex(const norma_attribute *a) {
     return a->of == NORMA_PER_VERTEX && !a->corners;
 }
 
-norma_result norma_core_tangent_open(tangent_mesh *mesh) {
-    if (!mesh->mesh.corner_count) return NORMA_OK;
+norma_result norma_core_tangent_read(tangent_mesh *mesh) {
     mesh->by_position = is_per_vertex(mesh->normals) && is_per_vertex(mesh->texcoords);
     mesh->key_count = mesh->by_position ? mesh->mesh.positions.count : mesh->mesh.corner_count;
     mesh->vertices = norma_core_allocate(mesh->call, mesh->key_count, sizeof *mesh->vertices);
-    norma_result result = mesh->vertices ? read_vertices(mesh) : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) result = weld_vertices(mesh);
+    return mesh->vertices ? read_vertices(mesh) : NORMA_ERROR_MEMORY;
+}
+
+norma_result norma_core_tangent_open(tangent_mesh *mesh) {
+    if (!mesh->mesh.corner_count) return NORMA_OK;
+    norma_result result = norma_core_tangent_read(mesh);
+    if (result == NORMA_OK) result = norma_core_tangent_weld(mesh);
     if (result != NORMA_OK) norma_core_tangent_close(mesh);
     return result;
 }
 
 void norma_core_tangent_close(tangent_mesh *mesh) {
     norma_core_release(mesh->call, mesh->vertices, mesh->key_count, sizeof *mesh->vertices);
-    norma_core_release(mesh->call, mesh->weld, mesh->key_count, sizeof *mesh->weld);
+    norma_core_release(mesh->call, mesh->own_weld, mesh->key_count, sizeof *mesh->own_weld);
     mesh->vertices = NULL;
-    mesh->weld = NULL;
+    mesh->weld = mesh->own_weld = NULL;
 }

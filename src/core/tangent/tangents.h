@@ -17,8 +17,12 @@ typedef struct tangent_mesh {
     int by_position;
     size_t key_count;
     tangent_vertex *vertices; /* of each key */
-    uint32_t *weld; /* NULL, or of each key the least that is equal to it (-0 = 0); NaN is equal to
-                       nothing */
+    const uint32_t *weld;     /* NULL, or of each key the least that is equal to it (-0 = 0); NaN is
+                                 equal to nothing */
+    uint32_t *own_weld;       /* NULL where the weld is none, or a plan's */
+    const struct tangent_known *known; /* NULL, or what a plan knows of it */
+    int *is_awkward; /* NULL, or the mesh is a part: where its tangents may hang on the rest of the
+                        mesh, this is set and nothing written */
 } tangent_mesh;
 
 /* ARGUMENT or OVERFLOW: what can be told without reading the arrays; mesh->mesh is checked. */
@@ -27,6 +31,16 @@ norma_result norma_core_tangent_attributes(
 /* INDEX, MEMORY or CANCELLED; on success norma_core_tangent_close releases it. */
 norma_result norma_core_tangent_open(tangent_mesh *mesh);
 void norma_core_tangent_close(tangent_mesh *mesh);
+
+/* The two steps of opening. */
+norma_result norma_core_tangent_read(tangent_mesh *mesh);
+norma_result norma_core_tangent_weld(tangent_mesh *mesh);
+/* Reads one vertex; key: the position or, unless it is by_position, the corner. 0: a corner names
+ * no value. */
+int norma_core_tangent_read_key(const tangent_mesh *mesh, size_t key, tangent_vertex *vertex);
+norma_result norma_core_tangent_weld_vertices(
+    core_call *call, const tangent_vertex *vertices, size_t count, uint32_t *weld, size_t *found);
+int norma_core_tangent_are_equal(const tangent_vertex *a, const tangent_vertex *b);
 
 static inline uint32_t norma_core_tangent_key(const tangent_mesh *mesh, size_t corner) {
     return mesh->by_position ? norma_core_corner(&mesh->mesh, corner) : (uint32_t)corner;
@@ -73,6 +87,10 @@ typedef struct corner_tangent {
     float sign;
     int reason; /* other than NONE: the direction is not looked at */
 } corner_tangent;
+
+/* ARGUMENT, CAPACITY or OVERFLOW where count tangents cannot go to tangents. */
+norma_result norma_core_tangent_output_open(const norma_options *options, float *tangents,
+    size_t count, size_t capacity, tangent_output *output);
 
 /* Writes the tangent of a corner whose own vertex this is, or what it gets instead; counts the
  * latter. */

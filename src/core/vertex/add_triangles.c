@@ -6,7 +6,7 @@
                                 take them out again one by one */
 #endif
 #include "core/vertex/add_triangles.h"
-#include "core/vertex/add_triangles_avx512.h"
+#include "core/vertex/add_triangles_simd.h"
 #include "core/vertex/add_eight_triangles.h"
 #include "core/vertex/add_triangles_wasm.h"
 #include "core/vertex/normalize_simd.h"
@@ -292,7 +292,7 @@ static int finish_portable(const vertex_sum *sums, float (*normals)[3]) {
 
 #if defined(CORE_HAS_X86)
 CORE_FOR_AVX2 static void add_avx2(const core_adder *adder, size_t begin, size_t end) {
-    add_triangles(adder, begin, end);
+    add_triangles(adder, norma_core_add_eights_avx2(adder, begin, end), end);
 }
 #if defined(CORE_HAS_AVX512)
 CORE_FOR_AVX512 static void add_avx512(const core_adder *adder, size_t begin, size_t end) {

@@ -80,6 +80,9 @@ norma_document_result norma_document_mesh_data(
 
 static norma_document_result begin_change(norma_document *document, norma_document_error *error) {
     norma_document_result result = norma_document_ready(document, error);
+    if (!result && !document->functions->compute)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "files of this format can be read, but not changed");
     if (!result && document->functions->edited) norma_edited_begin(document);
     return result;
 }
@@ -237,7 +240,11 @@ norma_document_result norma_document_transform(norma_document *document,
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
     summary = summary ? summary : &unwanted;
     *summary = (norma_transform_summary){0};
+    norma_watch_begin(&document->watch, options.progress, options.progress_user);
+    options.progress = norma_watch_tell;
+    options.progress_user = &document->watch;
     result = document->functions->transform(document, &options, summary, error);
+    if (norma_watch_end(&document->watch)) result = norma_document_fail_cancelled(document, error);
     end_change(document, result);
     return result;
 }

@@ -44,7 +44,7 @@ typedef struct file_sink {
     const norma_document *document;
     file_writer *writer;
     uint64_t written;
-    int error, cancelled;
+    int error;
 } file_sink;
 
 /* In slices, so that a cancel is noticed also where a format hands over a gigabyte at once. */
@@ -52,14 +52,13 @@ static int write_to_file(void *user, const void *bytes, size_t size) {
     const size_t slice = (size_t)1 << 23;
     file_sink *sink = user;
     const norma_document *document = sink->document;
+    norma_watch *watch = norma_document_watch(document);
     for (const unsigned char *at = bytes; size > 0 && !sink->error;) {
         size_t part = size < slice ? size : slice;
         double fraction = document->source.size
                               ? (double)(sink->written + part) / (double)document->source.size
                               : 1;
-        sink->cancelled = document->progress &&
-                          document->progress(document->progress_user, fraction < 1 ? fraction : 1);
-        if (sink->cancelled) return 1;
+        if (norma_watch_tell(watch, fraction < 1 ? fraction : 1)) return 1;
         sink->error = norma_file_writer_write(sink->writer, at, part);
         sink->written += part;
         at += part;
@@ -75,8 +74,7 @@ static norma_document_result write_target(norma_document *document, const char *
     int stream = norma_file_is_stream(path);
     norma_document_result result =
         document->functions->write(document, stream ? NULL : path, write_to_file, &sink, error);
-    if (sink.cancelled)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+    if (norma_watch_cancelled(&document->watch)) return NORMA_DOCUMENT_CANCELLED;
     if (!sink.error && !result) sink.error = norma_file_writer_prepare(writer);
     if (sink.error && sink.error != FILE_CHANGED)
         return norma_document_fail_file(path, error, "cannot be written", sink.error);
@@ -97,13 +95,12 @@ norma_document_result norma_document_prepare(norma_document *document, const cha
     if (failed) return norma_document_fail_file(path, error, "cannot be written", failed);
     if (options->in_place && norma_file_same(path, document->path))
         norma_document_expect(writers, writer, &document->stamp);
-    document->progress = options->progress;
-    document->progress_user = options->progress_user;
+    norma_watch_begin(&document->watch, options->progress, options->progress_user);
     const size_t before = writers->count;
     if (writers->outlive) norma_file_writer_batch(writer, 0);
     norma_document_result result =
         write_target(document, path, options->in_place, writer, writers, error);
-    document->progress = NULL;
+    if (norma_watch_end(&document->watch)) result = norma_document_fail_cancelled(document, error);
     if (result) {
         norma_file_writer_abandon(writer);
         return result;

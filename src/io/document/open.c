@@ -44,8 +44,7 @@ norma_document *norma_document_make(
     document->format = options->format ? options->format : norma_file_format_of_path(name);
     document->depth = options->depth;
     document->threads = options->threads;
-    document->progress = options->progress;
-    document->progress_user = options->progress_user;
+    norma_watch_begin(&document->watch, options->progress, options->progress_user);
     document->lenient = options->lenient;
     document->copied = options->copied;
     document->scene = norma_scene_create();
@@ -60,12 +59,12 @@ norma_document_result norma_document_read(norma_document *document, norma_docume
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "unknown kind of file; the name should end in .obj, .ply, .stl, .gltf or .glb, or the "
             "format must be given");
-    if (document->progress && document->progress(document->progress_user, 0))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
     document->functions = functions;
-    norma_document_result result = functions->open(document, error);
-    document->progress = NULL;
-    return result;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!norma_watch_cancelled(&document->watch)) result = functions->open(document, error);
+    /* What was found where it stopped means nothing. */
+    return norma_watch_end(&document->watch) ? norma_document_fail_cancelled(document, error)
+                                             : result;
 }
 
 int norma_document_changed(const norma_document *document, norma_document_error *error) {
@@ -94,8 +93,8 @@ static norma_document_result open_with(const char *name, int has_folder, const f
     } else {
         const file_reading how = {
             .map_large = !made->copied && options.depth != NORMA_DOCUMENT_WHOLE,
-            .progress = options.progress,
-            .progress_user = options.progress_user};
+            .progress = norma_watch_tell,
+            .progress_user = &made->watch};
         int failed = norma_file_open(name, &how, &made->source);
         if (failed) result = norma_document_fail_file(name, error, "cannot be read", failed);
         made->stamp = made->source.stamp;

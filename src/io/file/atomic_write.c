@@ -271,6 +271,8 @@ int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size)
     return 0;
 }
 
+const char *norma_file_writer_temporary(const file_writer *writer) { return writer->temporary; }
+
 int norma_file_writer_read(file_writer *writer, uint64_t offset, void *bytes, size_t size) {
     if (flush_buffer(writer)) return writer->error;
     for (unsigned char *at = bytes; size > 0;) {

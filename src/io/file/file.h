@@ -81,6 +81,8 @@ void norma_file_writer_batch(file_writer *writer, int alone);
  */
 int norma_file_writers_meet(file_writer *a, file_writer *b);
 int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size);
+/* The name of what would stay if the process ended now; NULL: nothing would. */
+const char *norma_file_writer_temporary(const file_writer *writer);
 /* What was written before, read again, or replaced by as many bytes. Not of a device or a pipe.
  * Return 0 or errno. */
 int norma_file_writer_read(file_writer *writer, uint64_t offset, void *bytes, size_t size);

@@ -84,13 +84,18 @@ norma_document_result norma_document_fail_file(
     return norma_document_fail(&named, error, result, NULL, "%s: %s", what, text);
 }
 
+norma_document_result norma_document_fail_cancelled(
+    const norma_document *document, norma_document_error *error) {
+    return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+}
+
 norma_document_result norma_document_fail_core(
     const norma_document *document, norma_document_error *error, norma_result result) {
     switch (result) {
     case NORMA_OK:
         return NORMA_DOCUMENT_OK;
     case NORMA_CANCELLED:
-        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+        return norma_document_fail_cancelled(document, error);
     case NORMA_ERROR_MEMORY:
         return norma_document_fail_memory(document, error);
     default:

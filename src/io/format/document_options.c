@@ -6,7 +6,7 @@
 
 int norma_document_load_file(const norma_document *document, const char *path, file_bytes *bytes) {
     const file_reading how = {
-        .progress = document->progress, .progress_user = document->progress_user};
+        .progress = norma_watch_tell, .progress_user = norma_document_watch(document)};
     return norma_file_open(path, &how, bytes);
 }
 

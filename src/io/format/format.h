@@ -5,6 +5,7 @@
 #include <norma/document.h>
 #include "io/file/file.h"
 #include "io/file/memory.h"
+#include "io/file/watch.h"
 #include "io/format/notes.h"
 #include "io/format/shared_normals.h"
 
@@ -50,8 +51,7 @@ struct norma_document {
     norma_file_format format;
     norma_document_depth depth;
     uint32_t threads;
-    norma_progress *progress; /* of the opening or the saving that is under way; may be NULL */
-    void *progress_user;
+    norma_watch watch; /* of the opening, the transform or the saving that is under way */
     char *path;   /* as the caller gave it; what messages name; "<stdin>" or the like from memory */
     char *folder; /* with its last slash; "" the current one; NULL: none, external files are refused
                    */
@@ -89,6 +89,7 @@ struct format_functions {
     size_t (*node_count)(const norma_document *document); /* NULL: none */
     norma_document_result (*node_info)(
         const norma_document *document, size_t index, norma_node_info *info);
+    /* compute, transform and edit: all NULL where files can only be read. */
     norma_document_result (*compute)(norma_document *document, const norma_compute_options *options,
         norma_compute_summary *summary, norma_document_error *error);
     norma_document_result (*tangents)(norma_document *document,
@@ -135,6 +136,11 @@ struct format_functions {
     const edited_format *edited;  /* for norma_edited_open and the like (flush_edits.h) */
 };
 
+/* What is under way is watched also where the document is only read. */
+static inline norma_watch *norma_document_watch(const norma_document *document) {
+    return &((norma_document *)(uintptr_t)document)->watch;
+}
+
 extern const format_functions norma_obj_functions, norma_ply_functions, norma_stl_functions,
     norma_gltf_functions; /* gltf: .gltf and .glb */
 
@@ -170,6 +176,8 @@ static inline norma_document_result norma_document_fail_memory(
     (void)norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MEMORY, NULL, "out of memory");
     return NORMA_DOCUMENT_ERROR_MEMORY;
 }
+norma_document_result norma_document_fail_cancelled(
+    const norma_document *document, norma_document_error *error);
 /* A core result as a document's: index, overflow and argument errors of the core are MALFORMED here
  * (the readers should have caught them), cancelled stays. */
 norma_document_result norma_document_fail_core(

@@ -14,7 +14,7 @@ int norma_stored_normals_is_identity(const double model[16]) {
 norma_document_result norma_stored_normals_progress(const norma_document *document,
     const norma_transform_options *options, double fraction, norma_document_error *error) {
     if (options->progress && options->progress(options->progress_user, fraction))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
+        return norma_document_fail_cancelled(document, error);
     return NORMA_DOCUMENT_OK;
 }
 

@@ -16,10 +16,13 @@ static const uint32_t GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BIN = 0
 
 static norma_document_result fail_glb(
     const gltf *g, norma_document_error *error, size_t byte, const char *expected) {
-    char place[40];
+    char place[40], found[40] = "the end of the file";
+    const file_bytes *source = &g->document->source;
     snprintf(place, sizeof place, "byte %zu", byte);
-    return norma_document_fail(
-        g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "there should be %s", expected);
+    for (size_t i = 0; i < GLB_CHUNK_HEADER && i < source->size - byte; ++i)
+        snprintf(found + 3 * i, sizeof found - 3 * i, " %02X", source->data[byte + i]);
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
+        "expected %s; found %s", expected, found + (found[0] == ' '));
 }
 
 /* Chunks behind the JSON: the first BIN is the buffer without a uri; all others are kept as they
@@ -73,16 +76,19 @@ static norma_document_result read_glb(gltf *g, norma_document_error *error) {
 
 static norma_document_result parse_text(gltf *g, norma_document_error *error) {
     json_error wrong;
-    if (norma_json_parse(g->text, g->text_size, &g->json, &wrong))
+    if (norma_json_parse(
+            g->text, g->text_size, norma_document_watch(g->document), &g->json, &wrong))
         return norma_json_is(&g->json, 0, JSON_OBJECT)
                    ? NORMA_DOCUMENT_OK
                    : norma_gltf_malformed(g, error, 0, "an object");
     if (!wrong.expected) return norma_document_fail_memory(g->document, error);
-    char place[40];
-    snprintf(place, sizeof place, "byte %zu",
-        wrong.byte + (size_t)((const unsigned char *)g->text - g->document->source.data));
+    char place[40], found[24] = "the end of the text";
+    const unsigned char *at = (const unsigned char *)g->text + wrong.byte;
+    snprintf(place, sizeof place, "byte %zu", (size_t)(at - g->document->source.data));
+    if (wrong.byte < g->text_size)
+        snprintf(found, sizeof found, *at > ' ' && *at < 127 ? "%c" : "the byte %02X", *at);
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
-        "this is not JSON; there should be %s here", wrong.expected);
+        "is not JSON: expected %s; found %s", wrong.expected, found);
 }
 
 /* "2.0" or "2.1" in a version string. */

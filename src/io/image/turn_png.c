@@ -2,72 +2,34 @@
  * depth, kind and interlacing; of a palette its entries change and the pixels stay. Every other
  * chunk keeps its bytes, except those that PNG asks an editor to drop: unknown ones that are not
  * safe to copy, such as the frames of an animation (PNG 3rd edition, 14.2). */
-#include "io/image/image.h"
-#include <png.h>
-#include <setjmp.h>
+#include "io/image/png_memory.h"
 #include <stdlib.h>
 #include <string.h>
 
 enum { SIGNATURE = 8, CHUNK = 12 }; /* a chunk: length, name and checksum around its data */
 
 typedef struct png_job {
-    const unsigned char *bytes;
-    size_t size, at;
+    png_source source;
     image_raster raster;
-    image_result result;
 } png_job;
 
 /* ---- reading, as stored */
 
-static void read_bytes(png_structp png, png_bytep out, png_size_t size) {
-    png_job *job = png_get_io_ptr(png);
-    if (size > job->size - job->at) png_error(png, "cut off");
-    memcpy(out, job->bytes + job->at, size);
-    job->at += size;
-}
-
-static void fail(png_structp png, png_const_charp message) {
-    (void)message;
-    png_longjmp(png, 1);
-}
-static void ignore(png_structp png, png_const_charp message) { (void)png, (void)message; }
-
-static void give_up(png_structp png, png_job *job, image_result result) {
-    job->result = result;
-    png_error(png, "given up");
-}
-
-static void read_raster(png_structp png, png_infop info, png_job *job) {
+static void read_raster(png_structp png, png_infop info, void *user) {
+    png_job *job = user;
     image_raster *r = &job->raster;
-    png_set_user_limits(png, IMAGE_MOST_SIDE, IMAGE_MOST_SIDE);
-    png_set_read_fn(png, job, read_bytes);
-    png_read_info(png, info);
     r->width = png_get_image_width(png, info);
     r->height = png_get_image_height(png, info);
     r->stride = png_get_rowbytes(png, info);
     r->depth = png_get_bit_depth(png, info);
     r->color_type = png_get_color_type(png, info);
     r->interlace = png_get_interlace_type(png, info);
-    if (!norma_image_may_decode(job->size, r->stride * r->height))
-        give_up(png, job, IMAGE_TOO_LARGE);
+    if (!norma_image_may_decode(job->source.size, r->stride * r->height))
+        norma_png_give_up(png, IMAGE_TOO_LARGE);
     r->pixels = malloc(r->stride * r->height);
-    if (!r->pixels) give_up(png, job, IMAGE_MEMORY);
+    if (!r->pixels) norma_png_give_up(png, IMAGE_MEMORY);
     for (int passes = png_set_interlace_handling(png); passes > 0; --passes)
         for (size_t y = 0; y < r->height; ++y) png_read_row(png, r->pixels + y * r->stride, NULL);
-}
-
-static image_result read_png(png_job *job) {
-    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, fail, ignore);
-    png_infop info = png ? png_create_info_struct(png) : NULL;
-    if (!info) job->result = IMAGE_MEMORY;
-    if (!info || setjmp(png_jmpbuf(png))) {
-        if (!job->result) job->result = IMAGE_BROKEN;
-        png_destroy_read_struct(&png, &info, NULL);
-        return job->result;
-    }
-    read_raster(png, info, job);
-    png_destroy_read_struct(&png, &info, NULL);
-    return IMAGE_OK;
 }
 
 /* Inverting each byte of a sample inverts the sample. */
@@ -151,8 +113,8 @@ static void add_chunks(const png_job *job, const growing_bytes *encoded, growing
         0, 0, 0, 0, 'I', 'E', 'N', 'D', 0xAE, 0x42, 0x60, 0x82};
     const unsigned char *chunk;
     int has_pixels = 0;
-    norma_io_append(out, job->bytes, SIGNATURE);
-    for (size_t at = SIGNATURE; (chunk = chunk_at(job->bytes, job->size, at)) != NULL;
+    norma_io_append(out, job->source.bytes, SIGNATURE);
+    for (size_t at = SIGNATURE; (chunk = chunk_at(job->source.bytes, job->source.size, at)) != NULL;
          at += CHUNK + number_at(chunk)) {
         if (is(chunk, "IEND")) break;
         if (is(chunk, "IDAT") && encoded) {
@@ -182,8 +144,8 @@ static image_result turn(png_job *job, growing_bytes *out) {
 }
 
 image_result norma_image_turn_png(const unsigned char *bytes, size_t size, growing_bytes *out) {
-    png_job job = {.bytes = bytes, .size = size};
-    image_result result = read_png(&job);
+    png_job job = {.source = {.bytes = bytes, .size = size}};
+    image_result result = norma_png_read(&job, read_raster);
     if (!result) result = turn(&job, out);
     free(job.raster.pixels);
     return result;

@@ -27,7 +27,7 @@ static int ask(const marking *m, const char *name, size_t length) {
  * memory. */
 static int ask_names(const marking *m, const char *p, int kind) {
     p = norma_obj_skip_blanks(p, m->end);
-    const char *end = norma_obj_statement_end(p, m->end);
+    const char *end = norma_obj_statement_end(p, m->end, NULL);
     while (end > p && norma_obj_is_blank(end[-1])) --end;
     int asked = ask(m, p, (size_t)(end - p));
     while (kind == 1 && asked == 0 && p < end) {
@@ -65,7 +65,7 @@ int norma_obj_mark_faces(
         if (kind >= 0 && (m.marked[kind] = ask_names(&m, rest, kind)) < 0) return 0;
         if (is == OBJ_FACE && face < state->face_count && has_corner(rest, m.end))
             marks[face++] = (uint8_t)(m.marked[0] | m.marked[1] | m.marked[2]);
-        p = norma_obj_skip_end(norma_obj_statement_end(rest, m.end), m.end);
+        p = norma_obj_skip_end(norma_obj_statement_end(rest, m.end, NULL), m.end);
     }
     return 1;
 }

@@ -70,7 +70,7 @@ static int visit_files(const norma_document *document, norma_visit_file *visit, 
         const char *rest = at + length;
         if (end - at > (ptrdiff_t)length && memcmp(at, word, length) == 0 &&
             (*rest == ' ' || *rest == '\t')) {
-            const char *stops = norma_obj_statement_end(rest, end);
+            const char *stops = norma_obj_statement_end(rest, end, NULL);
             stop = norma_document_visit_names(document, rest, (size_t)(stops - rest), visit, user);
         }
         ++at;

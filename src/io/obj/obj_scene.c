@@ -81,7 +81,7 @@ static void use_material(walk *w, const char *text, size_t length) {
 
 static void read_material(walk *w, const char *p) {
     p = norma_obj_skip_blanks(p, w->end);
-    const char *end = norma_obj_statement_end(p, w->end);
+    const char *end = norma_obj_statement_end(p, w->end, NULL);
     while (end > p && norma_obj_is_blank(end[-1])) --end;
     use_material(w, p, (size_t)(end - p));
 }
@@ -97,7 +97,8 @@ static void read_texcoord(walk *w, const char *p) {
     for (size_t i = 0; i < 2; ++i) {
         double number = 0;
         p = norma_obj_skip_blanks(p, w->end);
-        const char *next = norma_number_parse(p, w->end, &number);
+        const char *next = norma_digits_plain(p, w->end, &number);
+        if (!next) next = norma_number_parse(p, w->end, &number);
         p = norma_obj_number_end(next ? next : p, w->end);
         grown[2 * w->texcoord_count + i] = (float)number;
     }
@@ -125,40 +126,18 @@ static void read_face(walk *w, const char *p) {
         w->face_materials[w->face++] = w->material;
 }
 
-/* ---- plain lines, nearly all of a file: no sign, no blank but spaces, no joined lines, no comment
- * behind them. What is not plain is read the long way. */
-
-static inline int is_digit(char c) { return (unsigned char)(c - '0') < 10; }
-
-/* Nine digits at most, so that no number overflows; NULL: something else stands there. */
-static inline const char *read_plain(const char *p, const char *end, uint32_t *value) {
-    const char *first = p;
-    *value = 0;
-    for (; p < end && is_digit(*p); ++p) *value = 10 * *value + (uint32_t)(*p - '0');
-    return p > first && p - first < 10 ? p : NULL;
-}
-
-/* v, v/vt, v//vn or v/vt/vn; texture: 0 if it is missing. */
-static inline const char *read_plain_corner(const char *p, const char *end, uint32_t *texture) {
-    uint32_t skipped;
-    *texture = 0;
-    p = read_plain(p, end, &skipped);
-    if (!p || p >= end || *p != '/') return p;
-    if (++p < end && *p != '/' && !(p = read_plain(p, end, texture))) return NULL;
-    if (!p || p >= end || *p != '/') return p;
-    return read_plain(p + 1, end, &skipped);
-}
+/* ---- plain lines, nearly all of a file. What is not plain is read the long way. */
 
 /* Where the line ends; NULL: not plain, nothing has been read. */
 static const char *read_plain_face(walk *w, const char *p) {
     size_t corner = w->corner;
     while (corner < w->state->corner_count) {
-        uint32_t texture;
+        obj_plain_corner plain;
         while (p < w->end && *p == ' ') ++p;
         if (p < w->end && *p == '\n') break;
-        p = read_plain_corner(p, w->end, &texture);
-        if (!p || p >= w->end || (*p != ' ' && *p != '\n')) return NULL;
-        w->corner_texcoords[corner++] = texture - 1;
+        if (w->end - p < OBJ_PLAIN_LENGTH || !norma_obj_read_plain_corner(p, &plain)) return NULL;
+        w->corner_texcoords[corner++] = plain.texture - 1;
+        p = plain.end;
     }
     while (p < w->end && *p == ' ') ++p;
     if (p >= w->end || *p != '\n' || corner == w->corner || w->face >= w->state->face_count)
@@ -166,12 +145,6 @@ static const char *read_plain_face(walk *w, const char *p) {
     w->corner = corner;
     w->face_materials[w->face++] = w->material;
     return p;
-}
-
-static const char *skip_line(const char *p, const char *end) {
-    for (const char *at = p; at < end && *at != '\r' && *at != '\\'; ++at)
-        if (*at == '\n') return at;
-    return norma_obj_statement_end(p, end);
 }
 
 static int is_word(const char *p, const char *end, const char *word, size_t length) {
@@ -190,7 +163,7 @@ static const char *read_statement(walk *w, const char *p) {
         read_texcoord(w, p + 2);
     else if (*p == 'u' && is_word(p, w->end, "usemtl", 6))
         read_material(w, p + 6);
-    return skip_line(p, w->end);
+    return norma_obj_statement_end(p, w->end, NULL);
 }
 
 static void read_all(walk *w) {

@@ -30,8 +30,10 @@ static int significant_digits(const char *p, const char *end) {
 /* Whether no coordinate of the text has more digits than a float needs. */
 static int text_is_float(const norma_document *document) {
     const char *end = (const char *)document->source.data + document->source.size;
-    for (const char *p = (const char *)document->source.data; p < end;
-         p = norma_obj_skip_end(norma_obj_statement_end(p, end), end)) {
+    norma_watch *watch = norma_document_watch(document);
+    const void *asked = document->source.data;
+    for (const char *p = asked; p < end && !norma_watch_passed(watch, &asked, p);
+         p = norma_obj_skip_end(norma_obj_statement_end(p, end, watch), end)) {
         p = norma_obj_skip_blanks(p, end);
         if (norma_obj_keyword(p, end, &p) != OBJ_POSITION) continue;
         for (int i = 0; i < 3; ++i) {

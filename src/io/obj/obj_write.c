@@ -18,9 +18,16 @@ typedef struct writer {
     const char **tokens;                  /* of a face that is reversed */
     size_t token_room;
     int out_of_memory;
+    norma_watch *watch;
+    const void *asked; /* where it was last asked whether to go on */
 } writer;
 
+/* It is cancelled, and what would be written matters no more. */
+static int stops(writer *w, const char *p) { return norma_watch_passed(w->watch, &w->asked, p); }
+
 static void put(writer *w, const char *begin, const char *end) {
+    for (; end - begin > WATCH_BYTES && !norma_watch_cancelled(w->watch); begin += WATCH_BYTES)
+        norma_sink_put(w->sink, begin, WATCH_BYTES);
     norma_sink_put(w->sink, begin, (size_t)(end - begin));
 }
 
@@ -79,7 +86,7 @@ typedef struct line_ending {
 /* As the statement at p ends; where that ends the file, as its first line does: a face has lines of
  * positions before or behind it. */
 static line_ending ending_like(const writer *w, const char *p) {
-    const char *end = norma_obj_statement_end(p, w->end);
+    const char *end = norma_obj_statement_end(p, w->end, w->watch);
     if (end == w->end)
         for (end = w->text; end < w->end && !norma_obj_is_end(*end);) ++end;
     return (line_ending){end, norma_obj_skip_end(end, w->end)};
@@ -89,7 +96,7 @@ static void write_kept_normal(writer *w, size_t normal, line_ending ending) {
     const char *begin = w->text + w->state->normal_offsets[normal];
     const char *rest;
     const char *p = norma_obj_skip_blanks(begin, w->end);
-    const char *end = norma_obj_statement_end(p, w->end);
+    const char *end = norma_obj_statement_end(p, w->end, w->watch);
     const char *after = norma_obj_skip_end(end, w->end);
     const char *pending = w->pending;
     w->pending = begin;
@@ -130,39 +137,39 @@ static int says(const writer *w, const obj_corner *corner, uint32_t normal) {
 }
 
 /* Whether a token stands at *p, then past blanks. */
-static int at_token(const writer *w, const char **p) {
+static inline int at_token(const writer *w, const char **p) {
     *p = norma_obj_skip_blanks(*p, w->end);
     return *p < w->end && !norma_obj_is_end(**p) && **p != '#';
 }
 
-/* Corners that are a number of at most seven digits and nothing else, one blank before each, which
- * get their normals: as far as they come. Returns how many. */
+/* Plain corners, one blank before each, which get their normals: as far as they come. Returns how
+ * many. */
 static size_t rewrite_plain_corners(
     writer *w, const char **p, const uint32_t *normals, size_t count) {
     size_t done = 0;
 #if NORMA_DIGITS_BY_WORD
-    enum { LONGEST = 32 }; /* of a corner as it is written; 8 bytes at a time go to it */
-    const size_t gap = (size_t)(*p - w->pending);
+    enum { LONGEST = 2 * OBJ_PLAIN_LENGTH }; /* of a corner as it is copied; less of it stays */
+    const size_t gap = (size_t)(*p - w->pending), room = (count + 1) * LONGEST;
     if (count > SINK_BLOCK / LONGEST - 1 || gap > LONGEST) return 0;
-    char *out = (char *)norma_sink_room(w->sink, (count + 1) * LONGEST), *const room_end =
-                                                                             out +
-                                                                             (count + 1) * LONGEST;
+    char *out = (char *)norma_sink_room(w->sink, room), *const room_end = out + room;
+    const char *at = *p;
     memcpy(out, w->pending, gap);
     out += gap;
-    for (const char *at = *p;
-         done < count && w->end - at >= 16 && *at == ' ' && normals[done] < 99999999; ++done) {
-        const uint64_t bytes = norma_digits_load(++at);
-        const int digits = norma_digits_count(bytes);
-        if (digits == 0 || digits == 8 || (at[digits] != ' ' && !norma_obj_is_end(at[digits])))
-            break;
-        memcpy(++out, at, 8);
-        out[-1] = ' ';
-        out += digits;
+    for (obj_plain_corner corner;
+         done < count && w->end - at > OBJ_PLAIN_LENGTH && *at == ' ' && normals[done] < 99999999 &&
+         norma_obj_read_plain_corner(at + 1, &corner);
+         ++done, at = corner.end) {
+        memcpy(out, at, OBJ_PLAIN_LENGTH);
+        if (corner.has_normal && corner.normal == normals[done] + 1) { /* perhaps with zeros */
+            out += corner.end - at;
+            continue;
+        }
+        out += corner.texture_end - at;
         memcpy(out, "//", 2);
-        out += 2 + norma_digits_write(normals[done] + 1, out + 2);
-        at += digits;
-        *p = at;
+        out += corner.has_texture ? 1 : 2;
+        out += norma_digits_write(normals[done] + 1, out);
     }
+    *p = at;
     w->sink->used -= (size_t)(room_end - out);
     w->pending = *p;
 #endif
@@ -176,7 +183,8 @@ static const char *rewrite_face(writer *w, const char *p) {
     const uint32_t *normals = w->state->corner_normals + begin;
     normals += rewrite_plain_corners(w, &p, normals, end - begin);
     obj_corner corner;
-    for (; at_token(w, &p) && norma_obj_corner(p, w->end, &corner); p = corner.end, ++normals)
+    for (; !stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
+         p = corner.end, ++normals)
         if (!says(w, &corner, *normals)) {
             copy_then_skip(w, corner.texture_end, corner.end);
             put_number(w, &corner, *normals);
@@ -188,7 +196,8 @@ static const char *rewrite_face(writer *w, const char *p) {
 static size_t gather_tokens(writer *w, const char *p) {
     size_t count = 0;
     obj_corner corner;
-    for (; at_token(w, &p) && norma_obj_corner(p, w->end, &corner); p = corner.end) {
+    for (; !stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
+         p = corner.end) {
         void *grown = norma_io_grow(w->tokens, &w->token_room, count + 1, sizeof *w->tokens);
         w->out_of_memory |= !grown;
         if (!grown) return 0;
@@ -215,7 +224,7 @@ static void cut_face(writer *w, const char *begin, const char *p) {
     const line_ending ending = ending_like(w, first);
     norma_obj_corner(w->tokens[count - 1], w->end, &last);
     copy_then_skip(w, first, last.end);
-    for (size_t t = 0; t + 2 < count; ++t, triangles += 3) {
+    for (size_t t = 0; t + 2 < count && !stops(w, w->tokens[t]); ++t, triangles += 3) {
         if (t > 0) {
             put(w, ending.begin, ending.end);
             put(w, begin, first);
@@ -231,7 +240,7 @@ static void cut_face(writer *w, const char *begin, const char *p) {
 static void reverse_face(writer *w, const char *p) {
     const size_t begin = norma_obj_face_start(w->state, w->face), count = gather_tokens(w, p);
     obj_corner slot, corner;
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < count && !stops(w, w->tokens[i]); ++i) {
         uint32_t normal = norma_obj_normal(w->state, begin + i);
         norma_obj_corner(w->tokens[i], w->end, &slot);
         norma_obj_corner(w->tokens[i ? count - i : 0], w->end, &corner);
@@ -272,7 +281,7 @@ static void renumber_face(writer *w, const char *p) {
     const uint32_t *numbers = w->state->vertices->corners + norma_obj_face_start(w->state, w->face);
     const size_t before = lines_before(w, 1);
     obj_corner corner;
-    for (; at_token(w, &p) && norma_obj_corner(p, w->end, &corner); p = corner.end)
+    for (; !stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner); p = corner.end)
         put_position(w, &corner, *numbers++, before);
 }
 
@@ -280,7 +289,7 @@ static void renumber_face(writer *w, const char *p) {
 static void renumber_referring(writer *w, const char *p) {
     const size_t before = lines_before(w, 0);
     obj_corner corner;
-    for (; at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
+    for (; !stops(w, p) && at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
         if (!norma_obj_corner(p, w->end, &corner)) continue;
         const uint32_t old = norma_obj_resolve(corner.position, w->position);
         if (old < w->state->position_count && w->state->vertices->numbers[old] != OBJ_NO_VERTEX)
@@ -295,7 +304,7 @@ static int is_dropped(const writer *w, size_t position) {
 
 static void rewrite_referring(writer *w, const char *p) {
     obj_corner corner;
-    for (; at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
+    for (; !stops(w, p) && at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
         if (!norma_obj_corner(p, w->end, &corner) || !corner.has_normal) continue;
         uint32_t normal = w->state->other_normals[w->other++];
         if (!says(w, &corner, normal)) {
@@ -308,7 +317,7 @@ static void rewrite_referring(writer *w, const char *p) {
 /* ---- statements */
 
 static const char *statement_end(const writer *w, const char *p) {
-    return norma_obj_skip_end(norma_obj_statement_end(p, w->end), w->end);
+    return norma_obj_skip_end(norma_obj_statement_end(p, w->end, w->watch), w->end);
 }
 
 /* Returns the place behind the statement. */
@@ -368,7 +377,8 @@ static const char *write_statement(writer *w, const char *begin, obj_kind kind, 
 /* From begin to end, whole statements. What lies before from is walked over without being written.
  */
 static void write_statements(writer *w, const char *begin, const char *from, const char *end) {
-    for (const char *p = begin; p < end && !w->sink->failed && !w->out_of_memory;) {
+    w->asked = begin;
+    for (const char *p = begin; p < end && !w->sink->failed && !w->out_of_memory && !stops(w, p);) {
         const char *statement = p, *rest;
         if (p == from) {
             w->sink->used = 0;
@@ -388,6 +398,7 @@ enum { SLICE = 1 << 13 }; /* normals */
 
 typedef struct pieces {
     const obj_state *state;
+    norma_watch *watch;
     const char *text, *end;
     size_t split, slices; /* the stretch that holds the block's place (none: past the last); slices
                              of the block */
@@ -419,6 +430,7 @@ static void make_text(
         .sink = &piece->sink,
         .text = p->text,
         .end = p->end,
+        .watch = p->watch,
         .pending = from > begin ? begin : from,
         .position = at->position,
         .normal = at->normal,
@@ -476,11 +488,15 @@ norma_document_result norma_obj_write(norma_document *document, const char *path
     norma_write *write, void *user, norma_document_error *error) {
     const obj_state *state = document->state;
     const char *text = (const char *)document->source.data;
-    pieces p = {.state = state, .text = text, .end = text + document->source.size};
+    pieces p = {.state = state,
+        .watch = &document->watch,
+        .text = text,
+        .end = text + document->source.size};
     size_t count;
     (void)path;
     find_split(&p, &count);
-    switch (norma_write_ordered(document->threads, count, make_run, &p, write, user)) {
+    switch (norma_write_ordered(
+        (norma_ordered_how){document->threads, p.watch}, count, make_run, &p, write, user)) {
     case NORMA_ORDERED_REFUSED:
         return norma_document_fail(
             document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");

@@ -24,6 +24,7 @@ typedef struct spare_part {
 
 typedef struct gathering {
     const norma_document *document;
+    norma_watch *watch;
     obj_state *state;
     const char *text, *end;
     pthread_mutex_t lock;
@@ -53,7 +54,7 @@ static int reserve(gathering *g, const obj_part *part, void *array, size_t *room
     void *block;
     memcpy(&block, array, sizeof block);
     if (block && used + count <= *room) return 1;
-    while (g->copying) pthread_cond_wait(&g->moved, &g->lock);
+    while (g->copying) norma_watch_wait(g->watch, &g->moved, &g->lock);
     const double left = (double)(g->end - part->begin) / (double)(part->end - part->begin);
     const double guess = (double)used + 1.01 * left * (double)count;
     const size_t wanted = used + count < (size_t)OBJ_MOST && guess < (double)OBJ_MOST
@@ -211,28 +212,32 @@ static norma_document_result take_turn(gathering *g, obj_part *part, size_t inde
 
 /* ---- side by side */
 
-static void copy_list(void *to, const void *from, size_t size) {
-    if (size) memcpy(to, from, size);
+/* In slices, so that a cancel is noticed soon also in a stretch that is one long line. */
+static void copy_list(const gathering *g, void *to, const void *from, size_t size) {
+    const size_t slice = (size_t)1 << 24;
+    for (size_t at = 0; at < size && (at == 0 || !norma_watch_cancelled(g->watch)); at += slice)
+        memcpy((char *)to + at, (const char *)from + at, size - at < slice ? size - at : slice);
 }
 
-static void copy_part(const obj_state *state, const obj_part *part, const place *to) {
+static void copy_part(const gathering *g, const obj_part *part, const place *to) {
+    const obj_state *state = g->state;
     if (part->position_count)
-        copy_list(state->positions + 3 * to->at.position, part->positions,
+        copy_list(g, state->positions + 3 * to->at.position, part->positions,
             part->position_count * 3 * sizeof(double));
     if (part->normal_count) {
-        copy_list(state->normals + 3 * to->at.normal, part->normals,
+        copy_list(g, state->normals + 3 * to->at.normal, part->normals,
             part->normal_count * 3 * sizeof(float));
-        copy_list(state->normal_offsets + to->at.normal, part->normal_offsets,
+        copy_list(g, state->normal_offsets + to->at.normal, part->normal_offsets,
             part->normal_count * sizeof(size_t));
     }
     if (part->other_count)
-        copy_list(state->other_normals + to->at.other, part->other_normals,
+        copy_list(g, state->other_normals + to->at.other, part->other_normals,
             part->other_count * sizeof(uint32_t));
     if (part->corner_count)
         copy_list(
-            state->corners + to->corner, part->corners, part->corner_count * sizeof(uint32_t));
+            g, state->corners + to->corner, part->corners, part->corner_count * sizeof(uint32_t));
     if (part->corner_count && part->names_normals)
-        copy_list(state->corner_normals + to->corner, part->corner_normals,
+        copy_list(g, state->corner_normals + to->corner, part->corner_normals,
             part->corner_count * sizeof(uint32_t));
     else if (part->corner_count && to->with_normals)
         memset(state->corner_normals + to->corner, 0xff, part->corner_count * sizeof(uint32_t));
@@ -269,7 +274,7 @@ static void gather_stretch(void *context, size_t index) {
         norma_obj_read_part(g->document, part, NULL);
     }
     pthread_mutex_lock(&g->lock);
-    while (g->turn != index) pthread_cond_wait(&g->moved, &g->lock);
+    while (g->turn != index) norma_watch_wait(g->watch, &g->moved, &g->lock);
     if (!g->result)
         g->result = spare ? take_turn(g, &spare->part, index, &to) : NORMA_DOCUMENT_ERROR_MEMORY;
     const int taken = !g->result;
@@ -277,7 +282,7 @@ static void gather_stretch(void *context, size_t index) {
     g->copying += (size_t)taken;
     pthread_cond_broadcast(&g->moved);
     pthread_mutex_unlock(&g->lock);
-    if (taken) copy_part(g->state, &spare->part, &to);
+    if (taken) copy_part(g, &spare->part, &to);
     pthread_mutex_lock(&g->lock);
     g->copying -= (size_t)taken;
     if (spare) {
@@ -297,7 +302,8 @@ static int cut(gathering *g, const char *start) {
     if (!state->stretches) return 0;
     for (const char *p = start; p < g->end || state->stretch_count == 0;) {
         state->stretches[state->stretch_count++].offset = (size_t)(p - g->text);
-        p = g->end - p > STRETCH ? norma_obj_part_end(g->text, p + STRETCH - 1, g->end) : g->end;
+        p = g->end - p > STRETCH ? norma_obj_part_end(g->text, p + STRETCH - 1, g->end, g->watch)
+                                 : g->end;
     }
     return 1;
 }
@@ -305,8 +311,8 @@ static int cut(gathering *g, const char *start) {
 static norma_document_result run(gathering *g, norma_document_error *error) {
     const norma_options options = {.struct_size = sizeof options,
         .threads = g->document->threads,
-        .progress = g->document->progress,
-        .progress_user = g->document->progress_user};
+        .progress = norma_watch_tell,
+        .progress_user = g->watch};
     core_call call;
     norma_result failed = norma_core_begin(&call, &options);
     if (!failed) failed = norma_core_parallel(&call, g->state->stretch_count, gather_stretch, g);
@@ -344,11 +350,12 @@ static norma_document_result fail_position(
     const gathering *g, const char *start, norma_document_error *error) {
     const obj_state *state = g->state;
     size_t corner = 0;
-    for (const char *p = start; p < g->end;
-         p = norma_obj_skip_end(norma_obj_statement_end(p, g->end), g->end)) {
+    const void *asked = start;
+    for (const char *p = start; p < g->end && !norma_watch_passed(g->watch, &asked, p);
+         p = norma_obj_skip_end(norma_obj_statement_end(p, g->end, g->watch), g->end)) {
         p = norma_obj_skip_blanks(p, g->end);
         if (norma_obj_keyword(p, g->end, &p) != OBJ_FACE) continue;
-        for (obj_corner token;; p = token.end) {
+        for (obj_corner token; !norma_watch_passed(g->watch, &asked, p); p = token.end) {
             p = norma_obj_skip_blanks(p, g->end);
             if (!norma_obj_corner(p, g->end, &token)) break;
             if (state->corners[corner++] < state->position_count) continue;
@@ -444,6 +451,7 @@ norma_document_result norma_obj_read(norma_document *document, norma_document_er
     const unsigned char *bytes = document->source.data;
     const size_t size = document->source.size;
     gathering g = {.document = document,
+        .watch = &document->watch,
         .state = state,
         .text = (const char *)bytes,
         .end = (const char *)bytes + size};

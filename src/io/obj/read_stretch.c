@@ -9,13 +9,17 @@
 #include "io/text/number.h"
 #include "io/obj/statements.h"
 
+enum { ASK_EACH = 1 << 18 }; /* corners of a face, from one question to the next */
+
 typedef struct reader {
     const norma_document *document;
     norma_document_error *error; /* NULL: nobody is told; a whole reading tells */
     obj_part *part;
     const char *end;       /* of the part */
     const char *statement; /* where the one that is read now begins, blanks before it included */
-    void *grown;           /* what RESERVE got */
+    norma_watch *watch;
+    const void *asked; /* where it was last asked whether to go on */
+    void *grown;       /* what RESERVE got */
 } reader;
 
 static norma_document_result fail_at(const reader *r, const char *p, const char *expected) {
@@ -172,31 +176,33 @@ static norma_document_result add_corner(reader *r, const obj_corner *corner) {
     return NORMA_DOCUMENT_OK;
 }
 
-/* Corners that are a number of at most seven digits and nothing else, as far as there is room and
- * they come: how many. */
+/* Plain corners, as far as there is room and they come: how many. The part's first corner that
+ * names a normal is not among them, nor one without a normal behind it. */
 static size_t add_plain_corners(reader *r, const char **p) {
     obj_part *part = r->part;
-    const size_t before = part->corner_count;
+    const size_t before = part->corner_count, room = part->corner_normal_room < part->corner_room
+                                                         ? part->corner_normal_room
+                                                         : part->corner_room;
     size_t count = before;
-    uint32_t last = part->last_position;
-#if NORMA_DIGITS_BY_WORD
-    const size_t room =
-        part->corner_normal_room < part->corner_room ? part->corner_normal_room : part->corner_room;
-    for (const char *at = *p;
-         r->end - at >= 16 && count < room && !part->names_normals && *at == ' ';) {
-        const uint64_t bytes = norma_digits_load(++at);
-        const int digits = norma_digits_count(bytes);
-        if (digits == 0 || digits == 8 || (at[digits] != ' ' && !norma_obj_is_end(at[digits])))
+    uint32_t last = part->last_position, last_normal = part->last_normal;
+    obj_plain_corner corner;
+    for (const char *at = *p; r->end - at > OBJ_PLAIN_LENGTH && count < room && *at == ' ';) {
+        if (!norma_obj_read_plain_corner(at + 1, &corner) || !corner.position ||
+            corner.has_normal != part->names_normals || (corner.has_normal && !corner.normal))
             break;
-        const uint32_t position = (uint32_t)norma_digits_join(bytes, digits) - 1;
-        if (position == UINT32_MAX) break;
+        const uint32_t position = corner.position - 1, normal = corner.normal - 1;
         last = position > last ? position : last;
-        part->corners[count++] = position;
-        at += digits;
-        *p = at;
+        part->corners[count] = position;
+        if (corner.has_normal) {
+            last_normal = normal > last_normal ? normal : last_normal;
+            part->corner_normals[count] = normal;
+            part->has_normals = 1;
+        }
+        ++count;
+        *p = at = corner.end;
     }
-#endif
     part->last_position = last;
+    part->last_normal = last_normal;
     part->corner_count = count;
     return count - before;
 }
@@ -215,6 +221,8 @@ static norma_document_result read_face(reader *r, const char **p) {
     size_t corners = add_plain_corners(r, p);
     for (;; ++corners) {
         obj_corner corner;
+        if (corners % ASK_EACH == ASK_EACH - 1 && norma_watch_cancelled(r->watch))
+            return NORMA_DOCUMENT_CANCELLED;
         *p = norma_obj_skip_blanks(*p, r->end);
         if (*p >= r->end || norma_obj_is_end(**p) || **p == '#') break;
         if (!norma_obj_corner(*p, r->end, &corner))
@@ -241,6 +249,7 @@ static norma_document_result read_referring(reader *r, const char **p) {
     obj_part *part = r->part;
     for (;;) {
         obj_corner corner;
+        if (norma_watch_passed(r->watch, &r->asked, *p)) return NORMA_DOCUMENT_CANCELLED;
         *p = norma_obj_skip_blanks(*p, r->end);
         if (*p >= r->end || norma_obj_is_end(**p) || **p == '#') return NORMA_DOCUMENT_OK;
         if (norma_obj_corner(*p, r->end, &corner) && corner.has_normal) {
@@ -287,7 +296,7 @@ static norma_document_result read_smoothing(reader *r, const char **p) {
 static void read_object(reader *r, const char **p) {
     *p = norma_obj_skip_blanks(*p, r->end);
     const char *name = *p;
-    *p = norma_obj_statement_end(*p, r->end);
+    *p = norma_obj_statement_end(*p, r->end, r->watch);
     if (r->part->name) return;
     const char *name_end = *p;
     while (name_end > name && norma_obj_is_blank(name_end[-1])) --name_end;
@@ -355,14 +364,22 @@ static void empty(obj_part *part) {
 
 norma_document_result norma_obj_read_part(
     const norma_document *document, obj_part *part, norma_document_error *error) {
-    reader r = {.document = document, .error = error, .part = part, .end = part->end};
+    reader r = {.document = document,
+        .error = error,
+        .part = part,
+        .end = part->end,
+        .watch = norma_document_watch(document),
+        .asked = part->begin};
     empty(part);
     part->result = NORMA_DOCUMENT_OK;
     for (const char *p = part->begin; p < part->end && !part->result;) {
         r.statement = p;
         p = norma_obj_skip_blanks(p, part->end);
         part->result = read_statement(&r, &p);
-        if (!part->result) p = norma_obj_skip_end(norma_obj_statement_end(p, part->end), part->end);
+        if (!part->result)
+            p = norma_obj_skip_end(norma_obj_statement_end(p, part->end, r.watch), part->end);
+        if (!part->result && norma_watch_passed(r.watch, &r.asked, p))
+            part->result = NORMA_DOCUMENT_CANCELLED;
     }
     return part->result;
 }
@@ -386,8 +403,10 @@ static int may_be_joined(const char *text, const char *line_end) {
     return line_end > text && line_end[-1] == '\\';
 }
 
-const char *norma_obj_part_end(const char *text, const char *from, const char *end) {
-    for (const char *p = from; p < end;) {
+const char *norma_obj_part_end(
+    const char *text, const char *from, const char *end, norma_watch *watch) {
+    const void *asked = from;
+    for (const char *p = from; p < end && !norma_watch_passed(watch, &asked, p);) {
         if (!norma_obj_is_end(*p)) {
             ++p;
             continue;

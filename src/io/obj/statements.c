@@ -40,18 +40,51 @@ const char *norma_obj_number_end(const char *p, const char *end) {
     return norma_obj_is_delimiter(p, end) ? p : norma_obj_token_end(p, end);
 }
 
-static const char *line_end(const char *p, const char *end) {
-    while (p < end && !norma_obj_is_end(*p)) ++p;
+static const char *line_end(const char *p, const char *end, norma_watch *watch) {
+    for (const void *asked = p; p < end && !norma_obj_is_end(*p); ++p)
+        if (norma_watch_passed(watch, &asked, p)) return end;
     return p;
 }
 
-const char *norma_obj_find_statement_end(const char *p, const char *end) {
-    for (;;) {
+/* The first byte that may end a statement, begin a comment or join a line; end if there is none. */
+static const char *find_mark(const char *p, const char *end) {
+#if NORMA_DIGITS_BY_WORD
+    const uint64_t ones = UINT64_C(0x0101010101010101);
+    for (uint64_t bytes; end - p >= 8; p += 8) {
+        memcpy(&bytes, p, sizeof bytes);
+        uint64_t marks = 0;
+        for (size_t i = 0; i < 4; ++i) {
+            const uint64_t others = bytes ^ ones * (unsigned char)"\n\r#\\"[i];
+            marks |= (others - ones) & ~others; /* the lowest that is set is one */
+        }
+        marks &= ones << 7;
+        if (marks) return p + __builtin_ctzll(marks) / 8;
+    }
+#endif
+    while (p < end && !norma_obj_is_end(*p) && *p != '#' && *p != '\\') ++p;
+    return p;
+}
+
+/* In slices, so that a cancel is noticed soon. */
+static const char *find_mark_watched(const char *p, const char *end, norma_watch *watch) {
+    for (; end - p > WATCH_BYTES; p += WATCH_BYTES) {
+        const char *mark = find_mark(p, p + WATCH_BYTES);
+        if (mark < p + WATCH_BYTES) return mark;
+        if (norma_watch_cancelled(watch)) return end;
+    }
+    return find_mark(p, end);
+}
+
+const char *norma_obj_find_statement_end(const char *p, const char *end, norma_watch *watch) {
+    const char *mark = find_mark_watched(p, end, watch); /* nearly always the end of the line */
+    if (mark >= end || norma_obj_is_end(*mark)) return mark;
+    for (const void *asked = p; !norma_watch_passed(watch, &asked, p);) {
         p = norma_obj_skip_blanks(p, end);
         if (p >= end || norma_obj_is_end(*p)) return p;
-        if (*p == '#') return line_end(p, end);
+        if (*p == '#') return line_end(p, end, watch);
         p = norma_obj_token_end(p, end);
     }
+    return end;
 }
 
 size_t norma_obj_line(const char *text, const char *p) {
@@ -85,10 +118,10 @@ static obj_kind look_up(const char *word, size_t length) {
     return OBJ_UNKNOWN;
 }
 
-obj_kind norma_obj_keyword(const char *p, const char *end, const char **rest) {
-    if (p + 1 < end && p[1] == ' ' && (*p == 'v' || *p == 'f')) { /* nearly all lines of a file */
-        *rest = p + 1;
-        return *p == 'v' ? OBJ_POSITION : OBJ_FACE;
+obj_kind norma_obj_look_up_keyword(const char *p, const char *end, const char **rest) {
+    if (p + 2 < end && p[2] == ' ' && *p == 'v' && (p[1] == 't' || p[1] == 'n')) {
+        *rest = p + 2;
+        return p[1] == 't' ? OBJ_OTHER : OBJ_NORMAL;
     }
     *rest = p;
     if (p >= end || norma_obj_is_end(*p) || *p == '#') return OBJ_NOTHING;

@@ -4,8 +4,10 @@
  * begins at a # where a token could, and ends with its line. */
 #ifndef NORMA_IO_OBJ_TEXT_H
 #define NORMA_IO_OBJ_TEXT_H
+#include "io/file/watch.h"
 #include <stddef.h>
 #include <stdint.h>
+#include "io/text/digits.h"
 
 typedef enum obj_kind {
     OBJ_NOTHING = 0, /* an empty line, a comment */
@@ -30,7 +32,8 @@ static inline int norma_obj_is_blank(char c) {
 
 const char *norma_obj_skip_joined(const char *p, const char *end);
 int norma_obj_is_joined(const char *p, const char *end);
-const char *norma_obj_find_statement_end(const char *p, const char *end);
+const char *norma_obj_find_statement_end(const char *p, const char *end, norma_watch *watch);
+obj_kind norma_obj_look_up_keyword(const char *p, const char *end, const char **rest);
 
 /* Past blanks and joined lines. */
 static inline const char *norma_obj_skip_blanks(const char *p, const char *end) {
@@ -38,10 +41,17 @@ static inline const char *norma_obj_skip_blanks(const char *p, const char *end) 
     return p < end && *p == '\\' ? norma_obj_skip_joined(p, end) : p;
 }
 /* The keyword at p, which is past blanks; *rest: the byte after it. */
-obj_kind norma_obj_keyword(const char *p, const char *end, const char **rest);
-/* Where the statement's last line ends: at its line end, or end. p is a token's place. */
-static inline const char *norma_obj_statement_end(const char *p, const char *end) {
-    return p < end && norma_obj_is_end(*p) ? p : norma_obj_find_statement_end(p, end);
+static inline obj_kind norma_obj_keyword(const char *p, const char *end, const char **rest) {
+    if (p + 1 >= end || p[1] != ' ' || (*p != 'v' && *p != 'f'))
+        return norma_obj_look_up_keyword(p, end, rest);
+    *rest = p + 1; /* nearly all lines of a file */
+    return *p == 'v' ? OBJ_POSITION : OBJ_FACE;
+}
+/* Where the statement's last line ends: at its line end, or end, also where watch says that it is
+ * cancelled. p is a token's place. */
+static inline const char *norma_obj_statement_end(
+    const char *p, const char *end, norma_watch *watch) {
+    return p < end && norma_obj_is_end(*p) ? p : norma_obj_find_statement_end(p, end, watch);
 }
 /* Past one line end, if there is one at p. */
 static inline const char *norma_obj_skip_end(const char *p, const char *end) {
@@ -72,6 +82,53 @@ typedef struct obj_corner {
 
 /* Whether a corner stands at p, a token's place. */
 int norma_obj_corner(const char *p, const char *end, obj_corner *corner);
+
+enum { OBJ_PLAIN_LENGTH = 32 }; /* bytes from p on that norma_obj_read_plain_corner may look at */
+
+/* A corner as nearly all are written: numbers of at most seven digits, and behind them a space or
+ * the end of the line. */
+typedef struct obj_plain_corner {
+    uint32_t position, texture, normal; /* as written; 0 if they are missing, and if they are 0 */
+    int has_texture, has_normal;
+    const char *texture_end, *end; /* as of obj_corner */
+} obj_plain_corner;
+
+/* The number at p and where it ends; NULL: no digit, or eight and more. */
+static inline const char *norma_obj_plain_number(const char *p, uint32_t *number) {
+#if NORMA_DIGITS_BY_WORD
+    const uint64_t bytes = norma_digits_load(p);
+    const int digits = norma_digits_count(bytes);
+    if (digits == 0 || digits == 8) return NULL;
+    *number = (uint32_t)norma_digits_join(bytes, digits);
+    return p + digits;
+#else
+    (void)p, (void)number;
+    return NULL;
+#endif
+}
+
+/* 0: what stands at p, OBJ_PLAIN_LENGTH bytes before the end of the text at least, is something
+ * else, or it cannot be told so simply. */
+static inline int norma_obj_read_plain_corner(const char *p, obj_plain_corner *corner) {
+    corner->texture = corner->normal = 0;
+    p = norma_obj_plain_number(p, &corner->position);
+    if (!p) return 0;
+    corner->texture_end = p;
+    corner->has_texture = *p == '/' && p[1] != '/';
+    corner->has_normal = 0;
+    if (corner->has_texture) {
+        p = norma_obj_plain_number(p + 1, &corner->texture);
+        if (!p) return 0;
+        corner->texture_end = p;
+    }
+    if (*p == '/') {
+        p = norma_obj_plain_number(p + (corner->has_texture ? 1 : 2), &corner->normal);
+        if (!p) return 0;
+        corner->has_normal = 1;
+    }
+    corner->end = p;
+    return *p == ' ' || norma_obj_is_end(*p);
+}
 
 /* The number, from 0, that an index as written means where count elements stand before it;
  * UINT32_MAX: none (0, or before the first). Whether it is below the final count, which is at most

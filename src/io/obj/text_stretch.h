@@ -55,6 +55,7 @@ norma_document_result norma_obj_read_part(
 void norma_obj_free_part(obj_part *part);
 
 /* Where the statement ends that holds the byte at from, or one soon behind it: its line's end
- * included. */
-const char *norma_obj_part_end(const char *text, const char *from, const char *end);
+ * included; end, where it is cancelled. */
+const char *norma_obj_part_end(
+    const char *text, const char *from, const char *end, norma_watch *watch);
 #endif

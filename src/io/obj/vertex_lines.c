@@ -51,7 +51,7 @@ static int walk_text(const norma_document *document, size_t face, text_walk *wal
         else if (kind == OBJ_FACE && has_corner(rest, end) && faces++ == face)
             walk->before_face = positions;
         walk->has_curves |= kind == OBJ_SURFACE || (kind == OBJ_REFERRING && rest - word > 1);
-        p = norma_obj_skip_end(norma_obj_statement_end(rest, end), end);
+        p = norma_obj_skip_end(norma_obj_statement_end(rest, end, NULL), end);
     }
     return walk->positions != NULL;
 }

@@ -36,7 +36,12 @@ typedef struct text_walker {
     uint64_t row;
     const unsigned char *row_end, *surplus; /* of the last row: behind its last word; its first word
                                                that the header does not declare, or NULL */
+    const void *asked;                      /* where it was last asked whether to go on */
 } text_walker;
+
+static int is_cancelled(text_walker *walker) {
+    return norma_watch_passed(norma_document_watch(walker->document), &walker->asked, walker->at);
+}
 
 static norma_document_result fail_row(
     const text_walker *walker, const unsigned char *at, const char *what) {
@@ -58,7 +63,8 @@ static norma_document_result next_word(text_walker *walker, const char **text, s
 static norma_document_result walk_value(text_walker *walker, int property, int64_t item) {
     const char *text = NULL;
     size_t length = 0;
-    norma_document_result result = next_word(walker, &text, &length);
+    norma_document_result result =
+        is_cancelled(walker) ? NORMA_DOCUMENT_CANCELLED : next_word(walker, &text, &length);
     if (!result && walker->visit &&
         walker->visit(walker->user, property, item, text, text + length))
         return fail_row(
@@ -90,6 +96,7 @@ static void end_row(text_walker *walker) {
     walker->row_end = walker->at;
     walker->surplus = NULL;
     for (; walker->at < walker->end && !norma_ply_ends_line(*walker->at); ++walker->at) {
+        if (is_cancelled(walker)) return;
         if (*walker->at == ' ' || *walker->at == '\t') continue;
         if (!walker->surplus) walker->surplus = walker->at;
         walker->row_end = walker->at + 1;
@@ -143,6 +150,7 @@ norma_document_result norma_ply_locate_text(norma_document *document, norma_docu
     text_walker walker = {.document = document,
         .error = error,
         .at = state->bytes + state->header.body,
+        .asked = state->bytes,
         .end = state->bytes + state->size};
     for (size_t i = 0; i < state->header.element_count; ++i) {
         ply_element *element = &state->header.elements[i];
@@ -177,6 +185,7 @@ static text_walker walker_of(norma_document *document, const ply_element *elemen
         .error = error,
         .element = element,
         .at = state->bytes + element->begin,
+        .asked = state->bytes + element->begin,
         .end = state->bytes + element->end,
         .visit = visit,
         .user = user};

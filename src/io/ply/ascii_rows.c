@@ -14,7 +14,14 @@ typedef struct text_writer {
     const int64_t *next_item;
     size_t row; /* the old row */
     int any;    /* a row was written */
+    norma_watch *watch;
+    const void *asked; /* where it was last asked whether to go on */
 } text_writer;
+
+/* The sink takes nothing any more, or it is cancelled: of the rest nothing matters. */
+static int stops(text_writer *writer) {
+    return writer->sink->failed || norma_watch_passed(writer->watch, &writer->asked, writer->at);
+}
 
 /* The next word, the white space before it copied. Reading has made sure that there is one. */
 static ply_span take_word(text_writer *writer) {
@@ -78,12 +85,12 @@ static void put_value(text_writer *writer, const ply_item *item, size_t number) 
 static void put_list(text_writer *writer) {
     ply_span word = take_word(writer);
     put_word(writer, word);
-    for (int64_t left = integer_of(writer, word); left > 0; --left)
+    for (int64_t left = integer_of(writer, word); left > 0 && !stops(writer); --left)
         put_word(writer, take_word(writer));
 }
 
 static void skip_words(text_writer *writer, int64_t count) {
-    for (; count > 0; --count) {
+    for (; count > 0 && !stops(writer); --count) {
         size_t length = 0;
         writer->at = norma_ply_token(writer->at, writer->end, &length);
         writer->at += length;
@@ -107,7 +114,7 @@ static void put_face(text_writer *writer) {
     }
     ply_span word = take_word(writer);
     put_word(writer, word);
-    for (int64_t left = integer_of(writer, word); left > 0; --left) {
+    for (int64_t left = integer_of(writer, word); left > 0 && !stops(writer); --left) {
         ply_span index = take_word(writer);
         const uint32_t wanted = *writer->next_index++;
         if (integer_of(writer, index) == wanted)
@@ -121,7 +128,7 @@ static void put_strip(text_writer *writer) {
     ply_span word = take_word(writer);
     const uint32_t count = writer->plan->lists->counts[writer->row];
     put_integer(writer, count);
-    for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t i = 0; i < count && !stops(writer); ++i) {
         norma_sink_put(writer->sink, " ", 1);
         put_integer(writer, *writer->next_item++);
     }
@@ -151,6 +158,7 @@ static int put_corners(text_writer *writer) {
     if (!words) return 0;
     const unsigned char *at = writer->at;
     for (size_t i = 0; i < count; ++i) {
+        if (norma_watch_passed(writer->watch, &writer->asked, at)) break; /* all else drops */
         const unsigned char *found = norma_ply_token(at, writer->end, &words[i].length);
         words[i].offset = (size_t)(found - writer->state->bytes);
         at = found + words[i].length;
@@ -162,7 +170,7 @@ static int put_corners(text_writer *writer) {
         put_part(writer, words, count, corners);
     else
         put_word(writer, word);
-    for (size_t i = 0; i < count && !(in_step && writer->triangle); ++i) {
+    for (size_t i = 0; i < count && !(in_step && writer->triangle) && !stops(writer); ++i) {
         const size_t corner = tuple ? i / tuple : 0,
                      from = tuple && corner > 0 ? (corners - corner) * tuple + i % tuple : i;
         take_word(writer);
@@ -196,7 +204,9 @@ static int put_row(text_writer *writer, size_t number) {
     for (size_t i = 0; i < writer->plan->item_count && ok; ++i)
         ok = put_item(writer, &writer->plan->items[i], number);
     const unsigned char *end = writer->at;
-    while (end < writer->end && !norma_ply_ends_line(*end)) ++end;
+    while (end < writer->end && !norma_ply_ends_line(*end) &&
+           !norma_watch_passed(writer->watch, &writer->asked, end))
+        ++end;
     norma_sink_put(writer->sink, writer->at, (size_t)(end - writer->at));
     writer->at = end;
     return ok;
@@ -271,13 +281,15 @@ norma_document_result norma_ply_write_text_rows(
         .sink = sink,
         .at = state->bytes + plan->element->begin,
         .end = state->bytes + plan->element->end,
+        .watch = &document->watch,
+        .asked = state->bytes + plan->element->begin,
         .next_index = plan->indices,
         .next_item = plan->lists ? plan->lists->items : NULL};
     ply_span *spans = NULL;
     norma_document_result result = plan->dropped_rows || plan->cut_rows
                                        ? norma_ply_row_spans(document, plan->element, &spans, error)
                                        : NORMA_DOCUMENT_OK;
-    for (writer.row = 0; !result && writer.row < plan->element->count && !sink->failed;
+    for (writer.row = 0; !result && writer.row < plan->element->count && !stops(&writer);
          ++writer.row) {
         if (plan->dropped_rows && plan->dropped_rows[writer.row])
             drop_row(&writer, &spans[writer.row]);

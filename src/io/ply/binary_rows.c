@@ -335,9 +335,10 @@ static norma_document_result write_slices(norma_document *document, const row_wr
         .slices = ((size_t)plan->element->count + SLICE - 1) / SLICE};
     norma_sink_flush(sink);
     if (sink->failed) return NORMA_DOCUMENT_OK;
-    norma_ordered_result result = norma_write_ordered(document->threads,
-        slices.slices + (plan->added_count + SLICE - 1) / SLICE, make_slice, &slices, sink->write,
-        sink->user);
+    norma_ordered_result result =
+        norma_write_ordered((norma_ordered_how){document->threads, &document->watch},
+            slices.slices + (plan->added_count + SLICE - 1) / SLICE, make_slice, &slices,
+            sink->write, sink->user);
     sink->failed = result == NORMA_ORDERED_REFUSED;
     return result == NORMA_ORDERED_MEMORY ? norma_document_fail_memory(document, error)
                                           : NORMA_DOCUMENT_OK;

@@ -1,6 +1,7 @@
 /* ascii_facets.c: STL as text: "solid NAME", facets, "endsolid NAME", as often as one likes; words
  * in any case, white space of any kind between them. Writing scans the text again and replaces
- * single numbers, so that all else stays as it is. */
+ * single numbers, so that all else stays as it is. A scan that is stopped jumps
+ * to the end of the text. */
 #include "io/stl/stl.h"
 #include "io/text/number.h"
 #include <stdio.h>
@@ -13,16 +14,45 @@ typedef struct text_scanner {
     size_t facet;
     stl_visitor *visit;
     void *user;
-    int inside; /* a solid */
+    int inside;        /* a solid */
+    const void *asked; /* where it was last asked whether to go on */
+    int stopped;       /* by that, or by the visitor */
 } text_scanner;
 
 static int is_blank(char byte) { return byte == ' ' || (byte >= '\t' && byte <= '\r'); }
+static int is_no_blank(char byte) { return !is_blank(byte); }
+static int is_in_line(char byte) { return byte != '\n' && byte != '\r'; }
+
+static void stop(text_scanner *scanner) {
+    scanner->stopped = 1;
+    scanner->at = scanner->end;
+}
+
+/* Past bytes of a kind, as many as there are. */
+static inline void pass(text_scanner *scanner, int (*is)(char byte)) {
+    const char *at = scanner->at;
+    do {
+        const size_t left = (size_t)(scanner->end - at);
+        const char *limit = at + (left < WATCH_BYTES ? left : WATCH_BYTES);
+        while (at < limit && is(*at)) ++at;
+        scanner->at = at;
+        if (at < limit) return;
+        if (norma_watch_cancelled(norma_document_watch(scanner->document))) stop(scanner);
+    } while (scanner->at < scanner->end);
+}
+
+/* The same of words, as many as there are. */
+static int is_cancelled(text_scanner *scanner) {
+    if (norma_watch_passed(norma_document_watch(scanner->document), &scanner->asked, scanner->at))
+        stop(scanner);
+    return scanner->stopped;
+}
 
 /* Empty at the end of the file. */
 static stl_word next_word(text_scanner *scanner) {
-    while (scanner->at < scanner->end && is_blank(*scanner->at)) ++scanner->at;
+    pass(scanner, is_blank);
     const char *text = scanner->at;
-    while (scanner->at < scanner->end && !is_blank(*scanner->at)) ++scanner->at;
+    pass(scanner, is_no_blank);
     return (stl_word){text, scanner->at};
 }
 
@@ -49,6 +79,7 @@ static size_t line_of(const text_scanner *scanner, const char *place) {
 static norma_document_result fail_word(
     const text_scanner *scanner, stl_word word, const char *expected) {
     char place[32];
+    if (scanner->stopped) return NORMA_DOCUMENT_CANCELLED;
     snprintf(place, sizeof place, "%zu", line_of(scanner, word.text));
     if (word.text == word.end)
         return norma_document_fail(scanner->document, scanner->error,
@@ -75,11 +106,12 @@ static norma_document_result scan_triple(text_scanner *scanner, int part) {
             return fail_word(scanner, words[axis], "a number");
     }
     if (scanner->visit && scanner->visit(scanner->user, scanner->facet, part, words, values))
-        return norma_document_fail_memory(scanner->document, scanner->error);
-    return NORMA_DOCUMENT_OK;
+        stop(scanner);
+    return scanner->stopped ? NORMA_DOCUMENT_CANCELLED : NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result scan_facet(text_scanner *scanner) {
+    if (is_cancelled(scanner)) return NORMA_DOCUMENT_CANCELLED;
     norma_document_result result = expect(scanner, "normal");
     result = result ? result : scan_triple(scanner, 0);
     result = result ? result : expect(scanner, "outer");
@@ -92,11 +124,6 @@ static norma_document_result scan_facet(text_scanner *scanner) {
     result = result ? result : expect(scanner, "endfacet");
     ++scanner->facet;
     return result;
-}
-
-static void skip_line(text_scanner *scanner) {
-    while (scanner->at < scanner->end && *scanner->at != '\n' && *scanner->at != '\r')
-        ++scanner->at;
 }
 
 /* What stands after "solid" on its line, as UTF-8: bytes beyond ASCII of some other encoding become
@@ -116,15 +143,17 @@ static size_t utf8_length(const char *at, const char *end) {
 
 static norma_document_result take_name(text_scanner *scanner) {
     stl_state *state = scanner->document->state;
+    norma_watch *watch = norma_document_watch(scanner->document);
     const char *begin = scanner->at, *end;
-    skip_line(scanner);
+    pass(scanner, is_in_line);
     for (end = scanner->at; end > begin && is_blank(end[-1]);) --end;
     while (begin < end && is_blank(*begin)) ++begin;
-    if (state->name) return NORMA_DOCUMENT_OK;
+    if (state->name || scanner->stopped) return NORMA_DOCUMENT_OK;
     char *name = norma_io_allocate((size_t)(end - begin) + 1, 1);
     if (!name) return norma_document_fail_memory(scanner->document, scanner->error);
     state->name = name;
-    while (begin < end) {
+    for (scanner->asked = begin;
+         begin < end && !norma_watch_passed(watch, &scanner->asked, begin);) {
         size_t length = utf8_length(begin, end);
         *name++ = length ? *begin++ : '?';
         for (size_t i = 1; i < length; ++i) *name++ = *begin++;
@@ -141,7 +170,7 @@ static norma_document_result scan_statement(text_scanner *scanner, stl_word word
     if (is_word(word, "facet")) return scan_facet(scanner);
     if (!is_word(word, "endsolid")) return fail_word(scanner, word, "facet or endsolid");
     scanner->inside = 0;
-    skip_line(scanner);
+    pass(scanner, is_in_line);
     return NORMA_DOCUMENT_OK;
 }
 
@@ -162,10 +191,12 @@ norma_document_result norma_stl_scan(
         .error = error,
         .begin = begin,
         .at = begin,
+        .asked = begin,
         .end = begin + state->size,
         .visit = visit,
         .user = user};
-    return scan(&scanner);
+    const norma_document_result result = scan(&scanner);
+    return scanner.stopped ? NORMA_DOCUMENT_OK : result;
 }
 
 /* ---- reading */
@@ -177,10 +208,11 @@ norma_document_result norma_stl_read_text(norma_document *document, norma_docume
         .error = error,
         .begin = begin,
         .at = begin,
+        .asked = begin,
         .end = begin + state->size};
     norma_document_result result = scan(&scanner);
     state->facets = scanner.facet;
-    if (!result && scanner.inside)
+    if (!result && scanner.inside && !scanner.stopped)
         norma_document_add_note(
             document, "the last solid has no \"endsolid\"; the file may have been cut off");
     return result;
@@ -238,7 +270,8 @@ static int replace_numbers(
     void *user, size_t facet, int part, const stl_word words[3], const double values[3]) {
     text_copier *copier = user;
     const stl_state *state = copier->state;
-    if (copier->sink->failed || (part == 0 ? !state->normals : !state->vertices)) return 0;
+    if (copier->sink->failed) return 1;
+    if (part == 0 ? !state->normals : !state->vertices) return 0;
     for (int axis = 0; axis < 3; ++axis) {
         char text[32];
         const double value = part == 0

@@ -22,7 +22,7 @@ typedef struct stl_state {
 } stl_state;
 
 /* ascii_facets.c: told the three words of each normal (part 0) and vertex (parts 1 to 3). Nonzero
- * stops: then memory is out. */
+ * stops: the rest of the text is not wanted, and the result is fine. */
 typedef struct stl_word {
     const char *text, *end;
 } stl_word;

@@ -16,6 +16,7 @@ typedef struct line { /* in which pieces stand */
     pthread_cond_t ready, room; /* told: the calling thread, the others */
     norma_make_data_run *make;
     void *context;
+    norma_watch *watch;
     norma_data_run *pieces;
     unsigned char *made;
     size_t count, places;   /* piece i stands at place i % places */
@@ -72,7 +73,9 @@ static norma_ordered_result lead(line *l, norma_write *write, void *user) {
     pthread_mutex_lock(&l->lock);
     while (!result && l->handed_on < l->count) {
         const size_t place = l->handed_on % l->places;
-        if (l->made[place]) {
+        if (l->watch && atomic_load(&l->watch->cancelled)) {
+            result = NORMA_ORDERED_REFUSED;
+        } else if (l->made[place]) {
             pthread_mutex_unlock(&l->lock);
             result = hand_on(&l->pieces[place], write, user);
             pthread_mutex_lock(&l->lock);
@@ -85,7 +88,7 @@ static norma_ordered_result lead(line *l, norma_write *write, void *user) {
             pthread_mutex_lock(&l->lock);
             l->made[index % l->places] = 1;
         } else {
-            pthread_cond_wait(&l->ready, &l->lock);
+            norma_watch_wait(l->watch, &l->ready, &l->lock);
         }
     }
     l->stop = 1;
@@ -138,11 +141,12 @@ static norma_ordered_result open_and_run(line *l, size_t threads, norma_write *w
     return result;
 }
 
-norma_ordered_result norma_write_ordered(uint32_t threads, size_t count, norma_make_data_run *make,
-    void *context, norma_write *write, void *user) {
-    const size_t workers = norma_io_threads(threads);
+norma_ordered_result norma_write_ordered(norma_ordered_how how, size_t count,
+    norma_make_data_run *make, void *context, norma_write *write, void *user) {
+    const size_t workers = norma_io_threads(how.threads);
     line l = {.make = make,
         .context = context,
+        .watch = how.watch,
         .count = count,
         .places = workers > count / 2 ? count + 1 : 2 * workers};
     l.pieces = norma_io_allocate(l.places, sizeof *l.pieces);

@@ -1,6 +1,7 @@
 /* ordered.h: a file made piece by piece, by threads, and handed on in order. */
 #ifndef NORMA_IO_ORDERED_H
 #define NORMA_IO_ORDERED_H
+#include "io/file/watch.h"
 #include "io/stream/sink.h"
 
 /* One piece: what make puts into sink, then span, bytes that stay where they are until they are
@@ -21,9 +22,16 @@ typedef enum norma_ordered_result {
     NORMA_ORDERED_MEMORY
 } norma_ordered_result;
 
-/* Pieces are made by as many threads as norma_options means with this number, the calling one among
- * them, which alone calls write. No more of them wait than two for each thread. Refused: write
- * answered nonzero; then no more are made. */
-norma_ordered_result norma_write_ordered(uint32_t threads, size_t count, norma_make_data_run *make,
-    void *context, norma_write *write, void *user);
+/* How: by as many threads as norma_options means with this number, the calling one among them,
+ * which alone calls write. watch: NULL, or asked while it waits; what makes a piece of a size that
+ * is not bounded should ask it, too. */
+typedef struct norma_ordered_how {
+    uint32_t threads;
+    norma_watch *watch;
+} norma_ordered_how;
+
+/* Makes and hands on count pieces. No more of them wait than two for each thread. Refused: write
+ * answered nonzero, or it is cancelled; then no more are made. */
+norma_ordered_result norma_write_ordered(norma_ordered_how how, size_t count,
+    norma_make_data_run *make, void *context, norma_write *write, void *user);
 #endif

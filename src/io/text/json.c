@@ -15,7 +15,13 @@ typedef struct parser {
     size_t capacity;
     uint32_t parent, depth;
     json_error *error;
+    norma_watch *watch;
+    const void *asked; /* where it was last asked whether to go on */
 } parser;
+
+static int is_cancelled(parser *p) {
+    return norma_watch_passed(p->watch, &p->asked, p->text + p->at);
+}
 
 static int fail(parser *p, const char *expected) {
     p->error->byte = p->at;
@@ -26,8 +32,10 @@ static int fail(parser *p, const char *expected) {
 static int peek(const parser *p) { return p->at < p->size ? (unsigned char)p->text[p->at] : -1; }
 
 static void skip_space(parser *p) {
-    while (p->at < p->size && (p->text[p->at] == ' ' || p->text[p->at] == '\n' ||
-                                  p->text[p->at] == '\r' || p->text[p->at] == '\t'))
+    while (p->at < p->size &&
+           (p->text[p->at] == ' ' || p->text[p->at] == '\n' || p->text[p->at] == '\r' ||
+               p->text[p->at] == '\t') &&
+           (p->at % WATCH_BYTES != 0 || !is_cancelled(p)))
         ++p->at;
 }
 
@@ -112,7 +120,8 @@ static size_t utf8_length(const unsigned char *bytes, size_t left) {
 
 static int skip_string(parser *p) {
     ++p->at;
-    while (p->at < p->size) {
+    for (size_t bytes = 1; p->at < p->size; ++bytes) {
+        if (bytes % WATCH_BYTES == 0 && is_cancelled(p)) break;
         unsigned char c = (unsigned char)p->text[p->at];
         if (c == '"') {
             ++p->at;
@@ -225,12 +234,20 @@ static int parse_value(parser *p, int *ended) {
     return c == '[' || parse_key(p);
 }
 
-int norma_json_parse(const char *text, size_t size, json *parsed, json_error *error) {
+int norma_json_parse(
+    const char *text, size_t size, norma_watch *watch, json *parsed, json_error *error) {
     *parsed = (json){.text = text, .size = size};
     *error = (json_error){0};
-    parser p = {.text = text, .size = size, .out = parsed, .parent = JSON_NONE, .error = error};
+    parser p = {.text = text,
+        .size = size,
+        .out = parsed,
+        .parent = JSON_NONE,
+        .error = error,
+        .watch = watch,
+        .asked = text};
     int done = 0, ended;
     while (!done) {
+        if (is_cancelled(&p)) return fail(&p, "no cancel");
         if (!parse_value(&p, &ended) || (ended && !parse_between(&p, &done))) return 0;
     }
     skip_space(&p);
@@ -348,6 +365,17 @@ char *norma_json_string(const json *j, uint32_t string) {
     }
     if (out) *to = '\0';
     return out;
+}
+
+int norma_json_span(const json *j, uint32_t string, json_span *span) {
+    *span = (json_span){0};
+    if (!norma_json_is(j, string, JSON_STRING)) return 0;
+    span->text = j->text + j->tokens[string].start + 1;
+    span->length = j->tokens[string].end - 1 - (j->tokens[string].start + 1);
+    if (!memchr(span->text, '\\', span->length)) return 1;
+    span->text = span->owned = norma_json_string(j, string);
+    span->length = span->owned ? strlen(span->owned) : 0;
+    return span->owned != NULL;
 }
 
 int norma_json_number(const json *j, uint32_t number, double *value) {

@@ -4,6 +4,7 @@
 #ifndef NORMA_IO_JSON_H
 #define NORMA_IO_JSON_H
 #include "io/file/memory.h"
+#include "io/file/watch.h"
 #include <stddef.h>
 #include <stdint.h>
 
@@ -41,8 +42,10 @@ typedef struct json_error {
     const char *expected; /* what; NULL: out of memory */
 } json_error;
 
-/* Nonzero: parsed; the caller frees with norma_json_free, also after a failure. */
-int norma_json_parse(const char *text, size_t size, json *parsed, json_error *error);
+/* Nonzero: parsed; the caller frees with norma_json_free, also after a failure. watch: NULL, or
+ * asked on the way; where it cancels, an error. */
+int norma_json_parse(
+    const char *text, size_t size, norma_watch *watch, json *parsed, json_error *error);
 void norma_json_free(json *parsed);
 
 /* Value of a member. JSON_NONE: it is missing, or object is not an object (or JSON_NONE). The key
@@ -61,6 +64,14 @@ int norma_json_equals(const json *j, uint32_t string,
 int norma_json_uint(const json *j, uint32_t number,
     uint64_t *value); /* also 1.0 and 10e-1; 0: none, below 0, beyond 2^53 */
 int norma_json_number(const json *j, uint32_t number, double *value);
+/* A string's text where it lies or, if it has escapes, decoded; it has no end but its length. 0: no
+ * string, or out of memory. */
+typedef struct json_span {
+    const char *text;
+    size_t length;
+    char *owned; /* to be freed */
+} json_span;
+int norma_json_span(const json *j, uint32_t string, json_span *span);
 char *norma_json_string(
     const json *j, uint32_t string); /* decoded, to be freed; NULL: no string, or out of memory */
 

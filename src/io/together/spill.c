@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = 1 << 16, BLOCKS_IN_MEMORY = 1 << 7 };
+enum { BLOCK = 1 << 14, BLOCKS_IN_MEMORY = 1 << 9 };
 
 typedef struct partition {
     uint32_t *blocks; /* numbers of those that are full */

@@ -1,12 +1,12 @@
 /* spill.h: records of one size in partitions, in memory while they are few and in a temporary file
  * without a name from then on: what is held in memory does not grow with their number, but for some
- * bytes for every 64 KiB. */
+ * bytes for every 16 KiB. */
 #ifndef NORMA_IO_TOGETHER_SPILL_H
 #define NORMA_IO_TOGETHER_SPILL_H
 #include <stddef.h>
 #include <stdint.h>
 
-enum { SPILL_PARTITIONS = 64 };
+enum { SPILL_PARTITIONS = 256 };
 
 typedef struct spill spill;
 

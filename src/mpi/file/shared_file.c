@@ -3,6 +3,7 @@
 #define _DEFAULT_SOURCE /* mkstemp, fchmod, umask */
 #include "mpi/file/shared_file.h"
 #include <errno.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -117,6 +118,23 @@ int norma_mpi_read(mpi_job *job, uint64_t offset, void *bytes, size_t size) {
 
 /* ---- writing */
 
+/* Launchers end a job, when a rank has died or someone has pressed Ctrl-C, by SIGTERM. The handler
+ * has no other way to know the name. */
+static const char *volatile left_behind;
+
+static void tidy(int number) {
+    if (left_behind) unlink(left_behind);
+    signal(number, SIG_DFL);
+    raise(number);
+}
+
+static void tidy_when_ended(const char *path) {
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    left_behind = path;
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i)
+        if (signal(numbers[i], path ? tidy : SIG_DFL) == SIG_IGN) signal(numbers[i], SIG_IGN);
+}
+
 /* With the permissions that a new file gets. */
 static int make_temporary(mpi_job *job) {
     const char *slash = strrchr(job->output, '/');
@@ -130,6 +148,7 @@ static int make_temporary(mpi_job *job) {
         job->temporary[0] = '\0';
         return norma_mpi_fail(job, "%s: cannot be written: %s", job->output, strerror(errno));
     }
+    tidy_when_ended(job->temporary);
     const mode_t mask = umask(0);
     umask(mask);
     fchmod(file, 0666 & ~mask);
@@ -189,6 +208,7 @@ int norma_mpi_close_output(mpi_job *job, int failed) {
         if (!failed && rename(job->temporary, job->output) != 0)
             failed = norma_mpi_fail(job, "%s: cannot be written: %s", job->output, strerror(errno));
         if (failed) remove(job->temporary);
+        tidy_when_ended(NULL);
     }
     job->temporary[0] = '\0';
     return norma_mpi_failed(job, failed);

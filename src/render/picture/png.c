@@ -1,32 +1,7 @@
-/* png.c: a picture as PNG bytes in memory (libpng). Its chunk sRGB says what the numbers mean. */
+/* png.c: a picture as PNG bytes in memory. Its chunk sRGB says what the numbers mean. */
+#include "io/image/png_memory.h"
 #include "render/fail.h"
-#include <png.h>
-#include <setjmp.h>
 #include <stdlib.h>
-#include <string.h>
-
-static void write_bytes(png_structp png, png_bytep bytes, png_size_t size) {
-    render_png *out = png_get_io_ptr(png);
-    if (size > SIZE_MAX / 4 - out->size) png_error(png, "too large");
-    if (out->size + size > out->capacity) {
-        size_t capacity = 2 * (out->size + size) + 4096;
-        uint8_t *larger = realloc(out->bytes, capacity);
-        if (!larger) png_error(png, "out of memory");
-        out->bytes = larger;
-        out->capacity = capacity;
-    }
-    memcpy(out->bytes + out->size, bytes, size);
-    out->size += size;
-}
-
-static void flush_nothing(png_structp png) { (void)png; }
-
-/* libpng's own would print. */
-static void fail(png_structp png, png_const_charp message) {
-    (void)message;
-    png_longjmp(png, 1);
-}
-static void ignore(png_structp png, png_const_charp message) { (void)png, (void)message; }
 
 static int is_opaque(const render_picture *picture) {
     for (size_t i = 0; i < picture->width * picture->height; ++i)
@@ -34,7 +9,8 @@ static int is_opaque(const render_picture *picture) {
     return 1;
 }
 
-static void write_picture(png_structp png, png_infop info, const render_picture *picture) {
+static void write_picture(png_structp png, png_infop info, const void *job) {
+    const render_picture *picture = job;
     const int opaque = is_opaque(picture);
     png_set_IHDR(png, info, (png_uint_32)picture->width, (png_uint_32)picture->height, 8,
         opaque ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
@@ -51,17 +27,12 @@ static void write_picture(png_structp png, png_infop info, const render_picture 
 
 enum render_result render_png_encode(
     const render_picture *picture, render_png *out, render_error *error) {
-    *out = (render_png){0};
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, fail, ignore);
-    png_infop info = png ? png_create_info_struct(png) : NULL;
-    if (!info || setjmp(png_jmpbuf(png))) {
-        png_destroy_write_struct(&png, &info);
-        free(out->bytes);
-        *out = (render_png){0};
-        return render_fail_memory(error);
+    growing_bytes bytes = {0};
+    const int failed = norma_png_write(&bytes, write_picture, picture) != IMAGE_OK;
+    if (failed) {
+        free(bytes.data);
+        bytes = (growing_bytes){0};
     }
-    png_set_write_fn(png, out, write_bytes, flush_nothing);
-    write_picture(png, info, picture);
-    png_destroy_write_struct(&png, &info);
-    return RENDER_OK;
+    *out = (render_png){(uint8_t *)bytes.data, bytes.size};
+    return failed ? render_fail_memory(error) : RENDER_OK;
 }

@@ -666,7 +666,7 @@ static void test_endless_skins(void **state) {
 static void test_unreadable(void **state) {
     (void)state;
     const norma_document_error error = {
-        .result = NORMA_DOCUMENT_ERROR_MALFORMED, .message = "a.glb:byte 0: there should be more"};
+        .result = NORMA_DOCUMENT_ERROR_MALFORMED, .message = "a.glb:byte 0: expected more"};
     norma_findings *findings = norma_check_unreadable(&error, NORMA_FILE_GLB, NULL);
     assert_non_null(findings);
     assert_string_equal(norma_findings_get(findings, 0)->message, error.message);

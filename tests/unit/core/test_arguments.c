@@ -555,6 +555,34 @@ static void progress_never_falls_and_cancels(void **state) {
     watch_all_calls(1);
 }
 
+/* Joining positions by distance may take most of a call: the caller is asked on the way. */
+static void welding_by_distance_can_be_stopped(void **state) {
+    (void)state;
+    mesh_file mesh = {0};
+    shape_wavy_grid(&mesh, 250, 0);
+    const norma_mesh view = mesh_file_view(&mesh);
+    float *normals = test_malloc(12 * mesh.position_count);
+    watch w = {0};
+    norma_options options = {.progress = look, .progress_user = &w};
+    assert_ok(norma_vertex_normals(&view, &options, normals, mesh.position_count, NULL));
+    const size_t without = w.calls;
+    options.weld = NORMA_WELD_DISTANCE;
+    options.weld_distance = 1e-6;
+    w = (watch){0};
+    assert_ok(norma_vertex_normals(&view, &options, normals, mesh.position_count, NULL));
+    assert_true(w.calls >= without + 14); /* at three levels of the tree, made and walked */
+    const size_t calls = w.calls;
+    for (size_t stop = 1; stop <= calls; ++stop) {
+        w = (watch){.stop_after = stop};
+        assert_int_equal(norma_vertex_normals(&view, &options, normals, mesh.position_count, NULL),
+            NORMA_CANCELLED);
+        assert_int_equal(w.calls, stop);
+        assert_false(w.fell);
+    }
+    test_free(normals);
+    mesh_file_free(&mesh);
+}
+
 static void every_result_has_its_own_text(void **state) {
     (void)state;
     for (int i = -5; i <= 1; ++i) {
@@ -616,6 +644,7 @@ int main(void) {
         cmocka_unit_test(empty_meshes),
         cmocka_unit_test(struct_sizes),
         cmocka_unit_test(progress_never_falls_and_cancels),
+        cmocka_unit_test(welding_by_distance_can_be_stopped),
         cmocka_unit_test(every_result_has_its_own_text),
         cmocka_unit_test(every_weight_has_its_own_name),
     };

@@ -372,17 +372,20 @@ static int watch_midway(void *user, double fraction) {
     return 0;
 }
 
+enum { DISORDERED_POSITIONS = 540000, DISORDERED_TRIANGLES = 1200000 };
+typedef struct disorder {
+    float (*positions)[3];
+    uint32_t (*corners)[3];
+} disorder;
+
 /* So many faces with corners anywhere that several threads hand what they measure to each other;
  * some of them, and some positions, are not what they should be. Most sums cancel but for some
  * hundred-thousandth, so that their order shows. */
-static void faces_in_no_order(void **state) {
-    enum { POSITIONS = 540000, TRIANGLES = 1200000 };
-    static const uint32_t threads[] = {2, 3, 8, 13, 64};
+static norma_mesh make_disorder(disorder *d) {
+    enum { POSITIONS = DISORDERED_POSITIONS, TRIANGLES = DISORDERED_TRIANGLES };
     uint64_t seed = 21;
     float(*positions)[3] = malloc(POSITIONS * sizeof *positions);
     uint32_t(*corners)[3] = malloc(TRIANGLES * sizeof *corners);
-    answer expected, got;
-    (void)state;
     if (!positions || !corners) abort();
     for (size_t i = 0; i < POSITIONS; ++i)
         for (int x = 0; x < 3; ++x) positions[i][x] = (float)shape_random_unit(&seed);
@@ -405,16 +408,30 @@ static void faces_in_no_order(void **state) {
                     k == 2 ? POSITIONS / 2 + 2 * (uint32_t)(shape_random(&seed) % (POSITIONS / 4))
                            : (uint32_t)(shape_random(&seed) % (POSITIONS / 2));
         }
-    const norma_mesh mesh = {.positions = {positions, POSITIONS, 0, NORMA_FORMAT_FLOAT},
+    *d = (disorder){positions, corners};
+    return (norma_mesh){.positions = {positions, POSITIONS, 0, NORMA_FORMAT_FLOAT},
         .corners = corners,
         .corner_count = 3 * (size_t)TRIANGLES,
         .corner_size = 4};
+}
+
+static void free_disorder(disorder *d) {
+    free(d->positions);
+    free(d->corners);
+}
+
+static void faces_in_no_order(void **state) {
+    static const uint32_t threads[] = {2, 3, 8, 13, 64};
+    answer expected, got;
+    disorder d;
+    const norma_mesh mesh = make_disorder(&d);
+    (void)state;
     for (int weld = NORMA_WELD_EXACT; weld <= NORMA_WELD_NONE; ++weld) {
         const norma_options options = {
             .weld = (norma_weld)weld, .weight = weld ? NORMA_WEIGHT_AREA : NORMA_WEIGHT_ANGLE};
-        answer_create(&expected, POSITIONS);
+        answer_create(&expected, DISORDERED_POSITIONS);
         assert_ok(call(VERTICES, &mesh, options, &expected));
-        assert_true(expected.report.degenerate_faces.count > TRIANGLES / 1000 &&
+        assert_true(expected.report.degenerate_faces.count > DISORDERED_TRIANGLES / 1000 &&
                     expected.report.degenerate_faces.first == 0);
         for (size_t i = 0; i <= COUNT_OF(threads); ++i) {
             size_t used = 0;
@@ -427,7 +444,7 @@ static void faces_in_no_order(void **state) {
             own.parallel_for_user = &used;
             own.progress = watch_midway;
             own.progress_user = &seen;
-            answer_create(&got, POSITIONS);
+            answer_create(&got, DISORDERED_POSITIONS);
             assert_ok(call(VERTICES, &mesh, own, &got));
             if (!same(&got, &expected)) fail_msg("weld %d, setting %zu: other bits", weld, i);
             if (seen.midway < 8)
@@ -437,8 +454,26 @@ static void faces_in_no_order(void **state) {
         }
         answer_free(&expected);
     }
-    free(positions);
-    free(corners);
+    free_disorder(&d);
+}
+
+/* More threads than there is room for counts of corners: each still sorts a range of its own. */
+static void corners_in_no_order(void **state) {
+    static const uint32_t threads[] = {2, 13};
+    answer expected, got;
+    disorder d;
+    const norma_mesh mesh = make_disorder(&d);
+    (void)state;
+    answer_create(&expected, mesh.corner_count);
+    assert_ok(call(CORNERS, &mesh, (norma_options){.threads = 1}, &expected));
+    for (size_t i = 0; i < COUNT_OF(threads); ++i) {
+        answer_create(&got, mesh.corner_count);
+        assert_ok(call(CORNERS, &mesh, (norma_options){.threads = threads[i]}, &got));
+        if (!same(&got, &expected)) fail_msg("%u threads: other bits", threads[i]);
+        answer_free(&got);
+    }
+    answer_free(&expected);
+    free_disorder(&d);
 }
 
 /* Half a million vertices without a face: the nearest normal is sought for each. */
@@ -461,6 +496,7 @@ int main(void) {
         cmocka_unit_test(other_options),
         cmocka_unit_test(every_instruction_set),
         cmocka_unit_test(faces_in_no_order),
+        cmocka_unit_test(corners_in_no_order),
         cmocka_unit_test(two_callers_at_once),
         cmocka_unit_test(many_triangles_round_one_vertex),
         cmocka_unit_test(many_copies_of_one_position),

@@ -205,6 +205,20 @@ static void test_saving_bytes(void **state) {
     (void)state;
     refused(norma_save_bytes(NULL, "a", 1, e), "no path or no bytes were given");
     refused(norma_save_bytes("/nowhere/a.txt", NULL, 1, e), "no path or no bytes were given");
+    norma_saving *saving;
+    refused(norma_save_begin(NULL, &saving, e), "no path or no place for the result was given");
+    assert_null(saving);
+    refused(norma_save_begin("/nowhere/a.txt", NULL, e),
+        "no path or no place for the result was given");
+    refused(norma_save_piece(NULL, "a", 1, e), "no file or no bytes were given");
+    refused(norma_save_end(NULL, e), "no file was given");
+    norma_save_abandon(NULL);
+    assert_null(norma_save_temporary(NULL));
+    assert_int_equal(
+        norma_save_begin("/nowhere/a.txt", &saving, &failed), NORMA_DOCUMENT_ERROR_FILE);
+    assert_null(saving);
+    assert_string_equal(
+        failed.message, "/nowhere/a.txt: cannot be written: No such file or directory");
     FILE *full = fopen("/dev/full", "wb");
     if (!full) skip();
     fclose(full);
@@ -215,6 +229,16 @@ static void test_saving_bytes(void **state) {
             norma_save_bytes("/dev/full", bytes, size, &failed), NORMA_DOCUMENT_ERROR_FILE);
         free(bytes);
     }
+    assert_string_equal(failed.message, "/dev/full: cannot be written: No space left on device");
+    /* The first error stays. */
+    assert_int_equal(norma_save_begin("/dev/full", &saving, &failed), NORMA_DOCUMENT_OK);
+    assert_null(norma_save_temporary(saving));
+    char *bytes = calloc(1 << 20, 1);
+    assert_non_null(bytes);
+    assert_int_equal(norma_save_piece(saving, bytes, 1 << 20, &failed), NORMA_DOCUMENT_ERROR_FILE);
+    assert_int_equal(norma_save_piece(saving, bytes, 1, &failed), NORMA_DOCUMENT_ERROR_FILE);
+    assert_int_equal(norma_save_end(saving, &failed), NORMA_DOCUMENT_ERROR_FILE);
+    free(bytes);
     assert_string_equal(failed.message, "/dev/full: cannot be written: No space left on device");
 }
 

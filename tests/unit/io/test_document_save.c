@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <cmocka.h>
+#include <dirent.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -486,6 +487,44 @@ static void sizes_are_checked(void **state) {
     free(nothing);
 }
 
+static size_t files_in(const char *folder) {
+    size_t count = 0;
+    DIR *all = opendir(folder);
+    assert_non_null(all);
+    for (struct dirent *entry; (entry = readdir(all)) != NULL;) ++count;
+    closedir(all);
+    return count;
+}
+
+/* More bytes than any buffer on the way. */
+static void pieces_are_in_place_at_the_end(void **state) {
+    enum { PIECES = 100000 };
+    const place *at = *state;
+    char *all = calloc(PIECES, 7);
+    norma_saving *saving;
+    norma_document_error error;
+    const size_t before = files_in(at->folder);
+    assert_non_null(all);
+    for (size_t i = 0; i < PIECES; ++i) memcpy(all + 7 * i, "seven.\n", i + 1 < PIECES ? 7 : 6);
+    for (int ends = 0; ends < 2; ++ends) {
+        assert_int_equal(norma_save_begin(at->target, &saving, &error), NORMA_DOCUMENT_OK);
+        for (size_t i = 0; i < PIECES; ++i)
+            assert_int_equal(norma_save_piece(saving, all + 7 * i, i + 1 < PIECES ? 7 : 6, &error),
+                NORMA_DOCUMENT_OK);
+        assert_int_equal(norma_save_piece(saving, NULL, 0, &error), NORMA_DOCUMENT_OK);
+        const char *temporary = norma_save_temporary(saving);
+        if (temporary) assert_int_equal(access(temporary, F_OK), 0);
+        assert_holds(at->target, "old");
+        if (ends)
+            assert_int_equal(norma_save_end(saving, &error), NORMA_DOCUMENT_OK);
+        else
+            norma_save_abandon(saving);
+        assert_holds(at->target, ends ? all : "old");
+        assert_int_equal(files_in(at->folder), before);
+    }
+    free(all);
+}
+
 #define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
 
 int main(void) {
@@ -508,6 +547,7 @@ int main(void) {
         TEST(formats_by_extension),
         TEST(reports_add_up),
         TEST(sizes_are_checked),
+        TEST(pieces_are_in_place_at_the_end),
     };
     return cmocka_run_group_tests_name("documents, whatever their format", tests, NULL, NULL);
 }

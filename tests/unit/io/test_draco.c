@@ -181,11 +181,11 @@ static void test_lying_accessors(void **state) {
         {0, "{\"componentType\":5123,\"count\":27,\"type\":\"SCALAR\"}",
             "declares 8 triangles; expected 9, as the accessor of the indices does"},
         {0, "{\"componentType\":5123,\"count\":25,\"type\":\"SCALAR\"}",
-            "/accessors/0: there should be a count that is a multiple of 3"},
+            "/accessors/0: expected a count that is a multiple of 3"},
         {0, "{\"componentType\":5126,\"count\":24,\"type\":\"SCALAR\"}",
-            "/accessors/0: there should be a type that the Draco stream can hold"},
-        {1, "{\"componentType\":5126,\"count\":10,\"type\":\"VEC3\"}", "there should be"},
-        {1, "{\"componentType\":5126,\"count\":2000000000,\"type\":\"VEC3\"}", "there should be"},
+            "/accessors/0: expected a type that the Draco stream can hold"},
+        {1, "{\"componentType\":5126,\"count\":10,\"type\":\"VEC3\"}", "expected"},
+        {1, "{\"componentType\":5126,\"count\":2000000000,\"type\":\"VEC3\"}", "expected"},
         {0, "{\"componentType\":5125,\"count\":3000000000,\"type\":\"SCALAR\"}",
             "would take far more memory than the file"},
         {0, "{\"componentType\":5125,\"count\":60000,\"type\":\"SCALAR\"}",
@@ -193,11 +193,11 @@ static void test_lying_accessors(void **state) {
         {3, "{\"componentType\":5126,\"count\":9,\"type\":\"VEC3\"}",
             "has TEXCOORD_0 with another number of components; expected 3"},
         {3, "{\"componentType\":5126,\"count\":9,\"type\":\"MAT2\"}",
-            "/accessors/3: there should be a type that the Draco stream can hold"},
+            "/accessors/3: expected a type that the Draco stream can hold"},
         {1,
             "{\"bufferView\":0,\"byteOffset\":400,\"componentType\":5126,\"count\":9,\"type\":"
             "\"VEC3\"}",
-            "/accessors/1: there should be elements that end inside their view"},
+            "/accessors/1: expected elements that end inside their view"},
     };
     (void)state;
     for (size_t s = 0; s < COUNT_OF(STREAMS); ++s)

@@ -243,6 +243,22 @@ static void test_texcoords(void **state) {
     asset_free(&a);
 }
 
+/* Scaled, then turned anticlockwise as seen in the image, whose v points down; then moved. */
+static void test_texture_place(void **state) {
+    (void)state;
+    static const float coordinates[2][2] = {{0.25F, 0.5F}, {-1, 3}},
+                       quarter_turn[2][2] = {{2.5F, -0.25F}, {12.5F, 2.25F}};
+    norma_texture_info info = {.offset = {0.5F, 0.25F}, .scale = {2, 4}};
+    float placed[8] = {0, 0, 7, 7, 0, 0, 7, 7};
+    norma_texture_place(&info, &coordinates[0][0], 2, 4, placed);
+    assert_true(placed[0] == 1 && placed[1] == 2.25F && placed[4] == -1.5F && placed[5] == 12.25F);
+    assert_true(placed[2] == 7 && placed[3] == 7 && placed[6] == 7 && placed[7] == 7);
+    info.rotation = 1.57079633F;
+    norma_texture_place(&info, &coordinates[0][0], 2, 2, placed);
+    for (size_t i = 0; i < 4; i++)
+        assert_true(fabsf(placed[i] - quarter_turn[i / 2][i % 2]) < 1e-5F);
+}
+
 /* ---- places */
 
 static void test_scene(void **state) {
@@ -306,6 +322,7 @@ int main(void) {
         cmocka_unit_test(test_joint_out_of_range),
         cmocka_unit_test(test_maps),
         cmocka_unit_test(test_texcoords),
+        cmocka_unit_test(test_texture_place),
         cmocka_unit_test(test_scene),
         cmocka_unit_test(test_normalised),
         cmocka_unit_test(test_arguments),

@@ -72,7 +72,7 @@ static void test_gltf_positions(void **state) {
         "[0,-3,0]"); /* glTF 2.0, 3.7.2.1: positions have bounds */
     output_free(&b);
     refuse(asset_open(&a, PLAIN, 0), &too_far, NORMA_DOCUMENT_ERROR_MALFORMED,
-        "/accessors/0: there should be numbers that floats can hold here");
+        "/accessors/0: expected numbers that floats can hold; found ");
     asset_free(&a);
 }
 

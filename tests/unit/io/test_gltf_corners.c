@@ -2,6 +2,7 @@
  * baked, meshes that stay as they are and why, instances, skins and edits that do not fit, codes
  * below the least, matrices that flatten. */
 #include "check.h"
+#include "message.h"
 #include "document_bytes.h"
 #include "gltf_asset.h"
 
@@ -68,43 +69,42 @@ static void test_what_does_not_fit(void **state) {
         const char *attributes, *more, *message;
     } cases[] = {
         {BAKE, NORMA_DOCUMENT_ERROR_MALFORMED, ",\"NORMAL\":1}", NODE,
-            "/accessors/1: there should be VEC3 here"},
+            "/accessors/1: expected the type VEC3; found "},
         {BAKE, NORMA_DOCUMENT_ERROR_MALFORMED, ",\"NORMAL\":2}", NODE,
-            "/accessors/2: there should be floats, or integers of at most 16 bits here"},
+            "/accessors/2: expected floats, or integers of at most 16 bits; found "},
         {BAKE, NORMA_DOCUMENT_ERROR_MALFORMED, ",\"NORMAL\":3,\"TANGENT\":3}", NODE,
-            "/accessors/3: there should be VEC4 for tangents here"},
+            "/accessors/3: expected the type VEC4 for tangents; found "},
         {INSTANCES, NORMA_DOCUMENT_ERROR_MALFORMED, "}",
             "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
             "\"TRANSLATION\":0,\"SCALE\":9}}}}]",
-            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE: there should be the "
-            "number of an accessor here"},
+            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE: expected the number of "
+            "an existing accessor; found "},
         {INSTANCES, NORMA_DOCUMENT_ERROR_MALFORMED, "}",
             "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
             "\"TRANSLATION\":0,\"SCALE\":4}}}}]",
-            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE: there should be one "
-            "vector for each instance here"},
+            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/SCALE: expected one vector for "
+            "each instance; found "},
         {INSTANCES, NORMA_DOCUMENT_ERROR_MALFORMED, "}",
             "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
             "\"TRANSLATION\":0,\"ROTATION\":3}}}}]",
-            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/ROTATION: there should be one "
-            "vector for each instance here"},
+            "/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/ROTATION: expected one vector "
+            "for each instance; found "},
         {INSTANCES, NORMA_DOCUMENT_ERROR_MALFORMED, "}",
             "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{"
             "\"_ID\":6}}}}]",
-            "/accessors/6: there should be a count that is plausible for the size of the file "
-            "here"},
+            "/accessors/6: expected a count that is plausible for the size of the file; found "},
         {SKIN, NORMA_DOCUMENT_ERROR_MALFORMED, "}", "\"nodes\":[{}],\"skins\":[{\"joints\":{}}]",
-            "/skins/0/joints: there should be an array here"},
+            "/skins/0/joints: expected an array; found "},
         {SKIN, NORMA_DOCUMENT_ERROR_MALFORMED, "}", "\"nodes\":[{}],\"skins\":[{\"joints\":[0,1]}]",
-            "/skins/0/joints/1: there should be the number of a node here"},
+            "/skins/0/joints/1: expected the number of an existing node; found "},
         {EDIT_NORMALS, NORMA_DOCUMENT_ERROR_ARGUMENT, "}", NODE,
             "/meshes/0/primitives/0: has no NORMAL that could be replaced"},
         {EDIT_NORMALS, NORMA_DOCUMENT_ERROR_MALFORMED, ",\"NORMAL\":1}", NODE,
-            "/accessors/1: there should be as many vectors as vertices here"},
+            "/accessors/1: expected as many vectors as vertices; found "},
         {EDIT_TANGENTS, NORMA_DOCUMENT_ERROR_MALFORMED, ",\"TANGENT\":3}", NODE,
-            "/accessors/3: there should be as many vectors as vertices here"},
+            "/accessors/3: expected as many vectors as vertices; found "},
         {COMPUTE_MORPHS, NORMA_DOCUMENT_ERROR_MALFORMED, "},\"targets\":[{\"POSITION\":1}]", NODE,
-            "/accessors/1: there should be displacements of three numbers here"},
+            "/accessors/1: expected displacements of three numbers; found "},
     };
     size_t wrong = 0;
     (void)state;
@@ -115,7 +115,7 @@ static void test_what_does_not_fit(void **state) {
         norma_document *document = open_corners(&a, cases[i].attributes, cases[i].more);
         const norma_document_result result = do_it(document, cases[i].what, &error);
         snprintf(expected, sizeof expected, "asset.glb:%s", cases[i].message);
-        if (result != cases[i].result || strcmp(error.message, expected) != 0) {
+        if (result != cases[i].result || !is_message(error.message, expected)) {
             print_error("case %zu: result %d, \"%s\"\n   expected %d, \"%s\"\n", i, (int)result,
                 error.message, (int)cases[i].result, expected);
             ++wrong;
@@ -356,12 +356,12 @@ static void test_too_few_normals_elsewhere(void **state) {
     (void)state;
     asset_floats(&a, CORNERS, 3, 3);
     asset_floats(&a, normals, 2, 3);
-    assert_string_equal(asset_refused(&a,
-                            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
-                            "\"NORMAL\":1,\"_OLD\":1}}]}]",
-                            1),
-        "asset.glb:/meshes/0/primitives/0/attributes/_OLD: there should be an accessor with as "
-        "many elements as POSITION has here");
+    assert_message(asset_refused(&a,
+                       "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
+                       "\"NORMAL\":1,\"_OLD\":1}}]}]",
+                       1),
+        "asset.glb:/meshes/0/primitives/0/attributes/_OLD: expected an accessor with as many "
+        "elements as POSITION has; found ");
     norma_document_close(asset_open(
         &a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]", 1));
     asset_free(&a);

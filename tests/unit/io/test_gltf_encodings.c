@@ -3,6 +3,7 @@
  * each width. What is read, baked, computed is what the numbers mean, whichever way they are
  * stored. */
 #include "check.h"
+#include "message.h"
 #include "gltf_asset.h"
 #include "document_bytes.h"
 #include "gltf_output.h"
@@ -766,8 +767,8 @@ static void test_between_keys(void **state) {
     assert_true(fabs(anisotropy_of("CUBICSPLINE", spline[0], 6, &error) -
                      8 * (0.5 * 1 + 2 * 0.125 * 4 + 0.5 * 3 + 2 * 0.125 * 4)) < 1e-4);
     assert_true(anisotropy_of("CUBICSPLINE", line[0], 2, &error) < 0);
-    assert_string_equal(error.message,
-        "asset.glb:/animations/0/samplers/0: there should be as many values as times here");
+    assert_message(error.message,
+        "asset.glb:/animations/0/samplers/0: expected as many values as times; found ");
 }
 
 static void test_animations_refused(void **state) {
@@ -776,21 +777,24 @@ static void test_animations_refused(void **state) {
     } cases[] = {
         {"{\"samplers\":[{\"input\":0}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,"
          "\"path\":\"scale\"}}]}",
-            "asset.glb:/animations/0/samplers/0: there should be the numbers of accessors in "
-            "\"input\" and \"output\" here"},
+            "asset.glb:/animations/0/samplers/0: expected the numbers of existing accessors in "
+            "\"input\" "
+            "and \"output\"; found "},
         {"{\"samplers\":[{\"input\":0,\"output\":9}],\"channels\":[{\"sampler\":0,\"target\":{"
          "\"node\":0,\"path\":\"rotation\"}}]}",
-            "asset.glb:/animations/0/samplers/0: there should be the numbers of accessors in "
-            "\"input\" and \"output\" here"},
+            "asset.glb:/animations/0/samplers/0: expected the numbers of existing accessors in "
+            "\"input\" "
+            "and \"output\"; found "},
         {"{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{"
          "\"node\":0,\"path\":\"scale\"}}]}",
-            "asset.glb:/accessors/0: there should be vectors of three numbers here"},
+            "asset.glb:/accessors/0: expected vectors of three numbers; found "},
         {"{\"samplers\":[{\"input\":0,\"output\":0}],\"channels\":[{\"sampler\":0,\"target\":{"
          "\"node\":0,\"path\":\"rotation\"}}]}",
-            "asset.glb:/accessors/0: there should be vectors of four numbers here"},
+            "asset.glb:/accessors/0: expected vectors of four numbers; found "},
         {"{\"samplers\":[],\"channels\":[{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"scale\"}}"
          "]}",
-            "asset.glb:/animations/0/channels/0: there should be the number of a sampler here"},
+            "asset.glb:/animations/0/channels/0: expected the number of an existing sampler; "
+            "found "},
     };
     (void)state;
     for (size_t i = 0; i < COUNT_OF(cases); ++i) {
@@ -806,7 +810,7 @@ static void test_animations_refused(void **state) {
         for (int again = 0; again < 2; ++again) { /* the second time from memory */
             assert_int_equal(norma_document_skin_info(document, 0, &info, &error),
                 NORMA_DOCUMENT_ERROR_MALFORMED);
-            assert_string_equal(error.message, cases[i].message);
+            assert_message(error.message, cases[i].message);
         }
         assert_int_equal(
             norma_document_skin_info(document, 0, &info, NULL), NORMA_DOCUMENT_ERROR_MALFORMED);

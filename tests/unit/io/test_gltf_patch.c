@@ -4,6 +4,7 @@
  * glTF 2.0 asks of the JSON. */
 #define _POSIX_C_SOURCE 200809L
 #include "check.h"
+#include "message.h"
 #include "gltf_asset.h"
 #include "gltf_output.h"
 
@@ -221,8 +222,8 @@ static void test_a_chunk_too_short(void **state) {
     memcpy(place, "\"buffers\":[{\"byteLength\":96}", 28);
     assert_int_equal(norma_document_open_memory(a.glb, size, "a.glb", NULL, &document, &error),
         NORMA_DOCUMENT_ERROR_MALFORMED);
-    assert_string_equal(error.message,
-        "a.glb:/buffers/0: there should be a byteLength no longer than the BIN chunk here");
+    assert_message(error.message,
+        "a.glb:/buffers/0: expected a byteLength no longer than the BIN chunk; found ");
     asset_free(&a);
 }
 

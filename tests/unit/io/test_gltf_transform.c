@@ -124,7 +124,8 @@ static void run(const asset *a, const double *rows, int bake, result *r) {
     run_on(document, scene_reopen((const unsigned char *)a->text, strlen(a->text), "asset.gltf"),
         rows, bake, "out.gltf", r);
     json_error error;
-    if (r->after) assert_true(norma_json_parse((const char *)r->bytes, r->size, &r->json, &error));
+    if (r->after)
+        assert_true(norma_json_parse((const char *)r->bytes, r->size, NULL, &r->json, &error));
     norma_document_close(document);
 }
 
@@ -575,7 +576,7 @@ static void test_what_stays_is_named(void **state) {
         doubled, 1, "out.gltf", &r);
     assert_done(&r);
     json_error error;
-    assert_true(norma_json_parse((const char *)r.bytes, r.size, &r.json, &error));
+    assert_true(norma_json_parse((const char *)r.bytes, r.size, NULL, &r.json, &error));
     assert_non_null(note_of(document, "\"wheel\""));
     assert_non_null(note_of(document, "\"hub\""));
     assert_non_null(note_of(document, "\"body\""));
@@ -922,7 +923,7 @@ static void test_instances(void **state) {
     run_on(document, scene_open(path), turned, 1, path, &r);
     assert_done(&r);
     json_error error;
-    assert_true(norma_json_parse((const char *)r.bytes, r.size, &r.json, &error));
+    assert_true(norma_json_parse((const char *)r.bytes, r.size, NULL, &r.json, &error));
     assert_identities(r.after);
     assert_int_equal(norma_document_node_count(r.after), 125);
     assert_int_equal(count_of(&r, "meshes"), 125);

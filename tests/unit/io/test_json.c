@@ -12,7 +12,7 @@
 static int parses(const char *text) {
     json j;
     json_error error;
-    int ok = norma_json_parse(text, strlen(text), &j, &error);
+    int ok = norma_json_parse(text, strlen(text), NULL, &j, &error);
     norma_json_free(&j);
     return ok;
 }
@@ -59,7 +59,7 @@ static void values_are_found_and_read(void **state) {
     json_error error;
     uint64_t value = 0;
     (void)state;
-    assert_true(norma_json_parse(text, strlen(text), &j, &error));
+    assert_true(norma_json_parse(text, strlen(text), NULL, &j, &error));
     assert_int_equal(norma_json_size(&j, 0), 4);
     uint32_t a = norma_json_member(&j, 0, "a"); /* the last one of that name counts */
     assert_int_equal(norma_json_size(&j, a), 1);
@@ -85,7 +85,7 @@ typedef struct editing {
 
 static void begin(editing *e, const char *text) {
     json_error error;
-    assert_true(norma_json_parse(text, strlen(text), &e->j, &error));
+    assert_true(norma_json_parse(text, strlen(text), NULL, &e->j, &error));
     e->edits = norma_json_edits_create(&e->j, 0);
     assert_non_null(e->edits);
 }
@@ -211,7 +211,7 @@ static void quotes_any_text(void **state) {
     memcpy(all + 31, "\"\\\x7f\xc3\xa4", 6);
     norma_json_add_quoted(&text, all);
     for (size_t i = 0; i < text.size; ++i) assert_true((unsigned char)text.data[i] >= 0x20);
-    assert_true(norma_json_parse(text.data, text.size, &j, &error));
+    assert_true(norma_json_parse(text.data, text.size, NULL, &j, &error));
     char *back = norma_json_string(&j, 0);
     assert_string_equal(back, all);
     free(back);

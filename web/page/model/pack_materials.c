@@ -46,20 +46,16 @@ void view_pack_images_free(view_pack_images *images) {
     *images = (view_pack_images){0};
 }
 
-/* ---- texture coordinates, as they are looked up: KHR_texture_transform scales, turns, moves */
+/* ---- texture coordinates, as they are looked up */
 
 static norma_document_result place_texcoords(norma_document *document, size_t mesh,
     const norma_texture_info *info, float *out, size_t count, norma_document_error *error) {
-    const float *texcoords = NULL, c = cosf(info->rotation), s = sinf(info->rotation);
+    const float *texcoords = NULL;
     size_t there = 0;
     const norma_document_result result =
         norma_document_texcoords(document, mesh, info->texcoord, &texcoords, &there, error);
-    for (size_t i = 0; !result && texcoords && i < there && i < count; ++i) {
-        const float u = texcoords[2 * i] * info->scale[0],
-                    v = texcoords[2 * i + 1] * info->scale[1];
-        out[4 * i] = c * u + s * v + info->offset[0];
-        out[4 * i + 1] = c * v - s * u + info->offset[1];
-    }
+    if (!result && texcoords)
+        norma_texture_place(info, texcoords, there < count ? there : count, 4, out);
     return result;
 }
 

@@ -30,8 +30,8 @@ static norma_document_result too_large(
 static norma_document_result check_shape(const mesh_baker *b, const bake_entry *entry,
     const gltf_array *array, const gltf_array *base, norma_document_error *error) {
     if (array->width != (entry->role == BAKE_TANGENTS ? 4u : 3u))
-        return malformed(
-            b, entry->a, entry->role == BAKE_TANGENTS ? "VEC4 for tangents" : "VEC3", error);
+        return malformed(b, entry->a,
+            entry->role == BAKE_TANGENTS ? "the type VEC4 for tangents" : "the type VEC3", error);
     if (array->component == GLTF_UINT)
         return malformed(b, entry->a, "floats, or integers of at most 16 bits", error);
     if (base && (base->count < array->count || base->width < 3 || base->width > 4 ||

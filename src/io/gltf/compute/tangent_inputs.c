@@ -2,7 +2,6 @@
  * coordinates that its normal map uses, through that map's KHR_texture_transform. */
 #include "io/gltf/compute/gltf_tangents.h"
 #include "io/gltf/read/gltf_scene.h"
-#include "io/gltf/read/sine.h"
 #include "io/file/large_memory.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,13 +19,13 @@ norma_document_result norma_gltf_find_materials(tangent_job *job) {
     return NORMA_DOCUMENT_OK;
 }
 
-static gltf_map_place place_of(const tangent_job *job, const gltf_primitive *p) {
+static norma_texture_info place_of(const tangent_job *job, const gltf_primitive *p) {
     const gltf *g = job->sets.g;
-    gltf_map_place place = {.scale = {1, 1}};
+    norma_texture_info place = {.scale = {1, 1}};
     if (p->material < g->material_count)
         place = norma_gltf_normal_map(g, job->materials[p->material]);
-    if (job->options->texcoord_given && place.set != job->options->texcoord)
-        place = (gltf_map_place){.set = job->options->texcoord, .scale = {1, 1}};
+    if (job->options->texcoord_given && place.texcoord != job->options->texcoord)
+        place = (norma_texture_info){.texcoord = job->options->texcoord, .scale = {1, 1}};
     return place;
 }
 
@@ -42,7 +41,7 @@ static uint32_t texcoord_accessor(const gltf *g, const gltf_primitive *p, size_t
 }
 
 int norma_gltf_has_map_texcoords(const tangent_job *job, const gltf_primitive *p) {
-    return texcoord_accessor(job->sets.g, p, place_of(job, p).set) != GLTF_NONE;
+    return texcoord_accessor(job->sets.g, p, place_of(job, p).texcoord) != GLTF_NONE;
 }
 
 int norma_gltf_takes_tangents(const tangent_job *job, const gltf_primitive *p) {
@@ -56,21 +55,14 @@ int norma_gltf_takes_tangents(const tangent_job *job, const gltf_primitive *p) {
 norma_document_result norma_gltf_tangent_texcoords(
     tangent_job *job, const gltf_primitive *p, const float **texcoords, float **owned) {
     gltf *g = job->sets.g;
-    const gltf_map_place place = place_of(job, p);
+    const norma_texture_info place = place_of(job, p);
     *owned = NULL;
-    norma_document_result result =
-        norma_gltf_decode(g, texcoord_accessor(g, p, place.set), 2, texcoords, job->sets.error);
-    if (result || !place.moves) return result;
+    norma_document_result result = norma_gltf_decode(
+        g, texcoord_accessor(g, p, place.texcoord), 2, texcoords, job->sets.error);
+    if (result || !norma_gltf_moves(&place)) return result;
     *owned = norma_io_block(p->vertices, 2 * sizeof **owned);
     if (!*owned) return norma_document_fail_memory(g->document, job->sets.error);
-    double c, s;
-    norma_gltf_turn((double)place.rotation, &c, &s);
-    for (size_t v = 0; v < p->vertices; ++v) {
-        const double x = (double)place.scale[0] * (double)(*texcoords)[2 * v],
-                     y = (double)place.scale[1] * (double)(*texcoords)[2 * v + 1];
-        (*owned)[2 * v] = (float)(c * x + s * y + (double)place.offset[0]);
-        (*owned)[2 * v + 1] = (float)(c * y - s * x + (double)place.offset[1]);
-    }
+    norma_texture_place(&place, *texcoords, p->vertices, 2, *owned);
     *texcoords = *owned;
     return NORMA_DOCUMENT_OK;
 }

@@ -55,8 +55,8 @@ static norma_document_result read_sparse(
     a->sparse.indices_component = (int)component;
     return ok ? NORMA_DOCUMENT_OK
               : norma_gltf_malformed(g, error, sparse,
-                    "a count from 1 to the accessor's, and indices and values with views that are "
-                    "there");
+                    "a count from 1 to the accessor's, and indices and values with views that "
+                    "exist");
 }
 
 static norma_document_result read_accessor(gltf *g, gltf_accessor *a, norma_document_error *error) {
@@ -66,7 +66,8 @@ static norma_document_result read_accessor(gltf *g, gltf_accessor *a, norma_docu
              sparse = norma_json_member(j, a->token, "sparse");
     a->view = a->draco = GLTF_NONE;
     if (!norma_gltf_index_member(g, a->token, "bufferView", g->view_count, &a->view))
-        return norma_gltf_malformed(g, error, a->token, "the number of a view in \"bufferView\"");
+        return norma_gltf_malformed(
+            g, error, a->token, "the number of an existing view in \"bufferView\"");
     if (!norma_gltf_size_member(g, a->token, "byteOffset", &a->offset) ||
         !norma_gltf_size_member(g, a->token, "count", &a->count) || a->count == 0 ||
         !norma_gltf_size_member(g, a->token, "componentType", &component))

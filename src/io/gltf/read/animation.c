@@ -15,7 +15,7 @@ static norma_document_result read_sampler(
         !norma_gltf_index_member(g, sampler, "output", g->accessor_count, &output) ||
         input == GLTF_NONE || output == GLTF_NONE)
         return norma_gltf_malformed(
-            g, error, sampler, "the numbers of accessors in \"input\" and \"output\"");
+            g, error, sampler, "the numbers of existing accessors in \"input\" and \"output\"");
     channel->interpolation = norma_json_equals(j, kind, "STEP")          ? GLTF_STEP
                              : norma_json_equals(j, kind, "CUBICSPLINE") ? GLTF_CUBIC
                                                                          : GLTF_LINEAR;
@@ -60,7 +60,7 @@ static norma_document_result read_animation(
         if (!is_wanted(g, norma_json_member(j, item, "target"), channel)) continue;
         if (!norma_gltf_index_member(g, item, "sampler", sampler_count, &sampler) ||
             sampler == GLTF_NONE)
-            return norma_gltf_malformed(g, error, item, "the number of a sampler");
+            return norma_gltf_malformed(g, error, item, "the number of an existing sampler");
         norma_document_result result = read_sampler(g, tokens[sampler], channel, error);
         if (result) return result;
         ++animation->count;

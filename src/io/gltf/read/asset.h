@@ -291,9 +291,11 @@ int norma_gltf_uri_is_data(const char *uri);
 /* An image's URI as a name; NULL: it has none, or its bytes stand in the URI itself. *failed:
  * memory is out. */
 char *norma_gltf_image_name(const json *j, uint32_t image, int *failed);
+/* Of a data: URI; NULL: not base64 (or percent-encoded) as it should be, out of memory, or
+ * cancelled.
+ */
 unsigned char *norma_gltf_data_decode(
-    const char *uri, size_t *size); /* of a data: URI; NULL: not base64 (or percent-encoded) as it
-                                       should be, or out of memory */
+    const char *uri, size_t length, norma_watch *watch, size_t *size);
 /* 1: name (decoded) is a file in folder or below, not absolute, no scheme, without "..", also after
  * symbolic links; 0: outside; *path: to be freed. */
 int norma_gltf_path_inside(const char *folder, const char *name, char **path);

@@ -23,6 +23,12 @@ static norma_document_result read_list(
     return NORMA_DOCUMENT_OK;
 }
 
+static char *name_of(const gltf *g, uint32_t token) {
+    char *uri = norma_json_string(&g->json, token), *name = uri ? norma_gltf_uri_decode(uri) : NULL;
+    free(uri);
+    return name;
+}
+
 static norma_document_result read_uri(gltf *g, uint32_t number, norma_document_error *error) {
     gltf_buffer *buffer = &g->buffers[number];
     uint32_t token = norma_json_member(&g->json, buffer->token, "uri");
@@ -30,14 +36,15 @@ static norma_document_result read_uri(gltf *g, uint32_t number, norma_document_e
         buffer->storage = number == 0 && g->bin ? GLTF_STORED_BIN : GLTF_STORED_NOWHERE;
         return NORMA_DOCUMENT_OK;
     }
-    char *uri = norma_json_string(&g->json, token);
-    if (!uri && norma_json_is(&g->json, token, JSON_STRING))
+    json_span uri;
+    if (!norma_json_is(&g->json, token, JSON_STRING))
+        return norma_gltf_malformed(g, error, token, "a URI as a string");
+    if (!norma_json_span(&g->json, token, &uri))
         return norma_document_fail_memory(g->document, error);
-    if (!uri) return norma_gltf_malformed(g, error, token, "a URI as a string");
+    buffer->storage = norma_gltf_uri_is_data(uri.text) ? GLTF_STORED_DATA : GLTF_STORED_FILE;
+    free(uri.owned);
     errno = 0;
-    buffer->storage = norma_gltf_uri_is_data(uri) ? GLTF_STORED_DATA : GLTF_STORED_FILE;
-    if (buffer->storage == GLTF_STORED_FILE) buffer->name = norma_gltf_uri_decode(uri);
-    free(uri);
+    if (buffer->storage == GLTF_STORED_FILE) buffer->name = name_of(g, token);
     if (buffer->storage == GLTF_STORED_FILE && !buffer->name && errno == ENOMEM)
         return norma_document_fail_memory(g->document, error);
     return buffer->storage == GLTF_STORED_FILE && !buffer->name
@@ -85,7 +92,8 @@ static norma_document_result read_view(gltf *g, gltf_view *view, norma_document_
     view->length = missing;
     if (!norma_gltf_index_member(g, view->token, "buffer", g->buffer_count, &view->buffer) ||
         view->buffer == GLTF_NONE)
-        return norma_gltf_malformed(g, error, view->token, "the number of a buffer in \"buffer\"");
+        return norma_gltf_malformed(
+            g, error, view->token, "the number of an existing buffer in \"buffer\"");
     if (!norma_gltf_size_member(g, view->token, "byteLength", &view->length) ||
         view->length == missing ||
         !norma_gltf_size_member(g, view->token, "byteOffset", &view->offset) ||
@@ -131,7 +139,8 @@ norma_document_result norma_gltf_read_buffers(gltf *g, norma_document_error *err
         g->buffers[number].token = item;
         size_t length = SIZE_MAX;
         if (!norma_gltf_size_member(g, item, "byteLength", &length) || length == SIZE_MAX)
-            return norma_gltf_malformed(g, error, item, "a byteLength");
+            return norma_gltf_malformed(
+                g, error, item, "a whole number of bytes in \"byteLength\"");
         g->buffers[number].length = length;
         result = read_uri(g, number, error);
         if (result) return result;
@@ -195,13 +204,15 @@ static norma_document_result load_file(gltf *g, gltf_buffer *buffer, norma_docum
 
 static norma_document_result load_data(gltf *g, gltf_buffer *buffer, norma_document_error *error) {
     uint32_t token = norma_json_member(&g->json, buffer->token, "uri");
-    char *uri = norma_json_string(&g->json, token);
-    if (!uri) return norma_document_fail_memory(g->document, error);
+    json_span uri;
+    if (!norma_json_span(&g->json, token, &uri))
+        return norma_document_fail_memory(g->document, error);
     size_t size = 0;
     errno = 0;
-    buffer->owned = norma_gltf_data_decode(uri, &size);
+    buffer->owned =
+        norma_gltf_data_decode(uri.text, uri.length, norma_document_watch(g->document), &size);
     const int out_of_memory = !buffer->owned && errno == ENOMEM;
-    free(uri);
+    free(uri.owned);
     if (out_of_memory) return norma_document_fail_memory(g->document, error);
     if (!buffer->owned) return norma_gltf_malformed(g, error, token, "base64 in the data: URI");
     if (size < buffer->length)

@@ -147,7 +147,7 @@ static norma_document_result read_inverse(gltf *g, uint32_t skin, size_t joints,
     *there = token != JSON_NONE;
     if (!*there) return NORMA_DOCUMENT_OK;
     if (!norma_json_uint(&g->json, token, &accessor) || accessor >= g->accessor_count)
-        return norma_gltf_malformed(g, error, token, "the number of an accessor");
+        return norma_gltf_malformed(g, error, token, "the number of an existing accessor");
     norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
     if (!result && (array->width != 16 || array->component != GLTF_FLOAT || array->count < joints))
         result = norma_gltf_malformed(g, error, token, "a matrix for each joint");
@@ -165,7 +165,7 @@ static norma_document_result fill_joints(gltf *g, uint32_t list, const gltf_arra
         float bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
         double matrix[16];
         if (!norma_json_uint(j, item, &node) || node >= g->node_count)
-            return norma_gltf_malformed(g, error, item, "the number of a node");
+            return norma_gltf_malformed(g, error, item, "the number of an existing node");
         if (inverse) norma_gltf_floats(inverse, number, bound);
         for (int i = 0; i < 16; ++i) matrix[i] = (double)bound[i];
         norma_gltf_matrix_multiply(g->nodes[node].world, matrix, matrices + 16 * (size_t)number);

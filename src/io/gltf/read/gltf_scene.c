@@ -192,8 +192,8 @@ static norma_document_result read_morph(norma_document *document, size_t mesh, s
 
 /* ---- nodes */
 
-/* Names from the root; the number of a node that has none. What would be longer than PATH_ROOM is
- * cut in front, so that a deep tree costs no more than a shallow one. */
+/* Names from the root; the number of an existing node that has none. What would be longer than
+ * PATH_ROOM is cut in front, so that a deep tree costs no more than a shallow one. */
 static const char *path_of(gltf *g, uint32_t number) {
     enum { PATH_ROOM = 400 };
     char path[PATH_ROOM + 1], unnamed[16];

@@ -41,14 +41,11 @@ norma_document_result norma_gltf_decode(
     gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error);
 
 /* materials.c */
-typedef struct gltf_map_place { /* a normal map (or that of a clear coat): where it is looked up */
-    int there, moves; /* moves: its transform (KHR_texture_transform) is not the identity */
-    size_t set;       /* of texture coordinates */
-    float offset[2], scale[2], rotation;
-} gltf_map_place;
 uint32_t norma_gltf_normal_use(const gltf *g, uint32_t material); /* the texture's info */
-gltf_map_place norma_gltf_normal_map(const gltf *g, uint32_t material);
-gltf_map_place norma_gltf_map_place(const gltf *g, uint32_t texture); /* of any texture's info */
+/* Where a texture, by its info, is looked up: everything of it that needs no image. */
+norma_texture_info norma_gltf_texture_place(const gltf *g, uint32_t texture);
+norma_texture_info norma_gltf_normal_map(const gltf *g, uint32_t material); /* or clear coat's */
+int norma_gltf_moves(const norma_texture_info *place); /* its transform is not the identity */
 norma_document_result norma_gltf_materials(norma_document *document, norma_document_error *error);
 
 /* skins.c */

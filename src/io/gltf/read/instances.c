@@ -16,7 +16,7 @@ static norma_document_result read_instance_array(gltf *g, const instance_attribu
     *has = token != JSON_NONE;
     if (!*has) return NORMA_DOCUMENT_OK;
     if (!norma_json_uint(&g->json, token, &accessor) || accessor >= g->accessor_count)
-        return norma_gltf_malformed(g, error, token, "the number of an accessor");
+        return norma_gltf_malformed(g, error, token, "the number of an existing accessor");
     const norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
     if (result) return result;
     return array->width == attribute->width && array->count >= count &&

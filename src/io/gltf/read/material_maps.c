@@ -33,7 +33,8 @@ static int keep_bytes(gltf *g, gltf_image *image, const unsigned char *bytes, si
 static int load_data(gltf *g, gltf_image *image, const char *uri) {
     size_t size = 0;
     errno = 0;
-    unsigned char *bytes = norma_gltf_data_decode(uri, &size);
+    unsigned char *bytes =
+        norma_gltf_data_decode(uri, strlen(uri), norma_document_watch(g->document), &size);
     if (!bytes) return errno != ENOMEM && fail_image(image, "its data: URI cannot be decoded");
     const int kept = keep_bytes(g, image, bytes, size);
     free(bytes);
@@ -163,18 +164,11 @@ static int read_image(gltf *g, uint32_t texture, norma_texture_info *info) {
 /* 0: out of memory. */
 static int read_texture(gltf *g, uint32_t use, norma_texture_info *info) {
     const json *j = &g->json;
-    *info = (norma_texture_info){
-        .scale = {1, 1}, .strength = 1, .wrap_s = 10497, .wrap_t = 10497, .image = SIZE_MAX};
-    if (!norma_json_is(j, use, JSON_OBJECT)) return 1;
-    const gltf_map_place place = norma_gltf_map_place(g, use);
+    *info = norma_gltf_texture_place(g, use);
+    if (!info->there) return 1;
     const uint32_t texture = element(g, "textures", norma_json_member(j, use, "index")),
                    strength = norma_json_member(j, use, "scale");
     double number;
-    info->there = 1;
-    info->texcoord = place.set;
-    memcpy(info->offset, place.offset, sizeof info->offset);
-    memcpy(info->scale, place.scale, sizeof info->scale);
-    info->rotation = place.rotation;
     if (strength != JSON_NONE && norma_json_number(j, strength, &number))
         info->strength = (float)number;
     read_sampler(g, texture, info);

@@ -75,30 +75,50 @@ uint32_t norma_gltf_normal_use(const gltf *g, uint32_t material) {
                      "clearcoatNormalTexture");
 }
 
-gltf_map_place norma_gltf_normal_map(const gltf *g, uint32_t material) {
-    return norma_gltf_map_place(g, norma_gltf_normal_use(g, material));
+norma_texture_info norma_gltf_normal_map(const gltf *g, uint32_t material) {
+    return norma_gltf_texture_place(g, norma_gltf_normal_use(g, material));
 }
 
-gltf_map_place norma_gltf_map_place(const gltf *g, uint32_t texture) {
+norma_texture_info norma_gltf_texture_place(const gltf *g, uint32_t texture) {
     const json *j = &g->json;
-    gltf_map_place place = {.scale = {1, 1}, .there = norma_json_is(j, texture, JSON_OBJECT)};
+    norma_texture_info place = {.scale = {1, 1},
+        .strength = 1,
+        .wrap_s = 10497,
+        .wrap_t = 10497,
+        .image = SIZE_MAX,
+        .there = norma_json_is(j, texture, JSON_OBJECT)};
     if (!place.there) return place;
-    place.set = texcoord_of(g, texture);
+    place.texcoord = texcoord_of(g, texture);
     const uint32_t transform =
         norma_json_member(j, norma_json_member(j, texture, "extensions"), "KHR_texture_transform");
     read_floats(g, norma_json_member(j, transform, "offset"), 2, place.offset);
     read_floats(g, norma_json_member(j, transform, "scale"), 2, place.scale);
     read_float(g, norma_json_member(j, transform, "rotation"), &place.rotation);
-    place.moves = place.offset[0] != 0 || place.offset[1] != 0 || place.scale[0] != 1 ||
-                  place.scale[1] != 1 || place.rotation != 0;
     return place;
 }
 
+int norma_gltf_moves(const norma_texture_info *place) {
+    return place->offset[0] != 0 || place->offset[1] != 0 || place->scale[0] != 1 ||
+           place->scale[1] != 1 || place->rotation != 0;
+}
+
+void norma_texture_place(const norma_texture_info *info, const float *texcoords, size_t count,
+    size_t stride, float *placed) {
+    double c, s;
+    norma_gltf_turn((double)info->rotation, &c, &s);
+    for (size_t i = 0; i < count; ++i) {
+        const double x = (double)info->scale[0] * (double)texcoords[2 * i],
+                     y = (double)info->scale[1] * (double)texcoords[2 * i + 1];
+        placed[stride * i] = (float)(c * x + s * y + (double)info->offset[0]);
+        placed[stride * i + 1] = (float)(c * y - s * x + (double)info->offset[1]);
+    }
+}
+
 static void read_normal_map(const gltf *g, uint32_t material, norma_material_info *info) {
-    const gltf_map_place place = norma_gltf_normal_map(g, material);
+    const norma_texture_info place = norma_gltf_normal_map(g, material);
     info->normal_map = place.there;
-    info->normal_texcoord = place.set;
-    if (!place.moves) return;
+    info->normal_texcoord = place.texcoord;
+    if (!norma_gltf_moves(&place)) return;
     double c, s;
     norma_gltf_turn((double)place.rotation, &c, &s);
     info->normal_turn[0] = (float)(c * (double)place.scale[0]);

@@ -3,6 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { QUOTE = 80 };
+
 char *norma_gltf_pointer(const gltf *g, uint32_t token, char *out, size_t capacity) {
     uint32_t chain[JSON_DEPTH + 1];
     size_t depth = 0, used = 0;
@@ -30,12 +32,27 @@ char *norma_gltf_pointer(const gltf *g, uint32_t token, char *out, size_t capaci
     return out;
 }
 
+/* The beginning of a value as the file has it, without white space between its parts. */
+static void quote(const gltf *g, uint32_t token, char out[QUOTE + 4]) {
+    const json_token *t = &g->json.tokens[token];
+    size_t used = 0, at = t->start;
+    for (int inside = 0; at < t->end && used < QUOTE; ++at) {
+        const char c = g->text[at];
+        if (c == '"' && (at == t->start || g->text[at - 1] != '\\')) inside = !inside;
+        if (inside || !strchr(" \t\r\n", c)) out[used++] = c;
+    }
+    while (at < t->end && (g->text[at] & 0xC0) == 0x80 && used > 0 && (out[--used] & 0xC0) == 0x80)
+        continue;
+    strcpy(out + used, at < t->end ? "..." : "");
+}
+
 norma_document_result norma_gltf_malformed(
     const gltf *g, norma_document_error *error, uint32_t token, const char *expected) {
-    char place[200];
+    char place[200], found[QUOTE + 4] = "nothing";
     norma_gltf_pointer(g, token, place, sizeof place);
+    if (token != JSON_NONE) quote(g, token, found);
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
-        place[0] ? place : "/", "there should be %s here", expected);
+        place[0] ? place : "/", "expected %s; found %s", expected, found);
 }
 
 int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value) {

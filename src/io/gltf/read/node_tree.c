@@ -79,9 +79,11 @@ static norma_document_result read_node(gltf *g, gltf_node *node, norma_document_
         norma_json_is(j, name, JSON_STRING) ? norma_json_string(j, name) : norma_io_allocate(1, 1);
     if (!node->name) return norma_document_fail_memory(g->document, error);
     if (!norma_gltf_index_member(g, node->token, "mesh", g->mesh_count, &node->mesh))
-        return norma_gltf_malformed(g, error, node->token, "the number of a mesh in \"mesh\"");
+        return norma_gltf_malformed(
+            g, error, node->token, "the number of an existing mesh in \"mesh\"");
     if (!norma_gltf_index_member(g, node->token, "skin", g->skin_count, &node->skin))
-        return norma_gltf_malformed(g, error, node->token, "the number of a skin in \"skin\"");
+        return norma_gltf_malformed(
+            g, error, node->token, "the number of an existing skin in \"skin\"");
     if (node->mesh != GLTF_NONE) ++g->meshes[node->mesh].uses;
     read_instances(g, node);
     return read_local(g, node, error);
@@ -96,10 +98,10 @@ static norma_document_result read_children(gltf *g, uint32_t number, norma_docum
          item = norma_json_next(j, children, item)) {
         uint64_t child;
         if (!norma_json_uint(j, item, &child) || child >= g->node_count)
-            return norma_gltf_malformed(g, error, item, "the number of a node");
+            return norma_gltf_malformed(g, error, item, "the number of an existing node");
         if (g->nodes[child].parent != GLTF_NONE || child == number)
             return norma_gltf_malformed(
-                g, error, item, "a tree: a node that has no other parent and is not its own");
+                g, error, item, "a node that is no other node's child and not its own");
         g->nodes[child].parent = number;
     }
     return NORMA_DOCUMENT_OK;
@@ -114,7 +116,7 @@ static norma_document_result place_nodes(
         while (at != GLTF_NONE && !done[at]) {
             if (depth == g->node_count)
                 return norma_gltf_malformed(
-                    g, error, g->nodes[i].token, "a tree, but these nodes form a loop");
+                    g, error, g->nodes[i].token, "nodes that form a tree, not a loop");
             path[depth++] = at;
             at = g->nodes[at].parent;
         }

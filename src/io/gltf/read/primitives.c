@@ -84,7 +84,7 @@ static norma_document_result read_attributes(
         gltf_attribute *attribute = &g->attributes[g->attribute_count];
         uint64_t accessor;
         if (!norma_json_uint(j, value, &accessor) || accessor >= g->accessor_count)
-            return norma_gltf_malformed(g, error, value, "the number of an accessor");
+            return norma_gltf_malformed(g, error, value, "the number of an existing accessor");
         *attribute = (gltf_attribute){.name = norma_json_string(j, value - 1),
             .token = value,
             .accessor = (uint32_t)accessor};
@@ -92,7 +92,7 @@ static norma_document_result read_attributes(
         if (!attribute->name) return norma_document_fail_memory(g->document, error);
         if (norma_gltf_find(g, set, attribute->name) !=
             GLTF_NONE) /* which of them others read is anybody's guess */
-            return norma_gltf_malformed(g, error, value, "no name twice");
+            return norma_gltf_malformed(g, error, value, "each name once");
         ++set->count;
         if (strcmp(attribute->name, "POSITION") == 0)
             set->position = attribute->accessor;
@@ -183,7 +183,7 @@ static norma_document_result read_primitive(
         !norma_gltf_index_member(g, p->token, "indices", g->accessor_count, &p->indices) ||
         !norma_gltf_index_member(g, p->token, "material", g->material_count, &p->material))
         return norma_gltf_malformed(
-            g, error, p->token, "mode, indices and material as numbers of what is there");
+            g, error, p->token, "a mode that glTF has, and indices and a material that exist");
     norma_document_result result =
         read_attributes(g, norma_json_member(j, p->token, "attributes"), &p->base, error);
     uint32_t targets = norma_json_member(j, p->token, "targets");

@@ -245,7 +245,7 @@ static norma_document_result read_joints(pose *p, uint32_t token, norma_document
          item = norma_json_next(j, list, item)) {
         uint64_t node;
         if (!norma_json_uint(j, item, &node) || node >= p->g->node_count)
-            return norma_gltf_malformed(p->g, error, item, "the number of a node");
+            return norma_gltf_malformed(p->g, error, item, "the number of an existing node");
         p->joints[p->joint_count++] = (uint32_t)node;
     }
     p->info->joint_count = p->joint_count;

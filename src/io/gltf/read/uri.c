@@ -108,14 +108,16 @@ static int base64_value(char c) {
     return c == '+' || c == '-' ? 62 : c == '/' || c == '_' ? 63 : -1;
 }
 
-static size_t base64_decode(const char *text, size_t length, unsigned char *out) {
+static size_t base64_decode(
+    const char *text, size_t length, norma_watch *watch, unsigned char *out) {
+    const void *asked = text;
     uint32_t bits = 0;
     size_t size = 0, held = 0;
     while (length > 0 && text[length - 1] == '=') --length;
     if (length % 4 == 1) return SIZE_MAX;
     for (size_t i = 0; i < length; ++i) {
         int value = base64_value(text[i]);
-        if (value < 0) return SIZE_MAX;
+        if (value < 0 || norma_watch_passed(watch, &asked, text + i)) return SIZE_MAX;
         bits = bits << 6 | (uint32_t)value;
         held += 6;
         if (held >= 8) {
@@ -126,26 +128,31 @@ static size_t base64_decode(const char *text, size_t length, unsigned char *out)
     return size;
 }
 
-unsigned char *norma_gltf_data_decode(const char *uri, size_t *size) {
-    const char *comma = strchr(uri, ',');
-    if (!comma) return NULL;
-    size_t length = strlen(comma + 1);
-    int base64 = comma - uri >= 7 && memcmp(comma - 7, ";base64", 7) == 0;
-    unsigned char *out = malloc(length + 1);
-    char *plain = base64 ? malloc(length + 1) : NULL;
-    *size = SIZE_MAX;
-    if (out && base64 && plain) {
-        size_t plain_length = unescape(comma + 1, length, plain);
-        *size = plain_length == SIZE_MAX ? SIZE_MAX : base64_decode(plain, plain_length, out);
-    } else if (out && !base64) {
-        *size = unescape(comma + 1, length, (char *)out);
-    }
+/* Most have no percent escape. NULL: out of memory, or a bad one. */
+static char *resolve_escapes(const char *text, size_t *length) {
+    char *plain = malloc(*length + 1);
+    *length = plain ? unescape(text, *length, plain) : SIZE_MAX;
+    if (*length != SIZE_MAX) return plain;
     free(plain);
-    if (*size == SIZE_MAX) {
-        free(out);
-        return NULL;
-    }
-    return out;
+    return NULL;
+}
+
+unsigned char *norma_gltf_data_decode(
+    const char *uri, size_t length, norma_watch *watch, size_t *size) {
+    const char *comma = memchr(uri, ',', length);
+    if (!comma) return NULL;
+    const char *text = comma + 1;
+    const int base64 = comma - uri >= 7 && memcmp(comma - 7, ";base64", 7) == 0;
+    length -= (size_t)(text - uri);
+    char *plain = memchr(text, '%', length) ? resolve_escapes(text, &length) : NULL;
+    unsigned char *out = length == SIZE_MAX ? NULL : malloc(length + 1);
+    text = plain ? plain : text;
+    *size = out && base64 ? base64_decode(text, length, watch, out) : length;
+    if (out && !base64) memcpy(out, text, length);
+    free(plain);
+    if (*size != SIZE_MAX) return out;
+    free(out);
+    return NULL;
 }
 
 /* No scheme, not absolute, no "..". */

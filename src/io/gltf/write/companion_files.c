@@ -64,13 +64,29 @@ static int make_folders(companion_writers *writers, char *path, size_t known) {
     return 0;
 }
 
-static int write_content(const companion *one, file_writer *writer) {
+/* In slices, so that a cancel is noticed soon. */
+static int write_bytes(
+    const companions *c, file_writer *writer, const unsigned char *bytes, size_t size) {
+    const size_t slice = (size_t)1 << 23;
+    int failed = 0;
+    while (!failed && size > 0) {
+        const size_t part = size < slice ? size : slice;
+        failed = norma_watch_cancelled(&c->document->watch)
+                     ? FILE_CANCELLED
+                     : norma_file_writer_write(writer, bytes, part);
+        bytes += part;
+        size -= part;
+    }
+    return failed;
+}
+
+static int write_content(const companions *c, const companion *one, file_writer *writer) {
     static const unsigned char zeros[256];
     int failed = 0;
-    if (!one->buffer) return norma_file_writer_write(writer, one->bytes, one->size);
+    if (!one->buffer) return write_bytes(c, writer, one->bytes, one->size);
     for (size_t i = 0; !failed && i < one->buffer->segment_count; ++i) {
         const patch_segment *s = &one->buffer->segments[i];
-        if (s->bytes) failed = norma_file_writer_write(writer, s->bytes, s->length);
+        if (s->bytes) failed = write_bytes(c, writer, s->bytes, s->length);
         for (size_t left = s->bytes ? 0 : s->length; !failed && left > 0;
              left -= left < sizeof zeros ? left : sizeof zeros)
             failed =
@@ -84,7 +100,7 @@ static norma_document_result write_one(companions *c, const companion *one) {
     int failed = make_folders(c->writers, one->path, strlen(c->folder));
     if (!failed) failed = norma_file_writer_open(one->path, &writer);
     if (!failed && one->replaces) norma_document_expect(c->writers, writer, one->replaces);
-    if (!failed) failed = write_content(one, writer);
+    if (!failed) failed = write_content(c, one, writer);
     if (!failed) failed = norma_file_writer_prepare(writer);
     if (!failed)
         return norma_document_add_writer(c->writers, writer, one->path) ? NORMA_DOCUMENT_OK
@@ -113,7 +129,7 @@ static int stays_in_folder(const companions *c, const companion *one) {
 /* Writes a file, unless it is there already. Takes over one->path and one->file. */
 static norma_document_result add(companions *c, companion one) {
     file_bytes there;
-    int failed = norma_file_open(one.path, NULL, &there), same = 0;
+    int failed = norma_document_load_file(c->document, one.path, &there), same = 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!failed) {
         same = has_content(&one, &there);
@@ -195,9 +211,10 @@ static norma_document_result add_file(companions *c, const file_name *file) {
         free(source);
         return not_copied(c, name, why);
     }
-    int failed = stat(source, &status)     ? errno
-                 : S_ISREG(status.st_mode) ? norma_file_open(source, NULL, &one.file)
-                                           : ENOENT;
+    int failed = stat(source, &status) ? errno
+                 : S_ISREG(status.st_mode)
+                     ? norma_document_load_file(c->document, source, &one.file)
+                     : ENOENT;
     const int absent =
         failed == ENOENT || failed == ENOTDIR || failed == ENAMETOOLONG || failed == ELOOP;
     norma_document_result result =

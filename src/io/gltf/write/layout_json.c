@@ -133,11 +133,13 @@ void norma_gltf_edit_views(gltf *g) {
 
 /* ---- buffers */
 
-void norma_gltf_add_base64(json_text *text, const patch_segment *segments, size_t count) {
+void norma_gltf_add_base64(
+    json_text *text, const patch_segment *segments, size_t count, norma_watch *watch) {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     uint32_t bits = 0, held = 0;
     for (size_t i = 0; i < count && !text->failed; ++i)
         for (size_t k = 0; k < segments[i].length; ++k) {
+            if (k % WATCH_BYTES == WATCH_BYTES - 1 && norma_watch_cancelled(watch)) return;
             bits = bits << 8 | (segments[i].bytes ? segments[i].bytes[k] : 0u);
             if (++held < 3) continue;
             const char four[4] = {digits[bits >> 18 & 63], digits[bits >> 12 & 63],
@@ -182,7 +184,7 @@ static int write_uri(const gltf *g, uint32_t buffer, json_text *text) {
     }
     norma_json_add_text(text, "\"");
     add_data_prefix(g, buffer, text);
-    norma_gltf_add_base64(text, b->segments, b->segment_count);
+    norma_gltf_add_base64(text, b->segments, b->segment_count, norma_document_watch(g->document));
     norma_json_add_text(text, "\"");
     return !text->failed;
 }

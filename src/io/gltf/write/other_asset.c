@@ -23,7 +23,7 @@ gltf_other norma_gltf_read_other(const file_bytes *file, json *j) {
         return GLTF_OTHER_NONE;
     }
     if (size > LARGEST_TEXT) return GLTF_OTHER_UNKNOWN;
-    if (norma_json_parse(text, size, j, &wrong)) return GLTF_OTHER_READ;
+    if (norma_json_parse(text, size, NULL, j, &wrong)) return GLTF_OTHER_READ;
     norma_json_free(j);
     return wrong.expected ? GLTF_OTHER_UNKNOWN : GLTF_OTHER_MEMORY;
 }

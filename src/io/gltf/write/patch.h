@@ -146,7 +146,9 @@ norma_document_result norma_gltf_write_laid_out(
 void norma_gltf_free_layout(gltf *g);
 norma_document_result norma_gltf_fill_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error); /* byte_layout.c */
-void norma_gltf_add_base64(json_text *text, const patch_segment *segments, size_t count);
+/* watch: NULL, or asked on the way; where it cancels, the rest is missing. */
+void norma_gltf_add_base64(
+    json_text *text, const patch_segment *segments, size_t count, norma_watch *watch);
 void norma_gltf_edit_views(gltf *g); /* layout_json.c: the layout's JSON */
 norma_document_result norma_gltf_edit_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error);

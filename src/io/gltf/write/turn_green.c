@@ -173,7 +173,7 @@ static int put_in_uri(json_edits *edits, uint32_t token, const green_image *imag
     const patch_segment whole = {
         .length = image->bytes.size, .bytes = (const unsigned char *)image->bytes.data};
     norma_json_add_text(&uri, "\"data:image/png;base64,");
-    norma_gltf_add_base64(&uri, &whole, 1);
+    norma_gltf_add_base64(&uri, &whole, 1, NULL);
     norma_json_add(&uri, "\"", 2);
     if (!uri.failed) norma_json_set(edits, token, "uri", uri.data);
     free(uri.data);

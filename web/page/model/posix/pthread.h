@@ -14,6 +14,8 @@ static inline int pthread_create(
     (void)thread, (void)attributes, (void)start, (void)argument;
     return EAGAIN;
 }
+static inline pthread_t pthread_self(void) { return 0; }
+static inline int pthread_equal(pthread_t a, pthread_t b) { return a == b; }
 static inline int pthread_join(pthread_t thread, void **result) {
     return (void)thread, (void)result, EINVAL;
 }

@@ -1,0 +1,163 @@
+/* _files.c: documents: opened, read as arrays, computed, saved. */
+#include "_norma.h"
+
+PyObject *norma_py_document_refusal(
+    norma_document_result result, const norma_document_error *error) {
+    PyObject *message = norma_py_text(error->message);
+    return message ? Py_BuildValue("iN", (int)result, message) : NULL;
+}
+
+const char norma_py_document[] = "norma_document";
+
+static void close_document(PyObject *capsule) {
+    norma_document_close(PyCapsule_GetPointer(capsule, norma_py_document));
+}
+
+/* open_document(path in bytes, threads) -> a capsule, or why it was refused */
+static PyObject *open_document(PyObject *self, PyObject *arguments) {
+    const char *path;
+    unsigned int threads;
+    norma_document *document = NULL;
+    norma_document_error error = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "yI", &path, &threads)) return NULL;
+    watch w = norma_py_give_up_lock();
+    const norma_document_options options = {.struct_size = sizeof options,
+        .threads = threads,
+        .progress = norma_py_let_signals_in,
+        .progress_user = &w,
+        .lenient = 1};
+    const norma_document_result result = norma_document_open(path, &options, &document, &error);
+    if (norma_py_take_lock(&w)) {
+        norma_document_close(document);
+        return NULL;
+    }
+    if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);
+    PyObject *capsule = PyCapsule_New(document, norma_py_document, close_document);
+    if (!capsule) norma_document_close(document);
+    return capsule;
+}
+
+/* document_meshes(document) -> (format, [(name, where, vertices, faces, storage, encoding,
+ * morph targets, why not read or None)]) */
+static PyObject *document_meshes(PyObject *self, PyObject *capsule) {
+    const norma_document *document = PyCapsule_GetPointer(capsule, norma_py_document);
+    (void)self;
+    if (!document) return NULL;
+    const size_t count = norma_document_mesh_count(document);
+    PyObject *list = PyList_New((Py_ssize_t)count);
+    for (size_t i = 0; list && i < count; i++) {
+        norma_mesh_info info;
+        norma_document_mesh_info(document, i, &info);
+        PyObject *item = Py_BuildValue("NNnnisnN", norma_py_text(info.name),
+            norma_py_text(info.where), (Py_ssize_t)info.vertices, (Py_ssize_t)info.faces,
+            (int)info.normals, info.encoding, (Py_ssize_t)info.morph_targets,
+            info.not_read ? norma_py_text(info.not_read) : (Py_INCREF(Py_None), Py_None));
+        if (!item) {
+            Py_DECREF(list);
+            return NULL;
+        }
+        PyList_SetItem(list, (Py_ssize_t)i, item);
+    }
+    if (!list) return NULL;
+    return Py_BuildValue("sN", norma_file_format_name(norma_document_format(document)), list);
+}
+
+/* document_arrays(document, index) -> ((address, count, stride, format) of positions, (address,
+ * count, size) of corners, (address, count) of face_starts, the first again of normals, the address
+ * of corner_normals, (address, count) of texcoords, address of their corners, (address, count) of
+ * tangents), or why it was refused. The addresses hold until the document changes. */
+static PyObject *document_arrays(PyObject *self, PyObject *arguments) {
+    PyObject *capsule;
+    Py_ssize_t index;
+    norma_mesh_data data;
+    norma_mesh_attributes more;
+    norma_document_error error = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "On", &capsule, &index)) return NULL;
+    norma_document *document = PyCapsule_GetPointer(capsule, norma_py_document);
+    if (!document) return NULL;
+    watch w = norma_py_give_up_lock();
+    norma_document_result result = norma_document_mesh_data(document, (size_t)index, &data, &error);
+    if (result == NORMA_DOCUMENT_OK)
+        result = norma_document_mesh_attributes(document, (size_t)index, &more, &error);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);
+    const norma_vec3_view *p = &data.mesh.positions, *n = &data.normals;
+    return Py_BuildValue("(Knni)(Knn)(Kn)(Knni)K(Kn)K(Kn)", (address)(uintptr_t)p->data,
+        (Py_ssize_t)p->count, (Py_ssize_t)p->stride, (int)p->format,
+        (address)(uintptr_t)data.mesh.corners, (Py_ssize_t)data.mesh.corner_count,
+        (Py_ssize_t)(data.mesh.corner_size ? data.mesh.corner_size : 4),
+        (address)(uintptr_t)data.mesh.face_starts, (Py_ssize_t)data.mesh.face_count,
+        (address)(uintptr_t)n->data, (Py_ssize_t)n->count, (Py_ssize_t)n->stride, (int)n->format,
+        (address)(uintptr_t)data.corner_normals, (address)(uintptr_t)more.texcoords,
+        (Py_ssize_t)more.texcoord_count, (address)(uintptr_t)more.corner_texcoords,
+        (address)(uintptr_t)more.tangents, (Py_ssize_t)more.tangent_count);
+}
+
+/* document_compute(document, (shading, crease, weight, weld, distance, non_manifold, groups, only,
+ * morphs, threads, tangents)) -> (changed, faces, before, after, shading, crease, hard edges,
+ * filled, counts), or why it was refused */
+static PyObject *document_compute(PyObject *self, PyObject *arguments) {
+    PyObject *capsule;
+    int shading, weight, weld, non_manifold, groups, only, morphs, tangents;
+    double crease, distance;
+    unsigned int threads;
+    norma_compute_summary s;
+    norma_document_error error = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "O(idiidiiipIi)", &capsule, &shading, &crease, &weight, &weld,
+            &distance, &non_manifold, &groups, &only, &morphs, &threads, &tangents))
+        return NULL;
+    norma_document *document = PyCapsule_GetPointer(capsule, norma_py_document);
+    if (!document) return NULL;
+    watch w = norma_py_give_up_lock();
+    const norma_compute_options options = {.struct_size = sizeof options,
+        .shading = (norma_shading)shading,
+        .crease_angle_rad = crease,
+        .weight = (norma_weight)weight,
+        .weld = (norma_weld)weld,
+        .weld_distance = distance,
+        .non_manifold = (norma_non_manifold)non_manifold,
+        .groups = (norma_groups)groups,
+        .only = (norma_only)only,
+        .morphs = morphs,
+        .threads = threads,
+        .progress = norma_py_let_signals_in,
+        .progress_user = &w,
+        .tangents = (norma_stored_tangents)tangents};
+    const norma_document_result result = norma_document_compute(document, &options, &s, &error);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);
+    return Py_BuildValue("innnidnnN", s.changed, (Py_ssize_t)s.faces, (Py_ssize_t)s.vertices_before,
+        (Py_ssize_t)s.vertices_after, (int)s.shading, s.crease_angle_rad,
+        s.edges_counted ? (Py_ssize_t)s.hard_edges : -1, (Py_ssize_t)s.filled,
+        norma_py_counts(&s.report));
+}
+
+/* document_save(document, path in bytes, in_place) -> None, or why it was refused */
+static PyObject *document_save(PyObject *self, PyObject *arguments) {
+    PyObject *capsule;
+    const char *path;
+    int in_place;
+    norma_document_error error = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "Oyp", &capsule, &path, &in_place)) return NULL;
+    norma_document *document = PyCapsule_GetPointer(capsule, norma_py_document);
+    if (!document) return NULL;
+    watch w = norma_py_give_up_lock();
+    const norma_save_options options = {.struct_size = sizeof options,
+        .in_place = in_place,
+        .progress = norma_py_let_signals_in,
+        .progress_user = &w};
+    const norma_document_result result = norma_document_save(document, path, &options, &error);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);
+    Py_RETURN_NONE;
+}
+
+PyMethodDef norma_py_files[] = {{"open_document", open_document, METH_VARARGS, NULL},
+    {"document_meshes", document_meshes, METH_O, NULL},
+    {"document_arrays", document_arrays, METH_VARARGS, NULL},
+    {"document_compute", document_compute, METH_VARARGS, NULL},
+    {"document_save", document_save, METH_VARARGS, NULL}, {NULL, NULL, 0, NULL}};

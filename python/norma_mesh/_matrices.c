@@ -1,0 +1,74 @@
+/* _matrices.c: normal matrices, and normals through them. Matrices of Python are rows, those of the
+ * library columns: what is handed over is the transpose, and the cofactors of a transpose are the
+ * transposed cofactors. */
+#include "_norma.h"
+
+static PyObject *normal_matrices(PyObject *self, PyObject *arguments) {
+    address models, out;
+    Py_ssize_t count;
+    int doubles;
+    norma_fault fault = {NORMA_ERROR_ARGUMENT, "models", SIZE_MAX, "finite in the upper 3x3"};
+    norma_result result = NORMA_OK;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "KnpK", &models, &count, &doubles, &out)) return NULL;
+    watch w = norma_py_give_up_lock();
+    if (!doubles)
+        result = norma_normal_matrices(
+            at(models), (size_t)count, NORMA_WINDING_REVERSED, at(out), (size_t)count);
+    for (size_t i = 0; doubles && i < (size_t)count && !norma_py_let_signals_in(&w, 0); i++) {
+        const double *model = (const double *)at(models) + 16 * i;
+        double *normal_matrix = (double *)at(out) + 9 * i;
+        if (norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, normal_matrix, NULL) !=
+                NORMA_OK &&
+            result == NORMA_OK) {
+            result = NORMA_ERROR_ARGUMENT;
+            fault.index = i;
+        }
+    }
+    if (result != NORMA_OK && !doubles)
+        norma_find_model_fault(at(models), 0, (size_t)count, &fault);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_OK) return norma_py_refusal(result, &fault);
+    Py_RETURN_NONE;
+}
+
+/* matrix_info(model) -> (kind, rank, mirrored, determinant, anisotropy, worst error, x, y, z) */
+static PyObject *matrix_info(PyObject *self, PyObject *argument) {
+    const address model = PyLong_AsUnsignedLongLong(argument);
+    double columns[16], unused[9];
+    norma_matrix_info info;
+    (void)self;
+    if (PyErr_Occurred()) return NULL;
+    for (size_t i = 0; i < 16; i++) columns[i] = ((const double *)at(model))[i % 4 * 4 + i / 4];
+    const norma_result result =
+        norma_normal_matrix_double(columns, NORMA_WINDING_REVERSED, unused, &info);
+    if (result != NORMA_OK)
+        return norma_py_refusal(
+            result, &(norma_fault){result, "model", SIZE_MAX, "finite in the upper 3x3"});
+    const float *n = info.worst_normal;
+    return Py_BuildValue("iiidddfff", (int)info.kind, info.rank, info.mirrored, info.determinant,
+        info.anisotropy, info.worst_error_rad, n[0], n[1], n[2]);
+}
+
+/* transform_normals(matrix, normals, count, stride, format, out, stride) -> None, or why it was
+ * refused */
+static PyObject *transform_normals(PyObject *self, PyObject *arguments) {
+    address matrix, in, out;
+    Py_ssize_t count, stride, out_stride;
+    int format;
+    (void)self;
+    if (!PyArg_ParseTuple(
+            arguments, "KKnniKn", &matrix, &in, &count, &stride, &format, &out, &out_stride))
+        return NULL;
+    watch w = norma_py_give_up_lock();
+    const norma_vec3_view view = {at(in), (size_t)count, (size_t)stride, (norma_format)format};
+    const norma_result result =
+        norma_transform_normals(at(matrix), view, at(out), (size_t)out_stride, (size_t)count);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_OK) return norma_py_refusal(result, NULL);
+    Py_RETURN_NONE;
+}
+
+PyMethodDef norma_py_matrices[] = {{"normal_matrices", normal_matrices, METH_VARARGS, NULL},
+    {"matrix_info", matrix_info, METH_O, NULL},
+    {"transform_normals", transform_normals, METH_VARARGS, NULL}, {NULL, NULL, 0, NULL}};
