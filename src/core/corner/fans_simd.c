@@ -261,6 +261,14 @@ CORE_INLINE void sum_one_fan(fan_batch *t, const star_list *list, const listed_s
     set_sum(t, star->first_fan, &sum);
 }
 
+/* Of 16 bits; __builtin_popcount would call libgcc where the machine has no instruction for it. */
+static uint32_t count_bits(uint32_t bits) {
+    bits -= bits >> 1 & 0x5555;
+    bits = (bits & 0x3333) + (bits >> 2 & 0x3333);
+    bits = (bits + (bits >> 4)) & 0x0f0f;
+    return (bits + (bits >> 8)) & 0x1f;
+}
+
 /* From one cut to the next, and then in the order of first corners; without branches, which nothing
  * could foretell. Clears their sums. */
 CORE_INLINE uint32_t number_fans(
@@ -269,7 +277,7 @@ CORE_INLINE uint32_t number_fans(
     const uint8_t *order = t->order + star->begin;
     const uint32_t last = star->count - 1U;
     const uint32_t goes_on = !star->open && !(cuts >> last & 1); /* the last fan, in the first */
-    const uint32_t wrapped = goes_on ? (uint32_t)__builtin_popcount(cuts) : NO_NUMBER;
+    const uint32_t wrapped = goes_on ? count_bits(cuts) : NO_NUMBER;
     uint8_t fan_of[ORDINARY_CORNERS], number[ORDINARY_CORNERS + 1];
     uint32_t fan = 0, count = 0;
     for (uint32_t i = 0; i < star->count; i++) {

@@ -164,13 +164,6 @@ CORE_INLINE void core_gather_corners(core_points p, int k, core_d8 axis[3]) {
     for (int x = 0; x < 3; x++) axis[x] = __builtin_convertvector(floats[x], core_d8);
 }
 
-/* The same, into lanes. */
-CORE_INLINE void core_gather_lanes(core_points p, int k, core_lane out[3]) {
-    core_d8 axis[3];
-    core_gather_corners(p, k, axis);
-    for (int x = 0; x < 3; x++) memcpy(out[x], &axis[x], sizeof axis[x]);
-}
-
 /* The edges of triangles. */
 CORE_INLINE void core_gather_edges(core_points p, core_batch *out) {
     core_d8 corner[3][3];
@@ -227,14 +220,6 @@ CORE_INLINE void core_read_point(core_points points, int i, int k, double p[3]) 
     float floats[3];
     memcpy(floats, at, sizeof floats);
     for (int x = 0; x < 3; x++) p[x] = (double)floats[x];
-}
-
-CORE_INLINE void core_gather_lanes(core_points points, int k, core_lane out[3]) {
-    for (int i = 0; i < CORE_LANES; i++) {
-        double p[3];
-        core_read_point(points, i, k, p);
-        for (int x = 0; x < 3; x++) out[x][i] = p[x];
-    }
 }
 
 CORE_INLINE void core_gather_edges(core_points points, core_batch *out) {

@@ -89,7 +89,8 @@ static norma_document *check_opening(document_bytes file, const long_file *of, u
     norma_document *document = NULL;
     watcher all = {0};
     assert_int_equal(open_watched(file, of->name, threads, &all, &document), NORMA_DOCUMENT_OK);
-    if (all.calls < of->read * CALLS_A_PASS)
+    if (threads == 1 &&
+        all.calls < of->read * CALLS_A_PASS) /* with more, it waits, and asks by time */
         fail_msg("%s: %zu calls while %zu bytes are read", of->name, all.calls, file.size);
     for (size_t stop = 1; stop <= all.calls; stop += stop < 3 ? 1 : all.calls / 4 + 1) {
         watcher w = {.stop_at = stop};

@@ -13,7 +13,7 @@ typedef struct json_error_t {
 } json_error_t;
 enum { JSON_REJECT_DUPLICATES = 4 };
 
-static inline json_t *json_loadfd(int file, size_t flags, json_error_t *error) {
+static inline json_t *json_loadf(FILE *file, size_t flags, json_error_t *error) {
     (void)file, (void)flags;
     *error = (json_error_t){.line = -1};
     snprintf(error->text, sizeof error->text, "this norma was built without jansson");
@@ -21,7 +21,7 @@ static inline json_t *json_loadfd(int file, size_t flags, json_error_t *error) {
 }
 static inline json_t *json_loadb(const char *text, size_t size, size_t flags, json_error_t *error) {
     (void)text, (void)size;
-    return json_loadfd(-1, flags, error);
+    return json_loadf(NULL, flags, error);
 }
 static inline void json_decref(json_t *json) { (void)json; }
 static inline int json_is_array(const json_t *json) { return (void)json, 0; }
