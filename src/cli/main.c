@@ -15,25 +15,24 @@ static const cli_subcommand *const commands[] = {&cli_subcommand_compute, &cli_s
 
 static const char introduction[] =
     "Norma computes, transforms and checks surface normals in OBJ, PLY, STL and glTF files.\n"
-    "Everything else in a file stays as it was.\n"
+    "Everything else in a file stays as it is.\n"
     "\n"
     "Examples\n"
-    "  norma info chair.obj                             what is in it\n"
-    "  norma compute chair.obj -o out.obj               normals, creases at 60 degrees\n"
+    "  norma info chair.obj                             lists what is in the file\n"
+    "  norma compute chair.obj -o out.obj               computes normals, with creases at 60 "
+    "degrees\n"
     "  norma transform chair.glb -o out.glb --scale 2,1,1\n"
-    "  norma matrix --scale 2,0.5,1                     how far off plain M is, and the correct "
-    "matrix\n"
-    "  norma check models/                              every mesh file of a folder\n"
+    "  norma matrix --scale 2,0.5,1                     shows which matrix is correct for normals\n"
+    "  norma check models/                              checks every mesh file of a folder\n"
     "\n"
     "Commands\n";
 
-static const char ending[] =
-    "\n"
-    "'norma help COMMAND' or 'norma COMMAND --help' explains a command. 'norma --version' prints "
-    "the "
-    "version.\n"
-    "Exit status: 0 fine, 1 findings (check), 2 usage, 3 a file could not be read or written,\n"
-    "130 interrupted, 143 terminated.\n";
+static const char ending[] = "\n"
+                             "'norma help COMMAND' or 'norma COMMAND --help' explains a command. "
+                             "'norma --version' prints the version.\n"
+                             "Exit status: 0 fine, 1 findings (check), 2 wrong usage, 3 a file "
+                             "could not be read or written,\n"
+                             "130 interrupted, 143 terminated.\n";
 
 static void print_help(FILE *out) {
     fputs(introduction, out);

@@ -11,19 +11,17 @@
 #include <string.h>
 
 static const char help[] =
-    "norma explain RULE...: explains what a rule of norma check measures, "
-    "why it matters and what to do\n"
+    "norma explain RULE...: explains a rule of norma check: what it measures, why, and what to do\n"
     "\n"
     "Examples\n"
     "  norma explain N501\n"
     "  norma explain inconsistent-winding\n"
-    "  norma explain                  lists all rules, one a line\n"
-    "  norma explain -o rules.html    the manual of all rules, with pictures\n"
+    "  norma explain                  lists all rules, one per line\n"
+    "  norma explain -o rules.html    a page about all rules, with pictures\n"
     "\n"
-    "RULE is an id (N301), the beginning of several (N3) or a name.\n"
-    "--json prints one object a line, for programs.\n"
-    "-o, --output FILE writes a page, HTML, with a picture of wrong and one of "
-    "right for each rule.\n"
+    "RULE is an id (N301), the beginning of several ids (N3) or a name.\n"
+    "  --json                prints one object per line\n"
+    "  -o, --output FILE     writes an HTML page with a wrong and a right picture for each rule\n"
     "Exit status: 0 fine, 2 unknown rule.\n";
 
 static const char *severity_name(norma_severity severity) {
@@ -73,7 +71,7 @@ static void write_rule(const norma_rule *rule) {
     putchar('\n');
     write_paragraph(rule->how);
     write_fix(rule);
-    printf("glTF validator: %s\n", rule->validator);
+    printf("Found by the glTF validator: %s\n", rule->validator);
 }
 
 static void write_rule_json(const norma_rule *rule) {
@@ -206,5 +204,5 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
     return cli_finish(status);
 }
 
-const cli_subcommand cli_subcommand_explain = {"explain",
-    "explains a rule of norma check: what it means, why it matters, what to do", help, run};
+const cli_subcommand cli_subcommand_explain = {
+    "explain", "explains a rule of norma check: what it measures, why, and what to do", help, run};

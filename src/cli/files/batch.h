@@ -9,16 +9,15 @@
     "Files\n"                                                                                      \
     "  IN                    a file, a folder, or a pattern in quotes\n"                           \
     "  -o, --output OUT      the output, in IN's format; - is standard output\n"                   \
-    "  --out-dir FOLDER      where outputs go, if there are several inputs; keeps the tree of a\n" \
-    "                        folder\n"                                                             \
-    "  --in-place            replaces each input, whole or not at all\n"                           \
+    "  --out-dir FOLDER      the folder for several outputs; keeps the tree of an input folder\n"  \
+    "  --in-place            replaces each input file; a failure leaves it as it was\n"            \
     "  --input-format obj|ply|stl|gltf|glb\n"                                                      \
-    "                        needed for standard input, which is called -\n"                       \
-    "  --threads N           how many threads may work (all); the result has the same bits\n"      \
-    "  --max-memory SIZE     512M, 2G: files that need more end with 'out of memory', except\n"    \
-    "                        that compute and info take binary PLY and STL in passes\n"            \
-    "  --json                prints a summary for programs, one object a line\n"                   \
-    "  --quiet               prints nothing but errors\n"
+    "                        the format of standard input; needed if IN is -\n"                    \
+    "  --threads N           uses at most N threads (all processors), with the same result\n"      \
+    "  --max-memory SIZE     uses at most SIZE (512M, 2G). compute reads larger binary PLY and\n"  \
+    "                        STL in passes; other files that need more fail\n"                     \
+    "  --json                prints a summary as JSON, one object per line\n"                      \
+    "  --quiet               prints only errors\n"
 extern const cli_option cli_output_options[]; /* -o --out-dir --in-place */
 extern const size_t cli_output_option_count;
 

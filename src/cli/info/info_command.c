@@ -14,31 +14,32 @@
 #include <string.h>
 
 static const char help[] =
-    "norma info IN...: lists what is in a file: meshes, counts, normals, transforms and their "
-    "kinds\n"
+    "norma info IN...: lists what is in a file: meshes, counts, normals and transforms\n"
     "\n"
     "Examples\n"
     "  norma info chair.glb\n"
-    "  norma info *.obj --json                    one object a line\n"
-    "  norma info chair.glb --deep                also which weight and crease explain the stored "
+    "  norma info *.obj --json                    one object per line\n"
+    "  norma info chair.glb --deep                also names the weight and crease of the stored "
     "normals\n"
     "  cat a.stl | norma info - --input-format stl\n"
     "\n"
     "Options\n"
     "  --deep                reads the whole file, and reports whether meshes are closed, which "
-    "weight and\n"
-    "                        crease explain the stored normals, and how stored tangents were made\n"
+    "weight\n"
+    "                        and crease explain the stored normals, and how stored tangents were "
+    "made\n"
     "  --input-format obj|ply|stl|gltf|glb\n"
-    "                        needed for standard input, which is called -\n"
-    "  --threads N           how many threads may work (all)\n"
-    "  --max-memory SIZE     512M, 2G: a larger binary PLY or STL is read piece by piece; other\n"
-    "                        files that need more end with 'out of memory'\n"
-    "  --json                for programs, on standard output\n"
-    "  --quiet               no notes\n"
+    "                        the format of standard input; needed if IN is -\n"
+    "  --threads N           uses at most N threads (all processors)\n"
+    "  --max-memory SIZE     uses at most SIZE (512M, 2G). A larger binary PLY or STL is\n"
+    "                        read in parts; other files that need more fail\n"
+    "  --json                prints JSON to standard output\n"
+    "  --quiet               prints no notes\n"
     "\n"
-    "glTF is counted per primitive, not per instance; the kind of a node is that of its world "
-    "matrix.\n"
-    "Exit status: 0 fine, 2 usage, 3 a file could not be read, 130 interrupted.\n";
+    "In a glTF, each primitive is counted once, not once per instance. The kind of a node's "
+    "transform is\n"
+    "that of its world matrix.\n"
+    "Exit status: 0 fine, 2 wrong usage, 3 a file could not be read, 130 interrupted.\n";
 
 /* One primitive, or a whole OBJ, PLY or STL. */
 typedef struct mesh_part {
@@ -570,4 +571,4 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
 }
 
 const cli_subcommand cli_subcommand_info = {
-    "info", "lists what is in a file: meshes, normals, transforms and their kinds", help, run};
+    "info", "lists what is in a file: meshes, counts, normals and transforms", help, run};

@@ -12,8 +12,8 @@ static const char help[] =
     "them\n"
     "\n"
     "Examples\n"
-    "  norma matrix --scale 2,0.5,1                    plain M is 61.93 degrees off, and for which "
-    "normal\n"
+    "  norma matrix --scale 2,0.5,1                    multiplied by M itself, normals err by "
+    "61.93 degrees\n"
     "  norma matrix --rotate 0,0,1,30 --scale 2,1,1    first turned, then stretched: a shear\n"
     "  norma matrix --scale -1,1,1                     a mirror\n"
     "  norma matrix --scale 1,1,0                      flattened: rank 2, and still one correct "
@@ -22,7 +22,7 @@ static const char help[] =
     "\n" CLI_MATRIX_HELP "\n"
     "  --json                prints one object; matrices are nine numbers, row by row\n"
     "\n"
-    "Exit status: 0 fine, 2 usage.\n";
+    "Exit status: 0 fine, 2 wrong usage.\n";
 
 typedef struct matrix_answer {
     const double *model; /* column-major, like the others */

@@ -4,8 +4,8 @@
 #include "cli/options/options.h"
 
 #define CLI_MATRIX_HELP                                                                            \
-    "The matrix: options combine into one; the first is applied first\n"                           \
-    "  --scale X,Y,Z         or one number for all three\n"                                        \
+    "The matrix: several options combine; the first is applied first\n"                            \
+    "  --scale X,Y,Z         one factor for each axis, or one number for all three\n"              \
     "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"          \
     "  --translate X,Y,Z\n"                                                                        \
     "  --matrix \"16 numbers, row by row\"\n"                                                      \

@@ -16,15 +16,17 @@ static const char help[] =
     "  norma report --merge 1.json 2.json -o all.html  a page, without pictures\n"
     "  norma report --merge *.sarif -o all.sarif\n"
     "\n"
-    "REPORT is what norma check wrote as JSON, SARIF or HTML: all of one kind.\n"
+    "Each REPORT is a JSON, SARIF or HTML report of norma check; all must have the same format.\n"
     "  --format text|line|json|sarif|html\n"
-    "                        the format made from JSON reports: by the ending of -o, otherwise\n"
-    "                        JSON; SARIF and HTML reports keep their format\n"
-    "  -o, --output FILE     where the report goes (standard output)\n"
-    "  --info                lists infos too, in text and line\n"
+    "                        the format to make of JSON reports. The default is the ending of -o, "
+    "or\n"
+    "                        JSON. SARIF and HTML reports keep their format\n"
+    "  -o, --output FILE     writes the report to FILE, not to standard output\n"
+    "  --info                also lists findings of severity info, in the formats text and line\n"
     "Files are sorted by path.\n"
-    "Exit status: the one that norma check would have had for all files together; 2 usage, 3 a\n"
-    "report could not be read or written.\n";
+    "Exit status: what one norma check of all files would have returned; 2 wrong usage, 3 a "
+    "report\n"
+    "could not be read or written.\n";
 
 typedef struct report_work {
     int merge;

@@ -13,24 +13,23 @@ static const char help[] =
     "  norma transform chair.obj -o out.obj --scale 2,0.5,1     stretched; the normals stay "
     "perpendicular\n"
     "  norma transform chair.ply -o out.ply --rotate 0,1,0,90   a quarter turn about the y axis\n"
-    "  norma transform part.stl -o out.stl --scale -1,1,1       mirrored: the winding is "
-    "reversed\n"
+    "  norma transform part.stl -o out.stl --scale -1,1,1       mirrored: the winding is reversed\n"
     "  norma transform a.glb -o b.glb --scale 2 --translate 0,0,1\n"
     "                                                           first doubled, then moved\n"
-    "  norma transform a.glb -o b.glb --bake                    node transforms moved into the "
+    "  norma transform a.glb -o b.glb --bake                    moves node transforms into the "
     "meshes\n"
     "\n" CLI_MATRIX_HELP "\n"
     "glTF\n"
     "  (without --bake)      the matrix becomes a new node above the scene's roots; meshes stay as "
     "they are\n"
     "  --bake                applies the world matrix of every node that draws a mesh to the mesh "
-    "itself, at any\n"
-    "                        depth, including shear and mirrors. Skinned and animated meshes stay "
-    "as they are and\n"
-    "                        are listed\n"
+    "itself,\n"
+    "                        at any depth, including shear and mirrors. Skinned and animated "
+    "meshes stay\n"
+    "                        as they are and are listed\n"
     "\n" CLI_FILES_HELP "\n"
     "'norma matrix' with the same options shows what a matrix does to normals.\n"
-    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+    "Exit status: 0 fine, 2 wrong usage, 3 a file could not be read or written, 130 interrupted.\n";
 
 typedef struct transform_work {
     norma_transform_options options;

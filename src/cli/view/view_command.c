@@ -14,36 +14,35 @@
 #include <string.h>
 
 static const char help[] =
-    "norma view IN -o OUT.html: writes one self-contained page that shows the model, to open in "
-    "any "
-    "browser, offline\n"
+    "norma view IN -o OUT.html: writes one HTML page that shows the model offline in any browser\n"
     "\n"
     "Examples\n"
     "  norma view chair.glb -o chair.html\n"
     "  norma view scan.ply -o - > scan.html\n"
-    "  norma view models/ --out-dir pages              a page for each file of the folder\n"
+    "  norma view models/ --out-dir pages              one page for each file of the folder\n"
     "\n"
-    "The page turns the model, shades it flat, by Gouraud and by Phong, draws normals, winding and "
-    "the error of stored\n"
-    "normals, computes creases and weights anew as you move their sliders, and sets normals "
-    "through plain M beside those\n"
-    "through the normal matrix, under the scale, shear and mirror that you choose. It lists what "
-    "norma check finds: press\n"
-    "a finding to go there. Other files may be dropped on it. A model of more than a million "
-    "triangles is decimated for\n"
-    "display; what norma check finds is that of the whole file.\n"
+    "On the page you can turn the model, shade it flat, by Gouraud or by Phong, and draw normals, "
+    "winding\n"
+    "and the error of stored normals. Sliders change the crease and the weight. Choose a scale, "
+    "shear or\n"
+    "mirror to compare normals under M itself with normals under the normal matrix. The page also "
+    "lists what\n"
+    "norma check finds; press a finding to see the place. You can drop other files on the page. A "
+    "model of\n"
+    "more than a million triangles is simplified for display, but the findings are those of the "
+    "whole file.\n"
     "\n"
     "Options\n"
     "  -o, --output OUT.html the page; - is standard output\n"
-    "  --out-dir FOLDER      for several inputs: FOLDER/NAME.html each\n"
+    "  --out-dir FOLDER      the folder for several inputs; the pages are called FOLDER/NAME.html\n"
     "  --input-format obj|ply|stl|gltf|glb\n"
-    "                        needed for standard input, which is called -\n"
-    "  --threads N           how many threads may read (all)\n"
-    "  --max-memory SIZE     512M, 2G: ends with 'out of memory' if a file needs more\n"
-    "  --json                prints a summary for programs\n"
-    "  --quiet               prints nothing but errors\n"
+    "                        the format of standard input; needed if IN is -\n"
+    "  --threads N           uses at most N threads to read (all processors)\n"
+    "  --max-memory SIZE     uses at most SIZE (512M, 2G); files that need more fail\n"
+    "  --json                prints a summary as JSON\n"
+    "  --quiet               prints only errors\n"
     "\n"
-    "Exit status: 0 fine, 2 usage, 3 a file could not be read or written, 130 interrupted.\n";
+    "Exit status: 0 fine, 2 wrong usage, 3 a file could not be read or written, 130 interrupted.\n";
 
 /* More make pages that browsers open slowly or not at all. */
 enum { MOST_TRIANGLES = 1000000 };
@@ -321,5 +320,5 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
     return cli_finish(status);
 }
 
-const cli_subcommand cli_subcommand_view = {"view",
-    "writes one page that shows a model: shadings, creases, wrong against right", help, run};
+const cli_subcommand cli_subcommand_view = {
+    "view", "writes one HTML page that shows a model in any browser", help, run};
