@@ -92,13 +92,23 @@ unsigned char *norma_edited_own_bytes(norma_document *document) {
     return (unsigned char *)(uintptr_t)source->data;
 }
 
-norma_document_result norma_edited_flush(norma_document *document, norma_document_error *error) {
+static norma_document_result flush_all(norma_document *document, norma_document_error *error) {
     growing_bytes memory = {0};
-    if (!document->functions->edited->has_edit(document->state)) return NORMA_DOCUMENT_OK;
     norma_document_result result =
         document->functions->write(document, NULL, norma_memory_sink_write, &memory, error);
     if (!result) return norma_edited_replace(document, &memory, error);
     free(memory.data);
     return result == NORMA_DOCUMENT_ERROR_FILE ? norma_document_fail_memory(document, error)
                                                : result;
+}
+
+/* A change that is cancelled takes nothing of the changes before it away, so these are written to
+ * their end. */
+norma_document_result norma_edited_flush(norma_document *document, norma_document_error *error) {
+    if (!document->functions->edited->has_edit(document->state)) return NORMA_DOCUMENT_OK;
+    norma_progress *const progress = document->watch.progress;
+    document->watch.progress = NULL;
+    const norma_document_result result = flush_all(document, error);
+    document->watch.progress = progress;
+    return result;
 }

@@ -137,6 +137,41 @@ static void check_saving(norma_document *document, size_t size, const long_file 
     assert_int_equal(rmdir(folder), 0);
 }
 
+static norma_document_result transform_watched(norma_document *document, double step, watcher *w) {
+    const norma_transform_options mirror = {.struct_size = sizeof mirror,
+        .matrix = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, step, 0, 0, 1},
+        .progress = w ? watch : NULL,
+        .progress_user = w};
+    return norma_document_transform(document, &mirror, NULL, NULL);
+}
+
+/* A cancelled change leaves what a change before it did, which still waits to become bytes. Not of
+ * an OBJ, whose changes wait together. */
+static void second_changes(void **state) {
+    (void)state;
+    const long_file *some[] = {&files[4], &files[6], &files[7]};
+    for (size_t i = 0; i < sizeof some / sizeof *some; ++i) {
+        document_bytes file = make(some[i]);
+        norma_document *document = bytes_open(file, some[i]->name);
+        assert_int_equal(transform_watched(document, 0, NULL), NORMA_DOCUMENT_OK);
+        document_bytes once = bytes_of(document);
+        for (size_t stop = 1; stop < 3; ++stop) {
+            watcher w = {.stop_at = stop};
+            assert_int_equal(transform_watched(document, 1, &w), NORMA_DOCUMENT_CANCELLED);
+            document_bytes left = bytes_of(document);
+            if (!bytes_equal(left, once))
+                fail_msg("%s is another after call %zu", some[i]->name, stop);
+            bytes_free(&left);
+            norma_document_close(document);
+            document = bytes_open(file, some[i]->name);
+            assert_int_equal(transform_watched(document, 0, NULL), NORMA_DOCUMENT_OK);
+        }
+        norma_document_close(document);
+        bytes_free(&once);
+        bytes_free(&file);
+    }
+}
+
 static void long_statements(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
@@ -150,6 +185,7 @@ static void long_statements(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(long_statements)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(long_statements), cmocka_unit_test(second_changes)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
