@@ -85,14 +85,14 @@ def thread_count(threads: object) -> int:
     return ALL_THREADS if threads is None else count_of("threads", threads)
 
 
-def count_of(name: str, value: object) -> int:
-    """At least 1, or a TypeError or ValueError that names the argument."""
+def count_of(name: str, value: object, most: int = ALL_THREADS - 1) -> int:
+    """From 1 to most, or a TypeError or ValueError that names the argument."""
     try:
         count = operator.index(value)  # type: ignore[arg-type]
     except TypeError:
         raise TypeError(f"{name}: an integer is needed, not {type(value).__name__}") from None
-    if not 0 < count < ALL_THREADS:
-        raise ValueError(f"{name}: 1 or more are needed, not {count}")
+    if not 0 < count <= most:
+        raise ValueError(f"{name}: a number from 1 to {most} is needed")
     return count
 
 
@@ -121,11 +121,10 @@ def options(
     """The second argument of the extension's calls on meshes."""
     mode, distance = weld_of(weld)
     kind, given = 0, (0.0, 0.0, 0.0)
-    if fallback == "nearest":
-        kind = 1
-    elif isinstance(fallback, str):
-        if fallback != "zero":
+    if isinstance(fallback, str):
+        if fallback not in ("zero", "nearest"):
             raise ValueError(f"fallback: 'zero', 'nearest' or three numbers are needed, not {fallback!r}")
+        kind = int(fallback == "nearest")
     else:
         kind = 2
         three = tuple(number("fallback", part) for part in np.ravel(as_array("fallback", fallback)))

@@ -198,6 +198,7 @@ static PyObject *index_corners(PyObject *self, PyObject *arguments) {
     return result == NORMA_OK ? PyLong_FromSize_t(indexed.vertex_count)
                               : norma_py_refusal(result, NULL);
 }
+
 /* orient(mesh, options, by_rays, reverse, capacity) -> what was found, or why it was refused */
 static PyObject *orient(PyObject *self, PyObject *arguments) {
     PyObject *mesh, *options;

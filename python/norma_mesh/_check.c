@@ -184,10 +184,7 @@ static PyObject *rules_select(PyObject *self, PyObject *arguments) {
     return PyBytes_FromStringAndSize((const char *)marked, size);
 }
 
-/* weights() -> the names of the weights, in the order of their numbers */ /* bounds() -> the upper
-                                                                              bounds of the bins of
-                                                                              a deviation, in
-                                                                              radians */
+/* bounds() -> the upper bounds of the bins of a deviation, in radians */
 static PyObject *bounds(PyObject *self, PyObject *unused) {
     PyObject *list = PyList_New(NORMA_DEVIATION_BINS);
     (void)self, (void)unused;

@@ -8,6 +8,7 @@ import os
 import re
 import shlex
 import subprocess
+import sys
 from dataclasses import dataclass, field
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
@@ -326,7 +327,7 @@ def check(
         raise FileNotFoundError(2, os.strerror(2), shown)
     kind = choice("profile", profile, PROFILES)
     time = os.stat(encoded).st_mtime_ns
-    answer = _norma.check(encoded, kind, bool(strict), count_of("samples", samples), mask_of(select, ignore), thread_count(threads))
+    answer = _norma.check(encoded, kind, bool(strict), count_of("samples", samples, sys.maxsize), mask_of(select, ignore), thread_count(threads))
     if isinstance(answer[0], int):
         raise_document(answer)
     (applied, partly, findings), unreadable = answer

@@ -6,6 +6,7 @@ import threading
 import time
 import types
 import unittest
+import warnings
 
 import numpy as np
 
@@ -191,6 +192,9 @@ class Forms(unittest.TestCase):
         for faces in ([], np.empty((0, 3), int), None):
             self.assertEqual(norma.vertex_normals([], faces).shape, (0, 3))
         self.assertEqual(norma.corner_normals(SQUARE, []).shape, (0, 3))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # numpy's comparison of an array with a word, which later ones answer by an array
+            self.assertEqual(norma.vertex_normals(SQUARE, [], fallback=np.array([0.0, 0.0, 1.0]))[0].tolist(), [0, 0, 1])
         normals, report = norma.vertex_normals(SQUARE, [], report=True, fallback=(0, 0, 1))
         self.assertTrue(np.array_equal(normals, [[0, 0, 1]] * 4))
         self.assertEqual(report.unreferenced, 4)

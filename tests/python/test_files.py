@@ -63,9 +63,10 @@ class Rules(unittest.TestCase):
             norma.check("assets/goathead.obj", select=5)
         with self.assertRaisesRegex(ValueError, "profile"):
             norma.check("assets/goathead.obj", profile="paint")
-        for kind, samples in ((ValueError, 10**400), (ValueError, 0), (TypeError, "ten"), (TypeError, 1.5)):
+        for kind, samples in ((ValueError, 10**5000), (ValueError, 0), (TypeError, "ten"), (TypeError, 1.5)):
             with self.assertRaisesRegex(kind, "^samples: "):
                 norma.check("assets/goathead.obj", samples=samples)
+        self.assertEqual(len(norma.check("assets/goathead.obj", samples=sys.maxsize).findings[0].samples), goat.findings[0].count)
 
     def test_the_command_of_a_finding_works_when_pasted(self):
         with tempfile.TemporaryDirectory() as folder:
