@@ -1,7 +1,8 @@
 #!/bin/bash
 # The same bits on other machines: builds the library and tests/bits with each compiler and level of optimisation natively, as WebAssembly (node's WASI), for 64-bit ARM
-# (qemu-user) and for Windows (Wine, where it starts), and compares their hashes with those in tests/bits. What it needs: scripts/install-deps.sh portable.
-#   scripts/portable.sh [native|wasm|arm|windows]...       all of them
+# (qemu-user) and for Windows (Wine, where it starts), and compares their hashes with those in tests/bits; and natively with AVX-512 in plain C, for machines that have none.
+# What it needs: scripts/install-deps.sh portable.
+#   scripts/portable.sh [native|avx512|wasm|arm|windows]...       all of them
 # One line for each; exit status 1 where a build fails or a hash differs.
 set -u
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -9,7 +10,7 @@ cd "$root" || exit 1
 out=${PORTABLE_BUILD:-$root/build/portable}
 jobs=${JOBS:-$(nproc)}
 data=${NORMA_DATA:-$root/../shared/data}
-what=${*:-native wasm arm windows}
+what=${*:-native avx512 wasm arm windows}
 mkdir -p "$out"
 failed=0 passed=0 skipped=0
 good() { passed=$((passed + 1)); printf 'ok   %s\n' "$*"; }
@@ -41,8 +42,8 @@ hashes() {
 bits=""
 here() { local folder=$1; shift; (cd "$folder" && "$bits" "$@"); }
 
-native() { # COMPILER FLAGS WAYS
-    local name="$1 $2" place
+native() { # COMPILER FLAGS WAYS [NAME]
+    local name=${4:-$1 $2} place
     place=$out/$(tr -c 'a-zA-Z0-9\n' _ <<<"$name")
     mkdir -p "$place"
     command -v "$1" >/dev/null || { left "$name: no compiler"; return; }
@@ -137,8 +138,9 @@ for one in $what; do
         done
         native gcc "-O2 -fno-tree-vectorize -fno-tree-slp-vectorize -DCORE_NO_SHUFFLES" some
         ;;
+    avx512) native gcc "-O2 -mavx2 -D_GNU_SOURCE= -include $root/tests/bits/avx512_in_c.h" some "AVX-512 in plain C (gcc)" ;;
     wasm | arm | windows) $one ;;
-    *) echo "usage: $0 [native|wasm|arm|windows]..." >&2; exit 2 ;;
+    *) echo "usage: $0 [native|avx512|wasm|arm|windows]..." >&2; exit 2 ;;
     esac
 done
 echo "$passed passed, $failed failed, $skipped skipped"

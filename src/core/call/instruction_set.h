@@ -27,7 +27,8 @@ core_level norma_core_level(norma_isa isa); /* the highest that the machine has 
 #define CORE_HAS_AVX512
 #endif
 #define CORE_FOR_AVX2 __attribute__((target("avx2")))
-#if defined(__clang__)
+#if defined(CORE_FOR_AVX512) /* tests/bits/avx512_in_c.h */
+#elif defined(__clang__)
 #define CORE_FOR_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl")))
 #else
 #define CORE_FOR_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")))
