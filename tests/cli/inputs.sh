@@ -64,7 +64,7 @@ says 'one -o for 5 inputs'
 # Lists, as git gives them.
 printf 'models/top.obj\nmodels/readme.txt\nMakefile\nmodels/deleted.obj\nmodels/deleted.txt\n' >list.txt
 is 0 '*in 0 of 1 file' check --files-from list.txt --quiet
-says 'list.txt: 4 names skipped: 3 of kinds that are not read, 1 that do not exist'
+says 'list.txt: 4 names skipped: 3 of other formats, 1 that do not exist'
 printf 'readme.md\n' >list.txt
 is 0 '*in 0 of 0 files' check --files-from list.txt --quiet
 is 3 '*1 not checked' check models/deleted.obj --quiet

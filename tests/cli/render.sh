@@ -106,7 +106,7 @@ check "--crease without an effect is noted" grep -q 'note: no effect: --crease' 
 cp "$scratch/stored.obj" "$scratch/second.obj"
 "$norma" render "$scratch/stored.obj" "$scratch/second.obj" -o "$scratch/e.png" --sheet --crease 30 --size 32x32 >"$scratch/stdout" 2>"$scratch/stderr"
 check "in a sheet for each file" test "$(grep -c 'stored.obj: note: no effect: --crease\|second.obj: note: no effect: --crease' "$scratch/stderr")" = 2
-check "and how many guesses of the axis that points up" grep -q '; up is a guess in 2 of the files (--up)' "$scratch/stdout"
+check "and how many guesses of the axis that points up" grep -q '; guessed the upward axis in 2 of the files (--up)' "$scratch/stdout"
 "$norma" render "$scratch/stored.obj" "$scratch/second.obj" -o "$scratch/e.png" --sheet --crease 30 --size 32x32 --json >"$scratch/json"
 check "with its name in the notes of --json" grep -q '"notes": \["[^"]*stored.obj: no effect: --crease[^"]*", "[^"]*second.obj: no effect' "$scratch/json"
 "$norma" render "$scratch/square.obj" -o "$scratch/e.png" --crease 30 --size 32x32 >/dev/null 2>"$scratch/stderr"

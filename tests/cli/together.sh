@@ -171,7 +171,7 @@ for words in "--flat" "--weld none" "--weight visible" "--only missing"; do
     # shellcheck disable=SC2086
     expect 2 "$words cannot be combined" "together" "$norma" compute cut3-0.ply --together $words -o no.ply
 done
-expect 2 "--lock alone" "belong to --together" "$norma" compute cut3-0.ply --lock a -o no.ply
+expect 2 "--lock alone" "need --together" "$norma" compute cut3-0.ply --lock a -o no.ply
 printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n' >a.stl
 expect 2 "an STL is refused" "facet normals" "$norma" compute a.stl --together -o no.stl
 finish

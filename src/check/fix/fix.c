@@ -197,7 +197,7 @@ static void note_harm(fixing *f, check_rule rule, const char *where) {
             memcpy(by, text, sizeof by);
         }
     if (f->harms[rule].loose && !by[0])
-        norma_check_message(by, "edges that are closed would be open");
+        norma_check_message(by, "closed edges would become open");
     else if (by[0]) {
         norma_check_message(text, "%s would report more than before", by);
         memcpy(by, text, sizeof by);
@@ -241,11 +241,11 @@ static int is_told(const fixing *f, const norma_rule *rule) {
 static const char *why_idle(check_rule rule) {
     return rule == RULE_N502 ? "no two of its corners are equal in all attributes"
            : rule == RULE_N701
-               ? "the mesh is as large as it is far from the origin, so moving it does not help"
+               ? "the mesh is as large as its distance from the origin, so moving it does not help"
            : rule == RULE_N201 || rule == RULE_N202 || rule == RULE_N206
                ? "no normal at these vertices would fix it: the faces at them face opposite ways, "
                  "are degenerate, or occur twice"
-               : "the fix can change nothing that would help";
+               : "no change that this fix can make would help";
 }
 
 static void note_idle(fixing *f, const uint8_t *asked) {

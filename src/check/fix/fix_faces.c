@@ -206,8 +206,8 @@ static void note_kept(const fix_mesh *m, const uint8_t *named, const uint8_t *dr
     }
     if (!kept) return;
     norma_check_message(text,
-        "N401, N305: %z face%s kept%s%s, because closed edges would be open without %s, or it is "
-        "the only face of a primitive: face%s %s%s",
+        "N401, N305: %z face%s kept%s%s, because closed edges would become open without %s, or it "
+        "is the only face of a primitive: face%s %s%s",
         kept, kept == 1 ? " is" : "s are", *m->info.where ? " at " : "", m->info.where,
         kept == 1 ? "it" : "them", norma_check_plural(kept), list, kept > FEW ? ", ..." : "");
     norma_fix_note(m->plan, text);

@@ -162,7 +162,7 @@ static void note_right(const fix_mesh *m, size_t facets) {
     char text[CHECK_MESSAGE];
     norma_check_message(text,
         "N205 facet-normal-mismatch is not fixed for %z facet%s: there the winding is wrong and "
-        "the normal right (N301, N302)",
+        "the normal is right (N301, N302)",
         facets, norma_check_plural(facets));
     norma_fix_note(m->plan, text);
 }

@@ -188,7 +188,7 @@ static int read_known(check_baseline *baseline, const json_t *root) {
 }
 
 check_baseline *check_baseline_read(const char *path) {
-    static const char expected[] = "a baseline as --write-baseline writes it";
+    static const char expected[] = "a baseline that --write-baseline wrote";
     check_baseline *baseline = check_baseline_new(path);
     json_t *root = baseline ? check_load_json(path, expected) : NULL;
     if (root && read_known(baseline, root)) {

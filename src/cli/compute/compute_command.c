@@ -184,7 +184,7 @@ static norma_document_result refuse_tangents(
     const compute_work *work, norma_document_error *error) {
     if (!work->tangents_changed || work->format >= NORMA_FILE_GLTF) return NORMA_DOCUMENT_OK;
     snprintf(error->message, sizeof error->message,
-        ": --tangents: this format holds no tangents; glTF does");
+        ": --tangents: this format cannot store tangents; glTF can");
     return error->result = NORMA_DOCUMENT_ERROR_ARGUMENT;
 }
 

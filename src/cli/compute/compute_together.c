@@ -28,7 +28,7 @@ static const char *add_lock(void *settings, const char *value) {
     if (work->lock_count == work->lock_room) {
         const size_t room = 2 * work->lock_room + 4;
         const char **grown = realloc((void *)work->locks, room * sizeof *grown);
-        if (!grown) return "less: memory is out";
+        if (!grown) return "fewer; out of memory";
         work->locks = grown;
         work->lock_room = room;
     }
@@ -46,20 +46,20 @@ const size_t compute_together_option_count = CLI_COUNT(compute_together_options)
 int compute_check_together(const cli_subcommand *command, const compute_work *work) {
     if (!work->together)
         return work->lock_count || work->levels
-                   ? cli_usage(command, "--lock and --levels belong to --together")
+                   ? cli_usage(command, "--lock and --levels need --together")
                    : CLI_OK;
     if (work->flat_given)
         return cli_usage(command,
-            "--together shares normals, and flat ones have nothing to share; leave out "
-            "--flat");
+            "--together shares normals, but flat normals cannot be shared; leave out --flat");
     if (work->crease_given && (work->lock_count || work->levels))
-        return cli_usage(command,
-            "with --together, --lock and --levels belong to smooth normals; leave out --crease");
+        return cli_usage(command, "with --together, --lock and --levels work only for smooth "
+                                  "normals; leave out --crease");
     if (work->options.weld == NORMA_WELD_NONE)
         return cli_usage(
             command, "--together joins equal positions; --weld none would join nothing");
     if (work->options.weight == NORMA_WEIGHT_VISIBLE)
-        return cli_usage(command, "--weight visible is no sum, which --together needs");
+        return cli_usage(command, "--together needs a weight that is summed over faces, and "
+                                  "visible is not; give another --weight");
     if (work->options.only != NORMA_ONLY_ALL)
         return cli_usage(
             command, "--together computes all normals; --lock PATTERN keeps some, --only cannot");

@@ -281,7 +281,7 @@ static int read_lines(
     }
     free(line);
     if (left.unknown + left.missing)
-        cli_error("%s: %zu names skipped: %zu of kinds that are not read, %zu that do not exist",
+        cli_error("%s: %zu names skipped: %zu of other formats, %zu that do not exist",
             cli_input_name(list), left.unknown + left.missing, left.unknown, left.missing);
     return status;
 }

@@ -129,9 +129,8 @@ static int refuse(const cli_guard *guard, const char *output, const source *foun
     const char *name = strcmp(output, "-") == 0 ? "standard output" : output;
     if (found->named_by)
         return cli_usage(guard->command,
-            "%s belongs to %s, which names it, and would be overwritten; expected another name for "
-            "the output",
-            name, found->named_by);
+            "%s is used by %s and would be overwritten; expected another name for the output", name,
+            found->named_by);
     return cli_usage(guard->command,
         "%s is read by this command and would be overwritten; expected another name for the output",
         name);

@@ -37,7 +37,7 @@ const char *cli_limit_memory(const char *value) {
         limit.rlim_cur = (rlim_t)bytes;
     return setrlimit(RLIMIT_DATA, &limit) ? "a limit that this system can set" : NULL;
 #else
-    return "a system that limits the memory of a process, which this one does not";
+    return "no --max-memory, because this system cannot limit the memory of a process";
 #endif
 }
 

@@ -86,8 +86,8 @@ static void catch_lost_bytes(int number, siginfo_t *info, void *context) {
     char text[sizeof name + 128]; /* in one piece: other threads may say the same */
     size_t used = append(text, 0, sizeof text, "norma: ");
     used = append(text, used, sizeof text, name);
-    used = append(text, used, sizeof text,
-        ": cannot be read: another program has made it shorter meanwhile\n");
+    used = append(
+        text, used, sizeof text, ": cannot be read: another program truncated it meanwhile\n");
     const ssize_t written = write(STDERR_FILENO, text, used);
     (void)written;
     _exit(CLI_FILE);

@@ -257,9 +257,9 @@ static void report_up(const picture_job *job, FILE *out) {
     size_t guessed = 0;
     for (size_t i = 0; i < job->drawn_count; ++i) guessed += job->drawn[i]->up_guessed != 0;
     if (guessed && job->drawn_count == 1)
-        fprintf(out, "; up is %s, by a guess (--up)", render_up_name(file->up));
+        fprintf(out, "; guessed that %s is up (--up)", render_up_name(file->up));
     else if (guessed)
-        fprintf(out, "; up is a guess in %zu of the files (--up)", guessed);
+        fprintf(out, "; guessed the upward axis in %zu of the files (--up)", guessed);
 }
 
 static void print_notes(const render_scene_file *file) {

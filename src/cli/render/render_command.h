@@ -179,7 +179,7 @@ void render_plan_tell(void *user, render_sheet *sheet, const render_picture *pic
 /* The words of --compare and --views are checked before a file is opened. */
 int render_plan_check(const cli_subcommand *command, const render_settings *settings);
 /* The end of a message, behind the limit: Mesa's renderer alone was seen to take 70 to 100 MB. */
-#define RENDER_DRIVER_NEEDS "; a renderer needs 128M and more"
+#define RENDER_DRIVER_NEEDS "; a renderer needs at least 128M"
 /* render_driver.c: under --max-memory a driver that ends the program for want of memory is told of,
  * with status 3. */
 void render_watch_driver(void);

@@ -26,7 +26,8 @@ void render_watch_driver(void) {
     cli_memory_limit_words(limit);
     if (!limit[0]) return;
     snprintf(driver_failed, sizeof driver_failed,
-        "norma: the graphics driver ended for want of memory%s" RENDER_DRIVER_NEEDS "\n", limit);
+        "norma: the graphics driver ended because memory ran out%s" RENDER_DRIVER_NEEDS "\n",
+        limit);
     struct sigaction action = {.sa_handler = catch_driver};
     sigemptyset(&action.sa_mask);
     sigaction(SIGSEGV, &action, NULL);

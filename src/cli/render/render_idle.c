@@ -67,5 +67,5 @@ void render_note_idle(const render_settings *settings, render_scene_file *file) 
             list, flat ? "surfaces without normals are flat here" : "all of them are stored");
     name_options(settings, 0, list);
     if (list[0] && !is_lit(settings))
-        render_file_note(file, "no effect: %s. What --show asks for is not lit", list);
+        render_file_note(file, "no effect: %s. Nothing that --show draws is lit", list);
 }

@@ -80,7 +80,7 @@ static const char *set_lines(void *user, const char *value) {
     for (const char *word = value;; ++word) {
         size_t length = strcspn(word, ",");
         int number = number_of(word, length, names, CLI_COUNT(names));
-        if (number < 0) return "vertices, faces, edges, or several of them with commas between";
+        if (number < 0) return "vertices, faces, edges, or several of them, separated by commas";
         settings->hedgehog |= 1U << number;
         word += length;
         if (!*word) return NULL;
@@ -90,7 +90,7 @@ static const char *set_lines(void *user, const char *value) {
 static const char *set_line_length(void *settings, const char *value) {
     double length;
     if (!cli_number(value, &length) || length <= 0 || length > 1000)
-        return "a number above 0: in lengths of the edges nearby";
+        return "a number above 0, which multiplies the length of nearby edges";
     ((render_settings *)settings)->look.reach = length;
     ((render_settings *)settings)->given |= RENDER_GIVEN_LENGTH;
     return NULL;
@@ -146,7 +146,7 @@ static const char *set_turntable(void *settings, const char *value) {
     double turns;
     if (!cli_number(value, &turns) || turns < 1 || turns > RENDER_MOST_TURNS ||
         turns != floor(turns))
-        return "how many pictures, 1 to 3600";
+        return "a number of pictures, 1 to 3600";
     ((render_settings *)settings)->turns = (int)turns;
     return NULL;
 }
@@ -174,7 +174,7 @@ static const char *set_error_top(void *settings, const char *value) {
 
 static const char *set_clay(void *settings, const char *value) {
     if (value && strcmp(value, "yes") != 0 && strcmp(value, "no") != 0)
-        return "yes or no, or nothing behind it";
+        return "yes, no, or no value";
     ((render_settings *)settings)->clay = !value || value[0] == 'y';
     return NULL;
 }
@@ -184,7 +184,7 @@ static const char *set_select(void *user, const char *value) {
     size_t rules;
     norma_rules(&rules);
     if (rules > RENDER_MOST_RULES || norma_rules_select(value, settings->select, NULL))
-        return "ids of rules (N301), their beginnings (N3) or names, with commas between";
+        return "ids of rules (N301), their beginnings (N3) or names, separated by commas";
     settings->has_select = 1;
     return NULL;
 }
@@ -296,7 +296,7 @@ static const char *set_samples(void *settings, const char *value) {
     double samples;
     if (!cli_number(value, &samples) || samples < 1 || samples > RENDER_MOST_SAMPLES ||
         samples != floor(samples))
-        return "1 to 4: each pixel is the mean of so many samples each way";
+        return "1 to 4 samples in each direction of a pixel";
     ((render_settings *)settings)->look.samples = (int)samples;
     return NULL;
 }

@@ -60,8 +60,8 @@ static int read_side(const char *word, side *out) {
 }
 
 static const char compare_help[] =
-    "shadings (flat, gouraud, phong), ways of a normal (before, plain, right), weights (angle, "
-    "area, ...) or creases in degrees, with commas between";
+    "shadings (flat, gouraud, phong), transforms of normals (before, plain, right), weights "
+    "(angle, area, ...) or creases in degrees, separated by commas";
 
 /* The next word of a list with commas; 0: it is too long or empty. */
 static int next_word(const char **list, char *word, size_t room) {
@@ -132,8 +132,8 @@ int render_plan_check(const cli_subcommand *command, const render_settings *sett
             command, "--compare=%s: expected %s", settings->compare_list, compare_help);
     if (settings->views && read_views(settings, views) == 0)
         return cli_usage(command,
-            "--views '%s': expected front, right, back, left, top, bottom, three-quarter, with "
-            "commas between, or how many about the vertical, up to 64",
+            "--views '%s': expected front, right, back, left, top, bottom, three-quarter, "
+            "separated by commas, or a number of views around the vertical, up to 64",
             settings->views);
     return CLI_OK;
 }

@@ -168,8 +168,8 @@ const render_scene *render_file_scene(const render_settings *settings, render_sc
     for (size_t i = 0; i < file->variant_count; ++i)
         if (same_variant(&file->variants[i], variant)) return &file->scenes[i];
     if (file->variant_count == RENDER_MOST_PANELS) {
-        render_file_fail(
-            error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input, "is asked for in too many ways");
+        render_file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input,
+            "would be drawn in too many variants");
         return NULL;
     }
     if (make_scene(settings, file, variant, &file->scenes[file->variant_count], error)) return NULL;

@@ -153,8 +153,7 @@ int report_add(report_merge *merged, const char *path, json_t *report) {
     const report_kind kind = kind_of(report);
     merged->reports[merged->report_count++] = report;
     if (kind == REPORT_UNKNOWN)
-        return refuse(
-            path, "is no report of norma check; expected what --format json or sarif writes");
+        return refuse(path, "is not a report of norma check; expected one in JSON or SARIF");
     merged->kind = kind;
     return kind == REPORT_SARIF ? add_sarif(merged, path, report) : add_json(merged, path, report);
 }

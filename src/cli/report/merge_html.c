@@ -8,7 +8,7 @@
 int report_is_html(const char *text) { return text[strspn(text, " \t\r\n")] == '<'; }
 
 static int refuse(const char *path) {
-    cli_error("%s: is no page of norma check; expected what --format html writes", path);
+    cli_error("%s: is not an HTML report of norma check", path);
     return CLI_FILE;
 }
 

@@ -75,7 +75,7 @@ static int read_report(report_merge *merged, const char *path) {
         return report_add_html(merged, path, text);
     }
     free(text);
-    json_t *report = check_load_json(path, "a report as norma check writes it");
+    json_t *report = check_load_json(path, "a report of norma check");
     return report ? report_add(merged, path, report) : CLI_FILE;
 }
 
@@ -93,8 +93,8 @@ static int read_reports(report_merge *merged, const cli_words *words, cli_guard 
         cli_guard_read(guard, words->words[i]);
         status = read_report(merged, words->words[i]);
         if (status || !before || before == merged->kind) continue;
-        cli_error("%s: is %s, and the reports before it are %s; expected one kind", words->words[i],
-            kind_name(merged->kind), kind_name(before));
+        cli_error("%s: is %s, but the reports before it are %s; expected one format for all",
+            words->words[i], kind_name(merged->kind), kind_name(before));
         status = CLI_FILE;
     }
     return status;

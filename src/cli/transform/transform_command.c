@@ -70,8 +70,8 @@ static const char *what_flattening_does(const transform_work *work) {
     if (work->info.determinant != 0)
         return "; nearly flat (within 1e-6 of its largest stretch): each face keeps its normal";
     if (work->leaves_normals)
-        return "; flattened to a plane (rank 2): each face keeps the right normal, the plane's, or "
-               "none where it collapsed";
+        return "; flattened to a plane (rank 2): faces get the plane's normal, which is right; "
+               "collapsed faces have none";
     if (work->info.rank == 1)
         return "; flattened to a line (rank 1): no face keeps a direction, so no normal is right";
     return "; flattened to a point (rank 0): no face keeps a direction, so no normal is right";

@@ -158,7 +158,8 @@ static void report(const view_work *work, const char *input, const char *to,
     size_t shown;
     const int decimated = count_decimated(pack, &shown) > 0;
     if (decimated && !work->common.quiet)
-        cli_error("%s: %zu triangles are too many for a page; it shows the surface with %zu",
+        cli_error(
+            "%s: %zu triangles are too many for a page; it shows the surface simplified to %zu",
             cli_input_name(input), triangles, shown);
     if (work->common.json) {
         cli_json json = {.out = stdout};

@@ -204,7 +204,7 @@ norma_document_result norma_document_tangents(norma_document *document,
     norma_document_copy_options(
         &options, sizeof options, offsetof(norma_tangent_options, meshes), given);
     const char *bad = document->functions->tangents ? bad_tangent_option(&options)
-                                                    : "this format holds no tangents; glTF does";
+                                                    : "this format cannot store tangents; glTF can";
     if (bad)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
     summary = summary ? summary : &unwanted;

@@ -30,7 +30,7 @@ norma_document_result norma_document_check_target(
             "is the input itself; give another name, or work in place");
     if (!in_place && norma_document_names_file(document, path))
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "belongs to %s, which reads it or names it; give another name", document->path);
+            "is used by %s; give another name", document->path);
     if (!name_fits(document, path)) {
         const char *name = norma_file_format_name(document->format);
         return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,

@@ -15,7 +15,7 @@ norma_document_result norma_document_visit_files(
     if (result) return result;
     if (!visit)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "no function to hand the files to was given");
+            "no function that receives the files was given");
     if (!document->folder || !document->functions->visit_files) return NORMA_DOCUMENT_OK;
     return document->functions->visit_files(document, visit, user) < 0
                ? norma_document_fail_memory(document, error)

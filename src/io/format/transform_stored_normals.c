@@ -91,8 +91,8 @@ norma_document_result norma_transform_stored_normals(norma_document *document,
     settle_lost(carrier, normals, out, count, &vanished, &not_finite);
     if (vanished > 0)
         norma_document_add_note(document,
-            "%zu normals vanish under this matrix, which flattens; they got the direction that "
-            "remains",
+            "%zu normals vanish under this matrix, because it flattens; they got the one direction "
+            "that is left",
             vanished);
     if (not_finite > 0)
         norma_document_add_note(

@@ -9,8 +9,8 @@
 
 const char *norma_image_text(image_result result) {
     static const char *const texts[] = {"it was read", "it is neither PNG nor JPEG",
-        "it is malformed or cut off", "it is far larger than its file suggests", "out of memory",
-        "it is grey, or stored in another way than as red, green and blue",
+        "it is malformed or cut off", "it is implausibly large for the size of its file",
+        "out of memory", "it is grey, or stored in another way than as red, green and blue",
         "it is a JPEG in CMYK, not in red, green and blue", LEFT_OUT};
     return texts[result];
 }

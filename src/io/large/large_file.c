@@ -34,7 +34,7 @@ void norma_large_close(large_file *file) {
 
 norma_document_result norma_large_fail_memory(large_file *file) {
     return norma_document_fail(file->document, file->error, NORMA_DOCUMENT_ERROR_MEMORY, NULL,
-        "out of memory, also when taken in the smallest parts; allow more");
+        "out of memory, even in the smallest parts; allow more memory");
 }
 
 norma_document_result norma_large_fail_read(large_file *file, int system_error) {

@@ -30,7 +30,7 @@ static norma_document_result read_header(large_file *file, ply_state *state) {
 static const char *why_whole(const ply_state *state) {
     const ply_header *header = &state->header;
     const ply_element *strips = norma_ply_element(header, header->strips);
-    if (header->encoding == PLY_ASCII) return "a PLY of text is read whole";
+    if (header->encoding == PLY_ASCII) return "an ASCII PLY is read whole";
     if (header->elements[header->vertex].list_count) return "its vertices have lists";
     if (strips && strips->count && header->strip_list != PLY_NONE)
         return "triangle strips are read whole";

@@ -13,8 +13,8 @@ norma_document_result norma_large_stl_open(large_file *file, large_stl *stl) {
     if (file->size >= STL_HEADER && !norma_stl_is_binary(state))
         return norma_document_fail(file->document, file->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
             NULL,
-            "does not fit into the memory allowed, and an STL of text is read whole; allow "
-            "more memory");
+            "does not fit into the memory allowed, and an ASCII STL is read whole; allow more "
+            "memory");
     const norma_document_result result = norma_stl_read_binary(file->document, file->error);
     stl->facets = state->facets;
     state->bytes = stl->block->bytes;

@@ -279,8 +279,8 @@ static norma_document_result read_unread(norma_document *document, norma_documen
     const obj_state *state = document->state;
     norma_unread *unread = norma_scene_allocate(document->scene, 1, sizeof *unread);
     if (!unread) return norma_document_fail_memory(document, error);
-    *unread = (norma_unread){.where = "",
-        .why = "free-form surfaces, of which only polygons that stand beside them are read"};
+    *unread = (norma_unread){
+        .where = "", .why = "free-form surfaces are not read, only the polygons beside them"};
     document->scene->unread = unread;
     document->scene->unread_count = state->has_surfaces != 0;
     return NORMA_DOCUMENT_OK;

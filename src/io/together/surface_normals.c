@@ -109,9 +109,9 @@ norma_document_result norma_together_fail_places(
     norma_document_mesh_info(m->document, surface->parts[0].mesh, &info);
     return norma_document_fail(m->document, run->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
         info.where,
-        "mesh \"%.200s\" is drawn at %zu places, and would need other normals at one than at "
-        "another, because of what meets it there; run norma transform --bake first, which gives "
-        "each node a mesh of its own",
+        "mesh \"%.200s\" is drawn at %zu places and would need different normals there, because "
+        "different surfaces meet it; run norma transform --bake first, which gives each node a "
+        "mesh of its own",
         info.name, count);
 }
 

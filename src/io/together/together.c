@@ -15,21 +15,21 @@ static norma_document_result fail_argument(norma_document_error *error, const ch
 
 static const char *bad_choice(const norma_compute_options *o) {
     if (o->shading == NORMA_SHADING_FLAT)
-        return "flat normals have nothing to share; compute each file by itself";
+        return "flat normals cannot be shared; compute each file by itself";
     if (o->weld == NORMA_WELD_NONE)
         return "without welding nothing is shared; expected exact or a distance";
     if (o->weight == NORMA_WEIGHT_VISIBLE)
-        return "the most visible normal is no sum and cannot be shared between files; expected "
-               "another weight";
+        return "the weight visible is not summed over faces and cannot be shared between files; "
+               "expected another weight";
     if (o->only != NORMA_ONLY_ALL)
-        return "normals of one surface are computed together; lock what is to keep its normals";
+        return "all normals of a joined surface are computed; lock those that should stay";
     return NULL;
 }
 
 static const char *bad_crease(const together_run *run) {
     return run->compute.shading == NORMA_SHADING_CREASE &&
                    (run->options.levels || run->options.lock_count)
-               ? "levels of detail and locked normals belong to smooth normals; expected no crease"
+               ? "levels of detail and locked normals need smooth normals; expected no crease"
                : NULL;
 }
 

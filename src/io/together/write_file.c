@@ -134,8 +134,8 @@ static norma_document_result join_equal_outputs(together_run *run) {
         if (meet == 2) {
             const norma_document named = {.path = run->writers.paths[all[i].number]};
             result = norma_document_fail(&named, run->error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,
-                "several of the files would write this one, each with other bytes; give them "
-                "buffers of their own, for example as GLB");
+                "several outputs would write this file with different bytes; give each a buffer of "
+                "its own, for example as GLB");
         }
     }
     free(all);

@@ -143,8 +143,8 @@ static int open_before(mpi_job *job, const char *header, ply_layout *layout) {
                       : norma_mpi_fail(job, "%s: out of memory", job->input);
     unsigned char body[MOST_BODY];
     if (!failed && header_of(layout->before)->encoding == PLY_ASCII)
-        failed = norma_mpi_fail(
-            job, "%s: is text; norma-mpi reads binary PLY files, use norma compute", job->input);
+        failed = norma_mpi_fail(job,
+            "%s: is ASCII; norma-mpi reads only binary PLY files, use norma compute", job->input);
     const size_t body_size = failed ? 0 : make_body(header_of(layout->before), body, sizeof body);
     norma_document_close(layout->before);
     layout->before = NULL;

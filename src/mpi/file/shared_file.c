@@ -72,7 +72,8 @@ static int check_size(mpi_job *job) {
     struct stat status;
     if (stat(job->input, &status) != 0)
         return norma_mpi_fail(job, "%s: %s (rank %d)", job->input, strerror(errno), job->call.rank);
-    if (!S_ISREG(status.st_mode)) return norma_mpi_fail(job, "%s: is no file", job->input);
+    if (!S_ISREG(status.st_mode))
+        return norma_mpi_fail(job, "%s: is not a regular file", job->input);
     job->size = (uint64_t)status.st_size;
     return 0;
 }

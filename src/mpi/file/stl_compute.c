@@ -149,7 +149,7 @@ int norma_mpi_compute_stl(mpi_job *job) {
     for (int i = 0; i < 4; i++) facets |= (uint32_t)header[80 + i] << (8 * i);
     if (job->size < STL_HEADER || job->size != STL_HEADER + (uint64_t)facets * STL_FACET)
         return norma_mpi_fail(job,
-            "%s: is no whole binary STL; norma-mpi does not read text, use norma compute",
+            "%s: is not a complete binary STL; norma-mpi does not read ASCII, use norma compute",
             job->input);
     part.first = norma_mpi_share_of(job, facets, job->call.rank);
     part.count = (size_t)(norma_mpi_share_of(job, facets, job->call.rank + 1) - part.first);

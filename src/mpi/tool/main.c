@@ -16,17 +16,15 @@ static const char HELP[] =
     "\n"
     "Each rank reads and writes a slice of the file; the output is byte for byte that of norma "
     "compute.\n"
-    "IN is a binary PLY (a normal for each vertex) or a binary STL (facet normals), on a "
-    "file\n"
+    "IN is a binary PLY (a normal for each vertex) or a binary STL (facet normals), on a file\n"
     "system that all ranks see.\n"
     "\n"
-    "  -o OUT                where to write; whole or not at all\n"
+    "  -o OUT                the output; a failure leaves an existing file as it was\n"
     "  --weight angle|area|uniform|max|angle-area|visible|angle-lengths\n"
     "                        how faces are averaged (angle)\n"
     "  --weld exact|none|DISTANCE\n"
     "                        which vertices share a normal: those at equal positions (exact), "
-    "none, "
-    "or those\n"
+    "none, or those\n"
     "                        within DISTANCE (all positions then go through one rank)\n"
     "  --smooth              one normal for each position (the default)\n"
     "  --crease DEG          PLY: edges that bend by more than DEG degrees, 0 to 180, are sharp; "
@@ -34,11 +32,11 @@ static const char HELP[] =
     "                        are added where they need several normals\n"
     "  --non-manifold hard|smooth\n"
     "                        with --crease: edges of more than two faces (hard)\n"
-    "  --json                a summary for programs, on standard output\n"
-    "  --quiet               no summary\n"
+    "  --json                prints a summary as JSON\n"
+    "  --quiet               prints no summary\n"
     "  --help, --version\n"
     "\n"
-    "Exit status, on every rank: 0 fine, 2 usage, 3 the file could not be read or written.\n";
+    "Exit status, on every rank: 0 fine, 2 wrong usage, 3 the file could not be read or written.\n";
 
 typedef struct settings {
     mpi_job job;
@@ -141,7 +139,8 @@ static int check_output(settings *s) {
     if (lstat(s->job.output, &out) != 0) return 1;
     if (stat(s->job.input, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
         return refuse(s, s->job.output, "this is the input; norma-mpi writes another file");
-    return S_ISREG(out.st_mode) || refuse(s, s->job.output, "this exists and is no regular file");
+    return S_ISREG(out.st_mode) ||
+           refuse(s, s->job.output, "this exists and is not a regular file");
 }
 
 static int read_arguments(settings *s, int argc, char **argv) {

@@ -128,8 +128,8 @@ enum render_result render_egl_open(
     *egl = (render_egl){.library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL)};
     if (!egl->library)
         return render_fail(error, RENDER_ERROR_DEVICE,
-            "cannot draw: there is no EGL here (%s); Debian has it in libegl1, and a software "
-            "renderer in libgl1-mesa-dri",
+            "cannot draw: EGL is not installed (%s); on Debian, install libegl1, and "
+            "libgl1-mesa-dri for a software renderer",
             dlerror());
     if (!find_calls(egl->library, egl, &calls))
         return render_fail(
@@ -138,8 +138,8 @@ enum render_result render_egl_open(
     for (int i = 0; i < list.count; ++i)
         if (try_display(&calls, list.displays[i], egl, gl)) return RENDER_OK;
     return render_fail(error, RENDER_ERROR_DEVICE,
-        "cannot draw: EGL gives no context of OpenGL ES 3.0 without a window on any of %d "
-        "displays; Debian has a software renderer in libgl1-mesa-dri",
+        "cannot draw: EGL has no OpenGL ES 3.0 context without a window on any of %d displays; on "
+        "Debian, libgl1-mesa-dri is a software renderer",
         list.count);
 }
 

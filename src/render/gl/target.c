@@ -20,8 +20,8 @@ static enum render_result make_target(
     gl->GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
     if (width > (size_t)most || height > (size_t)most)
         return render_fail(error, RENDER_ERROR_ARGUMENT,
-            "%s draws at most %d samples each way, and %zux%zu are wanted; expected a smaller "
-            "--size or fewer --samples",
+            "%s draws at most %d samples in each direction, but %zux%zu are needed; expected a "
+            "smaller --size or fewer --samples",
             device->name, most, width, height);
     gl->GenFramebuffers(1, &device->framebuffer);
     gl->GenRenderbuffers(1, &device->colour);

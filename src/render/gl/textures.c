@@ -52,8 +52,8 @@ enum render_result render_texture_bind(render_device *device, const render_textu
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &most);
     if (texture->picture->width > (size_t)most || texture->picture->height > (size_t)most)
         return render_fail(error, RENDER_ERROR_DEVICE,
-            "%s holds images of at most %d pixels each way, and a material's has %zux%zu; --clay "
-            "draws without",
+            "%s holds images of at most %d pixels in each direction, but a material's image has "
+            "%zux%zu; --clay draws without images",
             device->name, most, texture->picture->width, texture->picture->height);
     render_texture_upload *larger =
         realloc(device->textures, (device->texture_count + 1) * sizeof *larger);

@@ -90,7 +90,7 @@ static enum render_result make_picture(
                       l->footer + l->left_out;
     if (picture->width > most || picture->height > most)
         return render_fail(error, RENDER_ERROR_ARGUMENT,
-            "a picture of %zux%zu pixels; expected at most %zu each way", picture->width,
+            "a picture of %zux%zu pixels; expected at most %zu in each direction", picture->width,
             picture->height, most);
     picture->pixels = malloc(4 * picture->width * picture->height);
     if (!picture->pixels) return render_fail_memory(error);

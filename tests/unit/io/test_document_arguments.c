@@ -184,7 +184,7 @@ static void test_numbers_and_places(void **state) {
     refused(norma_document_write(document, NULL, NULL, e),
         "a.obj: no function to write with was given");
     refused(norma_document_visit_files(document, NULL, NULL, e),
-        "a.obj: no function to hand the files to was given");
+        "a.obj: no function that receives the files was given");
     assert_int_equal(norma_document_mesh_info(document, 0, NULL), ARGUMENT);
     assert_int_equal(norma_document_mesh_info(document, 1, &a.info), ARGUMENT);
     assert_int_equal(norma_document_node_info(document, 0, NULL), ARGUMENT);

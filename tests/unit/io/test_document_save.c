@@ -218,7 +218,7 @@ static void names_that_may_not_be_written(void **state) {
     snprintf(path, sizeof path, "%s/link.obj", here->folder);
     assert_int_equal(symlink("mesh.obj", path), 0);
     refuses(here, path, "is the input itself");
-    refuses(here, here->beside, "belongs to");
+    refuses(here, here->beside, "is used by");
     snprintf(path, sizeof path, "%s/out.ply", here->folder);
     refuses(here, path, ".obj");
     snprintf(path, sizeof path, "%s/out", here->folder);

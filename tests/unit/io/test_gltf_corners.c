@@ -247,12 +247,12 @@ static void test_flattened(void **state) {
         size_t count;
     } files[] = {
         {"a.ply", ply,
-            "2 normals vanish under this matrix, which flattens; they got the direction that "
-            "remains",
+            "2 normals vanish under this matrix, because it flattens; they got the one direction "
+            "that is left",
             3},
         {"a.stl", stl,
-            "1 normals vanish under this matrix, which flattens; they got the direction that "
-            "remains",
+            "1 normals vanish under this matrix, because it flattens; they got the one direction "
+            "that is left",
             1},
     };
     const norma_transform_options options = {

@@ -229,8 +229,7 @@ static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder,
     b->summary->mirrored |= map.mirrored;
     if (map.rank < 2)
         norma_document_add_note(g->document,
-            "node %u: its matrix leaves nothing but %s, on which no normal exists; normals became "
-            "+Z",
+            "node %u: its matrix flattens everything to %s, which has no normal; normals became +Z",
             (unsigned)node, map.rank ? "a line" : "a point");
     const mesh_use use = {mesh, copy, node};
     const norma_document_result result =

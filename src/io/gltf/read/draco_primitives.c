@@ -45,7 +45,7 @@ static int next_claim(const gltf *g, const gltf_primitive *p, uint32_t *at, clai
 /* Two primitives may share a stream and what is in it. */
 static const char *why_not_claimed(const gltf *g, const gltf_primitive *p, claim wanted) {
     const gltf_accessor *a = &g->accessors[wanted.accessor];
-    if (a->sparse.count) return "compressed with KHR_draco_mesh_compression and sparse besides";
+    if (a->sparse.count) return "compressed with KHR_draco_mesh_compression and also sparse";
     if (a->draco != GLTF_NONE &&
         (g->primitives[a->draco].draco.view != p->draco.view || a->draco_id != wanted.id))
         return "compressed with KHR_draco_mesh_compression, but its accessors already belong to "
@@ -107,7 +107,7 @@ norma_document_result norma_gltf_read_draco(
     const gltf_meshopt *m = &g->views[view].meshopt;
     if (g->buffers[m->token == GLTF_NONE ? g->views[view].buffer : m->buffer].storage ==
         GLTF_STORED_NOWHERE) {
-        *why = "its buffer has no URI, so its bytes are not here";
+        *why = "its buffer has no URI, so its bytes are not available";
         return NORMA_DOCUMENT_OK;
     }
     p->draco.view = view;

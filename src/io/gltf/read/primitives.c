@@ -162,7 +162,7 @@ static const char *why_without_bytes(const gltf *g, const gltf_primitive *p) {
     if (any_accessor(g, p, lacks_decoder))
         return "compressed with EXT_meshopt_compression, and this Norma was built without "
                "meshoptimizer";
-    return any_accessor(g, p, lacks_bytes) ? "its buffer has no URI, so its bytes are not here"
+    return any_accessor(g, p, lacks_bytes) ? "its buffer has no URI, so its bytes are not available"
                                            : NULL;
 }
 

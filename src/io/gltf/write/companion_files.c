@@ -227,7 +227,7 @@ static norma_document_result add_file(companions *c, const file_name *file) {
     if (!image) result = norma_gltf_check_own_data(c->g, buffer, &one.file, c->error);
     if (result || no_image) {
         norma_file_close(&one.file);
-        return result ? result : not_copied(c, name, "it does not begin like an image");
+        return result ? result : not_copied(c, name, "its first bytes are not those of an image");
     }
     one.bytes = one.file.data;
     one.size = one.file.size;
