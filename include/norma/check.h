@@ -2,12 +2,12 @@
  * they belong to, in documents or in arrays in memory, and report findings as plain data.
  *
  * A rule has an id that never changes (N301), a name (inconsistent-winding), and a severity that
- * depends on what the surface is for. A finding is what one rule found at one place, with a count,
- * the worst value and a few samples.
+ * depends on what the surface is for. A finding is the result of one rule at one place, with a
+ * count, the worst value and a few samples.
  *
- * All calls are pure functions: any number may run at once on data that nobody changes. The
- * findings are the same for any number of threads. A zero-initialised option struct means the
- * documented defaults. */
+ * All calls are pure functions: any number may run at once as long as their data is not changed
+ * meanwhile. The findings are the same for any number of threads. A zero-initialised option struct
+ * means the documented defaults. */
 #ifndef NORMA_CHECK_H
 #define NORMA_CHECK_H
 #include <norma/document.h>
@@ -34,7 +34,7 @@ typedef enum norma_check_profile {
     NORMA_CHECK_PROFILE_RENDER,
     NORMA_CHECK_PROFILE_PRINT,
 
-    /* Models made by a program, to be accepted or sent back: the higher severity of render and
+    /* For accepting or rejecting models that a program made: the higher severity of render and
      * print, and always errors for N203, N206, N302, N303, N305, N306 and N307. */
     NORMA_CHECK_PROFILE_GENERATED
 } norma_check_profile;
@@ -50,7 +50,7 @@ typedef struct norma_rule {
     /* Sentences for a reader: what is measured, why it matters, what to do. */
     const char *what, *why, *how;
 
-    /* Whether the Khronos glTF validator reports it: "yes", "no", "partly", ... */
+    /* Whether the Khronos glTF validator reports it: "yes", "no", "partly" or a phrase. */
     const char *validator;
 } norma_rule;
 
@@ -259,31 +259,30 @@ typedef struct norma_fix_summary {
     size_t by_rays, undecided;
     double least_confidence; /* of by_rays: (rays for it - rays against it) / rays */
 
-    /* Fixes that would have done harm, and were left out; a note of the document says for each
-     * which rule would have reported more. */
+    /* Fixes that were skipped because they would do harm. For each, a note of the document names
+     * the rule that would have reported more. */
     size_t left_out;
 } norma_fix_summary;
 
 /* Fixes the findings of the selected rules that a program can fix. Nothing else in the document
  * changes.
  *
- * The fixes are tried on a copy first. A fix is left out if after it some rule, selected or not,
- * would report more elements than before at warning or above, or a higher severity, or if an edge
- * that is closed would be open. The other fixes are still applied.
+ * The fixes are tried on a copy first. A fix is skipped if some rule, selected or not, would then
+ * report more elements than before at warning or above, or a higher severity, or if a closed edge
+ * would become open. The other fixes are still applied.
  *
  *   document   opened leniently
  *   options    as for norma_check_document; max_samples is ignored
- *   unsafe     0: only safe fixes; nonzero: also those that may change something that was intended
- *              (norma_rule.fix says which)
+ *   unsafe     0: only safe fixes; nonzero: also those that may change intended things (see
+ *              norma_rule.fix)
  *   summary    written; or NULL
  *   error      written on failure; or NULL
  *
  * New normals are computed from the surface, with the weight and crease that explain the other
  * normals of the file best. If all faces at a normal are reversed, the normal is reversed with
- * them.
- * A fix may uncover faults that another fix repairs; these are fixed too. Calling it again changes
- * nothing more. Cost: that of a few checks, and memory for a copy of the file; if a fix has to be
- * left out, of a few more for each rule.
+ * them. A fix may uncover faults that another fix repairs; these are fixed too. Calling it again
+ * changes nothing more. Cost: that of a few checks, and memory for a copy of the file. If a fix has
+ * to be skipped, a few more checks for each rule.
  * Errors: those of norma_check_document and norma_document_edit. After an error the document can
  * only be closed. */
 NORMA_API norma_document_result norma_fix_document(norma_document *document,

@@ -1,5 +1,5 @@
 /* document.h: files that contain normals. They are read, changed and written back, and every byte
- * that has nothing to do with normals is kept.
+ * unrelated to normals is kept.
  *
  * Open a document from a path or from memory, change it with norma_document_compute, _transform or
  * _edit, and save it. Saving writes a temporary file, flushes it and renames it, so at any time
@@ -8,9 +8,9 @@
  *
  * A document takes any number of changes, and may be changed further after it was saved. Mesh data
  * and infos follow the changes; pointers and strings from before a change, even one that failed,
- * are no longer valid. A change that fails leaves the document as it was, with two exceptions:
- * if memory runs out, or computing the normals of an STL is cancelled, it may be possible only to
- * close the document; other calls then return an error that says so.
+ * are no longer valid. A change that fails leaves the document as it was, with two exceptions: if
+ * memory runs out, or computing the normals of an STL is cancelled, it may be possible only to
+ * close the document; other calls then return an error with this reason.
  *
  * Different threads may use different documents at the same time; only one thread at a time may use
  * a document. A zero-initialised option struct means the documented defaults. Strings are UTF-8,
@@ -519,7 +519,7 @@ typedef enum norma_stored_tangents {
     NORMA_STORED_TANGENTS_ORTHOGONALISE = 0,
     NORMA_STORED_TANGENTS_KEEP, /* all keep their bits */
 
-    /* They are computed anew, as norma_document_tangents does with NORMA_TANGENTS_MIKK, in each
+    /* They are computed again, as norma_document_tangents does with NORMA_TANGENTS_MIKK, in each
      * primitive whose normals are computed; without texture coordinates they are made
      * perpendicular. If this fails, the document can only be closed. */
     NORMA_STORED_TANGENTS_REGENERATE
@@ -644,9 +644,9 @@ NORMA_API norma_document_result norma_document_transform(norma_document *documen
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);
 
-/* Moves meshes that lie far from their origin near it, so that floats have digits left for their
- * shape. A mesh is moved along the axes on which it lies more than eight times its size away, by
- * a step for which all differences are exact.
+/* Moves meshes that lie far from their origin close to it, to leave more digits of floats for their
+ * shape. A mesh is moved along each axis on which it is more than eight times its size away, by a
+ * step for which all differences are exact.
  *
  *   meshes    a byte for each mesh of the document, nonzero to move it (a glTF mesh moves if one of
  *             its primitives is marked); NULL: all
@@ -757,9 +757,9 @@ typedef struct norma_save_options {
  *
  * In place, a file that another program has changed, or is replacing at the same time, is refused.
  * Whenever the process or the machine stops, path is the old file or the new one. Buffers are on
- * disk before the .gltf that needs them. In place they only grow, so that the old .gltf, and others
- * that share them, still read the same bytes. Temporary files are named .norma-PROCESS-NUMBER.tmp;
- * on Linux they have no name until they are complete. */
+ * disk before the .gltf that needs them. In place they only grow, so the old .gltf, and others that
+ * share them, still read the same bytes. Temporary files are named .norma-PROCESS-NUMBER.tmp; on
+ * Linux they have no name until they are complete. */
 NORMA_API norma_document_result norma_document_save(norma_document *document, const char *path,
     const norma_save_options *options, norma_document_error *error);
 

@@ -115,28 +115,25 @@ typedef struct norma_together_options {
 } norma_together_options;
 
 /* Computes the normals of one surface that lies in several files, or in several meshes of one:
- * vertices at equal places in the world share their normal, whatever mesh, node or file they are
- * in.
+ * vertices at equal positions in the world share their normal, even across meshes, nodes and files.
  *
  *   files     OBJ, PLY, glTF or GLB
  *   count     of files
  *   options   NULL for the defaults
  *   compute   NULL for the defaults. shading: default, smooth or crease; weld: exact, or a
- *             distance; only: all; progress is told the share of all files
+ *             distance; only: all; progress covers all files
  *   error     written on failure; or NULL
  *
- * The outputs are written all or none: a failure before the first is put in place leaves everything
- * as it was, a later one puts back what was replaced. Each sum is exact enough to be the same in
- * any order, so the files may be given in any order, and the surface may be cut in any way, and
- * each vertex still gets the same bits.
+ * Either all outputs are written or none: after a failure, all files are as before, even those that
+ * had already been replaced. Sums do not depend on the order of their terms, so each vertex gets
+ * the same bits in whatever order the files are given and however the surface is cut.
  *
- * Places in a glTF are those of its nodes, rounded to floats; if one of the files is a glTF, all
- * positions are. Otherwise positions are compared as they are. A mesh with a skin is compared as it
- * was bound. Levels of detail are known by names that end in LOD and a number (of a mesh, a node or
- * a file), by MSFT_lod, or by levels: a vertex takes the normal of the finest level that has one
- * there.
- * With creases, edges are shared across files too; then all files are in memory at once, and
- * options->lock and levels are refused.
+ * Positions in a glTF are those in the world, rounded to floats. If one of the files is a glTF, all
+ * positions are rounded to floats. Otherwise positions are compared as they are. A mesh with a skin
+ * is compared in its bind pose. Levels of detail are recognised by names that end in LOD and a
+ * number (of a mesh, a node or a file), by MSFT_lod, or by levels: a vertex takes the normal of the
+ * finest level that has one there. With creases, edges are also shared across files. All files are
+ * then in memory at once, and options->lock and levels are refused.
  *
  * Memory: that of the largest file, and max_memory. All files are read twice. With a weld distance,
  * 28 bytes for each vertex of all files.

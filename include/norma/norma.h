@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-/* The release that this header belongs to. NORMA_VERSION is one number to compare with:
+/* The release that this header belongs to. NORMA_VERSION is a single number to compare:
  * 10000 * major + 100 * minor + patch. norma_version_number() returns that of the linked library.
  */
 #define NORMA_VERSION_MAJOR 0
@@ -293,35 +293,36 @@ NORMA_API norma_result norma_find_model_fault(
  *
  * - Output. normals takes three floats for each element (face, vertex or corner): a unit vector, or
  *   the fallback. Each is written once and never read back, so it may be mapped GPU memory. Any
- *   alignment will do. Elements lie options->normal_stride bytes apart (12 by default); nothing is
- *   written between or beyond them, and -0 is never written. capacity counts elements, not floats.
+ *   alignment is allowed. Elements lie options->normal_stride bytes apart (12 by default); nothing
+ *   is written between or beyond them, and -0 is never written. capacity counts elements, not
+ *   floats.
  * - Ownership. All buffers belong to the caller and are used only during the call.
  * - NULL. options and report may be NULL.
- * - Missing normals. An element without a normal gets options->fallback; options->reasons says why
- *   and the report counts it. NaN is never written.
+ * - Missing normals. An element without a normal gets options->fallback; options->reasons holds the
+ *   reason and the report counts it. NaN is never written.
  * - Face directions. A face's direction is that of its vector area. It is within 1e-7 rad of the
  *   exact one for the given positions, however thin the face, for edges from 1e-38 to 1e38 and at
  *   any distance from the origin. Consecutive corners at one (welded) position count as one corner,
- *   the last of them. A face has no direction, and counts in no sum, if fewer than three corners
- *   are left, if its area is exactly zero, or if one of its positions is not finite.
+ *   the last of them. A face has no direction, and is left out of all sums, if fewer than three
+ *   corners are left, if its area is exactly zero, or if one of its positions is not finite.
  * - Errors. NORMA_ERROR_ARGUMENT: mesh is NULL; a buffer is NULL but something has to be read or
- *   written there; triangles whose corner_count is not a multiple of three; face_starts that
+ *   written there; corner_count is not a multiple of three without face_starts; face_starts
  *   decrease or do not run from 0 to corner_count; corners is NULL but corner_count exceeds the
- *   number of positions; a crease that is NaN, infinite or above pi + 1e-3; an option out of range;
- *   an instruction set that the machine lacks. norma_find_fault names the argument and the element.
- *   NORMA_ERROR_CAPACITY, NORMA_ERROR_INDEX. NORMA_ERROR_OVERFLOW: also for 2^32 - 1 or more
- *   positions, corners or faces. These are found before anything is written. After
- *   NORMA_ERROR_MEMORY and NORMA_CANCELLED, outputs and report are undefined. An empty mesh is
- *   NORMA_OK.
+ *   number of positions; the crease is NaN, infinite or above pi + 1e-3; an option is out of range;
+ *   the machine lacks the instruction set. norma_find_fault names the argument and the element.
+ *   NORMA_ERROR_CAPACITY and NORMA_ERROR_INDEX occur as listed at norma_result,
+ *   NORMA_ERROR_OVERFLOW also for 2^32 - 1 or more positions, corners or faces. All these are found
+ *   before anything is written. After NORMA_ERROR_MEMORY and NORMA_CANCELLED, outputs and report
+ *   are undefined. An empty mesh is NORMA_OK.
  * - Reproducibility. The bits are the same for any number of threads, any parallel_for and any
  *   instruction set: each sum runs over its corners in ascending order.
- * - Thread safety. Any number of calls may run at once as long as nobody changes their meshes. */
+ * - Thread safety. Any number of calls may run at once, as long as their meshes are not changed
+ *   meanwhile. */
 
 /* Computes the unit normal of each face, correct for concave polygons too.
  *
  *   mesh       the faces
- *   options    of the options, weight and non_manifold are ignored; weld matters only if it is
- *              NORMA_WELD_DISTANCE
+ *   options    ignores weight and non_manifold; uses weld only if it is NORMA_WELD_DISTANCE
  *   normals    written: face_count normals (triangles: corner_count / 3)
  *   capacity   normals that fit
  *   report     written; or NULL
@@ -353,18 +354,18 @@ NORMA_API norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_
  * at its position that are joined to it by smooth edges.
  *
  *   mesh               the faces; smoothing_groups and hard_edges are respected
- *   crease_angle_rad   the largest dihedral angle of a smooth edge; pi lets every angle pass,
- *                      0 only flat edges, below 0 none
+ *   crease_angle_rad   the largest dihedral angle of a smooth edge; with pi, all angles are smooth,
+ *                      with 0 only flat edges, below 0 none
  *   options            as for norma_vertex_normals, and non_manifold and edges
  *   normals            written: corner_count normals
  *   capacity           normals that fit
  *   report             written; or NULL
  *
  * An edge is smooth if two faces share it, their dihedral angle is at most crease_angle_rad + 1e-6,
- * neither marks it hard, and their smoothing groups, if given, have a bit in common. Partners are
- * faces that run along an edge in opposite directions; a face's own reversed twin does not count.
- * Two faces share an edge if each is the other's only partner. For the dihedral angle only, a face
- * without a direction uses that of the face with which it shares its longest edge.
+ * neither marks it hard, and their smoothing groups, if given, have a bit in common. Two faces are
+ * partners at an edge if they run along it in opposite directions, unless one is the other
+ * reversed. They share the edge if each is the other's only partner. For the dihedral angle only, a
+ * face without a direction uses that of the face with which it shares its longest edge.
  * Cost: O(positions + corners * log valence). */
 NORMA_API norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad,
     const norma_options *options, float *normals, size_t capacity, norma_report *report);
@@ -397,10 +398,10 @@ NORMA_API norma_result norma_split(const norma_mesh *mesh, float crease_angle_ra
     uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count,
     norma_report *report);
 
-/* Interpolates the normal inside a triangle: the unit vector along
- * barycentric[0] a + barycentric[1] b + barycentric[2] c, right over the whole range of floats.
+/* Interpolates the normal inside a triangle: the unit vector along barycentric[0] a +
+ * barycentric[1] b + barycentric[2] c, correct over the whole range of floats.
  *
- *   a, b, c       the normals of the corners, used with the lengths they have
+ *   a, b, c       the normals of the corners; their lengths count
  *   barycentric   the weights; they need not sum to 1
  *   normal        written; may be one of the inputs
  *
@@ -413,28 +414,29 @@ NORMA_API norma_result norma_interpolate_normal(const float a[3], const float b[
 
 /* ---- meshes that move
  *
- * A plan keeps everything that depends on topology alone, so that an update only has to measure
- * faces and sum. Fans and shared positions are those of the mesh at creation: no edge flickers
- * between hard and soft as it bends. A face that had no direction at creation takes part as soon as
- * it has one, in the fan that it was in.
+ * A plan stores everything that depends only on topology, so an update only has to measure faces
+ * and sum. Fans and shared positions are those of the mesh at creation: no edge flickers between
+ * hard and soft as it bends. A face that had no direction at creation counts as soon as it has one,
+ * in the fan it belongs to.
  *
  * - Thread safety. An update does not change the plan. Any number of updates of one plan may run at
  *   once, each with its own output.
- * - Memory. An update allocates nothing, except with NORMA_FALLBACK_NEAREST when a normal is
- *   missing: then scratch memory from the allocator of its options. With threads above 1 it starts
- *   and joins threads. Each task needs at most 32 KiB of stack, and so does the call itself. */
+ * - Memory. An update allocates nothing, with one exception: if a normal is missing with
+ *   NORMA_FALLBACK_NEAREST, it takes scratch memory from the allocator of its options. With threads
+ *   above 1 it starts and joins threads. Each task needs at most 32 KiB of stack, and so does the
+ *   call itself. */
 
 typedef enum norma_element {
     NORMA_PER_VERTEX = 0,
     NORMA_PER_CORNER
-} norma_element; /* per vertex: the sum of the fans that its corners lie in */
+} norma_element; /* per vertex: the sum over the fans of its corners */
 
 typedef struct norma_plan norma_plan;
 
 /* Makes a plan of a mesh.
  *
  *   mesh               read during the call only
- *   of                 normals per vertex or per corner
+ *   of                 whether the plan is for normals per vertex or per corner
  *   crease_angle_rad   as for norma_corner_normals
  *   options            uses weld, non_manifold, threads, isa, parallel_for, progress, edges and
  *                      allocator; other options are ignored. The allocator must live as long as the
@@ -454,7 +456,7 @@ NORMA_API norma_result norma_plan_create(const norma_mesh *mesh, norma_element o
  *   plan          from norma_plan_create
  *   positions     any format and stride; as many as the mesh had
  *   moved         NULL: compute all normals. Otherwise the vertices that moved since the normals
- *                 were last right, in any order; repetitions are fine
+ *                 were last up to date, in any order; repetitions are fine
  *   moved_count   elements of moved
  *   options       uses weight, fallback, normal_stride, reasons, threads, isa, parallel_for,
  *                 progress, and allocator with NORMA_FALLBACK_NEAREST. weld is the plan's. May be
@@ -483,8 +485,7 @@ NORMA_API norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view
 /* Returns the size of a plan in bytes; 0 for NULL. */
 NORMA_API size_t norma_plan_bytes(const norma_plan *plan);
 
-/* Releases a plan through the allocator it came from. NULL is fine. No update of it may be running.
- */
+/* Releases a plan through its allocator. NULL is allowed. No update of the plan may be running. */
 NORMA_API void norma_plan_destroy(norma_plan *plan);
 
 /* ---- morph targets */
@@ -500,7 +501,7 @@ NORMA_API void norma_plan_destroy(norma_plan *plan);
  *   targets         target_count views of positions (absolute, not displacements), each with as
  *                   many as the base
  *   target_count    number of targets
- *   smallest        deltas of at most this length are left out; 0 or more
+ *   smallest        deltas of at most this length are omitted; 0 or more
  *   options         weight, weld, threads, isa, allocator, parallel_for and progress are used;
  *                   fallback, normal_stride, reasons and edges are ignored. May be NULL
  *   target_starts   written: target_count + 1 offsets. Target t has the deltas from
@@ -534,9 +535,9 @@ NORMA_API norma_result norma_morph_normals(const norma_mesh *base,
  * - Errors. NORMA_ERROR_ARGUMENT: a buffer is NULL but something has to be read or written there; a
  *   number is not a value of its enum; an output stride is shorter than one element.
  *   NORMA_ERROR_OVERFLOW: count * stride exceeds a size_t. NORMA_ERROR_CAPACITY: capacity is below
- *   count. They are found before anything is written. If count is 0, the result is NORMA_OK and
+ *   count. Errors are found before anything is written. If count is 0, the result is NORMA_OK and
  *   buffers may be NULL.
- * - Memory. The calls allocate none.
+ * - Memory. The calls allocate nothing.
  * - Models. Only the upper 3x3 of a model ([0..2], [4..6], [8..10]) affects normals. Translation
  *   and last row are ignored and need not be finite.
  * - Thread safety. The calls are pure functions: any number may run at once.
@@ -597,7 +598,7 @@ typedef struct norma_matrix_info {
  * Only the direction matters. If all cofactors are exactly zero (rank 0 or 1: every face loses its
  * direction), the result is a matrix of zeros and NORMA_OK; info->rank is then 0 or 1.
  * Errors: NORMA_ERROR_ARGUMENT if the upper 3x3 is not finite; then normal_matrix is zero and info
- * that of a zero matrix.
+ * describes a zero matrix.
  * Cost: about ten nanoseconds; with info one or two microseconds.
  * Source: singular values by one-sided Jacobi rotations (Hestenes 1958). */
 NORMA_API norma_result norma_normal_matrix(
@@ -659,8 +660,8 @@ NORMA_API norma_result norma_transform_normals(const float normal_matrix[9], nor
  * matrix of zeros and NORMA_ERROR_ARGUMENT. An output may be its own model. Cost: a few
  * microseconds. */
 
-/* The cheapest right way to transform normals. For a mirroring matrix each gives the result of
- * NORMA_WINDING_REVERSED, the sense of the inverse transpose. */
+/* The cheapest correct way to transform normals. For a mirroring matrix, each gives the result of
+ * NORMA_WINDING_REVERSED, which points like that of the inverse transpose. */
 typedef enum norma_shortcut {
     NORMA_SHORTCUT_NONE = 0,      /* only the normal matrix is right */
     NORMA_SHORTCUT_ROTATION,      /* M itself; nothing to renormalise */
@@ -753,9 +754,9 @@ NORMA_API norma_result norma_transform_positions_double(
  *   out_stride       bytes from one result to the next; 0: 16
  *   capacity         tangents that fit
  *
- * If at most 2^-20 of a tangent remains once its part along the normal is removed, or if M t is
- * zero or not finite, an arbitrary perpendicular vector is used, the same one every time. If a
- * normal is zero or not finite, its tangent need not be perpendicular to it.
+ * An arbitrary but reproducible perpendicular vector is used if at most 2^-20 of a tangent remains
+ * after its part along the normal is removed, or if M t is zero or not finite. If a normal is zero
+ * or not finite, its tangent need not be perpendicular to it.
  * Cost: O(count). Source: the convention of glTF and of Mikkelsen 2008. */
 NORMA_API norma_result norma_transform_tangents(const float model[16], const float *tangents,
     size_t tangent_stride, norma_vec3_view normals, size_t count, float *out, size_t out_stride,
@@ -796,7 +797,7 @@ typedef struct norma_orient_report {
     size_t closed, open, one_sided;
     size_t inward; /* closed parts that faced inward after their winding was made consistent */
     size_t nested; /* solids directly inside a solid, left as they are: cavities with the wrong
-                    * winding, or bodies of their own */
+                    * winding, or separate bodies */
 
     /* Open parts: turned or confirmed by rays; undecided ones are left as most of their faces
      * were. */
@@ -820,8 +821,8 @@ typedef struct norma_orient_report {
  *   capacity   faces that fit
  *   report     written; or NULL
  *
- * Each part is first wound as most of its faces are. A closed part is then turned outward by the
- * sign of its volume. Cavities stay cavities: parts are judged from outside in, and a part with
+ * Each part first gets the winding of most of its faces. A closed part is then turned outward by
+ * the sign of its volume. Cavities stay cavities: parts are judged from outside in, and a part with
  * negative volume directly inside a solid (the smallest part that contains it, by winding numbers)
  * is kept. Open parts keep the winding of most of their faces, or are turned by rays, 64 to each
  * side of a part: outward is the side from which more of them leave the scene. A part for which the
@@ -829,8 +830,8 @@ typedef struct norma_orient_report {
  * its own faces cancel at each edge, even if other parts touch it there. The result is the same for
  * any number of threads. Errors: those of norma_face_normals. Cost: O(corners * log valence), plus
  * O(parts log parts + parts log faces) for nesting and rays: if surfaces lie so densely that rays
- * would cost more, fewer are cast. Source: Takayama, Jacobson, Kavan, Sorkine-Hornung 2014 (rays).
- */
+ * would cost more, fewer rays are cast. Source: Takayama, Jacobson, Kavan, Sorkine-Hornung 2014
+ * (rays). */
 NORMA_API norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
     const norma_options *options, uint8_t *reverse, size_t capacity, norma_orient_report *report);
 
@@ -839,7 +840,7 @@ NORMA_API norma_result norma_orient(const norma_mesh *mesh, norma_orient_open op
  * A code c means max(c / 127, -1) with 8 bits and max(c / 32767, -1) with 16. */
 
 /* Encodes normals as three signed bytes each. Each gets the nearest code (by Euclidean distance)
- * whose length readers accept as unit.
+ * whose length the glTF validator accepts as unit.
  *
  *   normals      any format, stride and length; made unit first
  *   out          written: three codes each. glTF pads three bytes to four; the fourth is not
@@ -938,20 +939,20 @@ typedef enum norma_tangent_mode {
  * not exist.
  * Cost: O(corners + positions), whatever the valence. In MikkTSpace mode, a corner whose tangent is
  * opposed to others at the same vertex has a sum of its own, as in the reference: that costs
- * O(opposed pairs), and up to O(corners there) each if faces follow each other in no order. The
- * bits are the same for any number of threads. */
+ * O(opposed pairs), and up to O(corners there) each if the faces are in random order. The bits are
+ * the same for any number of threads. */
 NORMA_API norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
     const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
     float *tangents, size_t capacity, norma_report *report);
 
 /* ---- tangents of meshes that move
  *
- * Topology and texture coordinates stay, positions and normals change. A tangent plan keeps which
- * vertices are equal, how faces are cut into triangles and which corners meet at each vertex. An
- * update checks whether that still holds. If it does not (equal positions or normals part, others
- * become equal, a quad has to be cut along its other diagonal), the update does that part of the
- * work anew. So its tangents, reasons and report are always those of norma_corner_tangents, bit for
- * bit.
+ * Topology and texture coordinates stay the same; positions and normals change. A tangent plan
+ * stores which vertices are equal, how faces are cut into triangles and which corners meet at each
+ * vertex. An update checks whether that is still true. If not (equal positions or normals separate,
+ * others become equal, or a quad has to be cut along its other diagonal), the update repeats that
+ * part of the work. Its tangents, reasons and report are therefore always those of
+ * norma_corner_tangents, bit for bit.
  *
  * - Thread safety. An update does not change the plan. Any number of updates of one plan may run at
  *   once, each with its own output.
@@ -983,9 +984,9 @@ NORMA_API norma_result norma_tangent_plan_create(const norma_mesh *mesh,
  *                 own, if both normals and texture coordinates were so at creation; otherwise in
  *                 any layout
  *   moved         NULL: compute all tangents. Otherwise the vertices that moved since the tangents
- *                 were last right, in any order; repetitions are fine. Normals may have changed at
- *                 the positions of all faces with a moved vertex, as norma_plan_update changes
- *                 them. Name other vertices with a new normal too
+ *                 were last up to date, in any order; repetitions are fine. Normals may have
+ *                 changed at the positions of all faces with a moved vertex, as norma_plan_update
+ *                 changes them. List other vertices with a new normal too
  *   moved_count   elements of moved
  *   options       uses weight (steady), normal_stride, reasons, threads, isa, parallel_for,
  *                 progress and allocator. May be NULL
@@ -1010,15 +1011,15 @@ NORMA_API norma_result norma_tangent_plan_update(const norma_tangent_plan *plan,
 /* Returns the size of a tangent plan in bytes; 0 for NULL. */
 NORMA_API size_t norma_tangent_plan_bytes(const norma_tangent_plan *plan);
 
-/* Releases a tangent plan through the allocator it came from. NULL is fine. No update of it may be
+/* Releases a tangent plan through its allocator. NULL is allowed. No update of the plan may be
  * running. */
 NORMA_API void norma_tangent_plan_destroy(norma_tangent_plan *plan);
 
 /* ---- an indexed mesh out of values per corner
  *
- * Normals, texture coordinates, tangents and colours often come one for each corner. Vertex
- * buffers need an index for each corner instead: the number of its vertex. Corners whose values
- * agree in every byte become one vertex. */
+ * Often each corner has its own normal, texture coordinates, tangent and colour. Vertex buffers
+ * need an index for each corner instead: the number of its vertex. Corners whose values agree in
+ * every byte become one vertex. */
 
 /* An array with a value for each corner, of any type: its bytes are compared and copied as they
  * are, so 0 and -0 differ, and equal NaNs do not. */
@@ -1059,10 +1060,10 @@ NORMA_API size_t norma_index_size(size_t vertex_count);
  *
  * New vertices are numbered in the order in which corners first use them, whatever the number of
  * threads.
- * Errors: NORMA_ERROR_ARGUMENT if something is NULL that has to be read, if a size is 0, if a
- * stream without corners has fewer values than there are corners or if corner_size is neither 4, 0
- * nor 2; NORMA_ERROR_INDEX if a corner names no value; NORMA_ERROR_OVERFLOW if a size does not fit,
- * also if there are more vertices than indices of 16 bits can number; NORMA_ERROR_CAPACITY,
+ * Errors: NORMA_ERROR_ARGUMENT if an array that has to be read is NULL, if a size is 0, if a stream
+ * without corners has fewer values than there are corners or if corner_size is neither 4, 0 nor 2;
+ * NORMA_ERROR_INDEX if a corner names no value; NORMA_ERROR_OVERFLOW if a size does not fit, also
+ * if there are more vertices than indices of 16 bits can number; NORMA_ERROR_CAPACITY,
  * NORMA_ERROR_MEMORY and NORMA_CANCELLED. norma_find_stream_fault names the argument and the
  * element. After an error nothing has been written.
  * Cost: O(bytes of all corners' values), by hashing; 12 to 24 bytes of scratch memory for each
