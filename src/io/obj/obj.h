@@ -54,6 +54,7 @@ typedef struct obj_state {
     int has_normals, has_groups; /* some corner names one that is there; some face lies in a group
                                     other than 0 */
     int has_surfaces;            /* free-form ones */
+    int has_long_positions;      /* some coordinate has more digits than a float needs */
 
     /* What changed since the file was read. */
     int normals_replaced; /* vn lines: the kept ones and the new ones stand in one block */

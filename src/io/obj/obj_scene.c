@@ -96,8 +96,9 @@ static void read_texcoord(walk *w, const char *p) {
     w->texcoords = grown;
     for (size_t i = 0; i < 2; ++i) {
         double number = 0;
+        uint64_t digits;
         p = norma_obj_skip_blanks(p, w->end);
-        const char *next = norma_digits_plain(p, w->end, &number);
+        const char *next = norma_digits_plain(p, w->end, &number, &digits);
         if (!next) next = norma_number_parse(p, w->end, &number);
         p = norma_obj_number_end(next ? next : p, w->end);
         grown[2 * w->texcoord_count + i] = (float)number;

@@ -6,44 +6,11 @@
 #include <string.h>
 #include "io/format/transform_stored_normals.h"
 #include "io/file/large_memory.h"
-#include "io/text/number.h"
 #include "io/obj/obj.h"
-#include "io/obj/statements.h"
 
 static int is_identity(const double m[16], int columns) {
     for (int i = 0; i < 4 * columns; ++i)
         if (i % 4 != 3 && m[i] != (i % 5 == 0)) return 0;
-    return 1;
-}
-
-/* How many digits the number at p has, zeros before and after them aside. */
-static int significant_digits(const char *p, const char *end) {
-    int digits = 0, zeros = 0;
-    for (; p < end && *p != 'e' && *p != 'E'; ++p) {
-        if (*p < '0' || *p > '9' || (digits == 0 && *p == '0')) continue;
-        zeros = *p == '0' ? zeros + 1 : 0;
-        ++digits;
-    }
-    return digits - zeros;
-}
-
-/* Whether no coordinate of the text has more digits than a float needs. */
-static int text_is_float(const norma_document *document) {
-    const char *end = (const char *)document->source.data + document->source.size;
-    norma_watch *watch = norma_document_watch(document);
-    const void *asked = document->source.data;
-    for (const char *p = asked; p < end && !norma_watch_passed(watch, &asked, p);
-         p = norma_obj_skip_end(norma_obj_statement_end(p, end, watch), end)) {
-        p = norma_obj_skip_blanks(p, end);
-        if (norma_obj_keyword(p, end, &p) != OBJ_POSITION) continue;
-        for (int i = 0; i < 3; ++i) {
-            double value;
-            p = norma_obj_skip_blanks(p, end);
-            const char *next = norma_number_parse(p, end, &value);
-            if (!next || significant_digits(p, next) > FLT_DECIMAL_DIG) return 0;
-            p = norma_obj_number_end(next, end);
-        }
-    }
     return 1;
 }
 
@@ -82,7 +49,7 @@ static norma_document_result move_positions(norma_document *document, obj_state 
     state->positions = moved;
     state->position_room = state->position_count;
     state->floats_suffice =
-        (state->positions_moved ? state->floats_suffice : text_is_float(document)) &&
+        (state->positions_moved ? state->floats_suffice : !state->has_long_positions) &&
         extent_is_float(state->positions, state->position_count);
     state->positions_moved = 1;
     return result;

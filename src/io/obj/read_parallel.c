@@ -183,6 +183,7 @@ static void add_counts(gathering *g, const obj_part *part) {
     state->bad_normal_count += part->bad_normal_count;
     state->has_normals |= part->has_normals;
     state->has_surfaces |= part->has_surfaces;
+    state->has_long_positions |= part->has_long_positions;
     if (state->block == SIZE_MAX) state->block = part->block;
     g->last_position =
         part->last_position > g->last_position ? part->last_position : g->last_position;

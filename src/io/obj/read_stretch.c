@@ -2,6 +2,7 @@
  * with what the text holds, never by a count in it. Faces may name positions that follow them:
  * whether each is there is seen when all parts are together. */
 #include "io/obj/text_stretch.h"
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,16 +55,35 @@ static void see_oddity(obj_oddity *oddity, const char *p) {
     if (!oddity->count++) oddity->first = p;
 }
 
+/* How many digits the number at p has, zeros before and after them aside. */
+static int significant_digits(const char *p, const char *end) {
+    int digits = 0, zeros = 0;
+    for (; p < end && *p != 'e' && *p != 'E'; ++p) {
+        if (*p < '0' || *p > '9' || (digits == 0 && *p == '0')) continue;
+        zeros = *p == '0' ? zeros + 1 : 0;
+        ++digits;
+    }
+    return digits - zeros;
+}
+
+/* Whether the number has more digits than a float needs. plain: it without its point, or more. */
+static int is_long(uint64_t plain, const char *p, const char *end) {
+    const uint64_t limit = 1000000000; /* ten digits */
+    return plain >= limit && significant_digits(p, end) > FLT_DECIMAL_DIG;
+}
+
 /* What follows a number in its token is passed over, as other readers do ("3.1+e2" is 3.1), and
- * noted; but not a comma, which were a decimal one. */
+ * noted; but not a comma, which were a decimal one. *has_long is set if a number is long. */
 static norma_document_result read_numbers(
-    reader *r, const char **p, double numbers[3], const char *expected) {
+    reader *r, const char **p, double numbers[3], const char *expected, int *has_long) {
     for (int i = 0; i < 3; ++i) {
+        uint64_t plain = UINT64_MAX;
         *p = norma_obj_skip_blanks(*p, r->end);
-        const char *next = norma_digits_plain(*p, r->end, &numbers[i]);
+        const char *next = norma_digits_plain(*p, r->end, &numbers[i], &plain);
         if (!next) next = norma_number_parse(*p, r->end, &numbers[i]);
         int whole = next && norma_obj_is_delimiter(next, r->end);
         if (!next || (!whole && *next == ',')) return fail_at(r, *p, expected);
+        *has_long |= is_long(plain, *p, next);
         if (!whole) {
             see_oddity(&r->part->odd_number, *p);
             next = norma_obj_number_end(next, r->end);
@@ -79,8 +99,8 @@ static norma_document_result read_position(reader *r, const char **p) {
     if (!RESERVE(
             r, part->positions, part->position_room, part->position_count + 1, 3 * sizeof(double)))
         return fail_memory(r);
-    norma_document_result result = read_numbers(
-        r, p, part->positions + 3 * part->position_count, "one of a position's three numbers");
+    norma_document_result result = read_numbers(r, p, part->positions + 3 * part->position_count,
+        "one of a position's three numbers", &part->has_long_positions);
     part->position_count += result == NORMA_DOCUMENT_OK;
     return result;
 }
@@ -98,11 +118,13 @@ static norma_document_result read_normal(reader *r, const char **p) {
     obj_part *part = r->part;
     size_t count = part->normal_count;
     double numbers[3];
+    int has_long = 1;
     if (count >= OBJ_MOST) return fail_count(r, "normals");
     if (!RESERVE(r, part->normals, part->normal_room, count + 1, 3 * sizeof(float)) ||
         !RESERVE(r, part->normal_offsets, part->normal_offset_room, count + 1, sizeof(size_t)))
         return fail_memory(r);
-    norma_document_result result = read_numbers(r, p, numbers, "one of a normal's three numbers");
+    norma_document_result result =
+        read_numbers(r, p, numbers, "one of a normal's three numbers", &has_long);
     if (result) return result;
     see_block(r);
     for (int i = 0; i < 3; ++i) part->normals[3 * count + (size_t)i] = to_float(numbers[i]);
@@ -358,7 +380,7 @@ static void empty(obj_part *part) {
     part->name = part->name_end = NULL;
     part->block = SIZE_MAX;
     part->names_normals = part->has_normals = part->has_surfaces = part->has_polygons =
-        part->known = 0;
+        part->known = part->has_long_positions = 0;
     part->unknown = part->empty_face = part->odd_number = (obj_oddity){0, NULL};
 }
 

@@ -42,8 +42,9 @@ typedef struct obj_part {
     const char *name, *name_end; /* of the first object; NULL: none */
     size_t block;                /* as obj_state has it */
     int names_normals, has_normals, has_surfaces,
-        has_polygons; /* polygons: faces of other than three corners */
-    int known;        /* some statement was OBJ's */
+        has_polygons;       /* polygons: faces of other than three corners */
+    int has_long_positions; /* as obj_state has it */
+    int known;              /* some statement was OBJ's */
     obj_oddity unknown, empty_face, odd_number;
     norma_document_result result;
 } obj_part;

@@ -58,9 +58,10 @@ enum { NORMA_PLAIN_LENGTH = 32 }; /* bytes that norma_digits_plain may look at *
 
 /* A sign or none, at most 7 digits, a point, at most 15 digits, where the number they make without
  * their point is at most 2^53 and something other than an exponent follows: then one division by a
- * power of ten is exactly rounded (Clinger 1990). NULL: something else, or it cannot be told so
- * simply. */
-static inline const char *norma_digits_plain(const char *text, const char *end, double *value) {
+ * power of ten is exactly rounded (Clinger 1990). *digits is that number without a point. NULL:
+ * something else, or it cannot be told so simply. */
+static inline const char *norma_digits_plain(
+    const char *text, const char *end, double *value, uint64_t *digits) {
     static const double power[] = {
         1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
     static const uint32_t scale[] = {1, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
@@ -90,12 +91,14 @@ static inline const char *norma_digits_plain(const char *text, const char *end, 
         return NULL;
     const double magnitude = (double)number / power[decimals];
     *value = negative ? -magnitude : magnitude;
+    *digits = number;
     return p;
 }
 #else
 #define NORMA_DIGITS_BY_WORD 0
-static inline const char *norma_digits_plain(const char *text, const char *end, double *value) {
-    (void)text, (void)end, (void)value;
+static inline const char *norma_digits_plain(
+    const char *text, const char *end, double *value, uint64_t *digits) {
+    (void)text, (void)end, (void)value, (void)digits;
     return NULL;
 }
 #endif

@@ -290,7 +290,8 @@ static const char *parse_any(const char *text, const char *end, double *value) {
 }
 
 const char *norma_number_parse(const char *text, const char *end, double *value) {
-    const char *next = norma_digits_plain(text, end, value);
+    uint64_t digits;
+    const char *next = norma_digits_plain(text, end, value, &digits);
     if (!next) next = parse_plain(text, end, value);
     return next ? next : parse_any(text, end, value);
 }
