@@ -94,6 +94,12 @@ static uint64_t scale(uint64_t mantissa, int binary, int decimal) {
     return scale_exact(mantissa, binary, decimal);
 }
 
+/* Of the numbers whose double has this exponent, that of their first digit: right or one too low,
+ * as 1233 / 4096 is a little below log10 of 2. */
+static int guess_decimal(int binary) {
+    return binary >= 0 ? binary * 1233 / 4096 : -(-binary * 1233 / 4096) - 1;
+}
+
 /* value, finite and above 0, to count significant digits: *digits of that many, times 10^return. */
 static int round_digits(double value, int count, uint64_t *digits) {
     int binary;
@@ -101,10 +107,7 @@ static int round_digits(double value, int count, uint64_t *digits) {
     uint64_t mantissa = (uint64_t)ldexp(fraction, 53);
     uint64_t limit = 1;
     for (int i = 0; i < count; ++i) limit *= 10;
-    /* 1233 / 4096 is a little below log10 of 2: a guess that is right or one too low. */
-    int decimal =
-        (binary - 1) * 1233 >= 0 ? (binary - 1) * 1233 / 4096 : -((1 - binary) * 1233 / 4096) - 1;
-    int exponent = decimal - count + 1;
+    int exponent = guess_decimal(binary - 1) - count + 1;
     *digits = scale(mantissa, binary - 53, -exponent);
     while (*digits >= limit) *digits = scale(mantissa, binary - 53, -++exponent);
     while (*digits < limit / 10) *digits = scale(mantissa, binary - 53, -(--exponent));
@@ -127,6 +130,41 @@ static int reads_back(double value, int is_float, uint64_t digits, int exponent)
                     : norma_number_of_decimal(digits, exponent) == value;
 }
 
+/* number * 10^exponent, rounded once: powers up to the 22nd are doubles. */
+static double times_power(double number, int exponent) {
+    static const double power[] = {
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13};
+    return exponent < 0 ? number / power[-exponent] : number * power[exponent];
+}
+
+/* The middle between two floats, neither of them subnormal: a bit more than a float has. */
+static int is_middle(double value) {
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return (bits & 0x1fffffff) == 0x10000000;
+}
+
+/* The shortest digits of a float of ordinary size, in doubles: a number scaled to at most nine
+ * digits is off by less than 1e-6, so that its rounding is certain unless it lies near a half.
+ * What is read back is rounded once, as by norma_number_of_decimal. 0: it cannot be told so. */
+static int shorten_float(double value, uint64_t *digits, int *exponent) {
+    if (FLT_EVAL_METHOD != 0 || value < 1e-5 || value >= 1e15) return 0;
+    uint64_t bits, limit = 1000000;
+    memcpy(&bits, &value, sizeof bits);
+    *exponent = guess_decimal((int)(bits >> 52) - 1023) - FLT_DIG + 1;
+    *exponent += times_power(value, -*exponent) >= (double)limit;
+    for (int count = FLT_DIG; count <= FLT_DECIMAL_DIG; ++count, --*exponent, limit *= 10) {
+        const double scaled = times_power(value, -*exponent);
+        *digits = (uint64_t)scaled;
+        const double rest = scaled - (double)*digits;
+        *digits += rest > 0.5;
+        if (fabs(rest - 0.5) < 1e-3 || *digits >= limit) return 0;
+        const double read = times_power((double)*digits, *exponent);
+        if ((double)(float)read == value && !is_middle(read)) return 1;
+    }
+    return 0;
+}
+
 static size_t format_shortest(double value, int is_float, char *out) {
     size_t length = 0;
     if (isnan(value)) {
@@ -144,8 +182,9 @@ static size_t format_shortest(double value, int is_float, char *out) {
         int most = is_float ? 9 : 17;
         int subnormal = value < (is_float ? (double)FLT_MIN : DBL_MIN);
         uint64_t digits = 0;
-        int exponent = 0;
-        for (int count = subnormal ? 1 : is_float ? FLT_DIG : DBL_DIG; count <= most; ++count) {
+        int exponent = 0, count = subnormal ? 1 : is_float ? FLT_DIG : DBL_DIG;
+        if (is_float && shorten_float(value, &digits, &exponent)) count = most + 1;
+        for (; count <= most; ++count) {
             exponent = round_digits(value, count, &digits);
             if (reads_back(value, is_float, digits, exponent)) break;
         }
