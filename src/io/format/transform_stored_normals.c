@@ -55,11 +55,13 @@ norma_document_result norma_check_transformed_range(const norma_document *docume
     size_t positions_each, norma_document_error *error) {
     for (size_t i = 0; i < before->count; ++i) {
         double old[3];
+        const double *p = after + 3 * i;
+        if (fabs(p[0]) <= most && fabs(p[1]) <= most && fabs(p[2]) <= most) continue;
         norma_view_read(before, i, old);
         if (!isfinite(old[0]) || !isfinite(old[1]) || !isfinite(old[2])) continue;
         for (size_t axis = 0; axis < 3; ++axis) {
             char place[40];
-            if (fabs(after[3 * i + axis]) <= most) continue;
+            if (fabs(p[axis]) <= most) continue;
             snprintf(place, sizeof place, "%s %zu", what, i / positions_each);
             return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
                 "the matrix moves it beyond %.3g, the largest number that the file can hold", most);

@@ -98,7 +98,8 @@ typedef struct ply_edit {
     double *stored_normals; /* the same in double precision, where old ones are kept among them; or
                                NULL */
     ply_type normal_types[3];
-    double *positions; /* three for each vertex, or NULL */
+    double *positions;      /* three for each vertex, or NULL */
+    float *float_positions; /* instead of them, where all three types are float; or NULL */
     ply_type position_types[3];
     float *face_normals; /* of the face element's own nx ny nz, or NULL */
     ply_type face_normal_types[3];

@@ -29,6 +29,20 @@ static void choose_types(const ply_state *state, ply_edit *edit) {
     }
 }
 
+/* Positions that are all written as floats become floats at once: rows take them as they lie. */
+static norma_document_result narrow_positions(
+    norma_document *document, ply_edit *edit, norma_document_error *error) {
+    const size_t count = ((const ply_state *)document->state)->vertices;
+    for (int axis = 0; axis < 3; ++axis)
+        if (edit->position_types[axis] != PLY_FLOAT) return NORMA_DOCUMENT_OK;
+    edit->float_positions = norma_io_allocate(count, 3 * sizeof *edit->float_positions);
+    if (!edit->float_positions) return norma_document_fail_memory(document, error);
+    for (size_t i = 0; i < 3 * count; ++i) edit->float_positions[i] = (float)edit->positions[i];
+    free(edit->positions);
+    edit->positions = NULL;
+    return NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result transform_positions(
     norma_document *document, const double matrix[16], norma_document_error *error) {
     ply_state *state = document->state;
@@ -39,8 +53,9 @@ static norma_document_result transform_positions(
         matrix, state->mesh.positions, edit->positions, 0, state->vertices);
     if (result) return norma_document_fail_core(document, error, result);
     choose_types(state, edit);
-    return norma_check_transformed_range(
+    const norma_document_result told = norma_check_transformed_range(
         document, &state->mesh.positions, edit->positions, DBL_MAX, "vertex", 1, error);
+    return told ? told : narrow_positions(document, edit, error);
 }
 
 /* ---- normals */

@@ -6,15 +6,16 @@
 
 int norma_ply_has_edit(const ply_state *state) {
     const ply_edit *edit = &state->edit;
-    return edit->normals || edit->stored_normals || edit->positions || edit->face_normals ||
-           edit->corners || edit->added_count > 0 || edit->dropped_rows || edit->dropped_vertices ||
-           edit->cut_rows;
+    return edit->normals || edit->stored_normals || edit->positions || edit->float_positions ||
+           edit->face_normals || edit->corners || edit->added_count > 0 || edit->dropped_rows ||
+           edit->dropped_vertices || edit->cut_rows;
 }
 
 void norma_ply_free_edit(ply_edit *edit) {
     free(edit->normals);
     free(edit->stored_normals);
     free(edit->positions);
+    free(edit->float_positions);
     free(edit->face_normals);
     free(edit->added);
     free(edit->corners);
@@ -48,10 +49,16 @@ static ply_column normal_column(const ply_edit *edit, int axis) {
         .unit = 1};
 }
 
+static ply_column position_column(const ply_edit *edit, int axis) {
+    return (ply_column){.floats = edit->float_positions ? edit->float_positions + axis : NULL,
+        .doubles = edit->float_positions ? NULL : edit->positions + axis};
+}
+
 static void plan_vertex(const ply_state *state, ply_plan *plan) {
     const ply_header *header = &state->header;
     const ply_edit *edit = &state->edit;
-    const int has_normals = edit->normals || edit->stored_normals;
+    const int has_normals = edit->normals || edit->stored_normals,
+              has_positions = edit->positions || edit->float_positions;
     int last_position = 0;
     for (int axis = 0; axis < 3; ++axis)
         last_position =
@@ -63,9 +70,9 @@ static void plan_vertex(const ply_state *state, ply_plan *plan) {
         ply_item *item = &plan->items[count++];
         *item = (ply_item){
             .source = property, .type = property->type, .count_type = property->count_type};
-        if (edit->positions && position != PLY_NONE)
-            *item = value_item(property, edit->position_types[position],
-                (ply_column){.doubles = edit->positions + position});
+        if (has_positions && position != PLY_NONE)
+            *item = value_item(
+                property, edit->position_types[position], position_column(edit, position));
         else if (has_normals && normal != PLY_NONE)
             *item = value_item(property, edit->normal_types[normal], normal_column(edit, normal));
         if (has_normals && header->normal[0] == PLY_NONE && i == last_position)
@@ -76,8 +83,7 @@ static void plan_vertex(const ply_state *state, ply_plan *plan) {
     plan->added = edit->added;
     plan->added_count = edit->added_count;
     plan->dropped_rows = edit->dropped_vertices;
-    plan->changed =
-        has_normals || edit->positions || edit->added_count > 0 || edit->dropped_vertices;
+    plan->changed = has_normals || has_positions || edit->added_count > 0 || edit->dropped_vertices;
 }
 
 /* The narrowest type that counts up to value: the same, or a wider one that is signed or unsigned
