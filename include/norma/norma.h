@@ -986,7 +986,8 @@ NORMA_API norma_result norma_tangent_plan_create(const norma_mesh *mesh,
  *   moved         NULL: compute all tangents. Otherwise the vertices that moved since the tangents
  *                 were last up to date, in any order; repetitions are fine. Normals may have
  *                 changed at the positions of all faces with a moved vertex, as norma_plan_update
- *                 changes them. List other vertices with a new normal too
+ *                 changes them. List other vertices with a new normal too, and vertices whose
+ *                 normal was NaN or infinite
  *   moved_count   elements of moved
  *   options       uses weight (steady), normal_stride, reasons, threads, isa, parallel_for,
  *                 progress and allocator. May be NULL

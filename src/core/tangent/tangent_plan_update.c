@@ -44,10 +44,13 @@ static norma_result update_some(const norma_tangent_plan *plan, tangent_mesh *m,
     return result == NORMA_OK && all ? update_all(plan, m, output, tally) : result;
 }
 
-static norma_result check_moved(
-    const norma_tangent_plan *plan, const uint32_t *moved, size_t count) {
-    for (size_t i = 0; i < count; i++)
+/* Also of the corners that an update of some vertices does not read. */
+static norma_result check_indices(const norma_tangent_plan *plan, const norma_attribute *normals,
+    const uint32_t *moved, size_t moved_count) {
+    for (size_t i = 0; i < moved_count; i++)
         if (moved[i] >= plan->mesh.positions.count) return NORMA_ERROR_INDEX;
+    for (size_t c = 0; c < plan->mesh.corner_count && normals->corners; c++)
+        if (normals->corners[c] >= normals->count) return NORMA_ERROR_INDEX;
     return NORMA_OK;
 }
 
@@ -88,7 +91,7 @@ norma_result norma_tangent_plan_update(const norma_tangent_plan *plan, norma_vec
     if (result == NORMA_OK) result = open_mesh(plan, positions, normals, &texcoords, &m);
     if (result == NORMA_OK)
         result = norma_core_tangent_output_open(options, tangents, corners, capacity, &output);
-    if (result == NORMA_OK && moved) result = check_moved(plan, moved, moved_count);
+    if (result == NORMA_OK && moved) result = check_indices(plan, normals, moved, moved_count);
     if (result == NORMA_OK && corners)
         result = moved ? update_some(plan, &m, moved, moved_count, &output, &tally)
                        : update_all(plan, &m, &output, &tally);

@@ -372,6 +372,31 @@ static void quad_whose_corner_moves_along(void **state) {
     free(expected);
 }
 
+/* A normal that was not finite kept the whole face from having tangents: its vertex is named when
+ * it gets another, and then the tangents of the face's other corners follow. */
+static void normals_that_were_not_finite(void **state) {
+    (void)state;
+    enum { AT = 40 };
+    for (int mode = NORMA_TANGENTS_STEADY; mode <= NORMA_TANGENTS_MIKK; ++mode) {
+        model *m = make(2); /* a sheet in triangles, values per vertex */
+        answer *a = calloc(1, sizeof *a), *expected = calloc(1, sizeof *a);
+        norma_tangent_plan *plan = plan_of(m, (norma_tangent_mode)mode);
+        m->normals[AT][1] = NAN;
+        full(m, (norma_tangent_mode)mode, NO_OPTIONS, a);
+        m->normals[AT][1] = 0;
+        m->moved_count = 1;
+        m->moved[0] = AT;
+        const size_t count = follow(plan, m, a);
+        assert_true(count > 0 && count < m->corner_count / 4);
+        full(m, (norma_tangent_mode)mode, NO_OPTIONS, expected);
+        assert_same(a, expected, m->corner_count);
+        norma_tangent_plan_destroy(plan);
+        free(expected);
+        free(a);
+        free(m);
+    }
+}
+
 static void backwards(void *user, size_t count, norma_task *task, void *context) {
     (void)user;
     while (count-- > 0) task(context, count);
@@ -604,12 +629,39 @@ static void wrong_arguments(void **state) {
     free(m);
 }
 
+/* It is refused although no tangent that is wanted needs it. */
+static void corner_far_away_that_names_no_normal(void **state) {
+    (void)state;
+    const uint32_t moved = 40;
+    for (int mode = NORMA_TANGENTS_STEADY; mode <= NORMA_TANGENTS_MIKK; ++mode) {
+        model *m = make(2); /* a sheet in triangles */
+        answer *a = calloc(1, sizeof *a), *before = calloc(1, sizeof *a);
+        norma_attribute normals = normals_of(m);
+        const norma_vec3_view positions = mesh_of(m).positions;
+        m->layout = OWN_TEXCOORDS;
+        norma_tangent_plan *plan = plan_of(m, (norma_tangent_mode)mode);
+        normals.corners = m->texcoord_corners;
+        m->texcoord_corners[m->corner_count - 1] = (uint32_t)m->vertices;
+        for (int all = 0; all < 2; ++all) {
+            assert_int_equal(norma_tangent_plan_update(plan, positions, &normals,
+                                 all ? NULL : &moved, 1, NULL, a->tangents[0], MOST, NULL),
+                NORMA_ERROR_INDEX);
+            assert_memory_equal(a, before, sizeof *a);
+        }
+        norma_tangent_plan_destroy(plan);
+        free(before);
+        free(a);
+        free(m);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(moving_meshes),
         cmocka_unit_test(only_what_moved), cmocka_unit_test(quad_with_an_edge_of_no_length),
-        cmocka_unit_test(quad_whose_corner_moves_along), cmocka_unit_test(the_same_bits_however),
+        cmocka_unit_test(quad_whose_corner_moves_along),
+        cmocka_unit_test(normals_that_were_not_finite), cmocka_unit_test(the_same_bits_however),
         cmocka_unit_test(each_allocation_of_creation_failing),
         cmocka_unit_test(each_allocation_of_updates_failing), cmocka_unit_test(cancelling),
-        cmocka_unit_test(wrong_arguments)};
+        cmocka_unit_test(wrong_arguments), cmocka_unit_test(corner_far_away_that_names_no_normal)};
     return cmocka_run_group_tests_name("tangent plans", tests, NULL, NULL);
 }
