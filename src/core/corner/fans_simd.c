@@ -87,10 +87,14 @@ CORE_INLINE void measure_polygons(
 typedef uint32_t index_lanes __attribute__((vector_size(4 * CORE_LANES)));
 typedef uint64_t pair_lanes __attribute__((vector_size(4 * CORE_LANES)));
 
-/* Each lane's lowest byte, in order; compilers take them out one by one. */
+/* Each lane's lowest byte, in order; compilers take them out one by one. The first lane of a pair
+ * is its lower half, or made that. */
 CORE_INLINE uint64_t pack_bytes(const index_lanes *lanes) {
     const uint64_t two = 0xffff;
     pair_lanes pairs = (pair_lanes)*lanes;
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+    pairs = pairs << 32 | pairs >> 32;
+#endif
     pairs |= pairs >> 24;
     return (pairs[0] & two) | (pairs[1] & two) << 16 | (pairs[2] & two) << 32 | pairs[3] << 48;
 }
