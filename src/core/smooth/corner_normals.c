@@ -37,10 +37,11 @@ static void write_zeros(const core_output *output, const uint8_t *reasons, size_
 static norma_result fill_from_nearest(core_prepared_mesh *prepared, const smooth_fans *smooth,
     const core_output *output, const uint8_t *reasons, size_t count) {
     size_t found;
-    if (norma_core_prepare_all_stars(prepared, smooth) != NORMA_OK) return NORMA_ERROR_MEMORY;
+    norma_result result = norma_core_prepare_all_stars(prepared, smooth);
+    if (result != NORMA_OK) return result;
     corner_request *requests = norma_core_allocate(prepared->call, count, sizeof *requests);
     if (!requests) return NORMA_ERROR_MEMORY;
-    norma_result result = norma_core_find_sources(prepared, reasons, NULL, requests, count, &found);
+    result = norma_core_find_sources(prepared, reasons, NULL, requests, count, &found);
     if (result == NORMA_OK && found)
         result =
             norma_core_fetch_normals(prepared, requests, found, receive, (void *)(uintptr_t)output);

@@ -583,6 +583,34 @@ static void welding_by_distance_can_be_stopped(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* A smooth mesh with a face that has no direction: stars are made for the sake of the nearest. */
+static void search_for_the_nearest_can_be_stopped(void **state) {
+    (void)state;
+    mesh_file mesh = {0};
+    shape_wavy_grid(&mesh, 60, 0);
+    norma_mesh view = mesh_file_view(&mesh);
+    const size_t corners = view.corner_count + 3;
+    uint32_t *more = test_calloc(corners, sizeof *more);
+    memcpy(more, view.corners, view.corner_count * sizeof *more);
+    view.corners = more;
+    view.corner_count = corners;
+    float *normals = test_malloc(12 * corners);
+    watch w = {0};
+    norma_options options = {
+        .fallback = NORMA_FALLBACK_NEAREST, .progress = look, .progress_user = &w};
+    assert_ok(norma_corner_normals(&view, 1, &options, normals, corners, NULL));
+    const size_t calls = w.calls;
+    for (size_t stop = 1; stop <= calls; ++stop) {
+        w = (watch){.stop_after = stop};
+        assert_int_equal(
+            norma_corner_normals(&view, 1, &options, normals, corners, NULL), NORMA_CANCELLED);
+        assert_int_equal(w.calls, stop);
+    }
+    test_free(normals);
+    test_free(more);
+    mesh_file_free(&mesh);
+}
+
 static void every_result_has_its_own_text(void **state) {
     (void)state;
     for (int i = -5; i <= 1; ++i) {
@@ -645,6 +673,7 @@ int main(void) {
         cmocka_unit_test(struct_sizes),
         cmocka_unit_test(progress_never_falls_and_cancels),
         cmocka_unit_test(welding_by_distance_can_be_stopped),
+        cmocka_unit_test(search_for_the_nearest_can_be_stopped),
         cmocka_unit_test(every_result_has_its_own_text),
         cmocka_unit_test(every_weight_has_its_own_name),
     };
