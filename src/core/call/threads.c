@@ -2,6 +2,8 @@
  * computes never depends on who runs it. */
 #include "core/call/call.h"
 
+enum { MOST_WORKERS = 256 };
+
 typedef struct pool {
     core_call *call;
     norma_task *task;
@@ -35,8 +37,6 @@ static void let_others_work(void) {}
 #include <pthread.h>
 #include <sched.h>
 #include <unistd.h>
-
-enum { MOST_WORKERS = 256 };
 
 typedef struct thread_pool {
     const pool *work;
@@ -84,7 +84,6 @@ static norma_result run_in_threads(const pool *c, size_t workers) {
     pthread_t threads[MOST_WORKERS];
     thread_pool shared = {.work = c};
     size_t started = 0;
-    if (workers > MOST_WORKERS) workers = MOST_WORKERS;
     while (started + 1 < workers && pthread_create(&threads[started], NULL, help, &shared) == 0)
         started++;
     do tell(&shared);
@@ -116,11 +115,12 @@ void norma_core_share(core_call *call, size_t corners) {
                         : norma_core_workers(call);
 }
 
+/* No more than there ever are: products of more could exceed a size_t of 32 bits. */
 size_t norma_core_workers(const core_call *call) {
     if (call->workers) return call->workers;
     const size_t wanted =
         call->options.threads == NORMA_ALL_THREADS ? machine_threads() : call->options.threads;
-    return wanted ? wanted : 1;
+    return !wanted ? 1 : wanted < MOST_WORKERS ? wanted : MOST_WORKERS;
 }
 
 size_t norma_core_shares(const core_call *call) {
