@@ -74,6 +74,46 @@ for form in json sarif; do
     peak 24 "a report in $form that is larger than the memory it takes" "$norma" check many --no-config --select N102,N103 --max-samples 1000 --fail-on never -o "many.$form"
 done
 if [ "$(stat -c %s many.json)" -gt 40000000 ]; then pass "that report has more than 40 MB"; else fail "that report has more than 40 MB" "$(stat -c %s many.json)"; fi
+# Merging reads reports entry by entry, and keeps of each only where it stands.
+python3 - many.sarif <<'END'
+import json, sys
+finding = {"rule": "N204", "severity": "info", "where": "", "message": "words " * 100}
+for part in range(2):
+    files = [json.dumps({"path": f"models/{i % 1000}/{i}.obj", "status": "checked", "findings": [finding]}) for i in range(part, 20000, 2)]
+    with open(f"part{part}.json", "w") as out: out.write('{"schema": "norma-check/1", "files": [\n' + ",\n".join(files) + '\n], "summary": {"exit_status": 0}}\n')
+sarif = json.load(open(sys.argv[1]))
+sarif["runs"][0]["results"] *= 20
+with open("results.sarif", "w") as out: out.write(json.dumps(sarif))
+END
+peak 12 "20,000 entries are merged" "$norma" report --merge part0.json part1.json -o merged.json
+check "and all are there" python3 -c 'import json; paths = [file["path"] for file in json.load(open("merged.json"))["files"]]; assert len(set(paths)) == 20000 and paths == sorted(paths)'
+peak 12 "20,000 entries become lines" "$norma" report --merge part0.json part1.json --info -o merged.line --format line
+peak 12 "thousands of results are merged" "$norma" report --merge results.sarif -o merged.sarif
+check "and all are there" [ "$(grep -c '^{"ruleId"' merged.sarif)" -eq "$((20 * $(grep -c '^{"ruleId"' many.sarif)))" ]
+peak 24 "large entries are merged" "$norma" report --merge many.json -o merged.json
+
+# A report that changes between its two readings. The pipe is full while the merged report is written, so the change comes in time.
+for change in ": >changing.json" "truncate -s -2000000 changing.json" "printf x | dd of=changing.json bs=1 seek=3000000 conv=notrunc 2>/dev/null"; do
+    cp part0.json changing.json
+    "$norma" report --merge changing.json 2>said | { head -c 100 >/dev/null && eval "$change" && cat >/dev/null; }
+    status=${PIPESTATUS[0]}
+    if [ "$status" = 3 ] && grep -q '^norma: changing.json: byte [0-9]*: the entry of models/.*.obj changed while the reports were joined$' said; then pass "seen: $change"; else fail "seen: $change" "status $status: $(cat said)"; fi
+done
+for ((try = 0; try < 5; ++try)); do # cut short as soon as the merged report is begun, which may be late
+    cp part0.json changing.json
+    rm -rf joined && mkdir joined
+    "$norma" report --merge changing.json --format html -o joined/all.html 2>said &
+    child=$!
+    for ((wait = 0; wait < 1000; ++wait)); do
+        if [ ! -e /proc/$child/fd ] || readlink /proc/$child/fd/* | grep -q joined; then break; fi
+    done
+    truncate -s 1000 changing.json
+    status=0
+    wait $child || status=$?
+    if [ "$status" = 3 ]; then break; fi
+done
+if [ "$status" = 3 ] && grep -q 'changed while the reports were joined' said && [ -z "$(ls -A joined)" ]; then pass "a report cut short leaves no file"; else fail "a report cut short leaves no file" "status $status, $(ls -A joined): $(cat said)"; fi
+
 for form in text line json sarif html; do
     "$norma" check ply.ply --no-config --max-memory 20M --format $form >report 2>said
     if grep -q 'N002' report && grep -q 'N302, N303' report; then pass "$form names the rules that were not applied"; else fail "$form names the rules that were not applied" "$(head -c 2000 report)"; fi

@@ -189,8 +189,7 @@ void check_baseline_free(check_baseline *baseline);
 /* ---- JSON that someone wrote (load_json.c) */
 
 struct json_t;
-/* A regular file as text that ends with a zero, the caller's to free. NULL: reported already. */
-char *check_load_text(const char *path);
+int check_open_regular(const char *path); /* a descriptor; -1: reported already */
 /* expected: what it should be, for messages. NULL: reported already. */
 struct json_t *check_load_json(const char *path, const char *expected);
 

@@ -3,17 +3,15 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
 #include "cli/process/errors.h"
-#include "cli/text/memory_stream.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <jansson.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Without waiting for a writer, if it is a pipe. -1: reported. */
-static int open_regular(const char *path) {
+/* Without waiting for a writer, if it is a pipe. */
+int check_open_regular(const char *path) {
     struct stat status;
     const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK),
               failed = file < 0 || fstat(file, &status);
@@ -27,36 +25,12 @@ static int open_regular(const char *path) {
 }
 
 static FILE *open_file(const char *path) {
-    const int number = open_regular(path);
+    const int number = check_open_regular(path);
     if (number < 0) return NULL;
     FILE *file = fdopen(number, "r");
     if (file) return file;
     close(number);
     cli_out_of_memory();
-    return NULL;
-}
-
-static void copy_all(FILE *from, FILE *to) {
-    char block[65536];
-    for (size_t size; (size = fread(block, 1, sizeof block, from)) > 0;) fwrite(block, 1, size, to);
-}
-
-char *check_load_text(const char *path) {
-    FILE *file = open_file(path);
-    cli_memory_stream text;
-    if (!file) return NULL;
-    if (!cli_memory_open(&text)) {
-        cli_out_of_memory();
-        fclose(file);
-        return NULL;
-    }
-    copy_all(file, text.out);
-    const int failed = ferror(file);
-    fclose(file);
-    if (!cli_memory_close(&text)) cli_out_of_memory();
-    if (!failed) return text.text;
-    cli_error("%s: cannot be read", path);
-    free(text.text);
     return NULL;
 }
 

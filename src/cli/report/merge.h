@@ -1,57 +1,70 @@
-/* merge.h: what the files of norma report share: the reports that were read, and their parts in the
- * order of paths. */
+/* merge.h: what the files of norma report share: where the entries of the reports stand, in the
+ * order of paths. The entries themselves stay on disk. */
 #ifndef NORMA_CLI_REPORT_MERGE_H
 #define NORMA_CLI_REPORT_MERGE_H
 #include "cli/check/check_command.h"
+#include "cli/report/report_files.h"
 #include <jansson.h>
 
 typedef enum report_kind { REPORT_UNKNOWN, REPORT_JSON, REPORT_SARIF, REPORT_HTML } report_kind;
 
 typedef struct report_part { /* a file of JSON or HTML, a result of SARIF */
     const char *path;
-    const json_t *value; /* belongs to its report */
-    const char *text;    /* of HTML; belongs to the page */
-    size_t length;
-    char *owned;   /* the path, if it is a copy */
-    size_t number; /* in the order of reading */
+    uint32_t report;    /* its number among the inputs */
+    uint16_t owns_path; /* 0: the path is that of the part before it */
+    uint16_t is_ready;  /* its bytes are those of the merged report */
+    uint64_t offset, size, hash;
 } report_part;
 
 typedef struct report_merge {
     check_settings settings;
     report_kind kind;
-    json_t **reports;
-    size_t report_count;
-    char **texts; /* pages */
-    size_t text_count;
+    int changes_form; /* JSON becomes another form */
+    report_files files;
     report_part *parts;
     size_t part_count, part_room;
-    check_totals totals; /* of pages */
+    char *entry; /* the text of one */
+    size_t entry_room;
+    check_totals totals; /* of pages and JSON */
     int status;          /* the worst of the runs */
 } report_merge;
 
-int report_add_part(report_merge *merged, report_part part); /* a status */
+/* The paths of the reports are the caller's. */
+void report_merge_begin(report_merge *merged, const char *const *reports);
+void report_merge_free(report_merge *merged);
+void report_sort(report_merge *merged); /* by path, and else as they were read */
+
+norma_severity report_severity(const json_t *finding);
+/* The path is copied. A status. */
+int report_add_part(report_merge *merged, report_part part);
+void report_drop_parts(report_merge *merged, size_t count); /* all but so many */
+int report_grow_entry(report_merge *merged, size_t size);   /* 0: out of memory, reported */
+
+/* ---- JSON and SARIF (read_json.c) */
+
+int report_add_json(report_merge *merged, report_text *text);
 
 /* ---- pages (merge_html.c) */
 
-int report_is_html(const char *text);
-/* As report_add; merged then owns the text. */
-int report_add_html(report_merge *merged, const char *path, char *text);
-void report_write_html(const report_merge *merged, FILE *out);
+int report_is_html(report_text *text);
+int report_add_html(report_merge *merged, report_text *text);
+int report_write_html(report_merge *merged, FILE *out);
 
-/* ---- JSON and SARIF */
+/* ---- writing (write_merged.c). JSON may become any form; a status. */
 
-/* Takes the parts of a report, which merged then owns. A status; not CLI_OK: reported. */
-int report_add(report_merge *merged, const char *path, json_t *report);
-void report_sort(report_merge *merged); /* by path, and else as they were read */
-void report_merge_free(report_merge *merged);
+int report_write_json(report_merge *merged, FILE *out);
+int report_write_sarif(report_merge *merged, FILE *out);
+int report_write_as(
+    report_merge *merged, const check_format *format, FILE *out, check_totals *totals);
+/* Whether an entry is written with the bytes that it was read from. */
+int report_is_ready(const json_t *entry, const char *text, size_t size);
 
-/* Writes all of it. JSON may become any form; format NULL: as it is. */
-void report_write_json(const report_merge *merged, FILE *out, check_totals *totals);
-void report_write_sarif(const report_merge *merged, FILE *out);
-void report_write_as(
-    const report_merge *merged, const check_format *format, FILE *out, check_totals *totals);
+/* ---- entries on disk (entries.c) */
 
-/* The totals of a file's entry in JSON. */
-void report_count(const json_t *file, check_totals *totals);
-norma_severity report_severity(const json_t *finding);
+/* Reads the text of a part into merged->entry. A status: it may not be what it was. */
+int report_load_part(report_merge *merged, const report_part *part);
+/* Copies the text of a part; out NULL: only looks whether it is what it was. A status. */
+int report_copy_part(report_merge *merged, const report_part *part, FILE *out);
+/* Goes through the bytes of a part; out may be NULL. 0: there are fewer, or out of memory. */
+int report_copy_bytes(report_merge *merged, const report_part *part, uint64_t *hash, FILE *out);
 #endif

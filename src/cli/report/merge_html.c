@@ -5,10 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-int report_is_html(const char *text) { return text[strspn(text, " \t\r\n")] == '<'; }
+int report_is_html(report_text *text) {
+    const char *bytes;
+    size_t size;
+    for (uint64_t at = 0; (bytes = report_text_at(text, at, &size)); at += size)
+        for (size_t i = 0; i < size; ++i)
+            if (!bytes[i] || !strchr(" \t\r\n", bytes[i])) return bytes[i] == '<';
+    return 0;
+}
 
-static int refuse(const char *path) {
-    cli_error("%s: is not an HTML report of norma check", path);
+static int refuse(const report_text *text) {
+    if (!text->files->failed)
+        cli_error("%s: is not an HTML report of norma check", text->files->paths[text->report]);
     return CLI_FILE;
 }
 
@@ -45,14 +53,25 @@ static void add_totals(const json_t *page, check_totals *totals) {
     json_array_foreach(json_object_get(page, "rules"), i, entry) add_rule(entry, totals);
 }
 
-static int read_totals(report_merge *merged, const char *path, const char *text) {
-    static const char begin[] = CHECK_HTML_TOTALS, end[] = "</script>";
-    const char *at = strstr(text, begin), *last = at ? strstr(at, end) : NULL;
+/* The bytes from one place to another, in merged->entry. 0: reported. */
+static int read_between(report_merge *merged, report_text *text, uint64_t from, uint64_t to) {
+    const size_t size = (size_t)(to - from);
+    if (!report_grow_entry(merged, size + 1)) return 0;
+    if (report_files_read(text->files, text->report, from, merged->entry, size) == size) return 1;
+    refuse(text);
+    return 0;
+}
+
+static int read_totals(report_merge *merged, report_text *text) {
+    static const char begin[] = CHECK_HTML_TOTALS;
     json_error_t error;
-    if (!last) return refuse(path);
+    uint64_t at = report_text_find(text, 0, begin), last = at;
+    if (at != UINT64_MAX) last = report_text_find(text, at, "</script>");
+    if (last == UINT64_MAX) return refuse(text);
     at += sizeof begin - 1;
-    json_t *page = json_loadb(at, (size_t)(last - at), 0, &error);
-    if (!page) return refuse(path);
+    if (!read_between(merged, text, at, last)) return CLI_FILE;
+    json_t *page = json_loadb(merged->entry, (size_t)(last - at), 0, &error);
+    if (!page) return refuse(text);
     add_totals(page, &merged->totals);
     json_decref(page);
     return CLI_OK;
@@ -60,37 +79,38 @@ static int read_totals(report_merge *merged, const char *path, const char *text)
 
 /* ---- sections */
 
-static int add_section(report_merge *merged, const char *section, size_t length) {
-    const char *path = section + sizeof CHECK_HTML_FILE - 1;
-    const int status =
-        report_add_part(merged, (report_part){.text = section, .length = length, .path = path});
-    if (status) return status;
-    report_part *part = &merged->parts[merged->part_count - 1];
-    part->owned = malloc(strcspn(path, "\"") + 1);
-    part->path = part->owned;
-    if (!part->owned) return cli_out_of_memory();
-    memcpy(part->owned, path, strcspn(path, "\""));
-    part->owned[strcspn(path, "\"")] = '\0';
-    return CLI_OK;
+static int add_section(report_merge *merged, report_text *text, uint64_t from, uint64_t to) {
+    report_part part = {.report = (uint32_t)text->report, .offset = from, .size = to - from};
+    const uint64_t path = from + sizeof CHECK_HTML_FILE - 1,
+                   path_end = report_text_find(text, path, "\"");
+    if (path_end == UINT64_MAX || !report_copy_bytes(merged, &part, &part.hash, NULL))
+        return refuse(text);
+    if (!read_between(merged, text, path, path_end)) return CLI_FILE;
+    merged->entry[path_end - path] = '\0';
+    part.path = merged->entry;
+    return report_add_part(merged, part);
 }
 
-int report_add_html(report_merge *merged, const char *path, char *text) {
-    static const char end[] = CHECK_HTML_FILE_END;
-    int status = read_totals(merged, path, text);
-    merged->texts[merged->text_count++] = text;
-    for (const char *at = text; !status && (at = strstr(at, CHECK_HTML_FILE));) {
-        const char *last = strstr(at, end);
-        if (!last) return refuse(path);
-        last += sizeof end - 1;
-        status = add_section(merged, at, (size_t)(last - at));
-        at = last;
+int report_add_html(report_merge *merged, report_text *text) {
+    static const char begin[] = CHECK_HTML_FILE, end[] = CHECK_HTML_FILE_END;
+    merged->kind = REPORT_HTML;
+    text->stops_at_zero = 1;
+    text->size = 0; /* reads the block again */
+    int status = read_totals(merged, text);
+    for (uint64_t at = 0; !status && (at = report_text_find(text, at, begin)) != UINT64_MAX;) {
+        const uint64_t last = report_text_find(text, at, end);
+        if (last == UINT64_MAX) return refuse(text);
+        status = add_section(merged, text, at, last + sizeof end - 1);
+        at = last + sizeof end - 1;
     }
-    return status;
+    return text->files->failed ? CLI_FILE : status;
 }
 
-void report_write_html(const report_merge *merged, FILE *out) {
+int report_write_html(report_merge *merged, FILE *out) {
+    int status = CLI_OK;
     check_format_html.begin(out, &merged->settings);
-    for (size_t i = 0; i < merged->part_count; ++i)
-        fwrite(merged->parts[i].text, 1, merged->parts[i].length, out);
+    for (size_t i = 0; i < merged->part_count && !status; ++i)
+        status = report_copy_part(merged, &merged->parts[i], out);
     check_format_html.end(out, &merged->totals, &merged->settings);
+    return status;
 }

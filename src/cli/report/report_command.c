@@ -66,17 +66,15 @@ static const cli_option options[] = {
 
 /* ---- reading */
 
-/* By its content: a page, or JSON. */
-static int read_report(report_merge *merged, const char *path) {
-    char *text = check_load_text(path);
-    if (!text) return CLI_FILE;
-    if (report_is_html(text)) {
-        merged->kind = REPORT_HTML;
-        return report_add_html(merged, path, text);
-    }
+/* By its content: a page, or JSON. Notes its parts. */
+static int read_report(report_merge *merged, size_t report) {
+    report_text *text = malloc(sizeof *text);
+    if (!text) return cli_out_of_memory();
+    report_text_begin(text, &merged->files, report);
+    const int status =
+        report_is_html(text) ? report_add_html(merged, text) : report_add_json(merged, text);
     free(text);
-    json_t *report = check_load_json(path, "a report of norma check");
-    return report ? report_add(merged, path, report) : CLI_FILE;
+    return status;
 }
 
 static const char *kind_name(report_kind kind) {
@@ -85,13 +83,11 @@ static const char *kind_name(report_kind kind) {
 
 static int read_reports(report_merge *merged, const cli_words *words, cli_guard *guard) {
     int status = CLI_OK;
-    merged->reports = calloc(words->count, sizeof(json_t *));
-    merged->texts = calloc(words->count, sizeof(char *));
-    if (!merged->reports || !merged->texts) return cli_out_of_memory();
+    report_merge_begin(merged, words->words);
     for (size_t i = 0; i < words->count && !status; ++i) {
         const report_kind before = merged->kind;
         cli_guard_read(guard, words->words[i]);
-        status = read_report(merged, words->words[i]);
+        status = read_report(merged, i);
         if (status || !before || before == merged->kind) continue;
         cli_error("%s: is %s, but the reports before it are %s; expected one format for all",
             words->words[i], kind_name(merged->kind), kind_name(before));
@@ -108,7 +104,6 @@ static int choose_format(const cli_subcommand *command, report_work *work) {
     const check_format *own = kind == REPORT_SARIF  ? &check_format_sarif
                               : kind == REPORT_HTML ? &check_format_html
                                                     : &check_format_json;
-    if (!work->format) work->format = check_format_of_name(work->output);
     if (!work->format) work->format = own;
     return kind != REPORT_JSON && work->format != own
                ? cli_usage(command, "reports in %s stay %s; expected JSON for --format %s",
@@ -116,19 +111,38 @@ static int choose_format(const cli_subcommand *command, report_work *work) {
                : CLI_OK;
 }
 
-static int write_merged(const report_work *work, cli_guard *guard) {
+/* Standard output and pipes cannot take back a part: all entries are looked at before. */
+static int look_again(report_merge *merged) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < merged->part_count && !status; ++i)
+        status = report_copy_part(merged, &merged->parts[i], NULL);
+    return status;
+}
+
+static int write_parts(report_work *work, FILE *out, check_totals *totals) {
+    switch (work->merged.kind) {
+    case REPORT_SARIF:
+        return report_write_sarif(&work->merged, out);
+    case REPORT_HTML:
+        return report_write_html(&work->merged, out);
+    default:
+        return work->format == &check_format_json
+                   ? report_write_json(&work->merged, out)
+                   : report_write_as(&work->merged, work->format, out, totals);
+    }
+}
+
+static int write_merged(report_work *work, cli_guard *guard) {
     cli_output output;
     check_totals totals = {0};
-    const int status = cli_output_begin(&output, work->output, guard);
+    int status = cli_output_begin(&output, work->output, guard);
     if (status) return status;
-    if (work->merged.kind == REPORT_SARIF)
-        report_write_sarif(&work->merged, output.out);
-    else if (work->merged.kind == REPORT_HTML)
-        report_write_html(&work->merged, output.out);
-    else if (work->format == &check_format_json)
-        report_write_json(&work->merged, output.out, &totals);
-    else
-        report_write_as(&work->merged, work->format, output.out, &totals);
+    if (output.passes_on) status = look_again(&work->merged);
+    if (!status) status = write_parts(work, output.out, &totals);
+    if (status) {
+        cli_output_drop(&output);
+        return status;
+    }
     const int run = cli_worse(work->merged.status, work->merged.totals.status);
     return cli_worse(cli_worse(run, totals.status), cli_output_end(&output));
 }
@@ -138,6 +152,8 @@ static int merge(const cli_subcommand *command, report_work *work, const cli_wor
     if (!words->count) return cli_usage(command, "no report was given");
     cli_guard *guard = cli_guard_new(command);
     if (!guard) return CLI_FILE;
+    if (!work->format) work->format = check_format_of_name(work->output);
+    work->merged.changes_form = work->format && work->format != &check_format_json;
     int status = read_reports(&work->merged, words, guard);
     if (!status) status = choose_format(command, work);
     if (!status) {

@@ -50,27 +50,63 @@ static void write_value(cli_json *json, const char *key, const json_t *value) {
         cli_json_null(json, key);
 }
 
-static void write_parts(const report_merge *merged, FILE *out) {
-    for (size_t i = 0; i < merged->part_count; ++i) {
-        cli_json json = {.out = out};
+/* An entry that is what it was when it was read first can be read again. */
+static json_t *load_entry(report_merge *merged, const report_part *part, int *status) {
+    json_error_t error;
+    *status = report_load_part(merged, part);
+    if (*status) return NULL;
+    json_t *entry = json_loadb(merged->entry, (size_t)part->size, JSON_DECODE_ANY, &error);
+    if (!entry) *status = cli_out_of_memory();
+    return entry;
+}
+
+static void write_entry(FILE *out, const json_t *entry) {
+    cli_json json = {.out = out};
+    write_value(&json, NULL, entry);
+}
+
+int report_is_ready(const json_t *entry, const char *text, size_t size) {
+    cli_memory_stream written;
+    if (cli_memory_open(&written)) write_entry(written.out, entry);
+    if (!cli_memory_close(&written)) return 0;
+    const int ready = written.size == size && memcmp(written.text, text, size) == 0;
+    free(written.text);
+    return ready;
+}
+
+static int write_part_as_it_is(report_merge *merged, const report_part *part, FILE *out) {
+    int status;
+    if (part->is_ready) return report_copy_part(merged, part, out);
+    json_t *entry = load_entry(merged, part, &status);
+    if (entry) write_entry(out, entry);
+    json_decref(entry);
+    return status;
+}
+
+static int write_parts(report_merge *merged, FILE *out) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < merged->part_count && !status; ++i) {
         if (i) fputs(",\n", out);
-        write_value(&json, NULL, merged->parts[i].value);
+        status = write_part_as_it_is(merged, &merged->parts[i], out);
     }
+    return status;
 }
 
-void report_write_json(const report_merge *merged, FILE *out, check_totals *totals) {
-    totals->status = merged->status;
-    for (size_t i = 0; i < merged->part_count; ++i) report_count(merged->parts[i].value, totals);
+int report_write_json(report_merge *merged, FILE *out) {
+    check_totals totals = merged->totals;
+    totals.status = merged->status;
     check_format_json.begin(out, &merged->settings);
-    write_parts(merged, out);
-    check_format_json.end(out, totals, &merged->settings);
+    const int status = write_parts(merged, out);
+    check_format_json.end(out, &totals, &merged->settings);
+    return status;
 }
 
-void report_write_sarif(const report_merge *merged, FILE *out) {
+int report_write_sarif(report_merge *merged, FILE *out) {
     const check_totals totals = {.status = merged->status};
     check_format_sarif.begin(out, &merged->settings);
-    write_parts(merged, out);
+    const int status = write_parts(merged, out);
     check_format_sarif.end(out, &totals, &merged->settings);
+    return status;
 }
 
 /* ---- JSON in another form */
@@ -131,13 +167,14 @@ static norma_check_profile read_profile(const json_t *file) {
     return NORMA_CHECK_PROFILE_RENDER;
 }
 
-/* Memory that is out leaves the file's findings out, and the status says so. */
-static void write_file(const report_merge *merged, const json_t *file, const check_format *format,
+/* A status. */
+static int write_file(const report_merge *merged, const json_t *file, const check_format *format,
     FILE *out, check_totals *totals) {
     const json_t *list = json_object_get(file, "findings");
     const size_t room = json_array_size(list) + 1;
     norma_finding *findings = calloc(room, sizeof *findings);
     check_item *items = calloc(room, sizeof *items);
+    const int fine = findings && items;
     check_report report = {.settings = &merged->settings,
         .path = text_of(file, "path"),
         .profile = read_profile(file),
@@ -146,32 +183,41 @@ static void write_file(const report_merge *merged, const json_t *file, const che
         .fail_on = CHECK_FAIL_NEVER};
     size_t i;
     json_t *object;
-    if (!findings || !items) totals->status = cli_out_of_memory();
     json_array_foreach(list, i, object) {
-        if (!findings || !items || !read_finding(object, &findings[i])) continue;
+        if (!fine || !read_finding(object, &findings[i])) continue;
         items[report.count++] = (check_item){&findings[i], findings[i].severity,
             (char *)(uintptr_t)json_string_value(json_object_get(object, "command"))};
     }
-    check_write_file(&report, format, out, totals);
+    if (fine) check_write_file(&report, format, out, totals);
     free(items);
     free(findings);
+    return fine ? CLI_OK : cli_out_of_memory();
 }
 
 /* Some forms have nothing to say of a file, and then need nothing between. */
-void report_write_as(
-    const report_merge *merged, const check_format *format, FILE *out, check_totals *totals) {
-    int any = 0;
+static int write_part_as(report_merge *merged, const report_part *part, const check_format *format,
+    FILE *out, check_totals *totals, int *any) {
+    cli_memory_stream written;
+    int status;
+    json_t *entry = load_entry(merged, part, &status);
+    if (!entry) return status;
+    if (cli_memory_open(&written)) status = write_file(merged, entry, format, written.out, totals);
+    json_decref(entry);
+    if (!cli_memory_close(&written)) return status ? status : cli_out_of_memory();
+    if (written.size && *any) fputs(format->between, out);
+    *any |= written.size > 0;
+    fwrite(written.text, 1, written.size, out);
+    free(written.text);
+    return status;
+}
+
+int report_write_as(
+    report_merge *merged, const check_format *format, FILE *out, check_totals *totals) {
+    int status = CLI_OK, any = 0;
     format->begin(out, &merged->settings);
-    for (size_t i = 0; i < merged->part_count; ++i) {
-        cli_memory_stream part;
-        if (cli_memory_open(&part))
-            write_file(merged, merged->parts[i].value, format, part.out, totals);
-        if (!cli_memory_close(&part)) totals->status = cli_out_of_memory();
-        if (part.size && any) fputs(format->between, out);
-        any |= part.size > 0;
-        fwrite(part.text, 1, part.size, out);
-        free(part.text);
-    }
+    for (size_t i = 0; i < merged->part_count && !status; ++i)
+        status = write_part_as(merged, &merged->parts[i], format, out, totals, &any);
     totals->status = cli_worse(totals->status, merged->status);
     format->end(out, totals, &merged->settings);
+    return status;
 }

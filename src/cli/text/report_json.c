@@ -6,10 +6,25 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Most text is nothing but ASCII that stands as it is; these bytes go out together. */
+static size_t plain_length(const char *text) {
+    size_t length = 0;
+    while (
+        text[length] >= ' ' && text[length] <= '~' && text[length] != '"' && text[length] != '\\')
+        ++length;
+    return length;
+}
+
 static void write_quoted(FILE *out, const char *text) {
     uint32_t unsafe;
     fputc('"', out);
-    for (size_t length; (length = cli_next_character(text, &unsafe)); text += length) {
+    for (size_t length; *text; text += length) {
+        length = plain_length(text);
+        if (length) {
+            fwrite(text, 1, length, out);
+            continue;
+        }
+        length = cli_next_character(text, &unsafe);
         if (unsafe)
             fprintf(out, "\\u%04x", unsafe >= CLI_NOT_UTF8 ? 0xFFFDu : (unsigned)unsafe);
         else if (*text == '"' || *text == '\\')
@@ -54,6 +69,10 @@ void cli_json_size(cli_json *json, const char *key, size_t number) {
 }
 
 char *cli_shortest(char text[32], double number) {
+    if (fabs(number) < 1e15 && number == floor(number)) { /* %.15g would write all digits */
+        snprintf(text, 32, "%lld", (long long)number);
+        return text;
+    }
     for (int digits = 15; digits <= 17; ++digits) {
         snprintf(text, 32, "%.*g", digits, number + 0.0); /* + 0: no "-0" */
         if (strtod(text, NULL) == number) break;

@@ -1,0 +1,373 @@
+/* read_json.c: where the entries of a report in JSON or SARIF stand. The report is gone through
+ * once, and jansson reads its values one by one, so that memory does not grow with the report. */
+#include "cli/report/merge.h"
+#include "cli/process/errors.h"
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct report_scan {
+    report_merge *merged;
+    report_text *text;
+    uint64_t at;       /* of the next byte */
+    const char *bytes; /* those of the block from there on */
+    size_t left;
+    int space;   /* the last white space since a bracket or a comma */
+    size_t size; /* of the value that was taken last, in merged->entry */
+    uint64_t value_at;
+    int status;                                   /* not CLI_OK: reported */
+    int has_files, has_runs, is_norma, has_fault; /* has_fault: JSON, but not as check writes it */
+    size_t first_part;
+    int has_exit, exit_status, unreadable;
+    size_t errors; /* of the reports before it */
+    int run_status, run_fits, run_fault;
+} report_scan;
+
+static int refuse(const report_scan *scan, const char *why) {
+    cli_error("%s: %s", scan->text->files->paths[scan->text->report], why);
+    return CLI_FILE;
+}
+
+/* ---- values */
+
+static int peek(report_scan *scan) {
+    if (!scan->left) scan->bytes = report_text_at(scan->text, scan->at, &scan->left);
+    return scan->left ? (unsigned char)*scan->bytes : EOF;
+}
+
+static void advance(report_scan *scan, size_t count) {
+    scan->bytes += count;
+    scan->left -= count;
+    scan->at += count;
+}
+
+static int next(report_scan *scan) { /* after white space */
+    int byte;
+    while ((byte = peek(scan)) == ' ' || byte == '\n' || byte == '\t' || byte == '\r') {
+        scan->space = byte;
+        advance(scan, 1);
+    }
+    return byte;
+}
+
+static int expect(report_scan *scan, int byte) {
+    if (next(scan) != byte) return 0;
+    advance(scan, 1);
+    scan->space = 0;
+    return 1;
+}
+
+typedef struct nesting {
+    size_t depth;
+    int in_string, escaped, ended;
+} nesting;
+
+/* Whether a byte of a string ends it. */
+static int ends_string(nesting *state, char byte) {
+    const int ends = byte == '"' && !state->escaped;
+    state->escaped = byte == '\\' && !state->escaped;
+    return ends;
+}
+
+/* How many of the bytes belong to a value. What it is, jansson sees. */
+static size_t span_of_value(nesting *state, const char *bytes, size_t size) {
+    for (size_t i = 0; i < size; ++i) {
+        const char byte = bytes[i];
+        if (state->in_string) {
+            if (!ends_string(state, byte)) continue;
+            state->in_string = 0;
+            state->ended = state->depth == 0;
+        } else if (byte == '"') {
+            state->in_string = 1;
+        } else if (byte == '{' || byte == '[') {
+            ++state->depth;
+        } else if ((byte == '}' || byte == ']') && state->depth) {
+            state->ended = --state->depth == 0;
+        } else if (state->depth == 0 && strchr(" \n\t\r,:]}", byte)) {
+            state->ended = 1;
+            return i;
+        }
+        if (state->ended) return i + 1;
+    }
+    return size;
+}
+
+/* The text of the value that stands next. 0: it has no end. */
+static int take_value(report_scan *scan) {
+    nesting state = {0};
+    next(scan);
+    scan->size = 0;
+    scan->value_at = scan->at;
+    while (!state.ended && peek(scan) != EOF) {
+        const size_t count = span_of_value(&state, scan->bytes, scan->left);
+        if (!report_grow_entry(scan->merged, scan->size + count)) {
+            scan->status = CLI_FILE;
+            return 0;
+        }
+        memcpy(scan->merged->entry + scan->size, scan->bytes, count);
+        scan->size += count;
+        advance(scan, count);
+    }
+    return state.ended && scan->size;
+}
+
+static json_t *load_value(report_scan *scan) {
+    json_error_t error;
+    return take_value(scan) ? json_loadb(scan->merged->entry, scan->size,
+                                  JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error)
+                            : NULL;
+}
+
+/* ---- objects and arrays whose values are taken one by one; 0: not to be read any further */
+
+typedef int take(report_scan *scan, const char *key);
+
+static json_t *load_key(report_scan *scan, json_t *keys) {
+    json_t *key = next(scan) == '"' ? load_value(scan) : NULL;
+    const char *name = json_string_value(key);
+    if (name && !json_object_get(keys, name) && !json_object_set_new(keys, name, json_true()))
+        return key;
+    json_decref(key);
+    return NULL;
+}
+
+static int take_member(report_scan *scan, json_t *keys, take *member) {
+    json_t *key = load_key(scan, keys);
+    const int fine = key && expect(scan, ':') && member(scan, json_string_value(key));
+    json_decref(key);
+    return fine;
+}
+
+static int walk_object(report_scan *scan, take *member) {
+    json_t *keys = json_object();
+    int fine = expect(scan, '{');
+    if (fine && next(scan) != '}') do
+            fine = take_member(scan, keys, member);
+        while (fine && expect(scan, ','));
+    json_decref(keys);
+    return fine && expect(scan, '}');
+}
+
+static int walk_array(report_scan *scan, take *element) {
+    int fine = expect(scan, '[');
+    if (fine && next(scan) != ']') do
+            fine = element(scan, NULL);
+        while (fine && expect(scan, ','));
+    return fine && expect(scan, ']');
+}
+
+/* ---- JSON */
+
+/* What is read of an entry must be there. */
+static int is_file(const json_t *file) {
+    const json_t *findings = json_object_get(file, "findings");
+    size_t i;
+    json_t *finding;
+    if (!json_string_value(json_object_get(file, "path")) ||
+        !json_string_value(json_object_get(file, "status")) || !json_is_array(findings))
+        return 0;
+    json_array_foreach(findings, i, finding) {
+        if (!report_severity(finding) || !json_string_value(json_object_get(finding, "rule")) ||
+            !json_string_value(json_object_get(finding, "where")) ||
+            !json_string_value(json_object_get(finding, "message")))
+            return 0;
+    }
+    return 1;
+}
+
+static void count_file(const json_t *file, check_totals *totals) {
+    size_t i;
+    json_t *finding;
+    size_t problems = 0;
+    json_array_foreach(json_object_get(file, "findings"), i, finding) {
+        const norma_severity severity = report_severity(finding);
+        totals->errors += severity == NORMA_SEVERITY_ERROR;
+        totals->warnings += severity == NORMA_SEVERITY_WARNING;
+        totals->infos += severity == NORMA_SEVERITY_INFO;
+        problems += severity != NORMA_SEVERITY_INFO;
+    }
+    ++totals->files;
+    totals->files_with_trouble += problems > 0;
+    totals->not_checked +=
+        strcmp(json_string_value(json_object_get(file, "status")), "checked") != 0;
+}
+
+/* Results of one file that follow one another as norma check writes them are one part, so that
+ * memory grows with files, not with findings. */
+static int extends_last(const report_scan *scan, const char *path) {
+    const report_merge *merged = scan->merged;
+    if (merged->part_count == scan->first_part || scan->space != '\n') return 0;
+    const report_part *last = &merged->parts[merged->part_count - 1];
+    return last->is_ready && scan->value_at == last->offset + last->size + strlen(",\n") &&
+           strcmp(last->path, path) == 0;
+}
+
+static int add_part(report_scan *scan, const json_t *entry, const char *path) {
+    const char *text = scan->merged->entry;
+    const int ready =
+        (scan->has_runs || !scan->merged->changes_form) && report_is_ready(entry, text, scan->size);
+    if (ready && extends_last(scan, path)) {
+        report_part *last = &scan->merged->parts[scan->merged->part_count - 1];
+        last->size += strlen(",\n") + scan->size;
+        last->hash = report_hash(report_hash(last->hash, ",\n", strlen(",\n")), text, scan->size);
+        return 1;
+    }
+    scan->status =
+        report_add_part(scan->merged, (report_part){.path = path,
+                                          .report = (uint32_t)scan->text->report,
+                                          .is_ready = (uint16_t)ready,
+                                          .offset = scan->value_at,
+                                          .size = scan->size,
+                                          .hash = report_hash(REPORT_HASH, text, scan->size)});
+    return scan->status == CLI_OK;
+}
+
+static int note_file(report_scan *scan, const json_t *file) {
+    const char *status = json_string_value(json_object_get(file, "status"));
+    count_file(file, &scan->merged->totals);
+    scan->unreadable |= strcmp(status, "unreadable") == 0;
+    return add_part(scan, file, json_string_value(json_object_get(file, "path")));
+}
+
+/* A fault is reported in the end: an error in the JSON goes before it. */
+static int take_file(report_scan *scan, const char *key) {
+    (void)key;
+    json_t *file = load_value(scan);
+    int fine = file != NULL;
+    if (fine && !scan->has_runs) {
+        scan->has_fault |= !is_file(file);
+        fine = scan->has_fault || note_file(scan, file);
+    }
+    json_decref(file);
+    return fine;
+}
+
+/* Reports of earlier versions do not have the status of their run: that of --fail-on error. */
+static int status_of(const report_scan *scan) {
+    return scan->has_exit                               ? scan->exit_status
+           : scan->unreadable                           ? CLI_FILE
+           : scan->merged->totals.errors > scan->errors ? CLI_FINDINGS
+                                                        : CLI_OK;
+}
+
+/* ---- SARIF */
+
+static const char *uri_of(const json_t *result) {
+    const json_t *location = json_array_get(json_object_get(result, "locations"), 0),
+                 *physical = json_object_get(location, "physicalLocation"),
+                 *artifact = json_object_get(physical, "artifactLocation");
+    const char *uri = json_string_value(json_object_get(artifact, "uri"));
+    return uri ? uri : "";
+}
+
+static int take_result(report_scan *scan, const char *key) {
+    (void)key;
+    json_t *result = load_value(scan);
+    const int fine = result && add_part(scan, result, uri_of(result));
+    json_decref(result);
+    return fine;
+}
+
+/* Results name rules by their numbers, which other versions may have changed. */
+static int is_of_this_version(const json_t *tool) {
+    const json_t *driver = json_object_get(tool, "driver");
+    const char *version = json_string_value(json_object_get(driver, "semanticVersion"));
+    return version && strcmp(version, norma_version()) == 0;
+}
+
+static int take_of_run(report_scan *scan, const char *key) {
+    if (strcmp(key, "results") == 0 && next(scan) == '[') return walk_array(scan, take_result);
+    json_t *value = load_value(scan);
+    if (strcmp(key, "tool") == 0) scan->run_fits = is_of_this_version(value);
+    if (strcmp(key, "invocations") == 0)
+        scan->run_status =
+            (int)json_integer_value(json_object_get(json_array_get(value, 0), "exitCode"));
+    json_decref(value);
+    return value != NULL;
+}
+
+static int take_run(report_scan *scan, const char *key) {
+    (void)key;
+    scan->run_fits = 0;
+    scan->run_status = CLI_OK;
+    int fine;
+    if (next(scan) == '{') {
+        fine = walk_object(scan, take_of_run);
+    } else {
+        json_t *run = load_value(scan);
+        fine = run != NULL;
+        json_decref(run);
+    }
+    scan->run_fault |= !scan->run_fits;
+    scan->exit_status = cli_worse(scan->exit_status, scan->run_status);
+    return fine;
+}
+
+/* ---- both */
+
+static int take_runs(report_scan *scan) {
+    scan->has_runs = 1; /* then it is SARIF, and all else is of no importance */
+    scan->exit_status = CLI_OK;
+    report_drop_parts(scan->merged, scan->first_part);
+    return walk_array(scan, take_run);
+}
+
+static void note_exit(report_scan *scan, const json_t *summary) {
+    const json_t *status = json_object_get(summary, "exit_status");
+    if (!json_is_integer(status) || scan->has_runs) return;
+    scan->has_exit = 1;
+    scan->exit_status = (int)json_integer_value(status);
+}
+
+static int take_of_report(report_scan *scan, const char *key) {
+    const int is_array = next(scan) == '[';
+    if (is_array && strcmp(key, "runs") == 0) return take_runs(scan);
+    if (is_array && strcmp(key, "files") == 0) {
+        scan->has_files = 1;
+        return walk_array(scan, take_file);
+    }
+    json_t *value = load_value(scan);
+    const char *text = json_string_value(value);
+    if (strcmp(key, "schema") == 0) scan->is_norma = text && strcmp(text, "norma-check/1") == 0;
+    if (strcmp(key, "summary") == 0) note_exit(scan, value);
+    json_decref(value);
+    return value != NULL;
+}
+
+static const char no_report[] = "is not a report of norma check; expected one in JSON or SARIF";
+
+/* jansson says where and why, for which it reads the whole report. */
+static int refuse_text(const report_scan *scan) {
+    if (scan->status || scan->text->files->failed) return CLI_FILE;
+    json_t *report =
+        check_load_json(scan->text->files->paths[scan->text->report], "a report of norma check");
+    if (!report) return CLI_FILE;
+    const int is_array = json_is_array(report);
+    json_decref(report);
+    return refuse(scan, is_array ? no_report : "changed while it was read");
+}
+
+static int note_report(report_scan *scan) {
+    if (scan->has_runs) {
+        scan->merged->kind = REPORT_SARIF;
+        if (scan->run_fault)
+            return refuse(scan, "was not written by this version of norma check, so its rules may "
+                                "have other numbers");
+        scan->merged->status = cli_worse(scan->merged->status, scan->exit_status);
+        return CLI_OK;
+    }
+    if (!scan->has_files || !scan->is_norma) return refuse(scan, no_report);
+    scan->merged->kind = REPORT_JSON;
+    if (scan->has_fault) return refuse(scan, "expected a path, a status and findings in each file");
+    scan->merged->status = cli_worse(scan->merged->status, status_of(scan));
+    return CLI_OK;
+}
+
+int report_add_json(report_merge *merged, report_text *text) {
+    report_scan scan = {.merged = merged,
+        .text = text,
+        .first_part = merged->part_count,
+        .errors = merged->totals.errors};
+    return walk_object(&scan, take_of_report) && next(&scan) == EOF && !merged->files.failed
+               ? note_report(&scan)
+               : refuse_text(&scan);
+}
