@@ -8,9 +8,10 @@
  *
  * A document takes any number of changes, and may be changed further after it was saved. Mesh data
  * and infos follow the changes; pointers and strings from before a change, even one that failed,
- * are no longer valid. A change that fails leaves the document as it was, with two exceptions: if
- * memory runs out, or computing the normals of an STL is cancelled, it may be possible only to
- * close the document; other calls then return an error with this reason.
+ * are no longer valid. A change that fails leaves the document as it was, with three exceptions:
+ * if memory runs out, computing the normals of an STL is cancelled, or a second change of an OBJ is
+ * cancelled, it may be possible only to close the document; other calls then return an error with
+ * this reason.
  *
  * Different threads may use different documents at the same time; only one thread at a time may use
  * a document. A zero-initialised option struct means the documented defaults. Strings are UTF-8,

@@ -298,7 +298,7 @@ static int read_options(
     if (work->baseline && work->new_baseline)
         return cli_usage(command, "--baseline and --write-baseline exclude each other");
     if (work->new_baseline && work->files.output &&
-        strcmp(work->new_baseline, work->files.output) == 0)
+        cli_is_same_output(work->new_baseline, work->files.output))
         return cli_usage(
             command, "-o and --write-baseline name the same file, %s", work->new_baseline);
     if (!work->settings.fix &&

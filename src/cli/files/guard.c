@@ -49,6 +49,29 @@ static int regular_file(const char *path, int standard, struct stat *status) {
     return !failed && S_ISREG(status->st_mode);
 }
 
+static int is_one(const struct stat *a, const struct stat *b) {
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+/* The length of path's folder, its last slash included. */
+static size_t folder_of(const char *path, struct stat *status) {
+    const char *slash = strrchr(path, '/');
+    const size_t length = slash ? (size_t)(slash - path) + 1 : 0;
+    char *folder = length ? strndup(path, length) : strdup(".");
+    if (!folder || stat(folder, status)) *status = (struct stat){0};
+    free(folder);
+    return length;
+}
+
+int cli_is_same_output(const char *a, const char *b) {
+    struct stat of_a, of_b;
+    if (strcmp(a, b) == 0) return 1;
+    if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0) return 0;
+    if (stat(a, &of_a) == 0 && stat(b, &of_b) == 0)
+        return S_ISREG(of_a.st_mode) && is_one(&of_a, &of_b);
+    return strcmp(a + folder_of(a, &of_a), b + folder_of(b, &of_b)) == 0 && is_one(&of_a, &of_b);
+}
+
 static const source *find(const cli_guard *guard, const struct stat *status) {
     for (size_t i = 0; i < guard->count; ++i)
         if (guard->sources[i].inode == status->st_ino && guard->sources[i].device == status->st_dev)

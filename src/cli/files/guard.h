@@ -25,4 +25,7 @@ void cli_guard_look_ahead(
  * written. own: the input that it replaces in place, else NULL. CLI_OK, or the status of the error
  * that was reported. */
 int cli_guard_output(cli_guard *guard, const char *output, const char *own);
+
+/* Whether the second of two outputs would replace the first, however they are spelt. */
+int cli_is_same_output(const char *a, const char *b);
 #endif

@@ -61,11 +61,14 @@ int cli_output_begin(cli_output *output, const char *path, cli_guard *guard) {
 
 void cli_output_drop(cli_output *output) {
     if (output->saving && output->out) fclose(output->out);
-    if (output->passes_on && output->saving)
+    if (output->passes_on && output->saving) {
         norma_save_end(output->saving, NULL); /* the reader gets what there was */
-    else
+    } else {
+        cli_writing_begin(); /* a signal waits: the name that it would remove is freed */
         norma_save_abandon(output->saving);
-    cli_tidy_when_ended(NULL);
+        cli_tidy_when_ended(NULL);
+        cli_writing_end();
+    }
     *output = (cli_output){0};
 }
 
