@@ -106,7 +106,7 @@ refused() {
 }
 
 # killed WHEN MPI TREE RANK WAIT: SIGKILL hits the rank once WAIT succeeds: no rank hangs, and the output is the old one or, if all was done by then, the whole new one.
-# Unless rank 0 is hit, which makes it, no temporary file is left either.
+# Unless rank 0 is hit, which makes it, no temporary file of ours is left either.
 killed() {
     local folder=$scratch/killed status from tries hit=0 left bad=""
     for tries in 1 2 3 4 5; do
@@ -116,8 +116,8 @@ killed() {
         status=0
         from=$SECONDS
         (cd "$folder" && export WAIT=$5 && PATH=$3/bin:$PATH LIMIT=60 ranks "$3" 3 bash -c "$AS_RANK"'; if [ "$(as_rank '"$4"' yes no)" = yes ]; then (while kill -0 $$ && ! eval "$WAIT"; do :; done; kill -KILL $$) 2>/dev/null & fi; exec norma-mpi compute ../a.ply -o out.ply --quiet') >"$scratch/log" 2>&1 || status=$?
-        left=$(cd "$folder" && echo .out.ply.*)
-        [ "$left" = ".out.ply.*" ] || [ "$4" = 0 ] || bad="left behind: $left"
+        left=$(cd "$folder" && find . -name '.out.ply.*' ! -name '*.lock') # Open MPI's own, of the rank that was killed
+        [ -z "$left" ] || [ "$4" = 0 ] || bad="left behind: $left"
         [ $((SECONDS - from)) -lt 60 ] || bad="it hung"
         if cmp -s "$folder/out.ply" "$scratch/a.done.ply"; then continue; fi # too late
         if [ "$(cat "$folder/out.ply")" = old ] && [ "$status" != 0 ]; then hit=1; else bad="status $status, another output"; fi
