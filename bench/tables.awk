@@ -53,8 +53,13 @@ table == "rest" && /of memcpy/ {
 }
 table == "rest" && /^plans/ { plan = $6 }
 table == "rest" && /^(rows|shuffled)$/ { shape = $1 }
+table == "rest" && /all moved/ && $NF ~ /x\)$/ { # in multiples of a copy
+    target = substr($NF, 1, length($NF) - 1)
+    print "| plan of " plan ", " shape ", all moved, " $3 " " $4 " | " bold($7, $7 + 0 > target + 0 ? "over" : "") " | " target " |"
+    next
+}
 table == "rest" && /all moved/ { print "| plan of " plan ", " shape ", all moved, " $3 " " $4 " | " bold($(NF - 4) " " $(NF - 3), $(NF - 4) + 0 > $(NF - 1) + 0 ? "over" : "") " | " $(NF - 1) " " substr($NF, 1, length($NF) - 1) " |" }
-table == "rest" && /neighbours moved/ { print "| plan of " plan ", " $1 " neighbours moved | " bold($4 " µs", $4 > 30 ? "over" : "") " | 30 µs |" }
+table == "rest" && /neighbours moved/ { print "| plan of " plan ", " $1 " neighbours moved | " (plan < 1000000 ? bold($4 " µs", $4 > 30 ? "over" : "") " | 30 µs |" : $4 " µs | |") }
 table == "real" && /\|/ && $2 ~ /^[0-9]+$/ { print "| " $1 " | " $2 " | " $4 " | " $8 " | " $12 " | " $13 " |" }
 table == "files" && NF > 12 && $(NF - 11) ~ /^[0-9.]+$/ {
     label = substr($0, 1, 26); sub(/ +$/, "", label)
