@@ -26,8 +26,10 @@ typedef struct writer {
 static int stops(writer *w, const char *p) { return norma_watch_passed(w->watch, &w->asked, p); }
 
 static void put(writer *w, const char *begin, const char *end) {
-    for (; end - begin > WATCH_BYTES && !norma_watch_cancelled(w->watch); begin += WATCH_BYTES)
+    for (; end - begin > WATCH_BYTES; begin += WATCH_BYTES) {
+        if (norma_watch_cancelled(w->watch)) return;
         norma_sink_put(w->sink, begin, WATCH_BYTES);
+    }
     norma_sink_put(w->sink, begin, (size_t)(end - begin));
 }
 

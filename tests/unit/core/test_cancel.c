@@ -7,23 +7,10 @@
 #include "document_bytes.h"
 #include "gltf_asset.h"
 #include "mesh_files.h"
+#include "watcher.h"
 #include <unistd.h>
 
 enum { SIDE = 90 }; /* squares of a wavy grid: large enough for several blocks of each kind */
-
-typedef struct watcher {
-    size_t calls, stop_at; /* 0: never */
-    double last;
-    int fell;
-    uint32_t threads;
-} watcher;
-
-static int watch(void *user, double fraction) {
-    watcher *w = user;
-    w->fell |= fraction < w->last || !(fraction >= 0 && fraction <= 1);
-    w->last = fraction;
-    return ++w->calls == w->stop_at;
-}
 
 static double height(int x, int y) { return 3 * sin(x * .3) * cos(y * .2); }
 
@@ -121,19 +108,20 @@ static document_bytes grid_glb(void) {
 
 typedef enum verb { COMPUTE, COMPUTE_CREASES, TRANSFORM, VERBS } verb;
 
-static norma_document_result change(
-    norma_document *document, verb what, int is_stl, watcher *w, norma_document_error *error) {
+static norma_document_result change(norma_document *document, verb what, const char *name,
+    uint32_t threads, watcher *w, norma_document_error *error) {
     const norma_compute_options compute = {.struct_size = sizeof compute,
-        .shading = what == COMPUTE || is_stl ? NORMA_SHADING_DEFAULT : NORMA_SHADING_CREASE,
+        .shading =
+            what == COMPUTE || strstr(name, ".stl") ? NORMA_SHADING_DEFAULT : NORMA_SHADING_CREASE,
         .crease_angle_rad = .3,
         .morphs = 1,
-        .threads = w ? w->threads : 1,
+        .threads = threads,
         .progress = w ? watch : NULL,
         .progress_user = w};
     const norma_transform_options transform = {.struct_size = sizeof transform,
         .matrix = {0, 2, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1},
         .bake = 1,
-        .threads = w ? w->threads : 1,
+        .threads = threads,
         .progress = w ? watch : NULL,
         .progress_user = w};
     return what == TRANSFORM ? norma_document_transform(document, &transform, NULL, error)
@@ -142,8 +130,7 @@ static norma_document_result change(
 
 static document_bytes result_of(document_bytes file, const char *name, verb what) {
     norma_document *document = bytes_open(file, name);
-    assert_int_equal(
-        change(document, what, strstr(name, ".stl") != NULL, NULL, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(change(document, what, name, 1, NULL, NULL), NORMA_DOCUMENT_OK);
     document_bytes out = bytes_of(document);
     norma_document_close(document);
     return out;
@@ -156,8 +143,7 @@ static size_t next_stop(size_t stop) { return stop < 6 ? stop + 1 : stop + stop 
  * binary STL whose normals were being replaced can only be closed. */
 static void check_cancelled(
     norma_document *document, verb what, const char *name, document_bytes expected) {
-    const norma_document_result again =
-        change(document, what, strstr(name, ".stl") != NULL, NULL, NULL);
+    const norma_document_result again = change(document, what, name, 1, NULL, NULL);
     if (what == TRANSFORM || !strstr(name, "binary.stl")) {
         assert_int_equal(again, NORMA_DOCUMENT_OK);
         document_bytes out = bytes_of(document);
@@ -171,11 +157,10 @@ static void check_cancelled(
 static void check_change(document_bytes file, const char *name, verb what, uint32_t threads) {
     document_bytes expected = result_of(file, name, what);
     for (size_t stop = 1;; stop = next_stop(stop)) {
-        watcher w = {.stop_at = stop, .threads = threads};
+        watcher w = {.stop_at = stop};
         norma_document_error error = {0};
         norma_document *document = bytes_open(file, name);
-        const norma_document_result result =
-            change(document, what, strstr(name, ".stl") != NULL, &w, &error);
+        const norma_document_result result = change(document, what, name, threads, &w, &error);
         assert_false(w.fell);
         if (w.calls < stop) {
             assert_true(stop > 1); /* it was told at least once */
@@ -199,7 +184,7 @@ static void check_change(document_bytes file, const char *name, verb what, uint3
 
 static void check_opening(document_bytes file, const char *name, uint32_t threads) {
     for (size_t stop = 1;; stop = next_stop(stop)) {
-        watcher w = {.stop_at = stop, .threads = threads};
+        watcher w = {.stop_at = stop};
         const norma_document_options options = {.struct_size = sizeof options,
             .threads = threads,
             .progress = watch,
@@ -229,7 +214,7 @@ static void check_saving(document_bytes file, const char *name) {
         const norma_save_options options = {
             .struct_size = sizeof options, .progress = watch, .progress_user = &w};
         norma_document *document = bytes_open(file, name);
-        assert_int_equal(change(document, COMPUTE, 1, NULL, NULL), NORMA_DOCUMENT_OK);
+        assert_int_equal(change(document, COMPUTE, name, 1, NULL, NULL), NORMA_DOCUMENT_OK);
         const norma_document_result result = norma_document_save(document, path, &options, NULL);
         assert_false(w.fell);
         norma_document_close(document);

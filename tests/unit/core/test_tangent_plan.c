@@ -2,6 +2,8 @@
  * and normals, bit for bit: meshes whose vertices part, meet, collapse and are no numbers, all
  * updated or only what moved; threads, memory, cancelling, arguments. */
 #include "check.h"
+#include "accountant.h"
+#include "watcher.h"
 
 enum { MOST = 2000, MOST_FACES = 600 };
 
@@ -429,31 +431,6 @@ static void the_same_bits_however(void **state) {
 
 /* ---- memory and cancelling */
 
-typedef struct accountant {
-    size_t calls, fail_at, live;
-    int wrong; /* a block came back with another size */
-} accountant;
-
-enum { BEFORE = 64 }; /* bytes before a block, in which its size is kept */
-
-static void *take(void *user, size_t size, size_t alignment) {
-    accountant *a = user;
-    (void)alignment;
-    if (++a->calls == a->fail_at) return NULL;
-    a->live++;
-    unsigned char *block = malloc(size + BEFORE);
-    memcpy(block, &size, sizeof size);
-    return block + BEFORE;
-}
-
-static void give(void *user, void *block, size_t size) {
-    accountant *a = user;
-    if (!block) return;
-    a->wrong |= memcmp((unsigned char *)block - BEFORE, &size, sizeof size) != 0;
-    a->live--;
-    free((unsigned char *)block - BEFORE);
-}
-
 static void each_allocation_of_creation_failing(void **state) {
     (void)state;
     for (uint64_t seed = 0; seed < 12; ++seed)
@@ -463,7 +440,7 @@ static void each_allocation_of_creation_failing(void **state) {
             const norma_attribute normals = normals_of(m), texcoords = texcoords_of(m);
             for (size_t n = 1, done = 0; !done; ++n) {
                 accountant a = {.fail_at = n};
-                const norma_options options = {.allocator = {take, give, &a}};
+                const norma_options options = {.allocator = {accountant_take, accountant_give, &a}};
                 norma_tangent_plan *plan = NULL;
                 const norma_result result = norma_tangent_plan_create(
                     &mesh, &normals, &texcoords, (norma_tangent_mode)mode, &options, &plan);
@@ -492,7 +469,7 @@ static void each_allocation_of_updates_failing(void **state) {
                     accountant a = {.fail_at = n};
                     *got = *expected;
                     update(plan, m, all ? NULL : m->moved,
-                        (norma_options){.allocator = {take, give, &a}}, got);
+                        (norma_options){.allocator = {accountant_take, accountant_give, &a}}, got);
                     assert_true(a.live == 0 && !a.wrong);
                     assert_int_equal(got->result, a.calls < n ? NORMA_OK : NORMA_ERROR_MEMORY);
                     done = got->result == NORMA_OK;
@@ -503,19 +480,6 @@ static void each_allocation_of_updates_failing(void **state) {
         }
     free(expected);
     free(got);
-}
-
-typedef struct watcher {
-    size_t calls, stop_at;
-    double last;
-    int fell;
-} watcher;
-
-static int watch(void *user, double fraction) {
-    watcher *w = user;
-    w->fell |= fraction < w->last || fraction > 1;
-    w->last = fraction;
-    return ++w->calls == w->stop_at;
 }
 
 static void cancelling(void **state) {
@@ -530,8 +494,9 @@ static void cancelling(void **state) {
             for (size_t n = 1; !plan; ++n) {
                 watcher w = {.stop_at = n};
                 accountant account = {0};
-                const norma_options options = {
-                    .progress = watch, .progress_user = &w, .allocator = {take, give, &account}};
+                const norma_options options = {.progress = watch,
+                    .progress_user = &w,
+                    .allocator = {accountant_take, accountant_give, &account}};
                 const norma_result result = norma_tangent_plan_create(
                     &mesh, &normals, &texcoords, (norma_tangent_mode)mode, &options, &plan);
                 assert_int_equal(result, w.calls < n ? NORMA_OK : NORMA_CANCELLED);
@@ -548,7 +513,7 @@ static void cancelling(void **state) {
                     update(plan, m, all ? NULL : m->moved,
                         (norma_options){.progress = watch,
                             .progress_user = &w,
-                            .allocator = {take, give, &account}},
+                            .allocator = {accountant_take, accountant_give, &account}},
                         a);
                     assert_int_equal(a->result, w.calls < n ? NORMA_OK : NORMA_CANCELLED);
                     assert_true(!w.fell && account.live == 0);

@@ -4,6 +4,8 @@
  * tests/tangent. */
 #include "check.h"
 #include "core/tangent/mikk_lanes.h"
+#include "accountant.h"
+#include "watcher.h"
 
 enum { MOST = 4000 };
 
@@ -335,31 +337,6 @@ static void the_same_bits_however(void **state) {
 
 /* ---- memory, cancelling, arguments */
 
-typedef struct accountant {
-    size_t calls, fail_at, live;
-    int wrong; /* a block came back with another size */
-} accountant;
-
-enum { BEFORE = 64 }; /* bytes before a block, in which its size is kept */
-
-static void *take(void *user, size_t size, size_t alignment) {
-    accountant *a = user;
-    (void)alignment;
-    if (++a->calls == a->fail_at) return NULL;
-    a->live++;
-    unsigned char *block = malloc(size + BEFORE);
-    memcpy(block, &size, sizeof size);
-    return block + BEFORE;
-}
-
-static void give(void *user, void *block, size_t size) {
-    accountant *a = user;
-    if (!block) return;
-    a->wrong |= memcmp((unsigned char *)block - BEFORE, &size, sizeof size) != 0;
-    a->live--;
-    free((unsigned char *)block - BEFORE);
-}
-
 static void each_allocation_failing(void **state) {
     (void)state;
     for (int mode = NORMA_TANGENTS_STEADY; mode <= NORMA_TANGENTS_MIKK; ++mode)
@@ -368,8 +345,8 @@ static void each_allocation_failing(void **state) {
             answer *expected = compute(s, (norma_tangent_mode)mode, NO_OPTIONS);
             for (size_t n = 1, done = 0; !done; ++n) {
                 accountant a = {.fail_at = n};
-                answer *got = compute(
-                    s, (norma_tangent_mode)mode, (norma_options){.allocator = {take, give, &a}});
+                answer *got = compute(s, (norma_tangent_mode)mode,
+                    (norma_options){.allocator = {accountant_take, accountant_give, &a}});
                 assert_true(a.live == 0 && !a.wrong);
                 assert_int_equal(got->result, a.calls < n ? NORMA_OK : NORMA_ERROR_MEMORY);
                 done = got->result == NORMA_OK;
@@ -382,19 +359,6 @@ static void each_allocation_failing(void **state) {
         }
 }
 
-typedef struct watcher {
-    size_t calls, stop_at;
-    double last;
-    int fell;
-} watcher;
-
-static int watch(void *user, double fraction) {
-    watcher *w = user;
-    w->fell |= fraction < w->last || fraction > 1;
-    w->last = fraction;
-    return ++w->calls == w->stop_at;
-}
-
 /* At a large vertex the call may go on with less memory, with the same bits. */
 static void each_allocation_of_a_large_star_failing(void **state) {
     (void)state;
@@ -402,8 +366,8 @@ static void each_allocation_of_a_large_star_failing(void **state) {
     answer *expected = compute(s, NORMA_TANGENTS_MIKK, NO_OPTIONS);
     for (size_t n = 1, calls = n; calls >= n; ++n) {
         accountant a = {.fail_at = n};
-        answer *got =
-            compute(s, NORMA_TANGENTS_MIKK, (norma_options){.allocator = {take, give, &a}});
+        answer *got = compute(s, NORMA_TANGENTS_MIKK,
+            (norma_options){.allocator = {accountant_take, accountant_give, &a}});
         calls = a.calls;
         assert_true(a.live == 0 && !a.wrong);
         assert_true(got->result == NORMA_OK || got->result == NORMA_ERROR_MEMORY);
@@ -453,8 +417,9 @@ static void cancelling(void **state) {
             watcher w = {.stop_at = n};
             accountant account = {0};
             answer *a = compute(s, (norma_tangent_mode)mode,
-                (norma_options){
-                    .progress = watch, .progress_user = &w, .allocator = {take, give, &account}});
+                (norma_options){.progress = watch,
+                    .progress_user = &w,
+                    .allocator = {accountant_take, accountant_give, &account}});
             assert_int_equal(a->result, w.calls < n ? NORMA_OK : NORMA_CANCELLED);
             assert_int_equal(w.fell, 0);
             assert_int_equal(account.live, 0);

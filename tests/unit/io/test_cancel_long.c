@@ -5,22 +5,10 @@
 #define _POSIX_C_SOURCE 200809L
 #include "check.h"
 #include "document_bytes.h"
+#include "watcher.h"
 #include <unistd.h>
 
 enum { LONG = 12 << 20, CALLS_A_PASS = (LONG >> 20) - 1 };
-
-typedef struct watcher {
-    size_t calls, stop_at; /* 0: never */
-    double last;
-    int fell;
-} watcher;
-
-static int watch(void *user, double fraction) {
-    watcher *w = user;
-    w->fell |= fraction < w->last || !(fraction >= 0 && fraction <= 1);
-    w->last = fraction;
-    return ++w->calls == w->stop_at;
-}
 
 typedef struct long_file {
     const char *name, *head, *unit, *tail;
