@@ -21,13 +21,13 @@ done
 # What may be left out: it compiles without a warning, all that stays links, and what is left out is gone.
 strict="-std=c11 -O0 -fPIC -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror"
 left_out() { # SWITCH FUNCTION
-    for compiler in gcc clang; do
-        # shellcheck disable=SC2086 # a list of options
-        check "$compiler: norma.c compiles with $1" $compiler $strict "-D$1" -c norma.c -o less.o
-        check "$compiler: with $1 the rest links" bash -c '"$0" program.c less.o -lm -pthread -o less && ./less | cmp - "$1"' "$compiler" "$scratch/library/output"
-        check "$compiler: with $1 every name is defined" $compiler -shared -Wl,-z,defs less.o -lm -pthread -o less.so
-        if nm --defined-only less.o | grep -q " T $2"; then fail "$compiler: $1 leaves out $2*"; else pass "$compiler: $1 leaves out $2*"; fi
-    done
+    # shellcheck disable=SC2086 # a list of options
+    check "gcc: norma.c has no warning with $1" gcc $strict "-D$1" -fsyntax-only norma.c # twelve seconds less than compiling
+    # shellcheck disable=SC2086 # a list of options
+    check "clang: norma.c compiles with $1" clang $strict "-D$1" -c norma.c -o less.o
+    check "with $1 the rest links" bash -c 'clang program.c less.o -lm -pthread -o less && ./less | cmp - "$0"' "$scratch/library/output"
+    check "with $1 every name is defined" clang -shared -Wl,-z,defs less.o -lm -pthread -o less.so
+    if nm --defined-only less.o | grep -q " T $2"; then fail "$1 leaves out $2*"; else pass "$1 leaves out $2*"; fi
 }
 left_out NORMA_WITHOUT_ORIENT norma_orient
 left_out NORMA_WITHOUT_MORPHS norma_morph
