@@ -30,6 +30,16 @@ typedef struct mikk_copy {
     uint32_t target; /* a corner of the caller's */
 } mikk_copy;
 
+/* What a triangle adds to the sum at one of its corners, and the vertices beside it there. ends: in
+ * which directions along the axes its tangent and its bitangent point. Unit vectors that are opposed
+ * to each other have ends that are (mikk_ends_oppose). */
+typedef struct mikk_record {
+    float sum[3];
+    uint16_t ends;
+    uint8_t flags; /* the triangle's */
+    uint32_t next, previous;
+} mikk_record;
+
 /* A corner of a triangle has the number 3 * triangle + 0, 1 or 2. */
 typedef struct mikk_mesh {
     core_call *call;
@@ -41,6 +51,7 @@ typedef struct mikk_mesh {
     uint32_t *corners;   /* NULL, or of each corner the caller's; else they are the same */
     uint8_t *flags;      /* of each triangle */
     int has_quads;
+    mikk_record *records; /* NULL, or of each corner; of meshes without quads */
     core_corners_of_position around; /* of each vertex the corners, ascending */
     uint32_t *copy_starts;           /* NULL, or vertex_count + 1 offsets into copies */
     mikk_copy *copies;
@@ -62,6 +73,10 @@ void norma_core_mikk_release(mikk_mesh *mesh);
 norma_result norma_core_mikk_keep(const tangent_mesh *mesh, mikk_mesh *kept);
 
 static inline int mikk_is_zero(float x) { return !(fabsf(x) > FLT_MIN); }
+
+/* ends: of some vectors together. Six bits for the ends of each axis that grow, six for the others.
+ */
+static inline int mikk_ends_oppose(unsigned ends) { return (ends & ends >> 6 & 63) != 0; }
 
 static inline uint32_t mikk_target(const mikk_mesh *mesh, uint32_t corner) {
     return mesh->corners ? mesh->corners[corner] : corner;

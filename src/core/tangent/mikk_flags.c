@@ -1,4 +1,6 @@
-/* mikk_flags.c: of each triangle, whether the texture has an area on it, and of which sign. */
+/* mikk_flags.c: of each triangle, whether the texture has an area on it, and of which sign; and what
+ * it adds at its corners, so that this is computed once, with all lanes full, and triangle by
+ * triangle: vertices then read the little that they need. */
 #include "core/tangent/mikk.h"
 #include "core/tangent/mikk_lanes.h"
 
@@ -13,6 +15,7 @@ static void load(const mikk_mesh *m, size_t triangle, int lane, mikk_batch *batc
     for (size_t i = 0; i < 3; i++) {
         const tangent_vertex *v = &m->vertices[m->triangles[3 * triangle + i]];
         for (int k = 0; k < 3; k++) batch->position[i][k][lane] = v->position[k];
+        for (int k = 0; k < 3; k++) batch->normal[i][k][lane] = v->normal[k];
         for (int k = 0; k < 2; k++) batch->texcoord[i][k][lane] = v->texcoord[k];
     }
 }
@@ -21,6 +24,16 @@ static uint8_t flags_of(const mikk_derivative *d, int lane) {
     const int positive = d->area[lane] > 0,
               follows = mikk_is_zero(d->length_s[lane]) || mikk_is_zero(d->length_t[lane]);
     return (uint8_t)((positive ? MIKK_POSITIVE : 0) | (follows ? MIKK_FOLLOWS : 0));
+}
+
+static void record(const mikk_mesh *m, size_t triangle, int lane, const mikk_addends *addends) {
+    const uint32_t *v = m->triangles + 3 * triangle;
+    mikk_record *records = m->records + 3 * triangle;
+    for (size_t i = 0; i < 3; i++)
+        records[i] = (mikk_record){{addends->sum[i][0][lane], addends->sum[i][1][lane],
+                                       addends->sum[i][2][lane]},
+            (uint16_t)addends->ends[i][lane], m->flags[triangle], v[i == 2 ? 0 : i + 1],
+            v[i == 0 ? 2 : i - 1]};
 }
 
 /* Asks for the vertices of the triangles from this one on. */
@@ -34,15 +47,19 @@ static void flag_task(void *context, size_t task) {
     const flagging *f = context;
     mikk_mesh *m = f->mesh;
     mikk_batch batch = {0};
-    mikk_derivative out;
+    mikk_addends out;
     const size_t begin = task * TRIANGLES_IN_TASK,
                  end = m->count - begin < TRIANGLES_IN_TASK ? m->count : begin + TRIANGLES_IN_TASK;
     for (size_t t = begin; t < end; t += MIKK_LANES) {
         const int count = end - t < MIKK_LANES ? (int)(end - t) : MIKK_LANES;
         await_vertices(m, t + (size_t)count);
         for (int l = 0; l < count; l++) load(m, t + (size_t)l, l, &batch);
-        f->kernels->derive(&batch, &out);
-        for (int l = 0; l < count; l++) m->flags[t + (size_t)l] |= flags_of(&out, l);
+        if (m->records)
+            f->kernels->add_up(&batch, &out);
+        else
+            f->kernels->derive(&batch, &out.derivative);
+        for (int l = 0; l < count; l++) m->flags[t + (size_t)l] |= flags_of(&out.derivative, l);
+        for (int l = 0; l < count && m->records; l++) record(m, t + (size_t)l, l, &out);
     }
 }
 
@@ -66,6 +83,10 @@ static void agree_on_sign(mikk_mesh *m, size_t second) {
 
 norma_result norma_core_mikk_flags(mikk_mesh *m) {
     flagging f = {m, norma_core_mikk_kernels(m->call->options.isa)};
+    if (!m->has_quads) {
+        m->records = norma_core_allocate(m->call, 3 * m->room, sizeof *m->records);
+        if (!m->records) return NORMA_ERROR_MEMORY;
+    }
     const norma_result result = norma_core_parallel(
         m->call, m->count / TRIANGLES_IN_TASK + (m->count % TRIANGLES_IN_TASK != 0), flag_task, &f);
     if (result != NORMA_OK || !m->has_quads) return result;

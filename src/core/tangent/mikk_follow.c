@@ -75,6 +75,13 @@ static void spread_all(following *f) {
     }
 }
 
+/* Records have the signs that were found, too. */
+static void mark_records(const mikk_mesh *m) {
+    for (size_t t = 0; m->records && t < m->count; t++)
+        for (size_t i = 0; (m->flags[t] & MIKK_FOLLOWS) && i < 3; i++)
+            m->records[3 * t + i].flags = m->flags[t];
+}
+
 static norma_result follow(following *f) {
     mikk_mesh *m = f->mesh;
     const core_call *call = m->call;
@@ -92,6 +99,7 @@ static norma_result follow(following *f) {
         for (size_t v = 0; v < m->vertex_count; v++)
             if (f->touched[v]) link_star(f, (uint32_t)v);
         spread_all(f);
+        mark_records(m);
     }
     norma_core_mikk_table_close(call, most, &f->table);
     norma_core_release(call, star, 4 * most, sizeof *star);

@@ -69,6 +69,28 @@ static int sum_groups(mikk_star *star) {
     return opposed;
 }
 
+/* Returns whether some group's tangents may be opposed to each other. */
+static int sum_records(mikk_star *star) {
+    int opposed = 0;
+    for (size_t j = 0; j < star->count; j++) {
+        if (mikk_flags_of(star, j) & MIKK_FOLLOWS) continue;
+        const mikk_record *r = &star->mesh->records[star->corners[j]];
+        mikk_space *space = &star->spaces[star->space[j]];
+        for (int k = 0; k < 3; k++) space->s[k] += r->sum[k];
+        space->ends |= r->ends;
+        opposed |= mikk_ends_oppose(space->ends);
+    }
+    return opposed;
+}
+
+int norma_core_mikk_groups_of_records(mikk_star *star) {
+    norma_core_mikk_link(star->next, star->previous, star->count, star->table, &star->links);
+    find_groups(star);
+    if (sum_records(star)) return 0;
+    for (size_t g = 0; g < star->space_count; g++) norma_core_mikk_finish(star, &star->spaces[g]);
+    return 1;
+}
+
 void norma_core_mikk_groups(mikk_star *star) {
     norma_core_mikk_link(star->next, star->previous, star->count, star->table, &star->links);
     find_groups(star);

@@ -1,4 +1,4 @@
-/* mikk_lanes.c: equations 18 and 19 of Mikkelsen 2008 and what a triangle adds at its corner,
+/* mikk_lanes.c: equations 18 and 19 of Mikkelsen 2008 and what a triangle adds at its corners,
  * compiled for each instruction set of the machine's family and chosen at run time. */
 #include "core/tangent/mikk_lanes.h"
 #include "core/face/triangle.h"
@@ -44,9 +44,10 @@ CORE_INLINE float one_of(float turn, float first, float second, float third) {
     return turn > 1 ? third : turn > 0 ? second : first;
 }
 /* Of a triangle's vertices, the one so many after the corner's own. */
-CORE_INLINE vector position_after(const mikk_batch *b, int after, int lane) {
-    const vector p[3] = {at(b->position[after % 3], lane), at(b->position[(after + 1) % 3], lane),
-        at(b->position[(after + 2) % 3], lane)};
+CORE_INLINE vector value_after(
+    const mikk_batch *b, const mikk_lane of[3][3], int after, int lane) {
+    const vector p[3] = {
+        at(of[after % 3], lane), at(of[(after + 1) % 3], lane), at(of[(after + 2) % 3], lane)};
     const float turn = b->turn[lane];
     return (vector){one_of(turn, p[0].x, p[1].x, p[2].x), one_of(turn, p[0].y, p[1].y, p[2].y),
         one_of(turn, p[0].z, p[1].z, p[2].z)};
@@ -87,6 +88,14 @@ CORE_INLINE vector unit(vector v, float length, float sign) {
     return (vector){zero ? 0 : by * v.x, zero ? 0 : by * v.y, zero ? 0 : by * v.z};
 }
 
+/* Of the angle at the middle one of three positions, seen along n. */
+CORE_INLINE float cosine_of(vector previous, vector here, vector next, vector n) {
+    const vector in = projected(subtract(previous, here), n),
+                 away = projected(subtract(next, here), n);
+    const float cosine = dot(in, away);
+    return cosine > 1 ? 1 : cosine < -1 ? -1 : cosine;
+}
+
 /* Only of triangles that have a texture area. */
 CORE_INLINE void contribute(const mikk_batch *restrict b, mikk_corners *restrict out) {
     float cosines[MIKK_LANES];
@@ -94,13 +103,11 @@ CORE_INLINE void contribute(const mikk_batch *restrict b, mikk_corners *restrict
         const derivative d = derive_lane(b, l);
         const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot(d.s, d.s)),
                     length_t = sqrtf(dot(d.t, d.t));
-        const vector n = at(b->normal, l), here = position_after(b, 0, l),
+        const vector n = value_after(b, b->normal, 0, l),
                      s = projected(unit(d.s, length_s, sign), n),
-                     t = projected(unit(d.t, length_t, sign), n),
-                     in = projected(subtract(position_after(b, 2, l), here), n),
-                     away = projected(subtract(position_after(b, 1, l), here), n);
-        const float cosine = dot(in, away);
-        cosines[l] = cosine > 1 ? 1 : cosine < -1 ? -1 : cosine;
+                     t = projected(unit(d.t, length_t, sign), n);
+        cosines[l] = cosine_of(value_after(b, b->position, 2, l), value_after(b, b->position, 0, l),
+            value_after(b, b->position, 1, l), n);
         out->s[0][l] = s.x;
         out->s[1][l] = s.y;
         out->s[2][l] = s.z;
@@ -113,11 +120,69 @@ CORE_INLINE void contribute(const mikk_batch *restrict b, mikk_corners *restrict
     for (int l = 0; l < MIKK_LANES; l++) out->angle[l] = acos_of(cosines[l]);
 }
 
+/* In which of the six directions along the axes it points: each bit is one. */
+CORE_INLINE uint32_t ends_of(vector v) {
+    return (v.x > 0.5F ? 1U : 0) | (v.y > 0.5F ? 2U : 0) | (v.z > 0.5F ? 4U : 0) |
+           (v.x < -0.5F ? 64U : 0) | (v.y < -0.5F ? 128U : 0) | (v.z < -0.5F ? 256U : 0);
+}
+CORE_INLINE int is_unit(vector v) { return fabsf(dot(v, v) - 1) < 0x1p-10F; /* not NaN */ }
+
+typedef struct directions {
+    mikk_lane s[3], t[3]; /* unit, in the triangle's plane */
+} directions;
+
+CORE_INLINE void derive_directions(
+    const mikk_batch *restrict b, directions *restrict out, mikk_derivative *restrict lengths) {
+    for (int l = 0; l < MIKK_LANES; l++) {
+        const derivative d = derive_lane(b, l);
+        const int none = is_zero(d.area);
+        const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot(d.s, d.s)),
+                    length_t = sqrtf(dot(d.t, d.t)), area = fabsf(d.area);
+        const vector s = unit(d.s, length_s, sign), t = unit(d.t, length_t, sign);
+        out->s[0][l] = s.x;
+        out->s[1][l] = s.y;
+        out->s[2][l] = s.z;
+        out->t[0][l] = t.x;
+        out->t[1][l] = t.y;
+        out->t[2][l] = t.z;
+        lengths->area[l] = d.area;
+        lengths->length_s[l] = none ? 0 : length_s / area;
+        lengths->length_t[l] = none ? 0 : length_t / area;
+    }
+}
+
+CORE_INLINE void add_up_corner(const mikk_batch *restrict b, const directions *restrict d,
+    int corner, mikk_addends *restrict out) {
+    mikk_lane angle;
+    for (int l = 0; l < MIKK_LANES; l++)
+        angle[l] = cosine_of(at(b->position[(corner + 2) % 3], l), at(b->position[corner], l),
+            at(b->position[(corner + 1) % 3], l), at(b->normal[corner], l));
+    for (int l = 0; l < MIKK_LANES; l++) angle[l] = acos_of(angle[l]);
+    for (int l = 0; l < MIKK_LANES; l++) {
+        const vector n = at(b->normal[corner], l), s = projected(at(d->s, l), n),
+                     t = projected(at(d->t, l), n);
+        out->ends[corner][l] =
+            is_unit(s) & is_unit(t) ? ends_of(s) | ends_of(t) << 3 : MIKK_ALL_ENDS;
+        out->sum[corner][0][l] = angle[l] * s.x;
+        out->sum[corner][1][l] = angle[l] * s.y;
+        out->sum[corner][2][l] = angle[l] * s.z;
+    }
+}
+
+CORE_INLINE void add_up(const mikk_batch *restrict b, mikk_addends *restrict out) {
+    directions d;
+    derive_directions(b, &d, &out->derivative);
+    for (int corner = 0; corner < 3; corner++) add_up_corner(b, &d, corner, out);
+}
+
 static void derive_portable(const mikk_batch *restrict b, mikk_derivative *restrict out) {
     derive(b, out);
 }
 static void contribute_portable(const mikk_batch *restrict b, mikk_corners *restrict out) {
     contribute(b, out);
+}
+static void add_up_portable(const mikk_batch *restrict b, mikk_addends *restrict out) {
+    add_up(b, out);
 }
 
 #if defined(CORE_HAS_X86)
@@ -128,6 +193,9 @@ CORE_FOR_AVX2 static void contribute_avx2(
     const mikk_batch *restrict b, mikk_corners *restrict out) {
     contribute(b, out);
 }
+CORE_FOR_AVX2 static void add_up_avx2(const mikk_batch *restrict b, mikk_addends *restrict out) {
+    add_up(b, out);
+}
 CORE_FOR_AVX512 static void derive_avx512(
     const mikk_batch *restrict b, mikk_derivative *restrict out) {
     derive(b, out);
@@ -136,14 +204,18 @@ CORE_FOR_AVX512 static void contribute_avx512(
     const mikk_batch *restrict b, mikk_corners *restrict out) {
     contribute(b, out);
 }
+CORE_FOR_AVX512 static void add_up_avx512(
+    const mikk_batch *restrict b, mikk_addends *restrict out) {
+    add_up(b, out);
+}
 #endif
 
 const mikk_kernels *norma_core_mikk_kernels(norma_isa isa) {
     static const mikk_kernels kernels[] = {
-        {derive_portable, contribute_portable},
+        {derive_portable, contribute_portable, add_up_portable},
 #if defined(CORE_HAS_X86)
-        {derive_avx2, contribute_avx2},
-        {derive_avx512, contribute_avx512},
+        {derive_avx2, contribute_avx2, add_up_avx2},
+        {derive_avx512, contribute_avx512, add_up_avx512},
 #endif
     };
     return &kernels[norma_core_level(isa)];

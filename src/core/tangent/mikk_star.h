@@ -8,7 +8,8 @@ typedef struct mikk_space {
     float s[3], t[3]; /* t and the lengths: only of meshes with quads */
     float length_s, length_t, angle;
     int positive;
-    int opposed; /* of a group: some of its tangents may be opposed to each other */
+    uint32_t ends; /* of all tangents of a group that records sum */
+    int opposed;   /* of a group: some of its tangents may be opposed to each other */
 } mikk_space;
 
 typedef struct mikk_star {
@@ -56,6 +57,14 @@ void norma_core_mikk_finish(const mikk_star *star, mikk_space *space);
 
 /* Finds groups and sums their spaces. */
 void norma_core_mikk_groups(mikk_star *star);
+/* The same from records. 0: some tangents may be opposed to each other, and contributions are
+ * needed. */
+int norma_core_mikk_groups_of_records(mikk_star *star);
+
+/* mikk_fan.c: 0: the corners of a vertex may be more than one group, or some tangents opposed to
+ * each other. Else space is what they sum to. */
+int norma_core_mikk_fan(
+    const mikk_record *records, const uint32_t *corners, size_t count, mikk_space *space);
 
 /* In groups in which tangents may be opposed to each other, each corner gets the space of all
  * corners of the group that are not opposed to it. Links are used up. */

@@ -7,7 +7,8 @@ enum {
     CORNERS_IN_BATCH = 256,
     BLOCKS = (CORNERS_IN_BATCH + MIKK_SMALL_STAR) / MIKK_LANES,
     LANES_IN_BATCH = BLOCKS * MIKK_LANES,
-    VERTICES_IN_TASK = 1 << 12
+    VERTICES_IN_TASK = 1 << 12,
+    RECORDS_AHEAD = 64 /* corners */
 };
 
 typedef struct star_work {
@@ -26,12 +27,11 @@ static void load_corner(const mikk_mesh *m, uint32_t corner, size_t lane, mikk_b
         for (int k = 0; k < 3; k++) batch->position[i][k][lane] = v->position[k];
         for (int k = 0; k < 2; k++) batch->texcoord[i][k][lane] = v->texcoord[k];
     }
-    for (int k = 0; k < 3; k++) batch->normal[k][lane] = m->vertices[triangle[at]].normal[k];
+    for (int k = 0; k < 3; k++) batch->normal[at][k][lane] = m->vertices[triangle[at]].normal[k];
     batch->turn[lane] = (float)at;
 }
 
 typedef struct star_corners {
-    mikk_corners *contributions;
     uint32_t *next, *previous;
     uint8_t *flags;
 } star_corners;
@@ -189,8 +189,7 @@ static void write_copies(const star_work *w, const mikk_star *star, core_tally *
     }
 }
 
-static void finish_star(const star_work *w, mikk_star *star, core_tally *tally) {
-    if (star->count) norma_core_mikk_groups(star);
+static void write_star(const star_work *w, const mikk_star *star, core_tally *tally) {
     write_corners(w, star, tally);
     write_copies(w, star, tally);
 }
@@ -211,9 +210,9 @@ static size_t star_count(const mikk_mesh *m, size_t vertex) {
     return m->around.starts[vertex + 1] - m->around.starts[vertex];
 }
 
-static void finish_small(
-    const star_work *w, small_stars *s, size_t vertex, size_t first, core_tally *tally) {
-    mikk_star star = {.mesh = w->mesh,
+/* Whose corners are those from first on. */
+static mikk_star small_star(const star_work *w, small_stars *s, size_t vertex, size_t first) {
+    return (mikk_star){.mesh = w->mesh,
         .vertex = (uint32_t)vertex,
         .count = star_count(w->mesh, vertex),
         .corners = w->mesh->around.corners + w->mesh->around.starts[vertex],
@@ -227,7 +226,6 @@ static void finish_small(
         .sequence = s->sequence,
         .seeds = s->seeds,
         .spaces = s->spaces};
-    finish_star(w, &star, tally);
 }
 
 /* The corners of as many of the vertices as fit. Returns the first that does not. */
@@ -248,19 +246,65 @@ static size_t gather_batch(
 static size_t run_batch(
     const star_work *w, small_stars *s, size_t begin, size_t end, core_tally *tally) {
     const mikk_mesh *m = w->mesh;
-    const star_corners out = {s->contributions, s->next, s->previous, s->flags};
+    const star_corners out = {s->next, s->previous, s->flags};
     size_t filled, first = 0;
     const size_t vertex = gather_batch(m, s, begin, end, &filled);
     read_triangles(w, s->corners, filled, &out);
     await_triangles(m, vertex);
     contribute_corners(w, s->corners, filled, &s->batch, s->contributions);
     for (size_t v = begin; v < vertex; v++) {
-        const size_t count = star_count(m, v);
-        if (count > MIKK_SMALL_STAR) continue;
-        finish_small(w, s, v, first, tally);
-        first += count;
+        if (star_count(m, v) > MIKK_SMALL_STAR) continue;
+        mikk_star star = small_star(w, s, v, first);
+        norma_core_mikk_groups(&star);
+        write_star(w, &star, tally);
+        first += star.count;
     }
     return vertex;
+}
+
+/* ---- small stars of recorded triangles */
+
+/* Asks for the records of the corners that come some after these, and for where tangents go. */
+static void await_records(const star_work *w, size_t begin, size_t end) {
+    const mikk_mesh *m = w->mesh;
+    const size_t count = m->around.starts[m->vertex_count];
+    for (size_t i = begin; i < end; i++) {
+        const size_t far = i + RECORDS_AHEAD, near = i + RECORDS_AHEAD / 2;
+        if (far >= count) return;
+        TANGENT_PREFETCH(&m->records[m->around.corners[far]]);
+        TANGENT_PREFETCH(&m->records[m->around.corners[far]].previous);
+        TANGENT_PREFETCH(
+            w->output->tangents + mikk_target(m, m->around.corners[near]) * w->output->stride);
+    }
+}
+
+static void group_records(const star_work *w, small_stars *s, mikk_star *star) {
+    for (size_t j = 0; j < star->count; j++) {
+        const mikk_record *r = &w->mesh->records[star->corners[j]];
+        s->next[j] = r->next;
+        s->previous[j] = r->previous;
+        s->flags[j] = r->flags;
+    }
+    if (norma_core_mikk_groups_of_records(star)) return;
+    contribute_corners(w, star->corners, star->count, &s->batch, s->contributions);
+    norma_core_mikk_groups(star);
+}
+
+static void run_recorded(
+    const star_work *w, small_stars *s, size_t begin, size_t end, core_tally *tally) {
+    const mikk_mesh *m = w->mesh;
+    for (size_t v = begin; v < end; v++) {
+        if (star_count(m, v) > MIKK_SMALL_STAR) continue;
+        mikk_star star = small_star(w, s, v, 0);
+        await_records(w, m->around.starts[v], m->around.starts[v + 1]);
+        if (norma_core_mikk_fan(m->records, star.corners, star.count, s->spaces)) {
+            memset(s->space, 0, star.count * sizeof *s->space);
+            memset(s->flags, 0, star.count);
+            norma_core_mikk_finish(&star, s->spaces);
+        } else
+            group_records(w, s, &star);
+        write_star(w, &star, tally);
+    }
 }
 
 static void star_task(void *context, size_t task) {
@@ -269,6 +313,10 @@ static void star_task(void *context, size_t task) {
                  end = count - begin < VERTICES_IN_TASK ? count : begin + VERTICES_IN_TASK;
     small_stars s;
     memset(&s.batch, 0, sizeof s.batch);
+    if (w->mesh->records) {
+        run_recorded(w, &s, begin, end, &w->tallies[task]);
+        return;
+    }
     await_triangles(w->mesh, begin);
     for (size_t v = begin; v < end;) v = run_batch(w, &s, v, end, &w->tallies[task]);
 }
@@ -290,7 +338,7 @@ static void finish_large(
     const uint32_t *corners = w->mesh->around.corners + w->mesh->around.starts[vertex];
     mikk_edge_table table = s->table;
     mikk_batch batch = {0};
-    const star_corners out = {s->contributions, s->numbers, s->numbers + most, s->flags};
+    const star_corners out = {s->numbers, s->numbers + most, s->flags};
     mikk_star star = {.mesh = w->mesh,
         .vertex = (uint32_t)vertex,
         .count = count,
@@ -307,7 +355,8 @@ static void finish_large(
         .spaces = s->spaces};
     read_triangles(w, corners, count, &out);
     contribute_corners(w, corners, count, &batch, s->contributions);
-    finish_star(w, &star, tally);
+    norma_core_mikk_groups(&star);
+    write_star(w, &star, tally);
 }
 
 static norma_result run_large(const star_work *w, core_tally *tally) {

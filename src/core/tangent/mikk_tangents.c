@@ -74,6 +74,7 @@ void norma_core_mikk_release(mikk_mesh *mesh) {
     norma_core_release(call, mesh->triangles, 3 * mesh->room, sizeof *mesh->triangles);
     norma_core_release(call, mesh->corners, 3 * mesh->room, sizeof *mesh->corners);
     norma_core_release(call, mesh->flags, mesh->room, sizeof *mesh->flags);
+    norma_core_release(call, mesh->records, 3 * mesh->room, sizeof *mesh->records);
     norma_core_release(call, mesh->copy_starts, mesh->vertex_count + 1, sizeof *mesh->copy_starts);
     norma_core_release(call, mesh->copies, mesh->copy_count, sizeof *mesh->copies);
     if (mesh->around.starts && !mesh->is_sorted)
