@@ -8,6 +8,7 @@
 #ifndef NORMA_CORE_MIKK_H
 #define NORMA_CORE_MIKK_H
 #include "core/mesh/corners_of_position.h"
+#include "core/tangent/mikk_lanes.h"
 #include "core/tangent/tangents.h"
 #include <float.h>
 #include <math.h>
@@ -31,8 +32,8 @@ typedef struct mikk_copy {
 } mikk_copy;
 
 /* What a triangle adds to the sum at one of its corners, and the vertices beside it there. ends: in
- * which directions along the axes its tangent and its bitangent point. Unit vectors that are opposed
- * to each other have ends that are (mikk_ends_oppose). */
+ * which directions along the axes its tangent and its bitangent point. Unit vectors that are
+ * opposed to each other have ends that are (mikk_ends_oppose). */
 typedef struct mikk_record {
     float sum[3];
     uint16_t ends;
@@ -51,7 +52,7 @@ typedef struct mikk_mesh {
     uint32_t *corners;   /* NULL, or of each corner the caller's; else they are the same */
     uint8_t *flags;      /* of each triangle */
     int has_quads;
-    mikk_record *records; /* NULL, or of each corner; of meshes without quads */
+    mikk_record *records;            /* NULL, or of each corner; of meshes of triangles */
     core_corners_of_position around; /* of each vertex the corners, ascending */
     uint32_t *copy_starts;           /* NULL, or vertex_count + 1 offsets into copies */
     mikk_copy *copies;
@@ -62,7 +63,12 @@ typedef struct mikk_mesh {
 /* MEMORY or CANCELLED; norma_core_mikk_release in any case. */
 norma_result norma_core_mikk_triangles(mikk_mesh *mesh);
 norma_result norma_core_mikk_copies(mikk_mesh *mesh, const uint32_t *holders);
+/* Triangles that have records have their flags already. */
 norma_result norma_core_mikk_flags(mikk_mesh *mesh);
+/* Of at most MIKK_LANES triangles from this one on, the flags, and the records where there are
+ * some. batch: what they are loaded into. */
+void norma_core_mikk_flag_lanes(const mikk_mesh *mesh, const mikk_kernels *kernels, size_t triangle,
+    size_t count, mikk_batch *batch);
 norma_result norma_core_mikk_follow(mikk_mesh *mesh);
 norma_result norma_core_mikk_stars(
     mikk_mesh *mesh, const tangent_output *output, core_tally *tally);

@@ -1,8 +1,7 @@
-/* mikk_flags.c: of each triangle, whether the texture has an area on it, and of which sign; and what
- * it adds at its corners, so that this is computed once, with all lanes full, and triangle by
+/* mikk_flags.c: of each triangle, whether the texture has an area on it, and of which sign; and
+ * what it adds at its corners, so that this is computed once, with all lanes full, and triangle by
  * triangle: vertices then read the little that they need. */
 #include "core/tangent/mikk.h"
-#include "core/tangent/mikk_lanes.h"
 
 enum { TRIANGLES_IN_TASK = 1 << 12 };
 
@@ -11,7 +10,7 @@ typedef struct flagging {
     const mikk_kernels *kernels;
 } flagging;
 
-static void load(const mikk_mesh *m, size_t triangle, int lane, mikk_batch *batch) {
+static void load(const mikk_mesh *m, size_t triangle, size_t lane, mikk_batch *batch) {
     for (size_t i = 0; i < 3; i++) {
         const tangent_vertex *v = &m->vertices[m->triangles[3 * triangle + i]];
         for (int k = 0; k < 3; k++) batch->position[i][k][lane] = v->position[k];
@@ -20,18 +19,18 @@ static void load(const mikk_mesh *m, size_t triangle, int lane, mikk_batch *batc
     }
 }
 
-static uint8_t flags_of(const mikk_derivative *d, int lane) {
+static uint8_t flags_of(const mikk_derivative *d, size_t lane) {
     const int positive = d->area[lane] > 0,
               follows = mikk_is_zero(d->length_s[lane]) || mikk_is_zero(d->length_t[lane]);
     return (uint8_t)((positive ? MIKK_POSITIVE : 0) | (follows ? MIKK_FOLLOWS : 0));
 }
 
-static void record(const mikk_mesh *m, size_t triangle, int lane, const mikk_addends *addends) {
+static void record(const mikk_mesh *m, size_t triangle, size_t lane, const mikk_addends *addends) {
     const uint32_t *v = m->triangles + 3 * triangle;
     mikk_record *records = m->records + 3 * triangle;
     for (size_t i = 0; i < 3; i++)
-        records[i] = (mikk_record){{addends->sum[i][0][lane], addends->sum[i][1][lane],
-                                       addends->sum[i][2][lane]},
+        records[i] = (mikk_record){
+            {addends->sum[i][0][lane], addends->sum[i][1][lane], addends->sum[i][2][lane]},
             (uint16_t)addends->ends[i][lane], m->flags[triangle], v[i == 2 ? 0 : i + 1],
             v[i == 0 ? 2 : i - 1]};
 }
@@ -43,23 +42,28 @@ static void await_vertices(const mikk_mesh *m, size_t triangle) {
         TANGENT_PREFETCH(&m->vertices[m->triangles[c]]);
 }
 
+void norma_core_mikk_flag_lanes(const mikk_mesh *m, const mikk_kernels *kernels, size_t triangle,
+    size_t count, mikk_batch *batch) {
+    mikk_addends out;
+    for (size_t l = 0; l < count; l++) load(m, triangle + l, l, batch);
+    if (m->records)
+        kernels->add_up(batch, &out);
+    else
+        kernels->derive(batch, &out.derivative);
+    for (size_t l = 0; l < count; l++) m->flags[triangle + l] |= flags_of(&out.derivative, l);
+    for (size_t l = 0; l < count && m->records; l++) record(m, triangle + l, l, &out);
+}
+
 static void flag_task(void *context, size_t task) {
     const flagging *f = context;
-    mikk_mesh *m = f->mesh;
+    const mikk_mesh *m = f->mesh;
     mikk_batch batch = {0};
-    mikk_addends out;
     const size_t begin = task * TRIANGLES_IN_TASK,
                  end = m->count - begin < TRIANGLES_IN_TASK ? m->count : begin + TRIANGLES_IN_TASK;
     for (size_t t = begin; t < end; t += MIKK_LANES) {
-        const int count = end - t < MIKK_LANES ? (int)(end - t) : MIKK_LANES;
-        await_vertices(m, t + (size_t)count);
-        for (int l = 0; l < count; l++) load(m, t + (size_t)l, l, &batch);
-        if (m->records)
-            f->kernels->add_up(&batch, &out);
-        else
-            f->kernels->derive(&batch, &out.derivative);
-        for (int l = 0; l < count; l++) m->flags[t + (size_t)l] |= flags_of(&out.derivative, l);
-        for (int l = 0; l < count && m->records; l++) record(m, t + (size_t)l, l, &out);
+        const size_t count = end - t < MIKK_LANES ? end - t : MIKK_LANES;
+        await_vertices(m, t + count);
+        norma_core_mikk_flag_lanes(m, f->kernels, t, count, &batch);
     }
 }
 
@@ -83,10 +87,7 @@ static void agree_on_sign(mikk_mesh *m, size_t second) {
 
 norma_result norma_core_mikk_flags(mikk_mesh *m) {
     flagging f = {m, norma_core_mikk_kernels(m->call->options.isa)};
-    if (!m->has_quads) {
-        m->records = norma_core_allocate(m->call, 3 * m->room, sizeof *m->records);
-        if (!m->records) return NORMA_ERROR_MEMORY;
-    }
+    if (m->records) return NORMA_OK;
     const norma_result result = norma_core_parallel(
         m->call, m->count / TRIANGLES_IN_TASK + (m->count % TRIANGLES_IN_TASK != 0), flag_task, &f);
     if (result != NORMA_OK || !m->has_quads) return result;

@@ -29,8 +29,7 @@ CORE_INLINE vector subtract(vector a, vector b) {
 CORE_INLINE vector add(vector a, vector b) { return (vector){a.x + b.x, a.y + b.y, a.z + b.z}; }
 CORE_INLINE vector normalised(vector v) {
     const int zero = is_zero(v.x) & is_zero(v.y) & is_zero(v.z);
-    const float by = 1 / sqrtf(dot(v, v));
-    return (vector){zero ? v.x : by * v.x, zero ? v.y : by * v.y, zero ? v.z : by * v.z};
+    return scale(zero ? 1 : 1 / sqrtf(dot(v, v)), v);
 }
 /* Made perpendicular to n, unit. */
 CORE_INLINE vector projected(vector v, vector n) {
@@ -44,8 +43,7 @@ CORE_INLINE float one_of(float turn, float first, float second, float third) {
     return turn > 1 ? third : turn > 0 ? second : first;
 }
 /* Of a triangle's vertices, the one so many after the corner's own. */
-CORE_INLINE vector value_after(
-    const mikk_batch *b, const mikk_lane of[3][3], int after, int lane) {
+CORE_INLINE vector value_after(const mikk_batch *b, const mikk_lane of[3][3], int after, int lane) {
     const vector p[3] = {
         at(of[after % 3], lane), at(of[(after + 1) % 3], lane), at(of[(after + 2) % 3], lane)};
     const float turn = b->turn[lane];

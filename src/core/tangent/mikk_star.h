@@ -2,7 +2,6 @@
 #ifndef NORMA_CORE_MIKK_STAR_H
 #define NORMA_CORE_MIKK_STAR_H
 #include "core/tangent/mikk.h"
-#include "core/tangent/mikk_lanes.h"
 
 typedef struct mikk_space {
     float s[3], t[3]; /* t and the lengths: only of meshes with quads */

@@ -63,6 +63,8 @@ norma_result norma_core_mikk_keep(const tangent_mesh *mesh, mikk_mesh *kept) {
     if (result == NORMA_OK) result = sort_corners(kept);
     kept->input = NULL;
     kept->vertices = NULL;
+    norma_core_release(kept->call, kept->records, 3 * kept->room, sizeof *kept->records);
+    kept->records = NULL;
     if (result == NORMA_OK) return NORMA_OK;
     norma_core_mikk_release(kept);
     *kept = (mikk_mesh){.call = NULL};

@@ -87,6 +87,48 @@ static void cut_task(void *context, size_t task) {
     }
 }
 
+/* ---- triangles alone: each is flagged and recorded when it is first looked at */
+
+/* Of each lane, whether two of the three positions are equal. */
+static void find_equal(const mikk_batch *b, uint32_t equal[MIKK_LANES]) {
+    for (int l = 0; l < MIKK_LANES; l++) equal[l] = 0;
+    for (int one = 0; one < 3; one++) {
+        const mikk_lane *p = b->position[one], *q = b->position[(one + 1) % 3];
+        for (int l = 0; l < MIKK_LANES; l++)
+            equal[l] |= (uint32_t)(p[0][l] == q[0][l]) & (uint32_t)(p[1][l] == q[1][l]) &
+                        (uint32_t)(p[2][l] == q[2][l]);
+    }
+}
+
+static void flag_degenerate(cutting *c, size_t triangle, size_t count, const mikk_batch *batch) {
+    uint32_t equal[MIKK_LANES];
+    find_equal(batch, equal);
+    for (size_t l = 0; l < count; l++) {
+        const uint32_t *v = c->mesh->triangles + 3 * (triangle + l);
+        if (!(equal[l] | (v[0] == v[1]) | (v[0] == v[2]) | (v[1] == v[2]))) continue;
+        c->mesh->flags[triangle + l] |= MIKK_DEGENERATE;
+        atomic_store_explicit(&c->degenerate, 1, memory_order_relaxed);
+    }
+}
+
+static void record_task(void *context, size_t task) {
+    cutting *c = context;
+    const mikk_mesh *m = c->mesh;
+    const mikk_kernels *kernels = norma_core_mikk_kernels(m->call->options.isa);
+    const size_t begin = task * FACES_IN_TASK,
+                 end = m->count - begin < FACES_IN_TASK ? m->count : begin + FACES_IN_TASK;
+    mikk_batch batch = {0};
+    for (size_t t = begin; t < end; t += MIKK_LANES) {
+        const size_t count = end - t < MIKK_LANES ? end - t : MIKK_LANES;
+        for (size_t l = 0; l < count; l++) norma_core_tangent_await(m->input, t + l + MIKK_LANES);
+        for (size_t i = 3 * t; i < 3 * (t + count); i++)
+            m->triangles[i] = norma_core_tangent_vertex(m->input, i);
+        memset(m->flags + t, 0, count);
+        norma_core_mikk_flag_lanes(m, kernels, t, count, &batch);
+        flag_degenerate(c, t, count, &batch);
+    }
+}
+
 static size_t task_count(const core_mesh *mesh) {
     return mesh->face_count / FACES_IN_TASK + (mesh->face_count % FACES_IN_TASK != 0);
 }
@@ -154,8 +196,11 @@ static norma_result allocate(mikk_mesh *m, int own_corners) {
     m->room = m->count;
     m->triangles = norma_core_allocate(m->call, 3 * m->room, sizeof *m->triangles);
     m->flags = norma_core_allocate(m->call, m->room, sizeof *m->flags);
-    if (own_corners) m->corners = norma_core_allocate(m->call, 3 * m->room, sizeof *m->corners);
-    return m->triangles && m->flags && (m->corners || !own_corners) ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (own_corners)
+        m->corners = norma_core_allocate(m->call, 3 * m->room, sizeof *m->corners);
+    else
+        m->records = norma_core_allocate(m->call, 3 * m->room, sizeof *m->records);
+    return m->triangles && m->flags && (m->corners || m->records) ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
 /* Good triangles move to the front in their order. */
@@ -170,6 +215,7 @@ static norma_result leave_out_degenerate(mikk_mesh *m) {
         if (m->flags[t] & MIKK_DEGENERATE) continue;
         memmove(m->triangles + 3 * kept, m->triangles + 3 * t, 3 * sizeof *m->triangles);
         memmove(m->corners + 3 * kept, m->corners + 3 * t, 3 * sizeof *m->corners);
+        if (m->records) memmove(m->records + 3 * kept, m->records + 3 * t, 3 * sizeof *m->records);
         m->flags[kept++] = m->flags[t];
     }
     m->count = kept;
@@ -213,7 +259,7 @@ static int take_known(mikk_mesh *m) {
     m->around = known->around;
     m->is_sorted = 1;
     if (known->copy_count) return 0;
-    memcpy(m->flags, known->flags, m->count);
+    if (!m->records) memcpy(m->flags, known->flags, m->count);
     return 1;
 }
 
@@ -236,7 +282,8 @@ norma_result norma_core_mikk_triangles(mikk_mesh *m) {
     c.starts = starts;
     m->has_quads = mesh->face_starts && most > 3;
     norma_result result = allocate(m, mesh->face_starts != NULL);
-    if (result == NORMA_OK) result = norma_core_parallel(m->call, tasks, cut_task, &c);
+    if (result == NORMA_OK)
+        result = norma_core_parallel(m->call, tasks, m->records ? record_task : cut_task, &c);
     if (result == NORMA_OK && most > 4) result = cut_large_faces(&c, most);
     norma_core_release(m->call, starts, tasks, sizeof *starts);
     const int degenerate = atomic_load_explicit(&c.degenerate, memory_order_relaxed);

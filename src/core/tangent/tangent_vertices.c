@@ -1,5 +1,6 @@
 /* tangent_vertices.c: positions, normals and texture coordinates brought together, and which of
  * them are equal. */
+#include "core/call/instruction_set.h"
 #include "core/mesh/weld_buckets.h"
 #include "core/tangent/tangents.h"
 #include <math.h>
@@ -60,7 +61,9 @@ static float read_number(norma_format format, const unsigned char *at) {
     }
 }
 
-static void read_attribute(const norma_attribute *a, size_t index, size_t numbers, float *out) {
+/* Inlined: of a number of bytes that is known, a copy is not a call. */
+CORE_INLINE void read_attribute(
+    const norma_attribute *a, size_t index, size_t numbers, float *out) {
     const size_t size = norma_format_size(a->format),
                  stride = a->stride ? a->stride : numbers * size;
     const unsigned char *at = (const unsigned char *)a->data + index * stride;
