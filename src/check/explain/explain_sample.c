@@ -1,6 +1,5 @@
 /* explain_sample.c: a part of a mesh small enough to try many ways of computing normals on, with
  * whole rings around the positions that are looked at. */
-#include "core/call/sort.h"
 #include "check/explain/explain_normals.h"
 #include <string.h>
 
@@ -23,16 +22,10 @@ static int is_chosen(const choice *c, uint32_t position) {
     return count > 0 && count <= MOST_AT_POSITION && mix(position) % c->one_in == 0;
 }
 
-static int number_is_less(const void *a, const void *b) {
-    return *(const uint32_t *)a < *(const uint32_t *)b;
-}
-
-static size_t sort_unique(uint32_t *numbers, size_t count) {
-    size_t kept = 0;
-    norma_core_sort(numbers, count, sizeof *numbers, number_is_less);
-    for (size_t i = 0; i < count; i++)
-        if (!kept || numbers[kept - 1] != numbers[i]) numbers[kept++] = numbers[i];
-    return kept;
+/* The places of the ones, ascending. */
+static void list_marked(const uint8_t *marks, size_t count, uint32_t *places) {
+    for (const uint8_t *at = marks; (at = memchr(at, 1, count - (size_t)(at - marks))); at++)
+        *places++ = (uint32_t)(at - marks);
 }
 
 static size_t place_of(const uint32_t *sorted, size_t count, uint32_t number) {
@@ -47,17 +40,23 @@ static size_t place_of(const uint32_t *sorted, size_t count, uint32_t number) {
     return low;
 }
 
-/* The faces around all chosen positions; faces NULL: an upper bound of their number. */
-static size_t list_faces(const choice *c, uint32_t *faces) {
+static size_t mark(uint8_t *marks, size_t place) {
+    const int is_new = !marks[place];
+    marks[place] = 1;
+    return (size_t)is_new;
+}
+
+/* The faces around all chosen positions; how many. */
+static size_t mark_faces(const choice *c, uint8_t *marks) {
     const core_topology *t = c->topology;
     size_t count = 0;
+    memset(marks, 0, t->mesh.face_count);
     for (uint32_t p = 0; p < t->corners_of.position_count; p++) {
         if (!is_chosen(c, p)) continue;
-        for (uint32_t i = t->corners_of.starts[p]; i < t->corners_of.starts[p + 1]; i++, count++)
-            if (faces)
-                faces[count] = (uint32_t)norma_core_topology_face(t, t->corners_of.corners[i]);
+        for (uint32_t i = t->corners_of.starts[p]; i < t->corners_of.starts[p + 1]; i++)
+            count += mark(marks, norma_core_topology_face(t, t->corners_of.corners[i]));
     }
-    return faces ? sort_unique(faces, count) : count;
+    return count;
 }
 
 static int allocate(const core_call *call, const core_mesh *mesh, explain_sample *s) {
@@ -101,23 +100,36 @@ static void copy_faces(
         .hard_edges = s->hard_edges};
 }
 
+/* The positions that the faces use; how many. */
+static size_t mark_places(
+    const choice *c, const uint32_t *faces, const explain_sample *s, uint8_t *marks) {
+    const core_mesh *mesh = &c->topology->mesh;
+    size_t count = 0;
+    memset(marks, 0, mesh->positions.count);
+    for (size_t i = 0; i < s->face_count; i++)
+        for (size_t corner = norma_core_face_begin(mesh, faces[i]);
+             corner < norma_core_face_end(mesh, faces[i]); corner++)
+            count += mark(marks, c->topology->corners[corner]);
+    return count;
+}
+
 static norma_result copy_sample(
     core_call *call, const choice *c, const uint32_t *faces, explain_sample *s) {
     const core_mesh *mesh = &c->topology->mesh;
-    size_t at = 0;
+    const size_t positions = mesh->positions.count;
     for (size_t i = 0; i < s->face_count; i++)
         s->corner_count +=
             norma_core_face_end(mesh, faces[i]) - norma_core_face_begin(mesh, faces[i]);
     uint32_t *places = norma_core_allocate(call, s->corner_count, sizeof *places);
-    norma_result result = allocate(call, mesh, s) && places ? NORMA_OK : NORMA_ERROR_MEMORY;
+    uint8_t *marks = norma_core_allocate(call, positions, 1);
+    norma_result result =
+        allocate(call, mesh, s) && places && marks ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
-        for (size_t i = 0; i < s->face_count; i++)
-            for (size_t corner = norma_core_face_begin(mesh, faces[i]);
-                 corner < norma_core_face_end(mesh, faces[i]); corner++)
-                places[at++] = c->topology->corners[corner];
-        s->position_count = sort_unique(places, at);
+        s->position_count = mark_places(c, faces, s, marks);
+        list_marked(marks, positions, places);
         copy_faces(c, faces, places, s);
     }
+    norma_core_release(call, marks, positions, 1);
     norma_core_release(call, places, s->corner_count, sizeof *places);
     if (result) norma_explain_free_sample(call, s);
     return result;
@@ -125,14 +137,19 @@ static norma_result copy_sample(
 
 norma_result norma_explain_take_sample(
     core_call *call, const core_topology *topology, explain_sample *sample) {
-    choice c = {topology, topology->mesh.corner_count / EXPLAIN_FACES + 1};
+    const choice c = {topology, topology->mesh.corner_count / EXPLAIN_FACES + 1};
+    const size_t all = topology->mesh.face_count;
     *sample = (explain_sample){.face_count = 0};
-    size_t room = list_faces(&c, NULL);
-    uint32_t *faces = norma_core_allocate(call, room, sizeof *faces);
+    uint8_t *marks = norma_core_allocate(call, all, 1);
+    if (!marks) return NORMA_ERROR_MEMORY;
+    const size_t count = mark_faces(&c, marks);
+    uint32_t *faces = norma_core_allocate(call, count, sizeof *faces);
+    if (faces) list_marked(marks, all, faces);
+    norma_core_release(call, marks, all, 1);
     if (!faces) return NORMA_ERROR_MEMORY;
-    sample->face_count = list_faces(&c, faces);
-    norma_result result = copy_sample(call, &c, faces, sample);
-    norma_core_release(call, faces, room, sizeof *faces);
+    sample->face_count = count;
+    const norma_result result = copy_sample(call, &c, faces, sample);
+    norma_core_release(call, faces, count, sizeof *faces);
     return result;
 }
 

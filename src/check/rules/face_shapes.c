@@ -15,26 +15,32 @@ typedef struct shape_pass {
     int wants_degenerate, wants_slivers;
 } shape_pass;
 
+/* Pi for all that are clearly not below SLIVER_RAD: how large they are matters to nobody. */
 static double corner_angle(const double before[3], const double here[3], const double after[3]) {
+    const double clear = 4 * SLIVER_RAD * SLIVER_RAD;
     double a[3], b[3], cross[3];
     norma_core_subtract(after, here, a);
     norma_core_subtract(before, here, b);
     norma_core_cross(a, b, cross);
-    return norma_core_angle(norma_core_length(cross), norma_core_dot(a, b));
+    const double along = norma_core_dot(a, b);
+    if (along < 0 || norma_core_dot(cross, cross) > clear * along * along) return NORMA_PI;
+    return norma_core_angle(norma_core_length(cross), along);
 }
 
 /* Over the kept corners of a face that has three or more. */
 static double least_angle(const core_topology *t, size_t face) {
-    double least = NORMA_PI;
-    for (size_t c = norma_core_face_begin(&t->mesh, face); c < norma_core_face_end(&t->mesh, face);
-         c++) {
-        double before[3], here[3], after[3];
+    const size_t begin = norma_core_face_begin(&t->mesh, face),
+                 last = norma_core_previous_kept(&t->mesh, face, begin);
+    double least = NORMA_PI, before[3], here[3], after[3];
+    norma_core_position(
+        &t->mesh, t->corners[norma_core_previous_kept(&t->mesh, face, last)], before);
+    norma_core_position(&t->mesh, t->corners[last], here);
+    for (size_t c = begin; c < norma_core_face_end(&t->mesh, face); c++) {
         if (!norma_core_is_kept(&t->mesh, face, c)) continue;
-        norma_core_position(
-            &t->mesh, t->corners[norma_core_previous_kept(&t->mesh, face, c)], before);
-        norma_core_position(&t->mesh, t->corners[c], here);
-        norma_core_position(&t->mesh, t->corners[norma_core_next_kept(&t->mesh, face, c)], after);
+        norma_core_position(&t->mesh, t->corners[c], after);
         least = fmin(least, corner_angle(before, here, after));
+        memcpy(before, here, sizeof before);
+        memcpy(here, after, sizeof here);
     }
     return least;
 }

@@ -24,51 +24,61 @@ static void corner_from(
     norma_core_subtract(p, origin, out);
 }
 
-/* The least share of the polygon's area that a triangle of its fan has, negative where it faces
- * away, and the sum of all that face away. */
-static double least_share(
-    const core_mesh *mesh, size_t face, const double normal[3], double *away) {
-    size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
-    double origin[3], a[3], b[3], cross[3], sum = 0, least = INFINITY;
-    norma_core_position(mesh, norma_core_corner(mesh, begin), origin);
-    corner_from(mesh, begin + 1, origin, a);
-    *away = 0;
-    for (size_t c = begin + 2; c < end; c++) {
+typedef struct polygon_shape {
+    double least; /* share of the polygon's area that a triangle of its fan has; negative where it
+                     faces away */
+    double away;  /* the share of all that face away */
+    double sine;  /* of the greatest angle of a corner out of the plane through the centre; 0 where
+                     none is above OUT_OF_PLANE_SINE */
+    size_t at;    /* that corner */
+} polygon_shape;
+
+static void measure_fan(const core_mesh *mesh, size_t face, const double origin[3],
+    const double normal[3], double centre[3], polygon_shape *shape) {
+    const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
+    double a[3] = {0}, b[3], cross[3], sum = 0, least = INFINITY, away = 0;
+    for (size_t c = begin + 1; c < end; c++) {
         corner_from(mesh, c, origin, b);
-        norma_core_cross(a, b, cross);
-        double area = norma_core_dot(cross, normal);
-        sum += area;
-        *away += area < 0 ? -area : 0;
-        least = fmin(least, area);
+        for (int k = 0; k < 3; k++) centre[k] += b[k] / (double)(end - begin);
+        if (c > begin + 1) {
+            norma_core_cross(a, b, cross);
+            const double area = norma_core_dot(cross, normal);
+            sum += area;
+            away += area < 0 ? -area : 0;
+            least = fmin(least, area);
+        }
         memcpy(a, b, sizeof a);
     }
-    *away /= sum;
-    return least / sum;
+    shape->away = away / sum;
+    shape->least = least / sum;
 }
 
-/* The greatest sine, over the corners, of the angle out of the plane through the centre. */
-static double most_out_of_plane(
-    const core_mesh *mesh, size_t face, const double normal[3], size_t *at) {
-    size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
-    double centre[3] = {0}, origin[3], most = 0;
-    norma_core_position(mesh, norma_core_corner(mesh, begin), origin);
-    for (size_t c = begin; c < end; c++) {
-        double p[3];
-        corner_from(mesh, c, origin, p);
-        for (int k = 0; k < 3; k++) centre[k] += p[k] / (double)(end - begin);
-    }
-    for (size_t c = begin; c < end; c++) {
+/* Corners that are near the plane are passed by: most of them, without a root or a quotient. */
+static void measure_height(const core_mesh *mesh, size_t face, const double origin[3],
+    const double normal[3], const double centre[3], polygon_shape *shape) {
+    const double flat = .99 * OUT_OF_PLANE_SINE * OUT_OF_PLANE_SINE;
+    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
         double p[3], from_centre[3];
         corner_from(mesh, c, origin, p);
         norma_core_subtract(p, centre, from_centre);
-        double length = sqrt(norma_core_dot(from_centre, from_centre)),
-               sine = length > 0 ? fabs(norma_core_dot(from_centre, normal)) / length : 0;
-        if (sine > most) {
-            most = sine;
-            *at = c;
+        const double height = norma_core_dot(from_centre, normal),
+                     square = norma_core_dot(from_centre, from_centre);
+        if (square > NORMA_TINIEST && height * height <= flat * square) continue;
+        const double sine = square > 0 ? fabs(height) / sqrt(square) : 0;
+        if (sine > OUT_OF_PLANE_SINE && sine > shape->sine) {
+            shape->sine = sine;
+            shape->at = c;
         }
     }
-    return most;
+}
+
+static polygon_shape shape_of(const core_mesh *mesh, size_t face, const double normal[3]) {
+    polygon_shape shape = {.at = SIZE_MAX};
+    double origin[3], centre[3] = {0};
+    norma_core_position(mesh, norma_core_corner(mesh, norma_core_face_begin(mesh, face)), origin);
+    measure_fan(mesh, face, origin, normal, centre, &shape);
+    measure_height(mesh, face, origin, normal, centre, &shape);
+    return shape;
 }
 
 /* ---- whether a polygon crosses itself, seen along its normal */
@@ -138,25 +148,23 @@ static void judge_cancelled(const polygon_pass *pass, check_polygons *part, size
 static void judge_polygon(const polygon_pass *pass, check_polygons *part, size_t face) {
     const check_mesh *m = pass->m;
     const core_mesh *mesh = &m->topology.mesh;
-    size_t corners = norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face), at = 0;
-    if (corners < 4) return;
+    if (norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face) < 4) return;
     if (!norma_check_directed(&m->faces[face])) {
         judge_cancelled(pass, part, face);
         return;
     }
-    double away;
     const double normal[3] = {(double)m->faces[face].normal[0], (double)m->faces[face].normal[1],
         (double)m->faces[face].normal[2]};
-    double share = least_share(mesh, face, normal, &away),
-           sine = most_out_of_plane(mesh, face, normal, &at);
-    if (share < -FOLD && !norma_check_is_sliver(&m->faces[face])) {
-        check_folds *to = away < SLIGHT ? &part->slight : &part->folds;
-        norma_check_hit(m->run, &to->hits, -share, norma_check_face(face));
+    const polygon_shape shape = shape_of(mesh, face, normal);
+    if (shape.least < -FOLD && !norma_check_is_sliver(&m->faces[face])) {
+        check_folds *to = shape.away < SLIGHT ? &part->slight : &part->folds;
+        norma_check_hit(m->run, &to->hits, -shape.least, norma_check_face(face));
         to->crossing += crosses_itself(mesh, face, normal) != 0;
     }
-    if (sine > OUT_OF_PLANE_SINE)
-        norma_check_hit(m->run, &part->bent, norma_check_arc_sine(fmin(sine, 1)) * (180 / NORMA_PI),
-            (check_spot){norma_core_corner(&m->mesh, at), face, SIZE_MAX});
+    if (shape.sine > 0)
+        norma_check_hit(m->run, &part->bent,
+            norma_check_arc_sine(fmin(shape.sine, 1)) * (180 / NORMA_PI),
+            (check_spot){norma_core_corner(&m->mesh, shape.at), face, SIZE_MAX});
 }
 
 static void judge_polygons(void *context, size_t block, size_t begin, size_t end) {

@@ -169,38 +169,40 @@ static void load_star(const core_topology *t, uint32_t position, star *r) {
     }
 }
 
-/* ---- the ordinary star: whole fans, closed or open, one face each way at each edge */
+/* ---- the ordinary star: one closed fan, one face each way at each edge */
 
+/* Finds of each face the one that comes back along its next edge; 0: none does, or several do. */
 static int pair_few(const star *r, uint8_t *after) {
     const size_t n = r->count;
     for (size_t i = 0; i < n; i++) {
-        size_t ahead = n, matches = 0;
+        size_t ahead = 0, matches = 0;
         for (size_t k = 0; k < n; k++) {
-            const int back = r->slots[k].previous == r->slots[i].next,
-                      same = r->slots[k].next == r->slots[i].next;
-            matches += (size_t)back + 2 * (size_t)same;
-            ahead = back ? k : ahead;
+            const size_t back = r->slots[k].previous == r->slots[i].next;
+            matches += back;
+            ahead += back * k;
         }
-        if (matches != 3) return 0; /* itself, which counts two, and one face that comes back */
+        if (matches != 1) return 0;
         after[i] = (uint8_t)ahead;
     }
-    for (size_t i = 0; i < n; i++)
-        if (after[after[i]] == i) return 0; /* twins, perhaps */
     return 1;
 }
 
-static size_t fan_length(const uint8_t *after, size_t n) {
+/* Whether the first face leads to every other one before it is reached again. */
+static int is_one_round(const uint8_t *after, size_t n) {
     size_t length = 0, at = 0;
     do {
         at = after[at];
         length++;
     } while (at != 0 && length < n);
-    return length;
+    return at == 0 && length == n;
 }
 
+/* In one round no two faces leave along the same edge, as each is the only one that comes back
+ * along an edge. Two faces may be twins. */
 static int pair_ordinary(const core_topology *t, const star *r) {
     uint8_t after[FEW_SLOTS];
-    if (r->count > FEW_SLOTS || !pair_few(r, after) || fan_length(after, r->count) != r->count)
+    if (r->count < 3 || r->count > FEW_SLOTS || !pair_few(r, after) ||
+        !is_one_round(after, r->count))
         return 0;
     for (size_t i = 0; i < r->count; i++) {
         if (r->position > r->slots[i].next) continue;
