@@ -76,13 +76,23 @@ static void measure_faces(void *context, size_t block) {
            end = count - begin < FACES_IN_BLOCK ? count : begin + FACES_IN_BLOCK;
     for (size_t f = begin; f < end; f++)
         for (size_t c = norma_core_face_begin(&s->checked, f);
-             c < norma_core_face_end(&s->checked, f); c++) {
+             c < norma_core_face_end(&s->checked, f); c++)
             s->angles[c] =
-                pass->of_vertices
-                    ? pass->of_vertices[norma_core_corner(&s->checked, c)]
-                    : angle_between(s->stored + 3 * norma_explain_stored_of(s, c),
-                          s->computed + 3 * norma_explain_computed_of(s, pass->trial, f, c));
-        }
+                angle_between(s->stored + 3 * norma_explain_stored_of(s, c), s->computed + 3 * f);
+}
+
+/* Of a trial that is not flat. */
+static void measure_corners(void *context, size_t block) {
+    const trial_pass *pass = context;
+    explain_surface *s = pass->surface;
+    size_t count = s->checked.corner_count, begin = block * CORNERS_IN_BLOCK,
+           end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
+    for (size_t c = begin; c < end; c++)
+        s->angles[c] =
+            pass->of_vertices
+                ? pass->of_vertices[norma_core_corner(&s->checked, c)]
+                : angle_between(s->stored + 3 * norma_explain_stored_of(s, c),
+                      s->computed + 3 * norma_explain_computed_of(s, pass->trial, SIZE_MAX, c));
 }
 
 static norma_result measure(core_call *call, explain_surface *s, const explain_trial *trial) {
@@ -96,9 +106,13 @@ static norma_result measure(core_call *call, explain_surface *s, const explain_t
                                         measure_vertices, &pass)
                                   : NORMA_ERROR_MEMORY;
     }
-    if (!result)
+    if (!result && trial->flat)
         result = norma_core_parallel(call,
             norma_check_block_count(s->checked.face_count, FACES_IN_BLOCK), measure_faces, &pass);
+    else if (!result)
+        result = norma_core_parallel(call,
+            norma_check_block_count(s->checked.corner_count, CORNERS_IN_BLOCK), measure_corners,
+            &pass);
     norma_core_release(call, pass.of_vertices, vertices, sizeof *pass.of_vertices);
     return result;
 }

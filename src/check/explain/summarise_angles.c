@@ -41,10 +41,10 @@ static void sum_block(void *context, size_t block) {
     size_t count = s->checked.corner_count, begin = block * CORNERS_IN_BLOCK,
            end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
     for (size_t c = begin; c < end; c++) {
-        double angle = (double)s->angles[c];
+        const double angle = (double)s->angles[c];
         if (angle < 0) continue;
         part->sum += angle;
-        part->max = fmax(part->max, angle);
+        part->max = angle > part->max ? angle : part->max;
         part->count++;
         part->histogram[bin_of(pass, angle)]++;
     }
@@ -112,7 +112,7 @@ norma_result norma_explain_summarise(
         result = norma_core_parallel(call, blocks, sum_block, &pass);
         for (size_t i = 0; i < blocks; i++) add_part(d, &pass.parts[i]);
     }
-    if (!result && d->corners) {
+    if (!result && d->max_rad > 0) {
         d->mean_rad /= (double)d->corners;
         double angles[2];
         find_percentiles(surface, counts,

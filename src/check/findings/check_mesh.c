@@ -220,6 +220,13 @@ double norma_check_twice_area(const check_mesh *m, size_t face) {
 }
 
 double norma_check_add_areas(const check_mesh *m, double sum) {
-    for (size_t f = 0; f < m->mesh.face_count; f++) sum += norma_check_twice_area(m, f);
+    core_face faces[CORE_FACES_AT_ONCE];
+    for (size_t f = 0, count; f < m->mesh.face_count; f += count) {
+        count = m->mesh.face_count - f;
+        count = count < CORE_FACES_AT_ONCE ? count : CORE_FACES_AT_ONCE;
+        norma_core_faces_geometry(&m->run->call, &m->mesh, f, count, faces);
+        for (size_t i = 0; i < count; i++)
+            sum += faces[i].flags & CORE_FACE_FINITE ? faces[i].twice_area : 0;
+    }
     return sum;
 }

@@ -1,7 +1,7 @@
 /* coincident.c: N503: positions that are almost, and not quite, equal: found in a grid of cells
- * some steps wide, so that most positions are far from the sides of their cell and one look
- * suffices. A slot knows the cell it is for, so that a position is read only where another one
- * shares its cell. */
+ * some steps wide, so that most positions are alone in their cell and far from its sides: those are
+ * done. A slot knows the cell it is for, so that of all others a position is read only where
+ * another one shares its cell. */
 #include "check/rules/mesh_rules.h"
 #include <math.h>
 #include <stdatomic.h>
@@ -10,13 +10,19 @@
 enum { POSITIONS_IN_BLOCK = 1 << 13, CELL_STEPS = 32, AT_ONCE = 32 };
 static const double NEAR = 1e-6; /* of the diagonal */
 
+enum {
+    POSITION_UNUSED = 0, /* by a face; or not finite; or it is equal to one that stands for it */
+    POSITION_ALONE,      /* in its cell, and far from its sides */
+    POSITION_TO_JUDGE
+};
+
 typedef struct grid {
     const check_mesh *m;
     double low[3], step, cell;
     size_t mask;
     _Atomic uint64_t *slots; /* a tag of the cell above the position added last; all bits: none */
-    uint32_t *next; /* of each position the one added to its cell before it; UINT32_MAX: none */
-    uint8_t *used;  /* by a face */
+    uint32_t *next;    /* of each position the one added to its cell before it; UINT32_MAX: none */
+    atomic_uchar *use; /* of each position: POSITION_UNUSED and so on */
     check_hits *parts;
 } grid;
 
@@ -52,46 +58,68 @@ static size_t find_slot(const grid *g, uint64_t hash, uint64_t *entry) {
     }
 }
 
+static int use_of(const grid *g, size_t position) {
+    return atomic_load_explicit(&g->use[position], memory_order_relaxed);
+}
+
+static void set_use(grid *g, size_t position, int use) {
+    atomic_store_explicit(&g->use[position], (unsigned char)use, memory_order_relaxed);
+}
+
+/* Those that share a cell are to be judged. */
 static void add_position(grid *g, uint32_t position, uint64_t hash) {
     uint64_t entry, tag = (hash >> 32) & 0x7fffffff;
-    for (;;) {
-        size_t slot = find_slot(g, hash, &entry);
+    size_t slot;
+    do {
+        slot = find_slot(g, hash, &entry);
         g->next[position] = entry == EMPTY ? UINT32_MAX : (uint32_t)entry;
-        if (atomic_compare_exchange_strong_explicit(&g->slots[slot], &entry, tag << 32 | position,
-                memory_order_relaxed, memory_order_relaxed))
-            return;
+    } while (!atomic_compare_exchange_strong_explicit(
+        &g->slots[slot], &entry, tag << 32 | position, memory_order_relaxed, memory_order_relaxed));
+    if (entry == EMPTY) return;
+    set_use(g, position, POSITION_TO_JUDGE);
+    set_use(g, (uint32_t)entry, POSITION_TO_JUDGE);
+}
+
+/* Which cells along an axis lie within a step: from -1, 0 to 0, 1. */
+static void reach(const grid *g, const double p[3], const int64_t cell[3], int from[3], int to[3]) {
+    for (int k = 0; k < 3; k++) {
+        double in_cell = p[k] - g->low[k] - (double)cell[k] * g->cell;
+        from[k] = in_cell < 1.01 * g->step ? -1 : 0;
+        to[k] = in_cell > g->cell - 1.01 * g->step ? 1 : 0;
     }
 }
 
-/* Hashes of some positions in a row, their slots on the way. Returns how many are used; which says
- * which. */
-static size_t look_ahead(
-    const grid *g, size_t begin, size_t end, uint32_t *which, uint64_t *hashes) {
+static int is_at_side(const grid *g, const double p[3], const int64_t cell[3]) {
+    int from[3], to[3], any = 0;
+    reach(g, p, cell, from, to);
+    for (int k = 0; k < 3; k++) any |= from[k] != to[k];
+    return any;
+}
+
+/* Adds the positions in [begin, end), at most AT_ONCE: first their slots are on the way. */
+static void add_some(grid *g, size_t begin, size_t end) {
+    uint32_t which[AT_ONCE];
+    uint64_t hashes[AT_ONCE];
     size_t count = 0;
     for (size_t i = begin; i < end; i++) {
         double p[3];
         int64_t cell[3];
-        if (!g->used[i]) continue;
+        if (use_of(g, i) == POSITION_UNUSED) continue;
         norma_core_position(&g->m->mesh, (uint32_t)i, p);
         cell_of(g, p, cell);
+        if (is_at_side(g, p, cell)) set_use(g, i, POSITION_TO_JUDGE);
         which[count] = (uint32_t)i;
         hashes[count] = hash_of(cell);
         __builtin_prefetch((const void *)&g->slots[(size_t)hashes[count] & g->mask]);
         count++;
     }
-    return count;
+    for (size_t i = 0; i < count; i++) add_position(g, which[i], hashes[i]);
 }
 
 static void add_positions(void *context, size_t block, size_t begin, size_t end) {
-    grid *g = context;
-    uint32_t which[AT_ONCE];
-    uint64_t hashes[AT_ONCE];
     (void)block;
-    for (size_t first = begin; first < end; first += AT_ONCE) {
-        size_t count =
-            look_ahead(g, first, end - first < AT_ONCE ? end : first + AT_ONCE, which, hashes);
-        for (size_t i = 0; i < count; i++) add_position(g, which[i], hashes[i]);
-    }
+    for (size_t first = begin; first < end; first += AT_ONCE)
+        add_some(context, first, end - first < AT_ONCE ? end : first + AT_ONCE);
 }
 
 /* Whether a position of the cell lies within the step and is not equal. The order in a cell is that
@@ -109,15 +137,6 @@ static int is_near_in(const grid *g, const int64_t cell[3], size_t self, const d
         if (square < g->step * g->step && square > 0) return 1;
     }
     return 0;
-}
-
-/* Which cells along an axis lie within a step: from -1, 0 to 0, 1. */
-static void reach(const grid *g, const double p[3], const int64_t cell[3], int from[3], int to[3]) {
-    for (int k = 0; k < 3; k++) {
-        double in_cell = p[k] - g->low[k] - (double)cell[k] * g->cell;
-        from[k] = in_cell < 1.01 * g->step ? -1 : 0;
-        to[k] = in_cell > g->cell - 1.01 * g->step ? 1 : 0;
-    }
 }
 
 static int is_near(const grid *g, size_t self) {
@@ -138,15 +157,9 @@ static int is_near(const grid *g, size_t self) {
 
 static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
     grid *g = context;
-    uint32_t which[AT_ONCE];
-    uint64_t hashes[AT_ONCE];
-    for (size_t first = begin; first < end; first += AT_ONCE) {
-        size_t count =
-            look_ahead(g, first, end - first < AT_ONCE ? end : first + AT_ONCE, which, hashes);
-        for (size_t i = 0; i < count; i++)
-            if (is_near(g, which[i]))
-                norma_check_hit(g->m->run, &g->parts[block], 0, norma_check_vertex(which[i]));
-    }
+    for (size_t i = begin; i < end; i++)
+        if (use_of(g, i) == POSITION_TO_JUDGE && is_near(g, i))
+            norma_check_hit(g->m->run, &g->parts[block], 0, norma_check_vertex(i));
 }
 
 /* ---- the grid */
@@ -156,19 +169,23 @@ static void judge_positions(void *context, size_t block, size_t begin, size_t en
 static size_t find_used(grid *g, double high[3]) {
     const core_mesh *mesh = &g->m->mesh;
     size_t count = 0;
-    memset(g->used, 0, mesh->positions.count);
-    for (size_t c = 0; c < mesh->corner_count; c++) g->used[g->m->topology.corners[c]] = 1;
+    memset((void *)g->use, POSITION_UNUSED, mesh->positions.count);
+    for (size_t c = 0; c < mesh->corner_count; c++)
+        set_use(g, g->m->topology.corners[c], POSITION_ALONE);
     for (int k = 0; k < 3; k++) {
         g->low[k] = INFINITY;
         high[k] = -INFINITY;
     }
     for (size_t i = 0; i < mesh->positions.count; i++) {
         double p[3];
-        if (!g->used[i]) continue;
+        if (use_of(g, i) == POSITION_UNUSED) continue;
         norma_core_position(mesh, (uint32_t)i, p);
-        g->used[i] = (uint8_t)norma_core_finite(p);
-        count += g->used[i];
-        for (int k = 0; k < 3 && g->used[i]; k++) {
+        if (!norma_core_finite(p)) {
+            set_use(g, i, POSITION_UNUSED);
+            continue;
+        }
+        count++;
+        for (int k = 0; k < 3; k++) {
             g->low[k] = p[k] < g->low[k] ? p[k] : g->low[k];
             high[k] = p[k] > high[k] ? p[k] : high[k];
         }
@@ -216,9 +233,9 @@ norma_result norma_check_coincident(check_mesh *m) {
     const core_call *call = &m->run->call;
     grid g = {.m = m};
     g.next = norma_core_allocate(call, count, sizeof *g.next);
-    g.used = norma_core_allocate(call, count, 1);
+    g.use = norma_core_allocate(call, count, sizeof *g.use);
     g.parts = norma_core_allocate(call, blocks, sizeof *g.parts);
-    result = g.next && g.used && g.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
+    result = g.next && g.use && g.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         double high[3], square = 0;
         memset(g.parts, 0, blocks * sizeof *g.parts);
@@ -226,12 +243,13 @@ norma_result norma_check_coincident(check_mesh *m) {
         for (int k = 0; k < 3; k++) square += (high[k] - g.low[k]) * (high[k] - g.low[k]);
         g.step = NEAR * sqrt(square);
         g.cell = CELL_STEPS * g.step;
+        for (int k = 0; k < 3; k++) g.low[k] -= g.cell / 2; /* a plane is not at cells' sides */
         if (g.step > 0 && g.step < INFINITY) result = open_slots(&g, used);
         if (g.slots && !result) result = search(m, &g, blocks);
     }
     norma_core_release(call, (void *)g.slots, g.slots ? g.mask + 1 : 0, sizeof *g.slots);
     norma_core_release(call, g.next, count, sizeof *g.next);
-    norma_core_release(call, g.used, count, 1);
+    norma_core_release(call, (void *)g.use, count, sizeof *g.use);
     norma_core_release(call, g.parts, blocks, sizeof *g.parts);
     return result;
 }

@@ -55,9 +55,10 @@ void norma_check_find_largest(const core_mesh *mesh, size_t first, check_largest
 /* An edge below this length is too short for such coordinates; 0: none is. */
 double norma_check_coarse_length(const check_mesh *m, const check_largest *largest);
 /* Sorts the edges by ascending lengths: counts[i] of count + 1 numbers grows by those that are
- * shorter than length i and not than the one before. After norma_check_weld. */
+ * shorter than length i and not than the one before. Once more than enough are no shorter than the
+ * last length, the others may be left out. After norma_check_weld. */
 norma_result norma_check_sort_edges(
-    check_mesh *m, const double *lengths, size_t count, size_t *counts);
+    check_mesh *m, const double *lengths, size_t count, size_t enough, size_t *counts);
 /* Finds the length below high that half of the edges are shorter than. shorter: writes how many are
  * shorter than the middle of low and high, and how many there are. */
 typedef norma_result check_ask_shorter(

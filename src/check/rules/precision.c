@@ -3,6 +3,7 @@
 #include "check/rules/mesh_rules.h"
 #include <float.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 
 /* ---- N701: the spacing of numbers at the largest coordinate against the median edge */
@@ -13,8 +14,10 @@ static const double COARSE_RATIO = 0.02;
 typedef struct edge_pass {
     const core_topology *topology;
     const double *lengths;
-    size_t count;
-    size_t *parts; /* count + 1 for each block */
+    size_t count, enough;
+    size_t *parts;        /* count + 1 for each block */
+    atomic_size_t beyond; /* edges of the blocks that are done that are no shorter than the last
+                             length */
 } edge_pass;
 
 void norma_check_find_largest(const core_mesh *mesh, size_t first, check_largest *largest) {
@@ -75,17 +78,22 @@ static void sort_edges_of_face(const edge_pass *pass, size_t face, size_t *count
 }
 
 static void sort_edges(void *context, size_t block, size_t begin, size_t end) {
-    const edge_pass *pass = context;
+    edge_pass *pass = context;
     size_t *counts = &pass->parts[block * (pass->count + 1)];
+    if (atomic_load_explicit(&pass->beyond, memory_order_relaxed) > pass->enough) return;
     for (size_t f = begin; f < end; f++) sort_edges_of_face(pass, f, counts);
+    atomic_fetch_add_explicit(&pass->beyond, counts[pass->count], memory_order_relaxed);
 }
 
 norma_result norma_check_sort_edges(
-    check_mesh *m, const double *lengths, size_t count, size_t *counts) {
+    check_mesh *m, const double *lengths, size_t count, size_t enough, size_t *counts) {
     const size_t blocks = norma_check_block_count(m->mesh.face_count, CORNERS_IN_BLOCK),
                  numbers = blocks * (count + 1);
-    edge_pass pass = {&m->topology, lengths, count,
-        norma_core_allocate(&m->run->call, numbers, sizeof *pass.parts)};
+    edge_pass pass = {.topology = &m->topology,
+        .lengths = lengths,
+        .count = count,
+        .enough = enough,
+        .parts = norma_core_allocate(&m->run->call, numbers, sizeof *pass.parts)};
     if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, numbers * sizeof *pass.parts);
     norma_result result =
@@ -134,7 +142,7 @@ static norma_result count_shorter(
     void *context, double low, double high, size_t *shorter, size_t *all) {
     const double middle = low + (high - low) / 2;
     size_t counts[2] = {0, 0};
-    const norma_result result = norma_check_sort_edges(context, &middle, 1, counts);
+    const norma_result result = norma_check_sort_edges(context, &middle, 1, SIZE_MAX, counts);
     *shorter = counts[0];
     *all = counts[0] + counts[1];
     return result;
@@ -148,7 +156,8 @@ static norma_result check_distance(check_mesh *m) {
     const double coarse = norma_check_coarse_length(m, &largest);
     norma_result result = coarse > 0 ? norma_check_weld(m) : NORMA_OK;
     if (result || coarse == 0) return result;
-    result = norma_check_sort_edges(m, &coarse, 1, counts);
+    /* Once half of the corners begin an edge that is long enough, the median is. */
+    result = norma_check_sort_edges(m, &coarse, 1, m->mesh.corner_count / 2, counts);
     if (result || counts[0] <= counts[1]) return result;
     result = norma_check_median_edge(coarse, count_shorter, m, &median);
     return result ? result : norma_check_distance_add(m, &largest, median);

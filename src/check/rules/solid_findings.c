@@ -110,8 +110,15 @@ static norma_result tell_undecidable(const check_solids *s) {
 
 /* ---- both */
 
+static int any_is_closed(const core_components *c) {
+    size_t i = 0;
+    while (i < c->count && c->each[i].flags & NOT_CLOSED) i++;
+    return i < c->count;
+}
+
 norma_result norma_check_judge_solids(
     const core_topology *topology, core_components *c, int nesting, int sides) {
+    nesting = nesting && any_is_closed(c);
     norma_result result =
         nesting ? norma_core_measure_components(topology, c, NOT_CLOSED) : NORMA_OK;
     if (!result && nesting) result = norma_core_judge_nesting(topology, c, NOT_CLOSED);

@@ -101,7 +101,7 @@ static norma_result look_at_part(large_check *c, check_mesh *m, const large_surf
     if (!result) result = norma_check_polygons_look(m, &c->polygons);
     if (!result && c->zeros) use_normals(c, m, part->vertices);
     if (!result && c->range_count)
-        result = norma_check_sort_edges(m, c->ranges, c->range_count, c->counts);
+        result = norma_check_sort_edges(m, c->ranges, c->range_count, SIZE_MAX, c->counts);
     return result;
 }
 
@@ -132,7 +132,8 @@ static norma_document_result look_at_surface(void *context, const large_surface 
 static norma_result sort_part(large_check *c, check_mesh *m, const large_surface *part) {
     (void)part;
     const norma_result result = norma_check_weld(m);
-    return result ? result : norma_check_sort_edges(m, c->ranges, c->range_count, c->counts);
+    return result ? result
+                  : norma_check_sort_edges(m, c->ranges, c->range_count, SIZE_MAX, c->counts);
 }
 
 static norma_document_result sort_surface(void *context, const large_surface *part) {
