@@ -3,7 +3,7 @@
 #include "core/orient/box_tree.h"
 #include "core/face/triangle.h"
 
-enum { LEAF = 8 };
+enum { LEAF = 8, FEW_ITEMS = 32 };
 
 typedef struct item {
     double key;
@@ -20,11 +20,20 @@ static int item_is_less(const void *first, const void *second) {
     return a->key != b->key ? a->key < b->key : a->number < b->number;
 }
 
+static void sort_few(item *items, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        const item moved = items[i];
+        size_t at = i;
+        for (; at > 0 && item_is_less(&moved, &items[at - 1]); at--) items[at] = items[at - 1];
+        items[at] = moved;
+    }
+}
+
 /* Selects the middle (Hoare's quickselect with a fallback to sorting where pivots are bad): smaller
  * ones before it, larger ones behind. */
 static void halve_items(item *items, size_t count) {
     size_t low = 0, high = count, middle = count / 2;
-    for (int tries = 0; high - low > 32; tries++) {
+    for (int tries = 0; high - low > FEW_ITEMS; tries++) {
         if (tries > 64) {
             norma_core_sort(items + low, high - low, sizeof *items, item_is_less);
             return;
@@ -47,7 +56,7 @@ static void halve_items(item *items, size_t count) {
         else
             low = k + 1;
     }
-    norma_core_sort(items + low, high - low, sizeof *items, item_is_less);
+    sort_few(items + low, high - low);
 }
 
 /* Orders numbers so that the first half lies on one side. */
