@@ -12,38 +12,45 @@ int norma_core_can_batch(const core_prepared_mesh *prepared) {
            !(prepared->mesh.weld && o->weld == NORMA_WELD_DISTANCE);
 }
 
+void norma_core_clear_batch(fan_batch *batch) {
+    norma_core_clear_measured(&batch->measured);
+    memset(batch->notes, 0, sizeof batch->notes);
+}
+
 void norma_core_clear_list(star_list *list, const position_visit *visit) {
     list->visit = visit;
     list->corner_count = 0;
     list->star_count = 0;
 }
 
-static void list_polygon_corners(
-    const core_prepared_mesh *prepared, const uint32_t *corners, size_t count, star_list *list) {
+static void read_polygon_corners(const core_prepared_mesh *prepared, star_list *list) {
     const core_mesh *mesh = &prepared->mesh;
-    for (size_t i = 0; i < count; i++) {
-        const size_t at = list->corner_count + i,
-                     face = norma_core_face_of(&prepared->corners_of, corners[i]);
-        list->corners[at] = corners[i];
-        list->face[at] = (uint32_t)face;
-        list->turn[at] = 0;
-        list->next[at] = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, corners[i]));
-        list->previous[at] =
-            norma_core_corner(mesh, norma_core_previous_in_face(mesh, face, corners[i]));
+    for (size_t i = 0; i < list->corner_count; i++) {
+        const size_t corner = list->corners[i],
+                     face = norma_core_face_of(&prepared->corners_of, list->corners[i]);
+        list->face[i] = (uint32_t)face;
+        list->turn[i] = 0;
+        list->next[i] = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, corner));
+        list->previous[i] =
+            norma_core_corner(mesh, norma_core_previous_in_face(mesh, face, corner));
     }
 }
 
-static inline void list_corners(
-    const core_mesh *mesh, const uint32_t *corners, size_t count, star_list *list) {
-    const size_t at = list->corner_count;
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t corner = corners[i], face = corner / 3, begin = 3 * face,
-                       turn = corner - begin;
-        list->corners[at + i] = corner;
-        list->face[at + i] = face;
-        list->turn[at + i] = (uint8_t)turn;
-        list->next[at + i] = norma_core_corner(mesh, turn == 2 ? begin : corner + 1);
-        list->previous[at + i] = norma_core_corner(mesh, turn == 0 ? begin + 2 : corner - 1);
+/* Corners of 32 bits in a loop without a question inside. */
+static inline uint32_t corner_at(const core_mesh *mesh, size_t corner, int plain) {
+    uint32_t index;
+    if (!plain) return norma_core_corner(mesh, corner);
+    memcpy(&index, (const unsigned char *)mesh->corners + 4 * corner, sizeof index);
+    return index;
+}
+
+static inline void read_triangle_corners(const core_mesh *mesh, star_list *list, int plain) {
+    for (size_t i = 0; i < list->corner_count; i++) {
+        const uint32_t corner = list->corners[i], face = corner / 3, turn = corner - 3 * face;
+        list->face[i] = face;
+        list->turn[i] = turn;
+        list->next[i] = corner_at(mesh, turn == 2 ? corner - 2 : corner + 1, plain);
+        list->previous[i] = corner_at(mesh, turn == 0 ? corner + 2 : corner - 1, plain);
     }
 }
 
@@ -62,22 +69,28 @@ static void ask_for_positions(
 
 int norma_core_list_star(
     const core_prepared_mesh *prepared, uint32_t position, uint32_t count, star_list *list) {
-    const uint32_t *corners = prepared->corners_of.corners + prepared->corners_of.starts[position];
-    const size_t at = list->corner_count;
-    const int scattered = corners[count - 1] - corners[0] > NEAR;
+    const uint32_t *corners = prepared->corners_of.corners + prepared->corners_of.starts[position],
+                   at = (uint32_t)list->corner_count;
     if (at + count > BATCH_CORNERS) return 0;
-    for (size_t i = at; i < at + count; i++) list->at[i] = position;
+    memcpy(list->corners + at, corners, count * sizeof *corners);
     list->stars[list->star_count++] = (listed_star){.position = position,
-        .begin = (uint8_t)at,
-        .count = (uint8_t)count,
-        .scattered = (uint8_t)scattered};
-    if (prepared->faces)
-        list_polygon_corners(prepared, corners, count, list);
-    else
-        list_corners(&prepared->mesh, corners, count, list);
-    if (scattered) ask_for_positions(prepared, list, at, count);
+        .begin = (uint16_t)at,
+        .count = (uint16_t)count,
+        .scattered = corners[count - 1] - corners[0] > NEAR};
     list->corner_count += count;
     return 1;
+}
+
+void norma_core_read_list(const core_prepared_mesh *prepared, star_list *list) {
+    if (prepared->faces)
+        read_polygon_corners(prepared, list);
+    else if (prepared->mesh.corner_size == sizeof(uint32_t))
+        read_triangle_corners(&prepared->mesh, list, 1);
+    else
+        read_triangle_corners(&prepared->mesh, list, 0);
+    for (size_t i = 0; i < list->star_count; i++)
+        if (list->stars[i].scattered)
+            ask_for_positions(prepared, list, list->stars[i].begin, list->stars[i].count);
 }
 
 void norma_core_ask_for_targets(const star_list *list, const listed_star *star) {

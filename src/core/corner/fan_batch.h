@@ -6,14 +6,14 @@
 #include "core/corner/measured_faces.h"
 #include "core/corner/visit_positions.h"
 
-enum { ORDINARY_CORNERS = 16 };
+enum { ORDINARY_CORNERS = 16, NOTE_BITS = 10 };
 
 typedef struct listed_star {
     uint32_t position;
-    uint8_t begin, count;         /* of its corners among those of the list */
-    uint8_t first_fan, fan_count; /* once settled; no fan: it is not ordinary */
-    uint8_t open;                 /* its first and last face share no edge */
-    uint8_t scattered; /* its faces lie far apart: what memory they need is asked for ahead */
+    uint16_t begin, count;         /* of its corners among those of the list */
+    uint16_t first_fan, fan_count; /* once settled; no fan: it is not ordinary */
+    uint16_t open;                 /* its first and last face share no edge */
+    uint16_t scattered; /* its faces lie far apart: what memory they need is asked for ahead */
 } listed_star;
 
 typedef struct star_list {
@@ -23,31 +23,40 @@ typedef struct star_list {
     uint32_t next[BATCH_CORNERS + ORDINARY_CORNERS],
         previous[BATCH_CORNERS +
                  ORDINARY_CORNERS]; /* the face's other corners, as the mesh names them */
-    uint32_t at[BATCH_CORNERS];     /* the star's position */
     uint32_t face[BATCH_CORNERS];
-    uint8_t turn[BATCH_CORNERS]; /* which of its triangle's corners it is; of polygons 0 */
+    uint32_t turn[BATCH_CORNERS]; /* which of its triangle's corners it is; of polygons 0 */
     listed_star stars[BATCH_CORNERS];
 } star_list;
 
-typedef double batch_lane[BATCH_CORNERS + ORDINARY_CORNERS]; /* whole registers are filled */
+enum { EDGE_CUT = 1, EDGE_NEAR_CREASE = 2, EDGE_UNSURE = 4 };
 
 typedef struct fan_batch {
     measured_faces measured;
-    uint16_t place[BATCH_CORNERS]; /* of each corner of the list: its face among the measured */
+    const measured_face *faces;    /* its own, or those of the whole mesh */
+    uint16_t place[BATCH_CORNERS]; /* of each corner of the list: its face among these */
     uint8_t order[BATCH_CORNERS + ORDINARY_CORNERS]; /* the corners of a star, numbered from its
                                                         first, from each to the one whose edge to
                                                         next is its own edge from previous */
-    batch_lane sum[3], total, decided;               /* of each fan, from here on */
+    uint8_t notes[1 << NOTE_BITS];                   /* corners by position, of one star only */
+    uint32_t edge[BATCH_CORNERS];                    /* EDGE_ flags of each */
+    _Alignas(
+        64) double row[BATCH_CORNERS + ORDINARY_CORNERS][4]; /* products of each edge; once it
+                                       is known which are cut, of each fan its sum and weight */
+    double decided[BATCH_CORNERS + ORDINARY_CORNERS];        /* of each fan, from here on */
     float direction[3][BATCH_CORNERS + ORDINARY_CORNERS];
     core_fan fans[BATCH_CORNERS];
-    uint32_t fan_of[BATCH_CORNERS]; /* of each corner of the list, in stars of several fans */
+    uint32_t fan_of[BATCH_CORNERS]; /* of each corner of the list: its fan, numbered from the star's
+                                       first */
 } fan_batch;
 
 int norma_core_can_batch(const core_prepared_mesh *prepared);
+void norma_core_clear_batch(fan_batch *batch);
 void norma_core_clear_list(star_list *list, const position_visit *visit);
-/* Adds a star, and asks for its positions. 0: the list is full. */
+/* Adds a star. 0: the list is full. */
 int norma_core_list_star(
     const core_prepared_mesh *prepared, uint32_t position, uint32_t count, star_list *list);
+/* Reads the corners of all stars, and asks for their positions. */
+void norma_core_read_list(const core_prepared_mesh *prepared, star_list *list);
 /* Asks for the places where its normals will go; for the mesh's corners of the stars that come two
  * lists later. */
 void norma_core_ask_for_targets(const star_list *list, const listed_star *star);

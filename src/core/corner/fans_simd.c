@@ -2,6 +2,7 @@
  * set as those of measure.c are. */
 #include "core/corner/fan_batch.h"
 #include "core/call/instruction_set.h"
+#include "core/face/eight_vectors.h"
 #include "core/face/measure.h"
 #include "core/face/polygon.h"
 #include "core/mesh/face_corners.h"
@@ -54,7 +55,7 @@ static void load_polygon(const core_prepared_mesh *s, const star_list *list, siz
     const size_t f = list->face[corner],
                  corners = norma_core_face_end(&s->mesh, f) - norma_core_face_begin(&s->mesh, f);
     const core_face *face = &s->faces[f];
-    load_position(&s->mesh, list->at[corner], t->at, lane);
+    load_position(&s->mesh, norma_core_welded_corner(&s->mesh, list->corners[corner]), t->at, lane);
     load_position(&s->mesh, list->next[corner], t->next_at, lane);
     load_position(&s->mesh, list->previous[corner], t->previous_at, lane);
     for (int k = 0; k < 3; k++) t->normal[k][lane] = face->normal[k];
@@ -74,7 +75,7 @@ CORE_INLINE void measure_polygons(
         CORE_LOOP_FOR_WEIGHT(s->call->options.weight, measure_lanes, &t)
         for (size_t i = 0; i < count; i++) {
             b->place[from + i] = norma_core_place_of_corner(from + i);
-            b->measured.faces[b->place[from + i]] =
+            b->measured.room[b->place[from + i]] =
                 (measured_face){{t.normal[0][i], t.normal[1][i], t.normal[2][i], t.sure[i]},
                     {t.weight[i], 0, 0, 0}};
         }
@@ -84,41 +85,31 @@ CORE_INLINE void measure_polygons(
 /* ---- the order round a star: from each face to the one whose edge to next is its own edge from
  * previous */
 
-typedef uint32_t index_lanes __attribute__((vector_size(4 * CORE_LANES)));
-typedef uint64_t pair_lanes __attribute__((vector_size(4 * CORE_LANES)));
-
-/* Each lane's lowest byte, in order; compilers take them out one by one. The first lane of a pair
- * is its lower half, or made that. */
-CORE_INLINE uint64_t pack_bytes(const index_lanes *lanes) {
-    const uint64_t two = 0xffff;
-    pair_lanes pairs = (pair_lanes)*lanes;
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-    pairs = pairs << 32 | pairs >> 32;
-#endif
-    pairs |= pairs >> 24;
-    return (pairs[0] & two) | (pairs[1] & two) << 16 | (pairs[2] & two) << 32 | pairs[3] << 48;
+/* Where the corner is noted that has its next at this position, unless another takes the place. */
+static inline uint32_t note_of(uint32_t position) {
+    return position * UINT32_C(0x9e3779b1) >> (32 - NOTE_BITS);
 }
 
-/* Closed stars of few corners, most of them, walked in a register: byte j tells where lane j leads,
- * eight times its number, with LEADS. Were two nexts the same, some corner could not be reached.
- * Vectors by name: left to themselves, compilers unroll the lanes and compare one by one, which
- * takes four times as long. */
-CORE_INLINE int walk_closed(
-    const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order) {
-    enum { LEADS = 0x80, BYTE = 0xff, SHIFT = 56 };
-    index_lanes codes = {0}, here, code = (index_lanes){0} + LEADS;
-    uint32_t at = LEADS, seen = 0;
-    memcpy(&here, previous, sizeof here);
-    for (uint32_t i = 0; i < count; i++, code += 8)
-        codes |= (index_lanes)(here == (index_lanes){0} + next[i]) & code;
-    const uint64_t leads_to = pack_bytes(&codes);
+/* Closed stars, most of them. If two corners had the same previous, some other could not be
+ * reached. Also 0 if two share a note. All notes are looked up before the walk, which would
+ * otherwise wait for each of them. */
+CORE_INLINE int walk_closed(const uint32_t *next, const uint32_t *previous, uint32_t count,
+    uint8_t *notes, uint8_t *order) {
+    uint8_t leads_to[ORDINARY_CORNERS];
+    uint32_t at = 0, seen = 0, missed = 0;
+    for (uint32_t i = 0; i < count; i++) notes[note_of(next[i])] = (uint8_t)i;
     for (uint32_t i = 0; i < count; i++) {
-        order[i] = (uint8_t)((at & SHIFT) / 8);
-        seen |= 1U << (at & SHIFT) / 8;
-        at = (uint32_t)(leads_to >> (at & SHIFT)) & BYTE;
-        if (!at) return 0;
+        const uint32_t note = notes[note_of(previous[i])];
+        leads_to[i] = (uint8_t)(note < count ? note : 0);
+        missed |= next[leads_to[i]] ^ previous[i];
     }
-    return at == LEADS && seen == (1U << count) - 1 && count > 2;
+    if (missed) return 0;
+    for (uint32_t i = 0; i < count; i++) {
+        order[i] = (uint8_t)at;
+        seen |= 1U << at;
+        at = leads_to[at];
+    }
+    return at == 0 && seen == (1U << count) - 1 && count > 2;
 }
 
 static inline uint32_t lowest(uint32_t bits) { return (uint32_t)__builtin_ctz(bits); }
@@ -146,7 +137,7 @@ static int walk(
     return !*open && at == 0 && seen == all && count > 2;
 }
 
-/* 0: the star is not ordinary. */
+/* 0: the star is not ordinary, and its corners are left as they come. */
 CORE_INLINE int order_star(
     const core_mesh *mesh, const star_list *list, listed_star *star, fan_batch *t) {
     uint32_t welded[2][ORDINARY_CORNERS];
@@ -161,17 +152,42 @@ CORE_INLINE int order_star(
         next = welded[0];
         previous = welded[1];
     }
-    if (!(star->count <= CORE_LANES && walk_closed(next, previous, star->count, order)) &&
-        !walk(next, previous, star->count, order, &open))
-        return 0;
-    star->open = (uint8_t)open;
-    return 1;
+    const int ordinary = walk_closed(next, previous, star->count, t->notes, order) ||
+                         walk(next, previous, star->count, order, &open);
+    for (uint32_t i = 0; i < star->count && !ordinary; i++) order[i] = (uint8_t)i;
+    star->open = (uint16_t)open;
+    return ordinary;
 }
 
-/* ---- joining */
+/* ---- joining: between a star's corners, in order, are its edges, each before the corner of its
+ * number; the first one is between the last corner and the first. */
 
-CORE_INLINE const measured_face *face_at(const fan_batch *t, size_t corner) {
-    return &t->measured.faces[t->place[corner]];
+typedef double row_lanes __attribute__((vector_size(4 * sizeof(double))));
+
+/* Of each edge the products of the two faces' normals, and of whether they are sure. */
+CORE_INLINE void multiply_normals(fan_batch *t, const listed_star *star) {
+    const uint8_t *order = t->order + star->begin;
+    const uint16_t *place = t->place + star->begin;
+    const measured_face *faces = t->faces;
+    double(*to)[4] = t->row + star->begin;
+    row_lanes last, normal, product;
+    memcpy(&last, faces[place[order[star->count - 1U]]].normal, sizeof last);
+    for (uint32_t i = 0; i < star->count; i++, last = normal) {
+        memcpy(&normal, faces[place[order[i]]].normal, sizeof normal);
+        product = last * normal;
+        memcpy(to[i], &product, sizeof product);
+    }
+}
+
+/* Of all edges, without a branch: no branch could foretell any of it. */
+CORE_INLINE void find_cuts(const core_crease *crease, fan_batch *t, size_t count) {
+    for (size_t e = 0; e < count; e++) {
+        const double *product = t->row[e], cosine = product[0] + product[1] + product[2];
+        const int hard = norma_core_is_surely_hard(crease, cosine),
+                  smooth = norma_core_is_surely_smooth(crease, cosine);
+        t->edge[e] = (hard ? EDGE_CUT : 0) | (hard | smooth ? 0 : EDGE_NEAR_CREASE) |
+                     (product[3] != 0 ? 0 : EDGE_UNSURE);
+    }
 }
 
 /* out begins at the star, back ends there. */
@@ -181,56 +197,30 @@ static int is_unmarked(const core_prepared_mesh *s, uint32_t out, uint32_t back)
         (uint32_t)norma_core_previous_in_face(&s->mesh, face, back), (uint32_t)face);
 }
 
-/* One bit for each corner, in order, whose edge to the following one is marked hard. */
-static uint32_t find_marks(const core_prepared_mesh *s, const star_list *list,
-    const listed_star *star, const uint8_t *order, uint32_t edges) {
+/* Edges that the caller marks as hard are cut, whatever their angle. */
+static void cut_marked(
+    const core_prepared_mesh *s, const star_list *list, const listed_star *star, fan_batch *t) {
     const uint32_t *corners = list->corners + star->begin;
-    uint32_t marks = 0;
-    for (uint32_t i = 0; i < edges; i++) {
-        const uint32_t following = i + 1U == star->count ? 0 : i + 1;
-        if (!is_unmarked(s, corners[order[following]], corners[order[i]])) marks |= 1U << i;
-    }
-    return marks;
-}
-
-/* One bit for each corner, in order, whose edge to the following one is cut. 0: some direction is
- * unsure, or some edge too near the crease to tell by the cosine. */
-CORE_INLINE int find_cuts(const core_prepared_mesh *s, const star_list *list, const fan_batch *t,
-    const listed_star *star, uint32_t *cuts) {
     const uint8_t *order = t->order + star->begin;
-    const uint32_t edges = (uint32_t)star->count - star->open;
-    uint32_t hard = 0, smooth = 0, marks = 0;
-    int sure = 1;
-    const double *last = face_at(t, (size_t)star->begin + order[star->count - 1])->normal;
-    for (uint32_t i = 0; i < star->count; i++) {
-        /* of the edge to this corner from the one before */
-        const double *normal = face_at(t, (size_t)star->begin + order[i])->normal;
-        const uint32_t edge = i ? i - 1 : star->count - 1U;
-        const double cosine = last[0] * normal[0] + last[1] * normal[1] + last[2] * normal[2];
-        hard |= (uint32_t)norma_core_is_surely_hard(&s->crease, cosine) << edge;
-        smooth |= (uint32_t)norma_core_is_surely_smooth(&s->crease, cosine) << edge;
-        sure &= normal[3] != 0;
-        last = normal;
+    for (uint32_t i = star->open; i < star->count; i++) {
+        const uint32_t before = i ? i - 1 : star->count - 1U;
+        if (is_unmarked(s, corners[order[i]], corners[order[before]])) continue;
+        t->edge[star->begin + i] = EDGE_CUT | (t->edge[star->begin + i] & EDGE_UNSURE);
     }
-    if (s->mesh.hard_edges || s->mesh.smoothing_groups)
-        marks = find_marks(s, list, star, order, edges);
-    const uint32_t all = (1U << edges) - 1;
-    *cuts = (hard | marks) & all;
-    return sure && ((hard | smooth | marks) & all) == all;
 }
 
 /* Edges to positions of higher number: one at each face's previous, and at the first one's next if
  * that is another. */
 static void count_edges(const core_prepared_mesh *s, const star_list *list, const fan_batch *t,
-    const listed_star *star, uint32_t cuts, norma_edges *edges) {
+    const listed_star *star, norma_edges *edges) {
     for (uint32_t i = 0; i < star->count; i++) {
         const size_t corner = (size_t)star->begin + t->order[star->begin + i];
         const size_t higher = star->position < norma_core_welded(&s->mesh, list->previous[corner]);
-        const int shared = !star->open || i + 1 < star->count;
+        const uint32_t following = i + 1U == star->count ? 0 : i + 1;
         edges->count += higher;
-        if (!shared)
+        if (!following && star->open)
             edges->open += higher;
-        else if (cuts >> i & 1)
+        else if (t->edge[star->begin + following] & EDGE_CUT)
             edges->hard += higher;
         else
             edges->smooth += higher;
@@ -241,85 +231,68 @@ static void count_edges(const core_prepared_mesh *s, const star_list *list, cons
     }
 }
 
-/* ---- fans: a star that is cut nowhere or once is one, any other as many as there are cuts */
+/* ---- fans: from one cut to the next; the last one, where no cut ends it, goes on in the first */
 
-typedef double vote_lanes __attribute__((vector_size(4 * sizeof(double)))); /* and the weight */
-
-CORE_INLINE void add_vote(
-    const fan_batch *t, const star_list *list, size_t corner, vote_lanes *sum) {
-    const measured_face *face = face_at(t, corner);
-    vote_lanes normal;
-    memcpy(&normal, face->normal, sizeof normal);
-    *sum += normal * face->weight[list->turn[corner]];
-}
-
-CORE_INLINE void set_sum(fan_batch *t, size_t fan, const vote_lanes *sum) {
-    for (int k = 0; k < 3; k++) t->sum[k][fan] = (*sum)[k];
-    t->total[fan] = (*sum)[3];
-}
-
-CORE_INLINE void sum_one_fan(fan_batch *t, const star_list *list, const listed_star *star) {
-    vote_lanes sum = {0};
-    for (size_t i = star->begin; i < (size_t)star->begin + star->count; i++)
-        add_vote(t, list, i, &sum);
-    set_sum(t, star->first_fan, &sum);
-}
-
-/* Of 16 bits; __builtin_popcount would call libgcc where the machine has no instruction for it. */
-static uint32_t count_bits(uint32_t bits) {
-    bits -= bits >> 1 & 0x5555;
-    bits = (bits & 0x3333) + (bits >> 2 & 0x3333);
-    bits = (bits + (bits >> 4)) & 0x0f0f;
-    return (bits + (bits >> 8)) & 0x1f;
-}
-
-/* From one cut to the next, and then in the order of first corners; without branches, which nothing
- * could foretell. Clears their sums. */
-CORE_INLINE uint32_t number_fans(
-    fan_batch *t, const listed_star *star, uint32_t cuts, vote_lanes *sums) {
-    enum { NO_NUMBER = 0xff };
+/* Returns how many there are; 0: some direction is unsure, or some edge too near the crease to tell
+ * by the cosine. Corners of a last fan that goes on in the first get that number. */
+CORE_INLINE uint32_t number_fans(fan_batch *t, const listed_star *star) {
     const uint8_t *order = t->order + star->begin;
-    const uint32_t last = star->count - 1U;
-    const uint32_t goes_on = !star->open && !(cuts >> last & 1); /* the last fan, in the first */
-    const uint32_t wrapped = goes_on ? count_bits(cuts) : NO_NUMBER;
-    uint8_t fan_of[ORDINARY_CORNERS], number[ORDINARY_CORNERS + 1];
-    uint32_t fan = 0, count = 0;
-    for (uint32_t i = 0; i < star->count; i++) {
-        fan_of[order[i]] = (uint8_t)(fan == wrapped ? 0 : fan);
-        fan += cuts >> i & 1;
+    const uint32_t *edge = t->edge + star->begin;
+    const uint32_t first = star->open ? EDGE_CUT | (edge[0] & EDGE_UNSURE) : edge[0];
+    uint32_t *fan_of = t->fan_of + star->begin, fan = 0, all = first;
+    fan_of[order[0]] = 0;
+    for (uint32_t i = 1; i < star->count; i++) {
+        fan += edge[i] & EDGE_CUT;
+        all |= edge[i];
+        fan_of[order[i]] = fan;
     }
-    memset(number, NO_NUMBER, sizeof number);
-    for (uint32_t i = 0; i < star->count; i++) {
-        uint8_t *of = &number[fan_of[i]];
-        const uint32_t is_new = *of == NO_NUMBER;
-        *of = (uint8_t)(is_new ? count : *of);
-        t->fan_of[star->begin + i] = *of;
-        sums[*of] = (vote_lanes){0};
-        count += is_new;
-    }
-    return count;
+    if (all & (EDGE_NEAR_CREASE | EDGE_UNSURE)) return 0;
+    return fan + (first & EDGE_CUT || !fan);
 }
 
-CORE_INLINE void sum_fans(fan_batch *t, const star_list *list, listed_star *star, uint32_t cuts) {
-    vote_lanes sums[ORDINARY_CORNERS];
-    star->fan_count = (uint8_t)number_fans(t, star, cuts, sums);
-    for (size_t i = star->begin; i < (size_t)star->begin + star->count; i++)
-        add_vote(t, list, i, &sums[t->fan_of[i]]);
-    for (size_t f = 0; f < star->fan_count; f++) set_sum(t, star->first_fan + f, &sums[f]);
+/* The one fan of most stars, in a register: a sum in memory would wait for its last store. */
+CORE_INLINE void sum_one_fan(fan_batch *t, const star_list *list, const listed_star *star) {
+    const uint32_t *turn = list->turn + star->begin;
+    const uint16_t *place = t->place + star->begin;
+    row_lanes normal, sum = {0};
+    for (uint32_t i = 0; i < star->count; i++) {
+        const measured_face *face = &t->faces[place[i]];
+        memcpy(&normal, face->normal, sizeof normal);
+        sum += normal * face->weight[turn[i]];
+        t->fan_of[star->begin + i] = 0;
+    }
+    memcpy(t->row[star->first_fan], &sum, sizeof sum);
 }
 
-CORE_INLINE int settle_star(const core_prepared_mesh *s, const star_list *list, fan_batch *t,
+/* Several fans, each in the order of its corners. */
+CORE_INLINE void sum_fans(fan_batch *t, const star_list *list, const listed_star *star) {
+    const uint32_t *turn = list->turn + star->begin, fans = star->fan_count;
+    const uint16_t *place = t->place + star->begin;
+    const measured_face *faces = t->faces;
+    uint32_t *fan_of = t->fan_of + star->begin;
+    double(*sums)[4] = t->row + star->first_fan;
+    for (uint32_t i = 0; i < fans; i++)
+        for (int k = 0; k < 4; k++) sums[i][k] = 0;
+    for (uint32_t i = 0; i < star->count; i++) {
+        const measured_face *face = &faces[place[i]];
+        fan_of[i] = fan_of[i] == fans ? 0 : fan_of[i];
+        core_add_row(sums[fan_of[i]], face->normal, face->weight[turn[i]]);
+    }
+}
+
+/* Returns how many. */
+CORE_INLINE uint32_t settle_star(const core_prepared_mesh *s, const star_list *list, fan_batch *t,
     listed_star *star, uint32_t first_fan, norma_edges *edges) {
-    uint32_t cuts;
-    if (!find_cuts(s, list, t, star, &cuts)) return 0;
-    star->first_fan = (uint8_t)first_fan;
-    star->fan_count = 1;
-    if ((cuts & (cuts - 1)) == 0 && !(cuts && star->open))
+    if (s->mesh.hard_edges || s->mesh.smoothing_groups) cut_marked(s, list, star, t);
+    star->first_fan = (uint16_t)first_fan;
+    star->fan_count = (uint16_t)number_fans(t, star);
+    if (!star->fan_count) return 0;
+    if (star->fan_count == 1)
         sum_one_fan(t, list, star);
     else
-        sum_fans(t, list, star, cuts);
-    if (edges) count_edges(s, list, t, star, cuts, edges);
-    return 1;
+        sum_fans(t, list, star);
+    if (edges) count_edges(s, list, t, star, edges);
+    return star->fan_count;
 }
 
 /* ---- normals */
@@ -329,14 +302,14 @@ CORE_INLINE int settle_star(const core_prepared_mesh *s, const star_list *list, 
 CORE_INLINE void decide(fan_batch *t, size_t count) {
     for (size_t from = 0; from < count; from += CORE_LANES)
         for (size_t f = from; f < from + CORE_LANES; f++) {
-            const double x = t->sum[0][f], y = t->sum[1][f], z = t->sum[2][f],
+            const double x = t->row[f][0], y = t->row[f][1], z = t->row[f][2],
                          square = x * x + y * y + z * z, length = sqrt(square),
                          inverse = 1 / length;
             t->direction[0][f] = (float)(x * inverse) + 0.0F;
             t->direction[1][f] = (float)(y * inverse) + 0.0F;
             t->direction[2][f] = (float)(z * inverse) + 0.0F;
             t->decided[f] = ((square > NORMA_TINIEST) & (square < NORMA_HUGEST) &
-                                (length > 0x1p-20 * t->total[f]))
+                                (length > 0x1p-20 * t->row[f][3]))
                                 ? 1
                                 : 0;
         }
@@ -350,16 +323,20 @@ CORE_INLINE void name_fans(fan_batch *t, size_t count) {
     for (size_t f = 0; f < count; f++) {
         const fan_lanes fan = {t->direction[0][f], t->direction[1][f], t->direction[2][f], 0};
         memcpy(&t->fans[f], &fan, sizeof fan);
-        if (t->decided[f] != 0) continue;
-        const double sum[3] = {t->sum[0][f], t->sum[1][f], t->sum[2][f]};
-        norma_core_decide_sum(sum, t->total[f], &t->fans[f]);
+        if (t->decided[f] == 0) norma_core_decide_sum(t->row[f], t->row[f][3], &t->fans[f]);
     }
 }
 
-/* The faces of a star. */
-CORE_INLINE void place_faces(const star_list *list, const listed_star *star, fan_batch *t) {
-    for (size_t i = star->begin; i < (size_t)star->begin + star->count; i++)
-        t->place[i] = norma_core_place_of_face(&t->measured, list->face[i], i);
+CORE_INLINE void measure_faces(const core_prepared_mesh *s, const star_list *list, fan_batch *t) {
+    t->faces = s->measured ? s->measured : t->measured.room;
+    if (s->faces) {
+        measure_polygons(s, list, t);
+        return;
+    }
+    for (size_t i = 0; i < list->corner_count; i++)
+        t->place[i] = s->measured ? (uint16_t)list->face[i]
+                                  : norma_core_place_of_face(&t->measured, list->face[i], i);
+    norma_core_measure_waiting(s, &t->measured);
 }
 
 CORE_INLINE int settle(
@@ -369,22 +346,21 @@ CORE_INLINE int settle(
     for (size_t i = 0; i < list->star_count; i++) {
         listed_star *star = &list->stars[i];
         if (star->scattered) norma_core_ask_for_targets(list, star);
-        star->fan_count = (uint8_t)order_star(&s->mesh, list, star, t);
-        if (!s->faces && star->fan_count) place_faces(list, star, t);
+        star->fan_count = (uint16_t)order_star(&s->mesh, list, star, t);
     }
-    if (s->faces)
-        measure_polygons(s, list, t);
-    else
-        norma_core_measure_waiting(s, &t->measured);
+    measure_faces(s, list, t);
+    for (size_t i = 0; i < list->star_count; i++) {
+        if (list->stars[i].scattered) norma_core_ask_for_corners(s, &list->stars[i]);
+        multiply_normals(t, &list->stars[i]);
+    }
+    find_cuts(&s->crease, t, list->corner_count);
     for (size_t i = 0; i < list->star_count; i++) {
         listed_star *star = &list->stars[i];
-        if (star->scattered) norma_core_ask_for_corners(s, star);
-        if (star->fan_count && !settle_star(s, list, t, star, fans, edges)) star->fan_count = 0;
-        fans += star->fan_count;
-        all &= star->fan_count != 0;
+        const uint32_t added = star->fan_count ? settle_star(s, list, t, star, fans, edges) : 0;
+        fans += added;
+        all &= added != 0;
     }
-    for (size_t f = fans; f < fans + CORE_LANES; f++)
-        t->sum[0][f] = t->sum[1][f] = t->sum[2][f] = t->total[f] = 0;
+    memset(t->row[fans], 0, CORE_LANES * sizeof t->row[0]);
     decide(t, fans);
     name_fans(t, fans);
     return all;

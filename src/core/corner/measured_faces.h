@@ -1,28 +1,27 @@
 /* measured_faces.h: the triangles that a batch of stars needs, measured many at a time, and kept
- * for the batches that follow: among neighbours, each is at three stars not far from each other. */
+ * for the batches that follow: among neighbours, each is at three stars not far from each other.
+ * Those of a small mesh are measured all at once before the first batch. */
 #ifndef NORMA_CORE_MEASURED_FACES_H
 #define NORMA_CORE_MEASURED_FACES_H
 #include "core/corner/prepared_mesh.h"
 
 enum { BATCH_CORNERS = 128, FACES_KEPT = 256 };
 
-typedef struct measured_face {
-    double normal[4]; /* unit, and 1; 0 where doubles do not decide it, and nothing here is said */
-    double weight[4]; /* of its corners */
-} measured_face;
-
 typedef struct measured_faces {
-    _Alignas(64) measured_face faces[FACES_KEPT + BATCH_CORNERS]; /* kept ones, each at the place
-                                            that its number names; places of the batch's corners */
+    _Alignas(64) measured_face room[FACES_KEPT + BATCH_CORNERS]; /* kept ones, each at the place
+                                           that its number names; places of the batch's corners */
     uint32_t number[FACES_KEPT], used[FACES_KEPT]; /* of kept ones: the face; the last batch */
     uint32_t batch;
-    uint32_t waiting_count, waiting[BATCH_CORNERS + 1]; /* faces to measure, */
-    uint16_t waiting_place[BATCH_CORNERS + 1];          /* and where they go */
+    uint32_t waiting_count, waiting[BATCH_CORNERS + 8]; /* faces to measure, */
+    uint16_t waiting_place[BATCH_CORNERS + 8];          /* and where they go */
 } measured_faces;
 
 void norma_core_clear_measured(measured_faces *m);
 /* Those that wait; then another batch may begin. */
 void norma_core_measure_waiting(const core_prepared_mesh *prepared, measured_faces *m);
+/* Of a small mesh of triangles, most of whose corners are at stars: prepared->measured, unless it
+ * is there. */
+norma_result norma_core_measure_small(core_prepared_mesh *prepared);
 
 /* The place of a corner of this batch. */
 static inline uint16_t norma_core_place_of_corner(size_t corner) {

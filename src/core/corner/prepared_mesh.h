@@ -8,12 +8,19 @@
 #include "core/face/face_geometry.h"
 #include <stdatomic.h>
 
+typedef struct measured_face {
+    double normal[4]; /* unit, and 1; 0 where doubles do not decide it, and nothing here is said */
+    double weight[4]; /* of its corners */
+} measured_face;
+
 typedef struct core_prepared_mesh {
     core_call *call;
     core_mesh mesh;
     core_corners_of_position corners_of;
     core_face *faces; /* of each face of a mesh of polygons, for stars; NULL for triangles and sums,
                          whose faces are measured where they are met */
+    measured_face *measured; /* of each face of a small mesh of triangles (measured_faces.h); or
+                                NULL */
     uint32_t *borrowed_from; /* NULL where no face needs one; else of each face without a direction
                          the face whose direction it borrows, UINT32_MAX: none */
     atomic_uchar *flat_at; /* with borrowed_from: nonzero at the positions of faces that have edges

@@ -71,15 +71,13 @@ static void visit_singly(const visit_all *v, const star_list *list, stars_part *
 
 static void see_ordinary(
     const visit_all *v, const star_list *list, fan_batch *batch, stars_part *part) {
-    static const uint32_t one_fan[ORDINARY_CORNERS] = {0};
     star_member members[ORDINARY_CORNERS];
     const core_corners_of_position *corners_of = &v->prepared->corners_of;
     for (size_t i = 0; i < list->star_count; i++) {
         const listed_star *r = &list->stars[i];
         const core_fans fans = {r->position, r->count, r->fan_count,
-            corners_of->corners + corners_of->starts[r->position],
-            r->fan_count == 1 ? one_fan : batch->fan_of + r->begin, batch->fans + r->first_fan,
-            members, NULL};
+            corners_of->corners + corners_of->starts[r->position], batch->fan_of + r->begin,
+            batch->fans + r->first_fan, members, NULL};
         if (r->fan_count) v->visit->see(v->visit->context, &fans, &part->tally);
     }
 }
@@ -96,6 +94,7 @@ static size_t list_stars(
         if (size == 0 || size > ORDINARY_CORNERS) continue;
         if (!norma_core_list_star(v->prepared, (uint32_t)position, (uint32_t)size, list)) break;
     }
+    norma_core_read_list(v->prepared, list);
     return position;
 }
 
@@ -104,7 +103,7 @@ static void visit_in_batches(const visit_all *v, size_t position, size_t end, st
     star_list lists[2];
     fan_batch batch;
     int at = 0;
-    norma_core_clear_measured(&batch.measured);
+    norma_core_clear_batch(&batch);
     position = list_stars(v, position, end, &lists[at], part);
     while (lists[at].star_count) {
         position = list_stars(v, position, end, &lists[!at], part);
@@ -116,15 +115,17 @@ static void visit_in_batches(const visit_all *v, size_t position, size_t end, st
     }
 }
 
+static int go_in_batches(const visit_all *v) {
+    return v->visit->join == CORE_JOIN_FANS && !v->only && norma_core_can_batch(v->prepared);
+}
+
 static void visit_chunk(void *context, size_t chunk) {
     const visit_all *v = context;
     const size_t count = v->prepared->mesh.positions.count, begin = chunk * POSITIONS_IN_CHUNK;
     const size_t end = count - begin < POSITIONS_IN_CHUNK ? count : begin + POSITIONS_IN_CHUNK;
     const uint32_t *starts = v->prepared->corners_of.starts;
     if (starts[begin] == starts[end]) return;
-    const int ordinary =
-        v->visit->join == CORE_JOIN_FANS && !v->only && norma_core_can_batch(v->prepared);
-    if (ordinary)
+    if (go_in_batches(v))
         visit_in_batches(v, begin, end, &v->parts[chunk]);
     else
         visit_chunk_singly(v, begin, end, &v->parts[chunk]);
@@ -170,10 +171,12 @@ static norma_result visit_in_parallel(visit_all *v, stars_part *sum) {
     core_call *call = v->prepared->call;
     const size_t count = v->prepared->mesh.positions.count,
                  chunks = count / POSITIONS_IN_CHUNK + (count % POSITIONS_IN_CHUNK != 0);
+    norma_result result = go_in_batches(v) ? norma_core_measure_small(v->prepared) : NORMA_OK;
+    if (result != NORMA_OK) return result;
     v->parts = norma_core_allocate(call, chunks, sizeof *v->parts);
     if (!v->parts) return NORMA_ERROR_MEMORY;
     memset(v->parts, 0, chunks * sizeof *v->parts);
-    norma_result result = norma_core_parallel(call, chunks, visit_chunk, v);
+    result = norma_core_parallel(call, chunks, visit_chunk, v);
     if (result == NORMA_OK) result = visit_large_stars(v, sum);
     for (size_t i = 0; i < chunks; i++) add_part(sum, &v->parts[i]);
     norma_core_release(call, v->parts, chunks, sizeof *v->parts);

@@ -15,8 +15,8 @@ typedef struct stars_part {
 typedef struct core_fans {
     uint32_t position, count, fan_count;
     const uint32_t *corners; /* ascending */
-    const uint32_t *fan_of;  /* of each corner, the number of its fan, in the order of their first
-                                corners; NULL with by_fan, and one fan */
+    const uint32_t *fan_of;  /* of each corner, the number of its fan; NULL with by_fan, and one
+                                fan */
     const core_fan *fans;
     star_member *members; /* room for one of each corner */
     core_star *star;      /* with CORE_JOIN_ALL */

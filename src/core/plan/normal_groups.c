@@ -11,15 +11,13 @@ typedef struct group_vertex {
 
 /* ---- fans */
 
+/* Of each corner the first one of its fan. */
 static void note_fans(void *context, const core_fans *fans, core_tally *tally) {
-    uint32_t *lead = context, seen = 0;
+    uint32_t *lead = context;
     (void)tally;
-    for (size_t i = 0; i < fans->count; i++) {
-        star_member *first = &fans->members[fans->fan_of[i]]; /* fans are numbered in the order of
-                                                                 their first corners */
-        if (fans->fan_of[i] == seen) fans->members[seen++].index = fans->corners[i];
-        lead[fans->corners[i]] = first->index;
-    }
+    for (size_t i = fans->count; i-- > 0;) fans->members[fans->fan_of[i]].index = fans->corners[i];
+    for (size_t i = 0; i < fans->count; i++)
+        lead[fans->corners[i]] = fans->members[fans->fan_of[i]].index;
 }
 
 static int one_vertex(const core_prepared_mesh *prepared, size_t position) {

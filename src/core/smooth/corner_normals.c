@@ -11,16 +11,17 @@ typedef struct corner_work {
 
 static void see_fans(void *context, const core_fans *fans, core_tally *tally) {
     const corner_work *work = context;
-    const int reasons = work->reasons || work->output->reasons;
+    const core_output *output = work->output;
+    const uint32_t *corners = fans->corners, *fan_of = fans->fan_of;
+    const int reasons = work->reasons || output->reasons;
     for (size_t i = 0; i < fans->count; i++) {
-        const core_fan *fan = &fans->fans[fans->fan_of ? fans->fan_of[i] : 0];
+        const core_fan *fan = &fans->fans[fan_of ? fan_of[i] : 0];
         if (fan->reason == NORMA_REASON_NONE && !reasons) {
-            norma_core_write_normal(work->output, fans->corners[i], fan->normal);
+            norma_core_write_normal(output, corners[i], fan->normal);
             continue;
         }
-        norma_core_write_element(
-            work->output, fans->corners[i], (int)fan->reason, fan->normal, tally);
-        if (work->reasons) work->reasons[fans->corners[i]] = (uint8_t)fan->reason;
+        norma_core_write_element(output, corners[i], (int)fan->reason, fan->normal, tally);
+        if (work->reasons) work->reasons[corners[i]] = (uint8_t)fan->reason;
     }
 }
 
