@@ -71,14 +71,15 @@ CORE_INLINE int core_all_are_decided(const core_adder *adder, const core_eight *
 CORE_INLINE void core_chain_lane(const core_adder *adder, const core_eight *e, int lane) {
     const float normal[3] = {
         (float)e->row[lane][0], (float)e->row[lane][1], (float)e->row[lane][2]};
-    uint32_t at[3];
+    uint32_t at[5]; /* round the face, so that each corner's neighbours follow it */
     for (int k = 0; k < 3; k++) at[k] = core_eight_at(e, lane, k);
+    at[3] = at[0];
+    at[4] = at[1];
     for (int k = 0; k < 3; k++) {
         const uint32_t sum = at[k] - adder->first;
         if (sum >= adder->count) continue;
         core_add_row(&adder->sums[sum].x, e->row[lane], e->weight[k][lane]);
-        core_follow_chains(
-            &adder->chains[sum], normal, adder->chain_cosine, at[(k + 1) % 3], at[(k + 2) % 3]);
+        core_follow_chains(&adder->chains[sum], normal, adder->chain_cosine, at[k + 1], at[k + 2]);
     }
 }
 

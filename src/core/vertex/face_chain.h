@@ -112,14 +112,19 @@ CORE_INLINE void core_follow_chains(
     if (!(ends | begins)) norma_core_chain_apart(c, next, previous);
 }
 
+static inline int norma_core_is_one_chain(const face_chains *c) {
+    uint32_t others = CORE_NO_CHAIN;
+    for (int i = 1; i < CORE_CHAINS; i++) others &= c->first[i];
+    return others == CORE_NO_CHAIN;
+}
+
 /* Whether all faces are one chain that turns less than twice (an open one: less than once), if
  * their angles add up to this and their normals are near one axis. The limits are below 4 pi cos
  * 40, or 9.62, and 2 pi cos 30 and cos 40, or 5.44 and 4.81. */
 static inline int norma_core_is_one_turn(face_chains *c, double angles, int polygons) {
     if (!core_has_faces(c) || core_is_broken(c)) return 0;
-    norma_core_join_chains(c);
-    for (int i = 1; i < CORE_CHAINS; i++)
-        if (c->first[i] != CORE_NO_CHAIN) return 0;
+    if (!norma_core_is_one_chain(c)) norma_core_join_chains(c);
+    if (!norma_core_is_one_chain(c)) return 0;
     return angles < (c->first[0] == c->last[0] ? 9 : polygons ? 4.8 : 5.4);
 }
 #endif
