@@ -33,22 +33,24 @@ static uint64_t hash_floats(const unsigned char *at) {
     memcpy(p, at, sizeof p);
     for (size_t k = 0; k < 3; k++) p[k] += 0.0F;
     memcpy(bits, p, sizeof bits);
-    const int nan = (p[0] != p[0]) | (p[1] != p[1]) | (p[2] != p[2]);
+    const float all = p[0] + p[1] + p[2]; /* not a number also where infinities cancel */
+    if (all != all && (p[0] != p[0] || p[1] != p[1] || p[2] != p[2])) return 0;
     const uint64_t two = bits[0] | (uint64_t)bits[1] << 32,
                    sum =
                        two * UINT64_C(0x9e3779b97f4a7c15) + bits[2] * UINT64_C(0xbf58476d1ce4e5b9);
-    return nan ? 0 : norma_core_weld_mix(sum);
+    return norma_core_weld_mix(sum);
 }
 
 static void hash_positions(const void *context, size_t first, size_t count, uint64_t *hashes) {
     const core_mesh *mesh = context;
-    const norma_vec3_view *view = &mesh->positions;
+    const size_t stride = mesh->positions.stride;
+    const unsigned char *data = (const unsigned char *)mesh->positions.data + first * stride;
+    if (mesh->positions.format == NORMA_FORMAT_FLOAT) {
+        for (size_t i = 0; i < count; i++) hashes[i] = hash_floats(data + i * stride);
+        return;
+    }
     for (size_t i = 0; i < count; i++) {
         uint64_t key[3];
-        if (view->format == NORMA_FORMAT_FLOAT) {
-            hashes[i] = hash_floats((const unsigned char *)view->data + (first + i) * view->stride);
-            continue;
-        }
         position_key(mesh, (uint32_t)(first + i), key);
         hashes[i] = key_has_nan(key) ? 0 : hash_key(key);
     }

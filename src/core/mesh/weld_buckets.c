@@ -142,10 +142,15 @@ static void weld_group(void *context, size_t group) {
 /* All in one bucket, without a word to the allocator: in small meshes that takes longer than to
  * weld. */
 static size_t weld_few(const weld_keys *keys, uint32_t *weld) {
+    uint64_t hashes[FEW];
     weld_entry entries[FEW];
     uint32_t table[2 * FEW], count = 0;
-    welding w = {.keys = keys, .weld = weld, .slices = 1, .cursors = &count, .entries = entries};
-    deal_slice(&w, 0);
+    keys->hash(keys->context, 0, keys->count, hashes);
+    for (uint32_t i = 0; i < keys->count; i++) {
+        weld[i] = i;
+        entries[count] = (weld_entry){(uint32_t)(hashes[i] >> 32), i};
+        count += hashes[i] != 0;
+    }
     return weld_bucket(keys, entries, count, table, weld);
 }
 
