@@ -43,9 +43,13 @@ CORE_INLINE void measure_lanes(polygon_lanes *t, norma_weight weight) {
     for (size_t i = 0; i < CORE_LANES; i++) measure_polygon_corner(t, i, weight);
 }
 
-static void load_position(const core_mesh *mesh, uint32_t index, core_lane to[3], size_t lane) {
+CORE_INLINE void load_position(
+    const core_mesh *mesh, uint32_t index, core_lane to[3], size_t lane) {
     double p[3];
-    norma_core_position(mesh, index, p);
+    if (mesh->positions.format == NORMA_FORMAT_DOUBLE) /* of polygons, nearly always: OBJ */
+        norma_core_double_position(mesh, index, p);
+    else
+        norma_core_position(mesh, index, p);
     for (int k = 0; k < 3; k++) to[k][lane] = p[k];
 }
 

@@ -14,28 +14,51 @@ static uint64_t mix(uint64_t h) {
     return h ^ (h >> 31);
 }
 
-static uint64_t hash_of(const core_mesh *mesh, size_t corner) {
-    return mix((uint64_t)norma_core_welded_corner(mesh, corner) + 1);
+static uint64_t hash_of(uint32_t welded) { return mix((uint64_t)welded + 1); }
+
+/* Of so many kept corners the hashes are remembered. */
+enum { FEW = 8 };
+
+typedef struct row {
+    uint64_t ahead, back, power, sum_ahead, sum_back;
+} row;
+
+static void add_corner(row *r, uint64_t hash) {
+    r->ahead = r->ahead * BASE + hash;
+    r->back += hash * r->power;
+    r->power *= BASE;
+}
+
+/* The first corner moves from the row's begin to its end. */
+static void begin_later(row *r, uint64_t hash) {
+    const uint64_t moved = hash * (1 - r->power);
+    r->sum_ahead += mix(r->ahead);
+    r->sum_back += mix(r->back);
+    r->ahead = r->ahead * BASE + moved;
+    r->back = (r->back - moved) * INVERSE;
 }
 
 uint64_t norma_core_twin_key(const core_mesh *mesh, size_t face) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
-    uint64_t ahead = 0, back = 0, power = 1, sum_ahead = 0, sum_back = 0;
+    uint64_t hashes[FEW];
+    size_t kept = 0;
+    row r = {.power = 1};
+    uint32_t here = begin < end ? norma_core_welded_corner(mesh, begin) : 0;
     for (size_t c = begin; c < end; c++) {
-        if (!norma_core_is_kept(mesh, face, c)) continue;
-        const uint64_t hash = hash_of(mesh, c);
-        ahead = ahead * BASE + hash;
-        back += hash * power;
-        power *= BASE;
+        const uint32_t next =
+            norma_core_welded_corner(mesh, norma_core_next_in_face(mesh, face, c));
+        if (here != next) { /* it is kept */
+            const uint64_t hash = hash_of(here);
+            if (kept < FEW) hashes[kept] = hash;
+            kept++;
+            add_corner(&r, hash);
+        }
+        here = next;
     }
-    for (size_t c = begin; c < end; c++) {
-        if (!norma_core_is_kept(mesh, face, c)) continue;
-        const uint64_t moved = hash_of(mesh, c) * (1 - power); /* from the row's begin to its end */
-        sum_ahead += mix(ahead);
-        sum_back += mix(back);
-        ahead = ahead * BASE + moved;
-        back = (back - moved) * INVERSE;
-    }
-    const uint64_t way = sum_ahead == sum_back ? 2 : sum_ahead > sum_back;
-    return ((sum_ahead + sum_back) & ~(uint64_t)CORE_KEY_WAY) | way;
+    for (size_t i = 0; i < kept && kept <= FEW; i++) begin_later(&r, hashes[i]);
+    for (size_t c = begin; c < end && kept > FEW; c++)
+        if (norma_core_is_kept(mesh, face, c))
+            begin_later(&r, hash_of(norma_core_welded_corner(mesh, c)));
+    const uint64_t way = r.sum_ahead == r.sum_back ? 2 : r.sum_ahead > r.sum_back;
+    return ((r.sum_ahead + r.sum_back) & ~(uint64_t)CORE_KEY_WAY) | way;
 }

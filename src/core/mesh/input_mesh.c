@@ -89,9 +89,10 @@ void norma_core_read_corners(
 }
 
 void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]) {
-    norma_view_read(&mesh->positions, index, out);
     if (mesh->positions.format == NORMA_FORMAT_DOUBLE)
-        for (int i = 0; i < 3; i++) out[i] *= mesh->scale;
+        norma_core_double_position(mesh, index, out);
+    else
+        norma_view_read(&mesh->positions, index, out);
 }
 
 norma_result norma_core_mesh_shape(const norma_mesh *mesh, core_mesh *checked) {

@@ -55,6 +55,17 @@ static inline uint32_t norma_core_corner(const core_mesh *mesh, size_t corner) {
     return index;
 }
 
+static inline void norma_core_double_position(
+    const core_mesh *mesh, uint32_t index, double out[3]) {
+    const unsigned char *at =
+        (const unsigned char *)mesh->positions.data + index * mesh->positions.stride;
+    for (size_t i = 0; i < 3; i++) {
+        double p;
+        memcpy(&p, at + i * sizeof p, sizeof p);
+        out[i] = p * mesh->scale;
+    }
+}
+
 static inline void norma_core_position(const core_mesh *mesh, uint32_t index, double out[3]) {
     if (mesh->positions.format != NORMA_FORMAT_FLOAT) {
         norma_core_other_position(mesh, index, out);
