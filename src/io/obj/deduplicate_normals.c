@@ -15,7 +15,7 @@ typedef struct numberer {
     obj_numbering *n;
     size_t slices;
     uint32_t *counts; /* of each slice and share; then where its part of the share begins */
-    uint32_t *dealt;  /* places in the order, share after share */
+    uint64_t *dealt;  /* share after share: a place in the order below its normal's tag */
     size_t starts[SHARES + 1]; /* of each share in dealt */
     uint32_t *first; /* for each place in the order the first place with the same normal */
     size_t *firsts;  /* of each slice: how many stand for themselves; then how many before it */
@@ -35,6 +35,10 @@ static const float *normal_at(const obj_numbering *n, size_t place) {
 }
 
 static size_t share_of(uint64_t hash) { return (size_t)(hash >> 56); }
+/* The lower half of the hash, above where a place goes: most others are told apart by it, without a
+ * look at normals that lie far apart. */
+static uint64_t tag_of(uint64_t hash) { return hash << 32; }
+static uint32_t place_of(uint64_t tagged) { return (uint32_t)tagged; }
 
 static void count_shares(void *context, size_t slice) {
     numberer *w = context;
@@ -61,12 +65,17 @@ static void deal(void *context, size_t slice) {
     numberer *w = context;
     uint32_t *next = w->counts + slice * SHARES;
     const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
-    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
-        w->dealt[next[share_of(hash_normal(normal_at(w->n, i)))]++] = (uint32_t)i;
+    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i) {
+        const uint64_t hash = hash_normal(normal_at(w->n, i));
+        w->dealt[next[share_of(hash)]++] = tag_of(hash) | i;
+    }
 }
 
-/* A slot: a place + 1 below the lower half of its normal's hash, so that others are told apart
- * without a look at them; 0: free. */
+static int are_equal(const obj_numbering *n, uint32_t a, uint32_t b) {
+    return memcmp(normal_at(n, a), normal_at(n, b), 3 * sizeof(float)) == 0;
+}
+
+/* A slot: a place + 1 below its normal's tag; 0: free. */
 static void find_firsts(void *context, size_t share) {
     numberer *w = context;
     const size_t begin = w->starts[share], end = w->starts[share + 1];
@@ -76,16 +85,14 @@ static void find_firsts(void *context, size_t share) {
     uint64_t *slots = norma_io_allocate(size, sizeof *slots);
     w->failed[share] = !slots;
     for (size_t i = begin; slots && i < end; ++i) {
-        const uint32_t place = w->dealt[i];
-        const float *normal = normal_at(w->n, place);
-        const uint64_t hash = hash_normal(normal), tag = hash << 32;
-        size_t slot = (size_t)(hash >> 8) & (size - 1);
-        while (slots[slot] && ((slots[slot] & ~(uint64_t)UINT32_MAX) != tag ||
-                                  memcmp(normal_at(w->n, (uint32_t)slots[slot] - 1), normal,
-                                      3 * sizeof *normal) != 0))
+        const uint32_t place = place_of(w->dealt[i]);
+        const uint64_t tag = w->dealt[i] - place;
+        size_t slot = (size_t)(tag >> 32) & (size - 1);
+        while (slots[slot] && (slots[slot] - place_of(slots[slot]) != tag ||
+                                  !are_equal(w->n, place_of(slots[slot]) - 1, place)))
             slot = (slot + 1) & (size - 1);
         if (!slots[slot]) slots[slot] = tag | (place + 1);
-        w->first[place] = (uint32_t)slots[slot] - 1;
+        w->first[place] = place_of(slots[slot]) - 1;
     }
     free(slots);
 }
@@ -107,7 +114,7 @@ static void number_firsts(void *context, size_t slice) {
     for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
         if (w->first[i] == i) {
             memcpy(w->n->unique + 3 * number, normal_at(w->n, i), 3 * sizeof(float));
-            w->dealt[i] = (uint32_t)number++;
+            w->dealt[i] = number++;
         }
 }
 
@@ -115,7 +122,7 @@ static void number_all(void *context, size_t slice) {
     numberer *w = context;
     const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
     for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
-        w->n->numbers[w->n->order ? w->n->order[i] : i] = w->dealt[w->first[i]];
+        w->n->numbers[w->n->order ? w->n->order[i] : i] = (uint32_t)w->dealt[w->first[i]];
 }
 
 static int run(const numberer *w, size_t count, norma_task *task) {
