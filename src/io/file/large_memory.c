@@ -29,11 +29,6 @@ static size_t bytes_of(size_t count, size_t size) {
     return count == 0 || size == 0 ? 1 : count > SIZE_MAX / size ? 0 : count * size;
 }
 
-void *norma_io_room(size_t count, size_t size) {
-    const size_t bytes = bytes_of(count, size);
-    return bytes ? malloc(bytes) : NULL;
-}
-
 void *norma_io_block(size_t count, size_t size) {
     const size_t bytes = bytes_of(count, size);
     if (!bytes) return NULL;

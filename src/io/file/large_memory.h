@@ -4,11 +4,9 @@
 #include <stddef.h>
 
 /* A block of bytes, not zeroed, for free(); where it is large, on large pages if the system has
- * them, of which fewer are to be faulted in. NULL: out of memory. */
+ * them, of which fewer are to be faulted in. What is never written takes no memory. NULL: out of
+ * memory. */
 void *norma_io_block(size_t count, size_t size);
-/* A block of which only the beginning may come to be used: on pages of ordinary size, so that the
- * rest takes no memory. */
-void *norma_io_room(size_t count, size_t size);
 /* As norma_io_block, with the first kept bytes of block, which is freed. NULL: out of memory, block
  * untouched and still owned. */
 void *norma_io_move_block(void *block, size_t kept, size_t count, size_t size);

@@ -80,12 +80,11 @@ static int make_room(const norma_mesh *mesh, computed_normals *made) {
     made->count = made->elements == NORMALS_OF_POSITIONS ? mesh->positions.count
                   : made->elements == NORMALS_OF_FACES   ? faces
                                                          : mesh->corner_count;
-    made->normals = points ? norma_io_room(made->count, 3 * sizeof *made->normals)
-                           : norma_io_block(made->count, 3 * sizeof *made->normals);
+    made->normals = norma_io_block(made->count, 3 * sizeof *made->normals);
     made->points = points ? norma_io_block(made->count, sizeof *made->points) : NULL;
     made->reasons = made->with_reasons ? norma_io_allocate(made->count, 1) : NULL;
     made->sources =
-        made->with_reasons && points ? norma_io_room(made->count, sizeof *made->sources) : NULL;
+        made->with_reasons && points ? norma_io_block(made->count, sizeof *made->sources) : NULL;
     return made->normals && (made->points || !points) && (made->reasons || !made->with_reasons) &&
            (made->sources || !made->with_reasons || !points);
 }
