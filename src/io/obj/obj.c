@@ -59,14 +59,17 @@ static norma_document_result mesh_data(
     return NORMA_DOCUMENT_OK;
 }
 
-/* mtllib statements, wherever they stand. The word is searched for, since statements other than
- * positions, normals and faces are not remembered. */
+/* mtllib statements, from the first one to the last. The word is searched for, since those between
+ * are not remembered. */
 static int visit_files(const norma_document *document, norma_visit_file *visit, void *user) {
     static const char word[] = "mtllib";
     const size_t length = sizeof word - 1;
-    const char *at = (const char *)document->source.data, *end = at + document->source.size;
+    const obj_state *state = document->state;
+    if (state->first_library == SIZE_MAX) return 0;
+    const char *text = (const char *)document->source.data, *at = text + state->first_library,
+               *last = text + state->last_library, *end = text + document->source.size;
     int stop = 0;
-    while (!stop && (size_t)(end - at) > length && (at = memchr(at, 'm', (size_t)(end - at)))) {
+    while (!stop && at <= last && (at = memchr(at, 'm', (size_t)(end - at)))) {
         const char *rest = at + length;
         if (end - at > (ptrdiff_t)length && memcmp(at, word, length) == 0 &&
             (*rest == ' ' || *rest == '\t')) {

@@ -47,7 +47,8 @@ typedef struct obj_state {
     size_t other_count, other_room;
     obj_run *runs;
     size_t run_count, run_room;
-    char *name;   /* of the first object */
+    char *name;                         /* of the first object */
+    size_t first_library, last_library; /* where mtllib statements stand; SIZE_MAX: none does */
     size_t block; /* where vn lines go: where the first vn or face statement begins; SIZE_MAX: there
                      is neither */
     size_t bad_normal_count;     /* corners with OBJ_BAD_NORMAL */

@@ -47,19 +47,26 @@ typedef struct place {
 
 /* ---- growing arrays */
 
-/* Makes space for count more elements behind the used ones. If the array must grow, it grows to
- * what the rest of the text would hold if it were like this part. No thread copies meanwhile. */
-static int reserve(gathering *g, const obj_part *part, void *array, size_t *room, size_t used,
-    size_t count, size_t size) {
+/* count more elements of a part, in its text from begin on. */
+typedef struct addition {
+    const obj_part *part;
+    size_t begin, count;
+} addition;
+
+/* Makes space for more elements behind the used ones. If the array must grow, it grows to what the
+ * rest of the text would hold if it were like this part. No thread copies meanwhile. */
+static int reserve(
+    gathering *g, addition more, void *array, size_t *room, size_t used, size_t size) {
     void *block;
     memcpy(&block, array, sizeof block);
-    if (block && used + count <= *room) return 1;
+    if (block && used + more.count <= *room) return 1;
     while (g->copying) norma_watch_wait(g->watch, &g->moved, &g->lock);
-    const double left = (double)(g->end - part->begin) / (double)(part->end - part->begin);
-    const double guess = (double)used + 1.01 * left * (double)count;
-    const size_t wanted = used + count < (size_t)OBJ_MOST && guess < (double)OBJ_MOST
+    const char *begin = block || more.begin == SIZE_MAX ? more.part->begin : g->text + more.begin;
+    const double left = (double)(g->end - begin) / (double)(more.part->end - begin);
+    const double guess = (double)used + 1.01 * left * (double)more.count;
+    const size_t wanted = used + more.count < (size_t)OBJ_MOST && guess < (double)OBJ_MOST
                               ? (size_t)guess
-                              : used + count; /* left is at least 1, and the guess never less */
+                              : used + more.count; /* left is at least 1, the guess never less */
     void *grown = norma_io_move_block(block, block ? used * size : 0, wanted, size);
     if (!grown) return 0;
     memcpy(array, &grown, sizeof grown);
@@ -72,8 +79,8 @@ static int reserve_corner_normals(gathering *g, const obj_part *part) {
     obj_state *state = g->state;
     const int first = !state->corner_normals;
     if (first && !part->names_normals) return 1;
-    if (!reserve(g, part, &state->corner_normals, &state->corner_normal_room, state->corner_count,
-            part->corner_count, sizeof(uint32_t)))
+    if (!reserve(g, (addition){part, part->first_face, part->corner_count}, &state->corner_normals,
+            &state->corner_normal_room, state->corner_count, sizeof(uint32_t)))
         return 0;
     if (first && state->corner_count)
         memset(state->corner_normals, 0xff, state->corner_count * sizeof(uint32_t));
@@ -85,8 +92,8 @@ static int reserve_face_starts(gathering *g, const obj_part *part) {
     obj_state *state = g->state;
     const int first = !state->face_starts;
     if (first && !part->has_polygons) return 1;
-    if (!reserve(g, part, &state->face_starts, &state->face_room, state->face_count + 1,
-            part->face_count, sizeof(uint32_t)))
+    if (!reserve(g, (addition){part, part->first_face, part->face_count}, &state->face_starts,
+            &state->face_room, state->face_count + 1, sizeof(uint32_t)))
         return 0;
     for (size_t i = 0; first && i <= state->face_count; ++i)
         state->face_starts[i] = (uint32_t)(3 * i);
@@ -95,17 +102,20 @@ static int reserve_face_starts(gathering *g, const obj_part *part) {
 
 static int reserve_all(gathering *g, const obj_part *part) {
     obj_state *s = g->state;
-    return (!part->position_count ||
-               reserve(g, part, &s->positions, &s->position_room, s->position_count,
-                   part->position_count, 3 * sizeof(double))) &&
-           (!part->corner_count || reserve(g, part, &s->corners, &s->corner_room, s->corner_count,
-                                       part->corner_count, sizeof(uint32_t))) &&
-           (!part->normal_count || reserve(g, part, &s->normals, &s->normal_room, s->normal_count,
-                                       part->normal_count, 3 * sizeof(float))) &&
-           (!part->normal_count || reserve(g, part, &s->normal_offsets, &s->normal_offset_room,
-                                       s->normal_count, part->normal_count, sizeof(size_t))) &&
-           (!part->other_count || reserve(g, part, &s->other_normals, &s->other_room,
-                                      s->other_count, part->other_count, sizeof(uint32_t))) &&
+    const addition positions = {part, SIZE_MAX, part->position_count},
+                   normals = {part, part->first_normal, part->normal_count},
+                   corners = {part, part->first_face, part->corner_count},
+                   others = {part, SIZE_MAX, part->other_count};
+    return (!positions.count || reserve(g, positions, &s->positions, &s->position_room,
+                                    s->position_count, 3 * sizeof(double))) &&
+           (!corners.count || reserve(g, corners, &s->corners, &s->corner_room, s->corner_count,
+                                  sizeof(uint32_t))) &&
+           (!normals.count || reserve(g, normals, &s->normals, &s->normal_room, s->normal_count,
+                                  3 * sizeof(float))) &&
+           (!normals.count || reserve(g, normals, &s->normal_offsets, &s->normal_offset_room,
+                                  s->normal_count, sizeof(size_t))) &&
+           (!others.count || reserve(g, others, &s->other_normals, &s->other_room, s->other_count,
+                                 sizeof(uint32_t))) &&
            reserve_corner_normals(g, part) && reserve_face_starts(g, part);
 }
 
@@ -184,7 +194,11 @@ static void add_counts(gathering *g, const obj_part *part) {
     state->has_normals |= part->has_normals;
     state->has_surfaces |= part->has_surfaces;
     state->has_long_positions |= part->has_long_positions;
-    if (state->block == SIZE_MAX) state->block = part->block;
+    if (state->block == SIZE_MAX)
+        state->block =
+            part->first_normal < part->first_face ? part->first_normal : part->first_face;
+    if (state->first_library == SIZE_MAX) state->first_library = part->first_library;
+    if (part->last_library != SIZE_MAX) state->last_library = part->last_library;
     g->last_position =
         part->last_position > g->last_position ? part->last_position : g->last_position;
     g->last_normal = part->last_normal > g->last_normal ? part->last_normal : g->last_normal;
@@ -456,7 +470,7 @@ norma_document_result norma_obj_read(norma_document *document, norma_document_er
         .state = state,
         .text = (const char *)bytes,
         .end = (const char *)bytes + size};
-    state->block = SIZE_MAX;
+    state->block = state->first_library = state->last_library = SIZE_MAX;
     if (!size)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, NULL,
             "the file is empty; expected OBJ statements");

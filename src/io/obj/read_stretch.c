@@ -110,8 +110,8 @@ static float to_float(double value) {
                                                : (float)value;
 }
 
-static void see_block(const reader *r) {
-    if (r->part->block == SIZE_MAX) r->part->block = (size_t)(r->statement - r->part->text);
+static void see_first(const reader *r, size_t *first) {
+    if (*first == SIZE_MAX) *first = (size_t)(r->statement - r->part->text);
 }
 
 static norma_document_result read_normal(reader *r, const char **p) {
@@ -126,7 +126,7 @@ static norma_document_result read_normal(reader *r, const char **p) {
     norma_document_result result =
         read_numbers(r, p, numbers, "one of a normal's three numbers", &has_long);
     if (result) return result;
-    see_block(r);
+    see_first(r, &part->first_normal);
     for (int i = 0; i < 3; ++i) part->normals[3 * count + (size_t)i] = to_float(numbers[i]);
     part->normal_offsets[count] = (size_t)(r->statement - part->text);
     part->normal_count = count + 1;
@@ -233,7 +233,7 @@ static norma_document_result end_face(reader *r, size_t corners) {
     obj_part *part = r->part;
     if (!RESERVE(r, part->face_ends, part->face_room, part->face_count + 1, sizeof(uint32_t)))
         return fail_memory(r);
-    see_block(r);
+    see_first(r, &part->first_face);
     part->has_polygons |= corners != 3;
     part->face_ends[part->face_count++] = (uint32_t)part->corner_count;
     return NORMA_DOCUMENT_OK;
@@ -326,6 +326,11 @@ static void read_object(reader *r, const char **p) {
     r->part->name_end = name_end;
 }
 
+static void see_library(obj_part *part, size_t offset) {
+    if (part->first_library == SIZE_MAX) part->first_library = offset;
+    part->last_library = offset;
+}
+
 /* A word that is no OBJ statement is passed through, and noted; but what is not even text is no
  * OBJ. */
 static norma_document_result see_unknown(reader *r, const char *word, const char *word_end) {
@@ -363,6 +368,9 @@ static norma_document_result read_statement(reader *r, const char **p) {
     case OBJ_OBJECT:
         read_object(r, p);
         return NORMA_DOCUMENT_OK;
+    case OBJ_LIBRARY:
+        see_library(r->part, (size_t)(word - r->part->text));
+        return NORMA_DOCUMENT_OK;
     case OBJ_UNKNOWN:
         return see_unknown(r, word, *p);
     default:
@@ -378,7 +386,7 @@ static void empty(obj_part *part) {
     part->last_position = part->last_normal = 0;
     part->bad_normal_count = 0;
     part->name = part->name_end = NULL;
-    part->block = SIZE_MAX;
+    part->first_normal = part->first_face = part->first_library = part->last_library = SIZE_MAX;
     part->names_normals = part->has_normals = part->has_surfaces = part->has_polygons =
         part->known = part->has_long_positions = 0;
     part->unknown = part->empty_face = part->odd_number = (obj_oddity){0, NULL};

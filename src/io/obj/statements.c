@@ -119,7 +119,7 @@ static const struct {
 } keywords[] = {{"v", OBJ_POSITION}, {"vn", OBJ_NORMAL}, {"f", OBJ_FACE}, {"vt", OBJ_OTHER},
     {"fo", OBJ_FACE}, {"s", OBJ_SMOOTHING}, {"o", OBJ_OBJECT}, {"l", OBJ_REFERRING},
     {"p", OBJ_REFERRING}, {"curv", OBJ_REFERRING}, {"surf", OBJ_SURFACE}, {"vp", OBJ_OTHER},
-    {"g", OBJ_OTHER}, {"usemtl", OBJ_OTHER}, {"mtllib", OBJ_OTHER}, {"mg", OBJ_OTHER},
+    {"g", OBJ_OTHER}, {"usemtl", OBJ_OTHER}, {"mtllib", OBJ_LIBRARY}, {"mg", OBJ_OTHER},
     {"usemap", OBJ_OTHER}, {"maplib", OBJ_OTHER}, {"cstype", OBJ_OTHER}, {"deg", OBJ_OTHER},
     {"bmat", OBJ_OTHER}, {"step", OBJ_OTHER}, {"curv2", OBJ_OTHER}, {"parm", OBJ_OTHER},
     {"trim", OBJ_OTHER}, {"hole", OBJ_OTHER}, {"scrv", OBJ_OTHER}, {"sp", OBJ_OTHER},

@@ -18,6 +18,7 @@ typedef enum obj_kind {
     OBJ_OBJECT,
     OBJ_REFERRING, /* may name normals by v/vt/vn: surf, curv, l, p */
     OBJ_SURFACE,   /* the same, a free-form surface */
+    OBJ_LIBRARY,   /* names files of materials */
     OBJ_OTHER,     /* passed through */
     OBJ_UNKNOWN
 } obj_kind;

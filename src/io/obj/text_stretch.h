@@ -39,8 +39,10 @@ typedef struct obj_part {
     uint32_t last_position,
         last_normal; /* the greatest that faces name, of those that do not count back */
     size_t bad_normal_count;
-    const char *name, *name_end; /* of the first object; NULL: none */
-    size_t block;                /* as obj_state has it */
+    const char *name, *name_end;        /* of the first object; NULL: none */
+    size_t first_library, last_library; /* as obj_state has them */
+    size_t first_normal, first_face;    /* where the first such statement begins; SIZE_MAX: there is
+                                           none */
     int names_normals, has_normals, has_surfaces,
         has_polygons;       /* polygons: faces of other than three corners */
     int has_long_positions; /* as obj_state has it */
