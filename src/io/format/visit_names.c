@@ -21,11 +21,11 @@ int norma_document_visit_names(const norma_document *document, const char *text,
     static const char blanks[] = " \t";
     while (length && strchr(blanks, text[length - 1])) --length;
     while (length && strchr(blanks, text[0])) ++text, --length;
-    int stop = norma_document_visit_name(document, text, length, visit, user), words = 0;
+    int stop = norma_document_visit_name(document, text, length, visit, user);
     for (size_t at = 0, end; at < length && !stop; at = end) {
         while (at < length && strchr(blanks, text[at])) ++at;
         for (end = at; end < length && !strchr(blanks, text[end]);) ++end;
-        if (end < length || words++)
+        if (at > 0 || end < length) /* one alone is all of the text */
             stop = norma_document_visit_name(document, text + at, end - at, visit, user);
     }
     return stop;

@@ -65,7 +65,7 @@ static int visit_files(const norma_document *document, norma_visit_file *visit, 
     static const char word[] = "mtllib";
     const size_t length = sizeof word - 1;
     const obj_state *state = document->state;
-    if (state->first_library == SIZE_MAX) return 0;
+    if (!state || state->first_library == SIZE_MAX) return 0;
     const char *text = (const char *)document->source.data, *at = text + state->first_library,
                *last = text + state->last_library, *end = text + document->source.size;
     int stop = 0;

@@ -43,6 +43,35 @@ static norma_document *open_threads(const text *t, uint32_t threads, norma_docum
 
 /* ---- stretches */
 
+static int add_name(void *names, const char *path) {
+    strcat(names, path);
+    strcat(names, "|");
+    return 0;
+}
+
+/* In the first stretch, a middle one and the last; several names may be one with blanks; before and
+ * behind them comments that name none.
+ */
+static void test_libraries_in_several_stretches(void **state) {
+    (void)state;
+    for (uint32_t threads = 1; threads < 4; ++threads) {
+        text t = {0};
+        char names[100] = "";
+        norma_document_error error = {0};
+        add(&t, "# mtllib no.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n\tmtllib a.mtl\n");
+        add_lines(&t, "f 1 2 3\n", PIECE);
+        add(&t, "mtllib b.mtl c.mtl\n");
+        add_lines(&t, "f 3 2 1\n", PIECE);
+        add(&t, "mtllib d.mtl\nf 1 2 3 # mtllib no.mtl\n");
+        norma_document *document = open_threads(&t, threads, &error);
+        if (!document) fail_msg("%s", error.message);
+        assert_int_equal(norma_document_visit_files(document, add_name, names, &error), 0);
+        assert_string_equal(names, "a.mtl|b.mtl c.mtl|b.mtl|c.mtl|d.mtl|");
+        norma_document_close(document);
+        free(t.bytes);
+    }
+}
+
 /* Faces without normals, one with them, faces without: each corner names what its line says,
  * whichever stretch it stands in. */
 static void test_some_stretches_name_normals(void **state) {
@@ -252,6 +281,7 @@ static void test_groups_that_all_meet(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_libraries_in_several_stretches),
         cmocka_unit_test(test_some_stretches_name_normals),
         cmocka_unit_test(test_the_first_fault_is_told),
         cmocka_unit_test(test_a_statement_without_end),
