@@ -207,7 +207,7 @@ static norma_result judge_all(const nesting *n) {
 
 /* ---- all */
 
-enum { FACES_WORTH_DIPOLES = 512, WORK_WORTH_DIPOLES = 1 << 16 };
+enum { FACES_WORTH_DIPOLES = 64, WORK_WORTH_DIPOLES = 1 << 11 };
 
 static norma_result prepare_dipoles(nesting *n) {
     const core_components *c = n->components;
