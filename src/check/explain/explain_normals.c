@@ -121,6 +121,7 @@ norma_result norma_explain_measure(
     core_call *call, explain_surface *s, const explain_trial *trial) {
     norma_options options = {.struct_size = sizeof options,
         .weight = trial->weight,
+        .weld = s->welded ? NORMA_WELD_NONE : NORMA_WELD_EXACT,
         .threads = call->options.threads,
         .allocator = call->options.allocator};
     norma_result result;
@@ -306,6 +307,7 @@ static norma_result visit_sample(core_call *call, const norma_mesh_data *data,
     norma_result result = norma_explain_take_sample(call, topology, &sample);
     if (result) return result;
     result = norma_explain_open(call, &sample.mesh, 0, &surface);
+    surface.welded = 1;
     if (!result) {
         for (size_t c = 0; c < sample.mesh.corner_count; c++)
             if (sample.whole[c])

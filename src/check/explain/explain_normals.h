@@ -16,6 +16,7 @@ typedef struct explain_surface {
     const norma_mesh *mesh;
     core_mesh checked;
     int per_vertex;
+    int welded; /* no two positions are equal */
     float *
         stored; /* of each corner, or of each vertex; zero: it has none, or its ring is not whole */
     size_t stored_count;
