@@ -26,11 +26,10 @@ static int says_something(const check_mesh *m, size_t face) {
 static void find_nearest(const check_mesh *m, far_state *state) {
     for (size_t i = 0; i < norma_check_normal_count(m); i++) state->greatest[i] = 2;
     for (size_t f = 0; f < m->mesh.face_count; f++) {
-        if (!says_something(m, f)) continue;
         for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
              c++) {
             const size_t number = norma_check_normal_of(m, f, c);
-            if (number == SIZE_MAX || !m->far[number]) continue;
+            if (number == SIZE_MAX || !m->far[number] || !says_something(m, f)) continue;
             const double cosine = norma_check_cosine_to(m, f, number);
             if (!isnan(cosine) &&
                 (state->greatest[number] > 1.5f || cosine > (double)state->greatest[number]))

@@ -57,9 +57,9 @@ static void hash_positions(const void *context, size_t first, size_t count, uint
 }
 
 static int same_position(const void *context, uint32_t one, uint32_t other) {
-    uint64_t a[3], b[3];
-    position_key(context, one, a);
-    position_key(context, other, b);
+    double a[3], b[3];
+    norma_core_position(context, one, a);
+    norma_core_position(context, other, b);
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
