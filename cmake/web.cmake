@@ -37,7 +37,7 @@ endif()
 # Files of the core that run seldom, or once for a mesh that moves: they are made small as well.
 set(web_seldom "call_|orient_|mesh_(weld_distance|kdtree|nearest|scattered)|plan_(overflow|normal_groups|plan_|morph|position|face_block_build)")
 string(APPEND web_seldom "|tangent_(split|tangent_vertices|mikk_(left_out|opposed|divide|copies|follow|links|groups|triangles))|vertex_queued|matrix_matrix")
-string(APPEND web_seldom "|corner_(crowded|borrowed|large_star|fallback|find_fault|index_corners|prepared|star_edges|fans.c)|face_(exact|cut)")
+string(APPEND web_seldom "|corner_(crowded|borrowed|large_star|fallback|find_fault|index_corners|prepared|star_edges|fans.c|measured)|face_(exact|cut|reflex|twin)")
 
 # Compressed glTF: meshoptimizer's codecs and libdraco, from the sources that scripts/install-deps.sh web puts there.
 set(NORMA_WEB_SOURCES ${PROJECT_SOURCE_DIR}/build/sources CACHE PATH "A folder with the sources of meshoptimizer and draco, of which WebAssembly is made")
@@ -69,7 +69,7 @@ function(web_objects list)
     # Pages and packages are downloaded: kernels are made fast, where more code is faster; the readers and the rules small.
     if(name MATCHES "^src_core_(${web_seldom})")
       set(optimise -Os)
-    elseif(name MATCHES "^src_core_(corner_fans_simd|face_[^m])")
+    elseif(name MATCHES "^src_core_(corner_fans_simd|face_face_normals)")
       set(optimise -O3)
     elseif(name MATCHES "^(src_core|web_package_wasm_(keep|merge)_)")
       set(optimise -O2)
