@@ -1,5 +1,5 @@
 /* The npm package beside three.js and meshoptimizer, one thread, in one run: computeVertexNormals (weighted by area, vertices shared by index), also by a plan of the mesh, toCreasedNormals, and generateNormals (one normal
- * per corner, creases at 60 degrees, equal positions shared). Then the page, in headless
+ * per corner, creases at 60 degrees, equal positions shared); tangents beside meshoptimizer's and those of three.js's addon (which takes corners, not indices). Then the page, in headless
  * Chromium with its software renderer, where there is one: how long it takes to compute 200,000 triangles anew when a slider or a choice changes.
  *   node bench/bench_web.mjs [--json] [--page] [PACKAGE] [NODE_MODULES]        build/web/npm and build/npm-web/node_modules; the page is norma.html beside the package
  *   --page: the page only
@@ -30,6 +30,7 @@ const { load } = await import(pathToFileURL(join(own, "node.js")));
 const { computeNormals, toCreased } = await import(pathToFileURL(join(own, "three.js")));
 const { BufferAttribute, BufferGeometry, REVISION } = await import(pathToFileURL(join(modules, "three/build/three.module.js")));
 const { toCreasedNormals } = await import(pathToFileURL(join(modules, "three/examples/jsm/utils/BufferGeometryUtils.js")));
+const { generateTangents } = await import(pathToFileURL(join(modules, "three/examples/jsm/libs/mikktspace.module.js")));
 const norma = await load();
 const rivals = join(root, "build/npm-bench/node_modules/meshoptimizer"), meshopt = existsSync(rivals) ? (await import(pathToFileURL(join(rivals, "meshopt_tangents.js")))).MeshoptTangents : null;
 const version = meshopt && JSON.parse(readFileSync(join(rivals, "package.json"), "utf8")).version;
@@ -71,6 +72,23 @@ function shuffled({ positions, indices }) {
   return { positions: moved, indices: corners };
 }
 
+/* The least times of tangents: vertices' normals, and a flat texture that leans a little. */
+function timeTangents(positions, indices, budget) {
+  const normals = norma.vertexNormals(positions, indices), texcoords = new Float32Array((positions.length / 3) * 2), out = new Float32Array(4 * indices.length);
+  for (let i = 0; i < texcoords.length / 2; i++) {
+    const [x, y] = positions.subarray(3 * i);
+    texcoords.set([x + 0.1 * y * y, y + 0.2 * x * x], 2 * i);
+  }
+  const perCorner = (values, size) => Float32Array.from({ length: size * indices.length }, (_, i) => values[size * indices[Math.floor(i / size)] + (i % size)]);
+  const corners = [perCorner(positions, 3), perCorner(normals, 3), perCorner(texcoords, 2)];
+  return {
+    three_tangents: least(budget, () => generateTangents(...corners)),
+    meshopt_tangents: meshopt ? least(budget, () => meshopt.generateTangents(indices, positions, 3, normals, 3, texcoords, 2)) : NaN,
+    norma_tangents: least(budget, () => norma.tangents(positions, normals, texcoords, indices, { out })),
+    norma_steady: least(budget, () => norma.tangents(positions, normals, texcoords, indices, { mode: "steady", out })),
+  };
+}
+
 const rows = [];
 for (const [columns, lines] of onlyPage ? [] : [[25, 20], [100, 50], [400, 250], [1000, 500]])
   for (const order of ["rows", "shuffled"]) {
@@ -87,6 +105,7 @@ for (const [columns, lines] of onlyPage ? [] : [[25, 20], [100, 50], [400, 250],
       norma_vertex_default: least(budget, () => norma.vertexNormals(positions, indices, { out })),
       three_creased: least(budget, () => toCreasedNormals(geometry, Math.PI / 3)), norma_creased: least(budget, () => toCreased(ours, { crease: 60 })),
       meshopt_corners: meshopt ? least(budget, () => meshopt.generateNormals(indices, positions, 3, Math.PI / 3)) : NaN, norma_corners: least(budget, () => norma.cornerNormals(positions, indices, { crease: 60, out: corners })),
+      ...timeTangents(positions, indices, budget),
     });
   }
 
@@ -145,6 +164,10 @@ if (json) {
   for (const row of rows)
     console.log(`${String(row.triangles).padStart(9)} ${row.order.padEnd(8)} | ${ms(row.three_vertex).padStart(20)} ${ms(row.norma_vertex).padStart(14)} ${ratio(row.three_vertex, row.norma_vertex)} ${ms(row.norma_plan).padStart(10)} ${ratio(row.three_vertex, row.norma_plan)} | ${ms(row.norma_vertex_default).padStart(23)} | ` +
                 `${ms(row.three_creased).padStart(16)} ${ms(row.norma_creased).padStart(10)} ${ratio(row.three_creased, row.norma_creased)} | ${ms(row.meshopt_corners).padStart(15)} ${ms(row.norma_corners).padStart(13)} ${(row.norma_corners / row.meshopt_corners).toFixed(2).padStart(6)}`);
+  console.log("tangents: triangles order | three.js's addon meshoptimizer     mikk   steady | ratio of mikk: to three.js  to meshoptimizer");
+  for (const row of rows)
+    console.log(`${String(row.triangles).padStart(19)} ${row.order.padEnd(8)} | ${ms(row.three_tangents).padStart(16)} ${ms(row.meshopt_tangents).padStart(13)} ${ms(row.norma_tangents)} ${ms(row.norma_steady)} | ` +
+                `${ratio(row.three_tangents, row.norma_tangents).padStart(23)} ${(row.meshopt_tangents / row.norma_tangents).toFixed(2).padStart(17)}`);
   if (!page) console.log("the page: no browser, or no page");
   else {
     console.log("the page, 200,000 triangles computed anew, milliseconds | least  middle  most | the picture included, middle");

@@ -8,7 +8,7 @@ enum {
     BLOCKS = (CORNERS_IN_BATCH + MIKK_SMALL_STAR) / MIKK_LANES,
     LANES_IN_BATCH = BLOCKS * MIKK_LANES,
     VERTICES_IN_TASK = 1 << 12,
-    RECORDS_AHEAD = 64 /* corners */
+    RECORDS_AHEAD = 48 /* corners */
 };
 
 typedef struct star_work {
@@ -269,12 +269,11 @@ static void await_records(const star_work *w, size_t begin, size_t end) {
     const mikk_mesh *m = w->mesh;
     const size_t count = m->around.starts[m->vertex_count];
     for (size_t i = begin; i < end; i++) {
-        const size_t far = i + RECORDS_AHEAD, near = i + RECORDS_AHEAD / 2;
-        if (far >= count) return;
-        TANGENT_PREFETCH(&m->records[m->around.corners[far]]);
-        TANGENT_PREFETCH(&m->records[m->around.corners[far]].previous);
-        TANGENT_PREFETCH(
-            w->output->tangents + mikk_target(m, m->around.corners[near]) * w->output->stride);
+        if (i + RECORDS_AHEAD >= count) return;
+        const uint32_t corner = m->around.corners[i + RECORDS_AHEAD];
+        TANGENT_PREFETCH(&m->records[corner]);
+        TANGENT_PREFETCH(&m->records[corner].previous);
+        TANGENT_PREFETCH(w->output->tangents + mikk_target(m, corner) * w->output->stride);
     }
 }
 
