@@ -37,7 +37,7 @@ endif()
 # Files of the core that run seldom, or once for a mesh that moves: they are made small as well.
 set(web_seldom "call_|orient_|mesh_(weld_distance|kdtree|nearest|scattered)|plan_(overflow|normal_groups|plan_|morph|position|face_block_build)")
 string(APPEND web_seldom "|tangent_(split|corner_tangents|tangent_output|tangent_vertices|steady_faces|steady_tangents|mikk_(copies|divide|fan|follow|groups|left_out|links|opposed|space|stars|tangents|triangles))|vertex_queued|matrix_matrix")
-string(APPEND web_seldom "|corner_(crowded|borrowed|large_star|fallback|find_fault|index_corners|prepared|star_edges|fans.c|measured)|face_(exact|cut|reflex|twin)")
+string(APPEND web_seldom "|corner_(crowded|borrowed|large_star|fallback|find_fault|index_corners|normal_cone|visit|prepared|star_edges|fans.c|measured)|face_(exact|cut|reflex|twin)|smooth_split")
 
 # Compressed glTF: meshoptimizer's codecs and libdraco, from the sources that scripts/install-deps.sh web puts there.
 set(NORMA_WEB_SOURCES ${PROJECT_SOURCE_DIR}/build/sources CACHE PATH "A folder with the sources of meshoptimizer and draco, of which WebAssembly is made")
