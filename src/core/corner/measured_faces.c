@@ -75,7 +75,8 @@ void norma_core_measure_waiting(const core_prepared_mesh *prepared, measured_fac
 
 /* ---- small meshes */
 
-enum { SMALL_FACES = 1 << 13, FACES_IN_TASK = 1 << 9 };
+/* No more than what is small beside a thread's stack: 64 kB. */
+enum { SMALL_FACES = 1 << 10, FACES_IN_TASK = 1 << 9 };
 _Static_assert(SMALL_FACES <= UINT16_MAX, "a place is a face's number");
 
 static void measure_task(void *context, size_t task) {

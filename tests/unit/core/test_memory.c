@@ -210,6 +210,24 @@ static void scratch_memory(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* Also where every edge is a crease, and in meshes that are not large. */
+static void scratch_of_creases(void **state) {
+    (void)state;
+    mesh_file mesh = {0};
+    shape_wavy_grid(&mesh, 40, 0);
+    const norma_mesh view = mesh_file_view(&mesh);
+    float *normals = test_malloc(12 * mesh.corner_count);
+    accountant *a = test_calloc(1, sizeof *a);
+    assert_ok(norma_corner_normals(&view, 0, &(norma_options){.allocator = {take, give, a}},
+        normals, mesh.corner_count, NULL));
+    printf("# scratch of %.1f bytes a triangle for corners of %zu triangles\n",
+        (double)a->most_bytes / (double)mesh.face_count, mesh.face_count);
+    assert_true(a->most_bytes <= 40 * mesh.face_count);
+    test_free(a);
+    test_free(normals);
+    mesh_file_free(&mesh);
+}
+
 /* One ring of all triangles takes no more than meshes of the usual kind may: nothing is kept of it
  * that can be read or measured again. */
 static void scratch_of_one_ring(void **state) {
@@ -238,6 +256,7 @@ int main(void) {
         cmocka_unit_test(no_weld),
         cmocka_unit_test(visible_with_threads),
         cmocka_unit_test(scratch_memory),
+        cmocka_unit_test(scratch_of_creases),
         cmocka_unit_test(scratch_of_one_ring),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
