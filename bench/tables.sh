@@ -11,9 +11,10 @@ while IFS= read -r line; do
     [ "$line" != "<!-- end -->" ] || inside=""
     [ -n "$inside" ] || printf '%s\n' "$line"
     [[ $line =~ ^"<!-- bench: "([a-z]+)" "(.*)" -->"$ ]] || continue
-    inside=1
     table=${BASH_REMATCH[1]}
     read -ra files <<<"${BASH_REMATCH[2]}"
+    (cd "$folder" && ls "${files[@]}") >/dev/null 2>&1 || continue # not measured: the table stays
+    inside=1
     if [ "$table" = about ]; then
         head -1 "$folder/${files[0]}"
     else
