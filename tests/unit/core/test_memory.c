@@ -210,41 +210,35 @@ static void scratch_memory(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* No more than meshes of corners may take. */
+static void check_scratch_of_corners(const mesh_file *mesh, float crease, const char *what) {
+    const norma_mesh view = mesh_file_view(mesh);
+    float *normals = test_malloc(12 * mesh->corner_count);
+    accountant *a = test_calloc(1, sizeof *a);
+    assert_ok(norma_corner_normals(&view, crease, &(norma_options){.allocator = {take, give, a}},
+        normals, mesh->corner_count, NULL));
+    printf("# scratch of %.1f bytes a triangle for corners of %s\n",
+        (double)a->most_bytes / (double)mesh->face_count, what);
+    assert_true(a->most_bytes <= 40 * mesh->face_count);
+    test_free(a);
+    test_free(normals);
+}
+
 /* Also where every edge is a crease, and in meshes that are not large. */
 static void scratch_of_creases(void **state) {
     (void)state;
     mesh_file mesh = {0};
     shape_wavy_grid(&mesh, 40, 0);
-    const norma_mesh view = mesh_file_view(&mesh);
-    float *normals = test_malloc(12 * mesh.corner_count);
-    accountant *a = test_calloc(1, sizeof *a);
-    assert_ok(norma_corner_normals(&view, 0, &(norma_options){.allocator = {take, give, a}},
-        normals, mesh.corner_count, NULL));
-    printf("# scratch of %.1f bytes a triangle for corners of %zu triangles\n",
-        (double)a->most_bytes / (double)mesh.face_count, mesh.face_count);
-    assert_true(a->most_bytes <= 40 * mesh.face_count);
-    test_free(a);
-    test_free(normals);
+    check_scratch_of_corners(&mesh, 0, "a small mesh of creases");
     mesh_file_free(&mesh);
 }
 
-/* One ring of all triangles takes no more than meshes of the usual kind may: nothing is kept of it
- * that can be read or measured again. */
+/* Nothing is kept of one ring of all triangles that can be read or measured again. */
 static void scratch_of_one_ring(void **state) {
     (void)state;
-    enum { AROUND = 20000 };
     mesh_file mesh = {0};
-    shape_fan(&mesh, AROUND);
-    const norma_mesh view = mesh_file_view(&mesh);
-    float *normals = test_malloc(12 * mesh.corner_count);
-    accountant *a = test_calloc(1, sizeof *a);
-    assert_ok(norma_corner_normals(&view, 1, &(norma_options){.allocator = {take, give, a}},
-        normals, mesh.corner_count, NULL));
-    printf("# scratch of %.1f bytes a triangle for corners of one ring\n",
-        (double)a->most_bytes / AROUND);
-    assert_true(a->most_bytes <= 40 * (size_t)AROUND);
-    test_free(a);
-    test_free(normals);
+    shape_fan(&mesh, 20000);
+    check_scratch_of_corners(&mesh, 1, "one ring");
     mesh_file_free(&mesh);
 }
 
