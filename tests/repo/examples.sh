@@ -1,5 +1,5 @@
 #!/bin/bash
-# Runs every example and compares what it prints with tests/repo/examples/NAME.txt; the guide's normal-matrix.svg is what figure_svg draws.
+# Runs every example and compares what it prints with tests/repo/examples/NAME.txt; the guide's normal-matrix.svg and covector.svg are what figure_svg and covector_svg draw.
 #   tests/repo/examples.sh --refresh     writes the expected output anew
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
@@ -14,6 +14,7 @@ for source_file in examples/*.c; do
     case $name in
     file_roundtrip) arguments=(assets/goathead.obj "$scratch/goathead.obj") ;;
     figure_svg) expected=docs/figures/normal-matrix.svg ;;
+    covector_svg) expected=docs/figures/covector.svg ;;
     esac
     if ! "$program" "${arguments[@]}" >"$scratch/$name.out" 2>"$scratch/$name.err"; then
         fail "$name runs" "$(cat "$scratch/$name.err")"

@@ -1,6 +1,6 @@
 #!/bin/bash
 # What docs/guide.md shows is true: the lines below each of its commands (and those of docs/coming-from.md) are lines of the command's output, in that order; its angles and its table of errors are computed
-# again from the numbers beside them; its listings of examples are what the examples print; each line of its GLSL is a line of a shader that norma render uses.
+# again from the numbers beside them; its listings of examples are what the examples print; each line of its GLSL is a line of a shader that norma render uses or of examples/glsl, which compile.
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 cd "$root" || exit 1
@@ -58,6 +58,17 @@ done
 [ -n "$examples" ] || fail "guide: listings of examples found" "none"
 
 awk '/^```glsl/ { inside = 1; next } /^```/ { inside = 0 } inside && NF { sub(/^ +/, ""); print }' docs/guide.md >"$scratch/glsl"
-unknown=$(sed 's/^ *//' src/render/shaders/* | grep -vxFf - "$scratch/glsl")
-if [ -s "$scratch/glsl" ] && [ -z "$unknown" ]; then pass "guide: its $(wc -l <"$scratch/glsl") lines of GLSL are those of src/render/shaders"; else fail "guide: its GLSL is that of src/render/shaders" "$unknown"; fi
+unknown=$(sed 's/^ *//' src/render/shaders/* examples/glsl/* | grep -vxFf - "$scratch/glsl")
+if [ -s "$scratch/glsl" ] && [ -z "$unknown" ]; then pass "guide: its $(wc -l <"$scratch/glsl") lines of GLSL are those of src/render/shaders and examples/glsl"; else fail "guide: its GLSL is that of src/render/shaders" "$unknown"; fi
+for shader in examples/glsl/*.vert examples/glsl/*.frag; do
+    awk -v name="$shader" '$0 == "<!-- " name " -->" { near = 1; next } near && /^```glsl/ { inside = 1; next } /^```/ { inside = near = 0 } inside' docs/guide.md >"$scratch/pasted"
+    check "guide: $shader is shown whole" cmp "$scratch/pasted" "$shader"
+done
+if command -v glslangValidator >/dev/null; then
+    { printf '#version 300 es\nprecision highp float;\n'; cat examples/glsl/normal_matrix.glsl; printf 'out vec4 c;\nvoid main() { c = vec4(normal_matrix_of(mat3(1.0)) * normal_without_matrix(mat3(1.0), vec3(1.0)), 1.0); }\n'; } >"$scratch/normal_matrix.frag"
+    for shader in examples/glsl/*.vert examples/glsl/*.frag "$scratch/normal_matrix.frag"; do check "guide: $(basename "$shader") compiles" glslangValidator "$shader"; done
+    check "guide: lit.vert and lit.frag link" glslangValidator -l examples/glsl/lit.vert examples/glsl/lit.frag
+else
+    skip "guide: its GLSL compiles: glslangValidator is not installed"
+fi
 finish
