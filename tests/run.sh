@@ -64,20 +64,21 @@ build() {
     fi
 }
 
-# units TREE LABEL: every cmocka program of a tree that has the label, several at a time.
+# units TREE [PATTERN...]: the unit tests of a tree, several at a time.
 units() {
-    local tree=$1 label=$2
+    local tree=$1
+    shift
     export NORMA_TREE=$out/$tree
     export NORMA_BIN=$out/$tree/bin/norma
-    (cd "$out/$tree" && ctest -N -L "$label") | sed -n 's/^ *Test *#[0-9]*: //p' |
-        xargs -P "$jobs" -I{} bash -c 'one "$0.$1" "$NORMA_TREE/tests/$1"' "$tree" {}
+    one "$tree.units" "$NORMA_TREE/tests/norma_tests" -j "$jobs" "$@"
+    [ $# -gt 0 ] || one "$tree.wrapped" "$NORMA_TREE/tests/norma_tests_wrapped" -j "$jobs"
 }
 
 run_gcc() {
     say "gcc: building with warnings as errors"
     build gcc -DCMAKE_C_COMPILER=gcc -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=AUTO -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2
     say "gcc: unit tests"
-    units gcc unit
+    units gcc
 }
 
 # Scripts see the gcc tree.
@@ -94,7 +95,7 @@ run_asan() {
     say "asan: building with clang, address and undefined-behaviour sanitizers"
     build asan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=OFF -DNORMA_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF
     say "asan: unit tests"
-    units asan unit
+    units asan
     one asan.golden tests/cli/golden.sh
     NORMA_BITS_WAYS=one one asan.bits tests/repo/portable.sh
 }
@@ -104,7 +105,7 @@ run_tsan() {
     say "tsan: building with clang, thread sanitizer"
     build tsan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=OFF -DNORMA_SANITIZE=thread -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF
     say "tsan: the tests that use threads"
-    units tsan parallel
+    units tsan '*thread*'
     one tsan.programs tests/cli/threads.sh
 }
 
