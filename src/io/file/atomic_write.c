@@ -112,14 +112,6 @@ static int make_named(file_writer *writer, const char *name, mode_t mode) {
 
 /* ---- temporary files without a name */
 
-/* Owner and permissions of the file that is to be replaced. Where the owner cannot be kept, neither
- * are the bits that lend his rights. */
-static int keep_permissions(int descriptor, const struct stat *old) {
-    mode_t mode = old->st_mode & 07777;
-    if (fchown(descriptor, old->st_uid, old->st_gid)) mode &= 0777;
-    return fchmod(descriptor, mode) ? errno : 0;
-}
-
 #if defined(O_TMPFILE)
 static void name_of_descriptor(int descriptor, char name[48]) {
     snprintf(name, 48, "/proc/self/fd/%d", descriptor);
@@ -152,10 +144,12 @@ static int flush_descriptor(int descriptor);
  * file that has one. */
 static int copy_to_named(file_writer *writer) {
     const int from = writer->descriptor;
+    char name[48];
     struct stat status;
     if (fstat(from, &status)) return errno;
+    name_of_descriptor(from, name);
     int error = name_temporary(writer, make_named, 0600);
-    if (!error) error = keep_permissions(writer->descriptor, &status);
+    if (!error) error = norma_file_keep_attributes(name, &status, writer->descriptor);
     for (off_t at = 0; !error && at < status.st_size;) {
         const ssize_t got = pread(from, writer->buffer, BUFFER_SIZE, at);
         if (got > 0) {
@@ -199,7 +193,7 @@ static int open_target(file_writer *writer) {
     }
     writer->replaces = 1;
     int error = open_temporary(writer, 0600);
-    return error ? error : keep_permissions(writer->descriptor, &old);
+    return error ? error : norma_file_keep_attributes(writer->target, &old, writer->descriptor);
 }
 
 int norma_file_writer_open(const char *path, file_writer **writer) {

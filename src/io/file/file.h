@@ -25,7 +25,8 @@ enum {
     FILE_IN_USE = -2,
     FILE_CANCELLED = -3,
     FILE_NOT_REGULAR = -4,
-    FILE_NOT_FLUSHED = -5
+    FILE_NOT_FLUSHED = -5,
+    FILE_ATTRIBUTES = -6
 };
 
 typedef struct file_reading {
@@ -59,9 +60,10 @@ int norma_file_is_link(const char *path);
  * no name until all is written, where the system can do that; prepare flushes it to the disk;
  * commit prepares, renames it to path and flushes the folder (FILE_NOT_FLUSHED: it
  * is in its place, but the flush failed); abandon removes it. Each returns 0,
- * errno or what stands above. Permissions are those of the file that is replaced, else 0666 less
- * the umask. A symbolic link stays, what it points to is replaced; a file that may not be written
- * is not replaced either. A device or a pipe is written as it is. */
+ * errno or what stands above. Owner, permissions, access lists and attributes are those of the
+ * file that is replaced (FILE_ATTRIBUTES: they cannot be), else 0666 less the umask. A symbolic
+ * link stays, what it points to is replaced; a file that may not be written is not replaced either.
+ * A device or a pipe is written as it is. */
 typedef struct file_writer file_writer;
 int norma_file_writer_open(const char *path, file_writer **writer);
 /* What is replaced must be the file of this stamp, unchanged: else commit fails with FILE_CHANGED,

@@ -1,4 +1,5 @@
-/* file_stamp.h: stamps from what the system says of a file. */
+/* file_stamp.h: stamps from what the system says of a file, and what a file keeps that is replaced.
+ */
 #ifndef NORMA_IO_FILE_STAMP_H
 #define NORMA_IO_FILE_STAMP_H
 #include "io/file/file.h"
@@ -6,4 +7,8 @@
 
 file_stamp norma_file_stamp_of(const struct stat *status);
 int norma_file_stamps_equal(const file_stamp *a, const file_stamp *b);
+/* What the file called from, of which the system says old, has of owner, permissions, access lists
+ * and attributes, for the open file that will take its place. Returns 0, errno, or FILE_ATTRIBUTES
+ * where one of them cannot be kept. */
+int norma_file_keep_attributes(const char *from, const struct stat *old, int to);
 #endif

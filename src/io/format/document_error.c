@@ -63,6 +63,8 @@ void norma_document_system_text(int system_error, char *text, size_t room) {
         snprintf(text, room,
             "the new file is in its place and complete, but its folder could not be flushed: a "
             "power cut may bring the old one back");
+    else if (system_error == FILE_ATTRIBUTES)
+        snprintf(text, room, "its access list or extended attributes could not be kept");
     else if (system_error == FILE_CANCELLED)
         snprintf(text, room, "cancelled");
     else if (norma_system_text(system_error))

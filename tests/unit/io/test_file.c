@@ -9,6 +9,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <grp.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdio.h>
@@ -17,6 +18,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 #include "io/file/file.h"
 #include "io/format/format.h"
@@ -246,12 +248,48 @@ static void keeps_permissions(void **state) {
     assert_int_equal(mode_of(here->path), 0600);
 }
 
-/* Root may write anywhere, so a child gives its rights up. Returns the error that it met. */
-static int write_as_nobody(const char *path) {
-    pid_t child = fork();
+/* ---- access lists and attributes */
+
+/* An access control list as Linux has it in an attribute (linux/posix_acl_xattr.h). */
+typedef struct acl_entry {
+    uint16_t tag, rights;
+    uint32_t id;
+} acl_entry;
+
+typedef struct access_list {
+    uint32_t version;
+    acl_entry entries[5];
+} access_list;
+
+enum { NAMED = 1001, SHARED = 2001, NOBODY = 65534 };
+static const char ACCESS_LIST[] = "system.posix_acl_access";
+
+/* u::rw-, u:NAMED:rw-, g::---, m::rw-, o::---: as mode bits -rw-rw----. */
+static access_list list_of_one(void) {
+    return (access_list){2, {{0x01, 6, UINT32_MAX}, {0x02, 6, NAMED}, {0x04, 0, UINT32_MAX},
+                                {0x10, 6, UINT32_MAX}, {0x20, 0, UINT32_MAX}}};
+}
+
+static void give_list(const char *path, const char *name) {
+    const access_list list = list_of_one();
+    if (setxattr(path, name, &list, sizeof list, 0) == 0) return;
+    print_message("no access lists on this file system: %s\n", strerror(errno));
+    skip();
+}
+
+static void assert_has_list(const char *path) {
+    const access_list expected = list_of_one();
+    access_list list;
+    assert_int_equal(getxattr(path, ACCESS_LIST, &list, sizeof list), sizeof list);
+    assert_memory_equal(&list, &expected, sizeof list);
+}
+
+/* What the system lets a user of a group do: the error of opening the file for writing. */
+static int try_as(const char *path, uid_t user, gid_t group) {
+    const pid_t child = fork();
     if (child == 0) {
-        if (geteuid() == 0 && (setgid(65534) || setuid(65534))) _exit(255);
-        _exit(write_text(path, "new"));
+        if (setgroups(0, NULL) || setgid(group) || setuid(user)) _exit(255);
+        _exit(open(path, O_RDWR) < 0 ? errno : 0);
     }
     int status;
     assert_int_equal(waitpid(child, &status, 0), child);
@@ -259,12 +297,119 @@ static int write_as_nobody(const char *path) {
     return WEXITSTATUS(status);
 }
 
+static void keeps_an_access_list(void **state) {
+    const place *here = *state;
+    put(here->path, "old");
+    assert_int_equal(chmod(here->folder, 0755), 0);
+    give_list(here->path, ACCESS_LIST);
+    assert_int_equal(write_text(here->path, "new"), 0);
+    assert_holds(here->path, "new");
+    assert_has_list(here->path);
+    assert_int_equal(mode_of(here->path), 0660);
+    if (geteuid() != 0) return;
+    assert_int_equal(try_as(here->path, NAMED, NOBODY), 0);
+    assert_int_equal(try_as(here->path, NOBODY, getegid()), EACCES);
+}
+
+/* A file without a list in a folder that gives one to new files. */
+static void takes_no_access_list_of_the_folder(void **state) {
+    const place *here = *state;
+    put(here->path, "old");
+    assert_int_equal(chmod(here->path, 0660), 0);
+    give_list(here->folder, "system.posix_acl_default");
+    assert_int_equal(write_text(here->path, "new"), 0);
+    assert_int_equal(getxattr(here->path, ACCESS_LIST, NULL, 0), -1);
+    assert_int_equal(mode_of(here->path), 0660);
+    char fresh[200];
+    snprintf(fresh, sizeof fresh, "%s/fresh.obj", here->folder);
+    assert_int_equal(write_text(fresh, "new"), 0);
+    assert_has_list(fresh);
+}
+
+/* The library's calls come here (--wrap). */
+static int refused_attribute;
+
+int __real_fsetxattr(int file, const char *name, const void *value, size_t size, int flags);
+int __wrap_fsetxattr(int file, const char *name, const void *value, size_t size, int flags);
+int __wrap_fsetxattr(int file, const char *name, const void *value, size_t size, int flags) {
+    if (refused_attribute) return errno = refused_attribute, -1;
+    return __real_fsetxattr(file, name, value, size, flags);
+}
+
+static void keeps_attributes(void **state) {
+    const place *here = *state;
+    static char large[2000];
+    char value[sizeof large + 1];
+    put(here->path, "old");
+    memset(large, 'x', sizeof large);
+    if (setxattr(here->path, "user.origin", large, sizeof large, 0)) {
+        print_message("no attributes on this file system: %s\n", strerror(errno));
+        skip();
+    }
+    assert_int_equal(setxattr(here->path, "user.empty", "", 0, 0), 0);
+    assert_int_equal(write_text(here->path, "new"), 0);
+    assert_int_equal(getxattr(here->path, "user.origin", value, sizeof value), sizeof large);
+    assert_memory_equal(value, large, sizeof large);
+    assert_int_equal(getxattr(here->path, "user.empty", value, sizeof value), 0);
+    const int errors[] = {EPERM, ENOSPC}, expected[] = {FILE_ATTRIBUTES, ENOSPC};
+    for (int i = 0; i < 2; ++i) {
+        file_writer *writer;
+        refused_attribute = errors[i];
+        const int error = norma_file_writer_open(here->path, &writer);
+        refused_attribute = 0;
+        assert_int_equal(error, expected[i]);
+        assert_holds(here->path, "new");
+        assert_int_equal(count_entries(here->folder), 1);
+    }
+}
+
+/* Root may write anywhere, so a child gives its rights up. Returns the error that it met. */
+static int write_as(const char *path, uid_t user, gid_t group) {
+    const gid_t shared = SHARED;
+    const pid_t child = fork();
+    if (child == 0) {
+        if (geteuid() == 0 && (setgroups(1, &shared) || setgid(group) || setuid(user))) _exit(255);
+        const int error = write_text(path, "new");
+        _exit(error == FILE_ATTRIBUTES ? 254 : error);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status) == 254 ? FILE_ATTRIBUTES : WEXITSTATUS(status);
+}
+
+/* Who may write into another's file, and make files in the folder. */
+static void anothers_file_gives_no_group_new_rights(void **state) {
+    const place *here = *state;
+    struct stat status;
+    if (geteuid() != 0) skip();
+    put(here->path, "old");
+    assert_int_equal(chmod(here->folder, 0777), 0);
+    assert_int_equal(chown(here->path, 0, SHARED), 0);
+    assert_int_equal(chmod(here->path, 06662), 0);
+    assert_int_equal(write_as(here->path, NAMED, NOBODY), 0); /* of the group: it is kept */
+    assert_int_equal(stat(here->path, &status), 0);
+    assert_int_equal(status.st_uid, NAMED);
+    assert_int_equal(status.st_gid, SHARED);
+    assert_int_equal(status.st_mode & 07777, 0662);
+    assert_int_equal(chown(here->path, 0, 0), 0);
+    assert_int_equal(write_as(here->path, NAMED, NOBODY), 0); /* not of the group */
+    assert_int_equal(stat(here->path, &status), 0);
+    assert_int_equal(status.st_gid, NOBODY);
+    assert_int_equal(status.st_mode & 07777, 0622);
+    assert_int_equal(chown(here->path, 0, 0), 0);
+    give_list(here->path, ACCESS_LIST);
+    assert_int_equal(write_as(here->path, NAMED, NOBODY), FILE_ATTRIBUTES);
+    assert_int_equal(count_entries(here->folder), 1);
+    assert_has_list(here->path);
+}
+
 static void a_read_only_folder_is_an_error(void **state) {
     const place *here = *state;
     put(here->path, "old");
     assert_int_equal(chmod(here->path, 0666), 0);
     assert_int_equal(chmod(here->folder, 0555), 0);
-    int error = write_as_nobody(here->path);
+    int error = write_as(here->path, NOBODY, NOBODY);
     assert_int_equal(chmod(here->folder, 0755), 0);
     assert_int_equal(error, EACCES);
     assert_holds(here->path, "old");
@@ -276,7 +421,7 @@ static void a_read_only_file_is_not_replaced(void **state) {
     put(here->path, "old");
     assert_int_equal(chmod(here->path, 0444), 0);
     assert_int_equal(chmod(here->folder, 0777), 0);
-    assert_int_equal(write_as_nobody(here->path), EACCES);
+    assert_int_equal(write_as(here->path, NOBODY, NOBODY), EACCES);
     assert_holds(here->path, "old");
     assert_int_equal(count_entries(here->folder), 1);
 }
@@ -461,6 +606,10 @@ int main(void) {
         TEST(a_full_disk_keeps_the_old_file),
         TEST(an_error_is_remembered),
         TEST(keeps_permissions),
+        TEST(keeps_an_access_list),
+        TEST(takes_no_access_list_of_the_folder),
+        TEST(keeps_attributes),
+        TEST(anothers_file_gives_no_group_new_rights),
         TEST(a_read_only_folder_is_an_error),
         TEST(a_read_only_file_is_not_replaced),
         TEST(a_symbolic_link_stays),
