@@ -33,6 +33,11 @@ norma_document_result norma_document_mesh_info(
     if (!info) return NORMA_DOCUMENT_ERROR_ARGUMENT;
     *info = (norma_mesh_info){.name = "", .where = "", .encoding = ""};
     if (index >= norma_document_mesh_count(document)) return NORMA_DOCUMENT_ERROR_ARGUMENT;
+    /* Its texts are valid as long as the arrays are. */
+    norma_document *own = (norma_document *)(uintptr_t)document;
+    const norma_document_result result =
+        document->failed || !document->state ? NORMA_DOCUMENT_OK : norma_document_settle(own, NULL);
+    if (result) return result;
     return document->functions->mesh_info(document, index, info);
 }
 
@@ -79,12 +84,19 @@ norma_document_result norma_document_mesh_data(
 }
 
 static norma_document_result begin_change(norma_document *document, norma_document_error *error) {
-    norma_document_result result = norma_document_ready(document, error);
+    norma_document_result result = norma_document_usable(document, error);
+    if (!result) result = norma_document_flush(document, error);
     if (!result && !document->functions->compute)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "files of this format can be read, but not changed");
     if (!result && document->functions->edited) norma_edited_begin(document);
     return result;
+}
+
+/* Of what is asked for arrays before it is changed. */
+static norma_document_result begin_edit(norma_document *document, norma_document_error *error) {
+    const norma_document_result result = norma_document_ready(document, error);
+    return result ? result : begin_change(document, error);
 }
 
 /* A change that failed is taken back; where that is not possible, the document can only be closed.
@@ -273,7 +285,7 @@ static norma_document_result recentre_whole(
 norma_document_result norma_document_recentre(
     norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error) {
     int unwanted;
-    norma_document_result result = begin_change(document, error);
+    norma_document_result result = begin_edit(document, error);
     changed = changed ? changed : &unwanted;
     *changed = 0;
     if (result) return result;
@@ -317,7 +329,7 @@ static norma_document_result check_vertices(norma_document *document, size_t mes
 
 norma_document_result norma_document_edit(
     norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
-    norma_document_result result = begin_change(document, error);
+    norma_document_result result = begin_edit(document, error);
     if (result) return result;
     if (!edits)
         return norma_document_fail(

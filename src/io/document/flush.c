@@ -1,6 +1,6 @@
 /* flush.c: a format whose changes wait beside what was read (glTF) is read anew from what it has
  * become, before it is asked or changed again. */
-#include "io/format/format.h"
+#include "io/format/flush_edits.h"
 #include <stdlib.h>
 
 /* From the disk where it was saved over its own file, else from what the format makes of it. */
@@ -55,9 +55,15 @@ norma_document_result norma_document_flush(norma_document *document, norma_docum
     return result;
 }
 
+norma_document_result norma_document_settle(norma_document *document, norma_document_error *error) {
+    const edited_format *edited = document->functions->edited;
+    return edited && !edited->gathers ? norma_edited_flush(document, error)
+                                      : norma_document_flush(document, error);
+}
+
 norma_document_result norma_document_ready(norma_document *document, norma_document_error *error) {
-    norma_document_result result = norma_document_usable(document, error);
-    return result ? result : norma_document_flush(document, error);
+    const norma_document_result result = norma_document_usable(document, error);
+    return result ? result : norma_document_settle(document, error);
 }
 
 int norma_document_up_to_date(const norma_document *document) {

@@ -204,8 +204,12 @@ int norma_document_changed(const norma_document *document, norma_document_error 
 int norma_document_up_to_date(const norma_document *document);
 /* Reads a changed document anew from what it has become, where its format has changes wait. */
 norma_document_result norma_document_flush(norma_document *document, norma_document_error *error);
+/* Before something is given out, so that it stays where it is until the next change: nothing waits
+ * that giving out something else would first have to write. Changes that wait together (OBJ) are
+ * shown as they are. */
+norma_document_result norma_document_settle(norma_document *document, norma_document_error *error);
 norma_document_result norma_document_ready(
-    norma_document *document, norma_document_error *error); /* usable, and flushed */
+    norma_document *document, norma_document_error *error); /* usable, and settled */
 
 /* Of the image of this number the bytes that it will have; NULL: those of its file. */
 const given_image *norma_document_given_image(const norma_document *document, size_t number);

@@ -35,9 +35,9 @@ static int has_corner(const char *p, const char *end) {
     return p < end && !norma_obj_is_end(*p) && *p != '#';
 }
 
-static int walk_text(const norma_document *document, size_t face, text_walk *walk) {
-    const obj_state *state = document->state;
-    const char *p = (const char *)document->source.data, *end = p + document->source.size, *rest;
+static int walk_text(
+    const obj_state *state, const char *p, size_t size, size_t face, text_walk *walk) {
+    const char *end = p + size, *rest;
     size_t positions = 0, faces = 0;
     *walk =
         (text_walk){.positions = norma_io_allocate(state->position_count, sizeof *walk->positions),
@@ -64,19 +64,31 @@ static const unsigned char *row_of(const void *context, size_t row, size_t *leng
     return (const unsigned char *)span->begin;
 }
 
+/* Of the text as it would be written, where changes wait: the document's own stays as it is. */
 norma_document_result norma_obj_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error) {
-    text_walk walk;
-    norma_document_result result = norma_edited_flush(document, error);
     const obj_state *state = document->state;
+    growing_bytes written = {0};
+    text_walk walk;
+    const int changed = norma_obj_edited.has_edit(state);
+    const norma_document_result result =
+        changed ? norma_obj_write(document, NULL, norma_memory_sink_write, &written, error)
+                : NORMA_DOCUMENT_OK;
     (void)mesh;
-    if (result) return result;
-    int fine = walk_text(document, SIZE_MAX, &walk);
+    if (result) {
+        free(written.data);
+        return result == NORMA_DOCUMENT_ERROR_FILE ? norma_document_fail_memory(document, error)
+                                                   : result;
+    }
+    int fine =
+        walk_text(state, changed ? (const char *)written.data : (const char *)document->source.data,
+            changed ? written.size : document->source.size, SIZE_MAX, &walk);
     if (fine && !walk.has_curves)
         fine = norma_equal_rows(row_of, walk.positions, state->position_count, first);
     for (size_t v = 0; fine && walk.has_curves && v < state->position_count; ++v)
         first[v] = (uint32_t)v;
     free(walk.positions);
+    free(written.data);
     return fine ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
 }
 
@@ -158,7 +170,9 @@ static norma_document_result fill(norma_document *document, const norma_mesh_edi
     v->kept_before = norma_io_allocate(state->position_count + 1, sizeof *v->kept_before);
     v->numbers = norma_io_allocate(state->position_count, sizeof *v->numbers);
     v->corners = norma_io_allocate(state->corner_count, sizeof *v->corners);
-    int fine = v->kept_before && v->numbers && v->corners && walk_text(document, v->face, &walk);
+    int fine = v->kept_before && v->numbers && v->corners &&
+               walk_text(state, (const char *)document->source.data, document->source.size, v->face,
+                   &walk);
     if (!fine) return norma_document_fail_memory(document, error);
     if (walk.has_curves) {
         free(walk.positions);

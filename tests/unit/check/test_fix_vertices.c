@@ -346,6 +346,21 @@ static void test_ply_split(void **state) {
     free(bytes);
 }
 
+/* Normals are made, and then a mesh is asked which of its vertices are equal: what was read before
+ * the question is still used after it. */
+static void test_obj_weld_after_normals(void **state) {
+    (void)state;
+    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 0\n"
+                               "v 0 0 0\nv 1 0 0\nf 1 2 3\nf 4 5 6\nf 7 8 9\n";
+    norma_document *document =
+        scene_reopen((const unsigned char *)text, sizeof text - 1, "mended.obj");
+    assert_int_equal(mend(document, "N1,N2,N3,N4,N5,N6,N7,N8,N9"), 1);
+    const norma_mesh_data data = data_of(document, 0);
+    assert_int_equal(data.mesh.positions.count, 4); /* of nine lines; four are different */
+    assert_int_equal(count_of(document, "N104,N502"), 0);
+    norma_document_close(document);
+}
+
 /* ---- what makes no sense is refused before anything is changed */
 
 static void test_refused(void **state) {
@@ -378,6 +393,7 @@ int main(void) {
         cmocka_unit_test(test_both),
         cmocka_unit_test(test_ply_weld),
         cmocka_unit_test(test_ply_split),
+        cmocka_unit_test(test_obj_weld_after_normals),
         cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -451,11 +451,68 @@ static void marks_without_numbers_are_refused(void **state) {
     close_bytes(&file);
 }
 
+/* ---- what a changed document gives out stays where it is until the next change */
+
+typedef struct answers {
+    norma_mesh_info info;
+    norma_mesh_attributes attributes;
+    norma_mesh_data data;
+} answers;
+
+/* The order in which each would free what was given out before it, if changes still waited. */
+static answers ask(norma_document *document) {
+    answers a;
+    uint32_t *first;
+    assert_int_equal(norma_document_mesh_info(document, 0, &a.info), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_mesh_attributes(document, 0, &a.attributes, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_document_mesh_data(document, 0, &a.data, NULL), NORMA_DOCUMENT_OK);
+    first = calloc(a.info.vertices + 1, sizeof *first);
+    assert_non_null(first);
+    if (norma_document_format(document) != NORMA_FILE_STL)
+        assert_int_equal(
+            norma_document_equal_vertices(document, 0, first, NULL), NORMA_DOCUMENT_OK);
+    free(first);
+    return a;
+}
+
+static void answers_stay(void **state) {
+    (void)state;
+    static const char *const texts[] = {
+        "o name\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nf 1/1 2/1 3/1\n",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+        "property float s\nproperty float t\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n"
+        "1 0 0 0 0 1 0 0\n0 1 0 0 0 1 0 0\n0 0 1 0 0 1 0 0\n3 0 1 2\n",
+        "solid name\nfacet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 0 1 0\n"
+        "vertex 0 0 1\nendloop\nendfacet\nendsolid name\n"};
+    static const char *const names[] = {"a.obj", "a.ply", "a.stl"};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
+        norma_document *document;
+        assert_int_equal(
+            norma_document_open_memory(texts[i], strlen(texts[i]), names[i], NULL, &document, NULL),
+            NORMA_DOCUMENT_OK);
+        assert_int_equal(norma_document_compute(document, NULL, NULL, NULL), NORMA_DOCUMENT_OK);
+        const answers a = ask(document), b = ask(document);
+        assert_true(a.info.name == b.info.name &&
+                    a.attributes.texcoords == b.attributes.texcoords &&
+                    a.data.mesh.positions.data == b.data.mesh.positions.data &&
+                    a.data.normals.data == b.data.normals.data);
+        const double x = a.data.mesh.positions.format == NORMA_FORMAT_DOUBLE
+                             ? *(const double *)a.data.mesh.positions.data
+                             : (double)*(const float *)a.data.mesh.positions.data;
+        assert_true(x == 1);
+        norma_document_close(document);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(assets_keep_all_else),
         cmocka_unit_test(data_set_keeps_all_else),
         cmocka_unit_test(marks_without_numbers_are_refused),
+        cmocka_unit_test(answers_stay),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
