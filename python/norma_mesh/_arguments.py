@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import operator
-from typing import Any, NamedTuple, NoReturn, Optional, Sequence, Tuple, Union
+from typing import Any, Literal, NamedTuple, NoReturn, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,9 +19,9 @@ from . import _norma
 Array = NDArray[Any]
 Floats = NDArray[np.float32]
 Indices = NDArray[np.uint32]
-#: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or None: each three
-#: positions are a triangle.
-Faces = Union[ArrayLike, Sequence[ArrayLike], Tuple[ArrayLike, ArrayLike], None]
+#: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each three
+#: positions are a triangle. None beside an object that has faces.
+Faces = Union[ArrayLike, Sequence[ArrayLike], Tuple[ArrayLike, ArrayLike], Literal["soup"], None]
 Weld = Union[str, float]
 Fallback = Union[str, Sequence[float]]
 
@@ -283,6 +283,10 @@ def _face_starts(values: ArrayLike) -> Indices:
 def _split_faces(faces: Faces) -> Tuple[Optional[Array], Optional[Indices]]:
     """(corners of any shape, offsets or None for triangles) of faces in any of their forms."""
     if faces is None:
+        raise TypeError("faces: indices are needed; \"soup\" makes a triangle of each three positions")
+    if isinstance(faces, str):
+        if faces != "soup":
+            raise ValueError(f"faces: indices or 'soup' are needed, not {faces!r}")
         return None, None
     if isinstance(faces, tuple):
         if len(faces) != 2:

@@ -87,8 +87,8 @@ def face_normals(
     """The unit normal of each face, (faces, 3) float32; concave polygons too.
 
     positions: (n, 3) numbers, or an object with `vertices` and `faces` or `triangles`.
-    faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or None: each
-        three positions are a triangle.
+    faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each
+        three positions are a triangle. It may be left out only beside an object that has faces.
     fallback: what a face without a direction gets: "zero", "nearest" or three numbers.
     out: an array to write to, instead of a new one.  report: return (normals, NormalReport).
 

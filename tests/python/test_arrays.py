@@ -184,12 +184,12 @@ class Forms(unittest.TestCase):
         a = norma.face_normals(SQUARE, [[0, 1, 2, 3], [0, 1, 2]])
         self.assertTrue(np.array_equal(a, [[0, 0, 1]] * 2))
         self.assertTrue(np.array_equal(norma.face_normals(SQUARE, [[0, 1, 2, 3]]), [[0, 0, 1]]))
-        self.assertTrue(np.array_equal(norma.face_normals(SQUARE[:3]), [[0, 0, 1]]))
+        self.assertTrue(np.array_equal(norma.face_normals(SQUARE[:3], "soup"), [[0, 0, 1]]))
         faces = norma.split(SQUARE, [[0, 1, 2, 3], [0, 1, 2]]).faces
         self.assertEqual(len(faces[0]), 7)
 
     def test_nothing(self):
-        for faces in ([], np.empty((0, 3), int), None):
+        for faces in ([], np.empty((0, 3), int), "soup"):
             self.assertEqual(norma.vertex_normals([], faces).shape, (0, 3))
         self.assertEqual(norma.corner_normals(SQUARE, []).shape, (0, 3))
         with warnings.catch_warnings():
@@ -256,7 +256,19 @@ class Refusals(unittest.TestCase):
         self.refused(ValueError, "faces: a tuple is (corners, face_starts)", v, SQUARE, (1, 2, 3))
         self.refused(ValueError, "face", v, SQUARE, ([0, 1, 2], [0, 2]))
         self.refused(ValueError, "face", v, SQUARE, ([0, 1, 2], [0, 2, 1, 3]))
-        self.refused(ValueError, "face", v, SQUARE, None)
+        self.refused(ValueError, "face", v, SQUARE, "soup")
+        self.refused(ValueError, "faces: indices or 'soup' are needed, not 'cloud'", v, SQUARE, "cloud")
+
+    def test_points_without_faces(self):
+        n, t = np.tile([0, 0, 1.0], (3, 1)), SQUARE[:3, :2]
+        cloud = types.SimpleNamespace(points=SQUARE[:3])  # as Open3D's
+        for call in (norma.face_normals, norma.vertex_normals, norma.corner_normals, norma.split, norma.orient, norma.Plan,
+                     lambda points, *faces: norma.tangents(points, n, t, *faces)):
+            for missing in ((), (None,)):
+                self.refused(TypeError, "faces: indices are needed; \"soup\" makes a triangle of", call, SQUARE[:3], *missing)
+            self.assertIsNotNone(call(SQUARE[:3], "soup"))
+            self.refused((TypeError, ValueError), "", call, cloud)
+        self.assertEqual(norma.split(SQUARE[:3], "soup").faces.shape, (1, 3))
 
     def test_an_index_out_of_range_deep_in_a_long_array(self):
         points, faces = grid(60)
