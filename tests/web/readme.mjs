@@ -19,6 +19,7 @@ examples.forEach(({ code, output, title }, i) => {
   check(`README, ${title}: it runs and prints what stands there`, status === 0 && (output === undefined || stdout === output), `${stdout}${stderr}`);
 });
 if (has("typescript")) {
+  if (has("@gltf-transform")) blocks.filter(({ isConfig }) => isConfig).forEach(({ code }, i) => { writeFileSync(`readme-config-${i}.mts`, code); compiled.push(`readme-config-${i}.mts`); });
   writeFileSync("readme.json", JSON.stringify({ compilerOptions: { strict: true, exactOptionalPropertyTypes: true, noEmit: true, module: "nodenext", target: "es2022", lib: ["es2022", "dom"], types: [], skipLibCheck: true }, files: [...compiled, ...(has("three") && has("@gltf-transform") ? ["types-others.ts"] : [])] }));
   const { status, stdout } = spawnSync(process.execPath, ["node_modules/typescript/bin/tsc", "-p", "readme.json"], { encoding: "utf8" });
   check("the examples, and uses of every call, compile in strict TypeScript", status === 0, stdout);

@@ -44,3 +44,6 @@ export declare function tangents(options?: TangentsOptions): Transform;
 
 /** Looks for what is wrong with normals and surfaces. The document stays as it is; errors and warnings go to its logger. */
 export declare function check(options?: CheckTransformOptions): Transform;
+
+/** A configuration for the command line of glTF-Transform: it adds the command `normals <input> <output> --crease <degrees>`. */
+export declare const config: { onProgramReady(commandLine: { program: any; io: any; Session: any }): void };

@@ -46,22 +46,22 @@ function trianglesOf(primitive) {
   return unroll(indices ?? Uint32Array.from({ length: primitive.getAttribute("POSITION").getCount() }, (_, i) => i), mode);
 }
 
-/* Every primitive of the document once, with what it is called in messages. */
-function listPrimitives(document) {
-  const found = new Map();
-  document.getRoot().listMeshes().forEach((mesh, i) => mesh.listPrimitives().forEach((primitive, j) => {
-    if (!found.has(primitive)) found.set(primitive, `mesh ${i}${mesh.getName() ? ` "${mesh.getName()}"` : ""}, primitive ${j}`);
-  }));
-  return found;
-}
+/* The primitives of each mesh, with what they are called in messages. */
+const listMeshes = (document) => document.getRoot().listMeshes().map((mesh, i) => mesh.listPrimitives().map((primitive, j) => ({ primitive, place: `mesh ${i}${mesh.getName() ? ` "${mesh.getName()}"` : ""}, primitive ${j}` })));
 
-/* make(...) once for each list of keys, compared by identity. */
+/* Every primitive of the document once. */
+const listPrimitives = (document) => new Map(listMeshes(document).flat().reverse().map(({ primitive, place }) => [primitive, place]).reverse());
+
+const areEqual = (a, b) => a.length === b.length && a.every((x, i) => x === b[i]);
+
+/* make() once for each list of keys, compared by identity, and of arrays, compared by what they hold. */
 function remember() {
   const ids = new Map(), made = new Map(), idOf = (key) => (ids.has(key) ? ids : ids.set(key, ids.size)).get(key);
-  return (keys, make) => {
-    const id = keys.map(idOf).join();
-    if (!made.has(id)) made.set(id, make());
-    return made.get(id);
+  return (keys, make, arrays = []) => {
+    const id = keys.map(idOf).join(), known = made.get(id) ?? [];
+    let found = known.find((one) => one.arrays.every((array, i) => areEqual(array, arrays[i])));
+    if (!found) made.set(id, [...known, (found = { arrays, value: make() })]);
+    return found.value;
   };
 }
 
@@ -96,27 +96,28 @@ class Edit {
     });
   }
 
-  /* Gives a primitive, and its morph targets, the vertices of result. */
-  setVertices(primitive, result, mode) {
+  /* Gives a primitive, and its morph targets, the vertices of result. Whoever shares targets and gets the same surroundings goes on sharing them. */
+  setVertices(primitive, result, mode, corners, surroundings = result) {
     const indices = primitive.getIndices(), position = primitive.getAttribute("POSITION");
-    if (result.sources.length) {
-      for (const semantic of primitive.listSemantics()) primitive.setAttribute(semantic, this.carry(primitive.getAttribute(semantic), result));
-      for (const target of primitive.listTargets())
-        for (const semantic of target.listSemantics()) target.setAttribute(semantic, this.carry(target.getAttribute(semantic), result));
-    }
+    for (const semantic of result.sources.length ? primitive.listSemantics() : []) primitive.setAttribute(semantic, this.carry(primitive.getAttribute(semantic), result));
+    this.setTargets(primitive, result, surroundings);
     if (!result.sources.length && mode === TRIANGLES) return;
-    primitive.setMode(TRIANGLES).setIndices(this.once([indices, result, "indices"], () => {
-      const array = indexArray(result.indices, result.count, indices?.getArray() ?? new Uint16Array(0));
+    primitive.setMode(TRIANGLES).setIndices(this.once([indices, mode, result, "indices"], () => {
+      const array = indexArray(corners, result.count, indices?.getArray() ?? new Uint16Array(0));
       return indices ? this.copy(indices, array) : this.document.createAccessor().setType("SCALAR").setArray(array).setBuffer(position.getBuffer());
-    }));
+    }, [corners]));
   }
 
-  /* Morph targets that other primitives use too are theirs alone from here on, unless they get the same result. */
-  ownTargets(primitive, result) {
-    const targets = primitive.listTargets();
-    if (!targets.some((target) => target.listParents().filter((parent) => parent.propertyType === "Primitive").length > 1)) return;
+  setTargets(primitive, result, surroundings) {
+    const targets = primitive.listTargets(), isShared = targets.some((target) => target.listParents().filter((parent) => parent.propertyType === "Primitive").length > 1);
+    const own = targets.map((target) => this.once([target, surroundings, "target"], () => {
+      const carried = isShared ? target.clone() : target;
+      for (const semantic of result.sources.length ? carried.listSemantics() : []) carried.setAttribute(semantic, this.carry(carried.getAttribute(semantic), result));
+      return carried;
+    }));
+    if (own.every((target, t) => target === targets[t])) return;
     for (const target of targets) primitive.removeTarget(target);
-    for (const target of targets) primitive.addTarget(this.once([target, result, "target"], () => target.clone()));
+    for (const target of own) primitive.addTarget(target);
   }
 
   /* Disposes of accessors that nothing uses any more. */
@@ -142,27 +143,102 @@ function differences(result, base, ofCorners, size) {
 
 /* ---- normals */
 
-function creased(norma, primitive, position, triangles, options) {
-  /* A common factor of integers turns no direction, but it scales distances. */
-  const positions = typeof options.weld === "number" ? floatsOf(position) : position.getArray();
-  return { ...creaseVertices(norma, positions, triangles, { crease: 60, ...options }, true), triangles };
+const positionOf = ({ primitive }) => primitive.getAttribute("POSITION");
+const displacementsOf = ({ primitive }) => primitive.listTargets().map((target) => target.getAttribute("POSITION"));
+
+/* The corners of a member, checked. */
+function cornersOf({ primitive, place, triangles }) {
+  const count = primitive.getAttribute("POSITION").getCount(), corners = triangles ?? Uint32Array.from({ length: count }, (_, i) => i);
+  at(place, () => { if (given.corners(triangles, count) && corners.some((vertex) => vertex >= count)) given.failAtIndex(triangles, count); });
+  return corners;
 }
 
-function morphNormals(edit, norma, primitive, result, options) {
-  const targets = primitive.listTargets().filter((target) => target.getAttribute("NORMAL") && target.getAttribute("POSITION"));
-  if (!targets.length) return () => {};
-  const base = floatsOf(primitive.getAttribute("POSITION")), plan = norma.plan(base, result.triangles, { fallback: "nearest", ...options, per: "corner", crease: options.crease ?? 60 });
-  try {
-    const made = targets.map((target) => {
-      const ofCorners = plan.update(moved(base, target.getAttribute("POSITION")));
-      return edit.once([target.getAttribute("POSITION"), result, "morph"], () => differences(result, result.values, ofCorners, XYZ));
+/* The primitives of a mesh as one surface, as norma compute joins them, so that edges between them are not open. Primitives with the same positions, in the base and in every target, share a block of vertices; an exact
+ * repetition of a primitive (another material over the same triangles) is taken once. */
+function joinPrimitives(members) {
+  const once = remember(), blocks = [], rows = [];
+  let vertices = 0, corners = 0;
+  for (const member of members) {
+    const position = positionOf(member), displacements = displacementsOf(member);
+    member.block = once([position, ...displacements, "block"], () => {
+      blocks.push({ position, displacements, start: vertices, count: position.getCount() });
+      vertices += position.getCount();
+      return blocks.at(-1);
     });
-    const before = targets.map((target) => target.getAttribute("NORMAL"));
-    return (now) => now.filter((target) => target.getAttribute("NORMAL") && target.getAttribute("POSITION")).forEach((target, i) =>
-      target.setAttribute("NORMAL", edit.store(before[i], made[i], "VEC3", before[i].getBuffer(), [result, made[i]])));
+    member.row = once([member.block, member.primitive.getIndices(), member.primitive.getMode()], () => {
+      rows.push({ block: member.block, start: corners, corners: cornersOf(member) });
+      corners += rows.at(-1).corners.length;
+      return rows.at(-1);
+    });
+  }
+  const joined = new Uint32Array(corners);
+  for (const { block, start, corners: own } of rows) own.forEach((vertex, i) => { joined[start + i] = block.start + vertex; });
+  return { blocks, rows, corners: joined, count: vertices };
+}
+
+/* The positions of blocks, one after the other; of(block) has them. */
+function joinPositions({ blocks, count }, of) {
+  const first = of(blocks[0]);
+  if (blocks.length === 1) return first;
+  const joined = new first.constructor(XYZ * count);
+  blocks.forEach((block, i) => joined.set(i ? of(block) : first, XYZ * block.start));
+  return joined;
+}
+
+/* Gives each block its part of the vertices made for the surface, and each row its corners: old vertices keep their numbers, what was added follows. */
+function cutSurface(edit, { blocks, rows, count }, made) {
+  const blockOf = new Uint32Array(count), added = blocks.map(() => []), numbers = new Uint32Array(made.count);
+  blocks.forEach((block, b) => blockOf.fill(b, block.start, block.start + block.count));
+  for (let vertex = 0; vertex < made.count; vertex++) {
+    const b = blockOf[vertex < count ? vertex : made.sources[vertex - count]], block = blocks[b];
+    numbers[vertex] = vertex < count ? vertex - block.start : block.count + added[b].push(vertex) - 1;
+  }
+  blocks.forEach((block, b) => {
+    const list = added[b], all = block.count + list.length, values = new Float32Array(XYZ * all), sources = Uint32Array.from(list, (vertex) => made.sources[vertex - count] - block.start);
+    values.set(made.values.subarray(XYZ * block.start, XYZ * (block.start + block.count)));
+    list.forEach((vertex, i) => values.set(made.values.subarray(XYZ * vertex, XYZ * (vertex + 1)), XYZ * (block.count + i)));
+    block.firsts = Int32Array.from({ length: all }, (_, i) => made.firsts[i < block.count ? block.start + i : list[i - block.count]]);
+    block.result = edit.once([block.position, "result"], () => ({ count: all, sources, values }), [sources, values]);
+  });
+  for (const row of rows) row.corners = made.indices.subarray(row.start, row.start + row.corners.length).map((vertex) => numbers[vertex]);
+}
+
+/* Computes the normals of members, primitives of one mesh: each gets a block with its result, and a row of corners. */
+function creased(edit, norma, members, options) {
+  const surface = joinPrimitives(members), [first] = surface.blocks, same = (a, b) => a.getComponentType() === b.getComponentType() && a.getNormalized() === b.getNormalized();
+  /* A factor that all integers have in common turns no direction, but it scales distances. */
+  const integers = typeof options.weld !== "number" && surface.blocks.every(({ position }) => same(position, first.position));
+  const positions = joinPositions(surface, ({ position }) => (integers ? position.getArray() : floatsOf(position)));
+  cutSurface(edit, surface, creaseVertices(norma, positions, surface.corners, { crease: 60, ...options }, true));
+  return surface;
+}
+
+/* Gives each block the differences of its targets' normals, where one of the members has them. A primitive without that target stays where it is. */
+function morphNormals(norma, members, surface, options) {
+  const { blocks } = surface, isWanted = (t) => members.some(({ primitive }) => primitive.listTargets()[t]?.getAttribute("NORMAL")), most = Math.max(...blocks.map(({ displacements }) => displacements.length));
+  const wanted = Array.from({ length: most }, (_, t) => t).filter(isWanted);
+  for (const block of blocks) Object.assign(block, { base: wanted.length ? floatsOf(block.position) : null, deltas: [] });
+  if (!wanted.length) return;
+  const plan = norma.plan(joinPositions(surface, ({ base }) => base), surface.corners, { fallback: "nearest", ...options, per: "corner", crease: options.crease ?? 60 });
+  try {
+    for (const t of wanted) {
+      const ofCorners = plan.update(joinPositions(surface, ({ base, displacements }) => (displacements[t] ? moved(base, displacements[t]) : base)));
+      for (const { result, firsts, deltas } of blocks) deltas[t] = differences({ count: result.count, firsts }, result.values, ofCorners, XYZ);
+    }
   } finally {
     plan.free();
   }
+}
+
+function writeNormals(edit, norma, { primitive, block, row }) {
+  const before = primitive.getAttribute("NORMAL"), buffer = positionOf({ primitive }).getBuffer(), { result } = block;
+  edit.setVertices(primitive, result, primitive.getMode(), row.corners, block);
+  primitive.setAttribute("NORMAL", edit.store(before, result.values, "VEC3", buffer, [result, "normals"]));
+  primitive.listTargets().forEach((target, t) => {
+    const normal = target.getAttribute("NORMAL");
+    if (normal && block.deltas[t]) edit.once([target, block, "normal"], () => target.setAttribute("NORMAL", edit.store(normal, block.deltas[t], "VEC3", normal.getBuffer(), [block, t])));
+  });
+  keepTangents(edit, norma, primitive, result);
 }
 
 /* Tangents stay perpendicular to the new normals. */
@@ -177,20 +253,17 @@ export function normals(options) {
   const chosen = given.options(options, [...NORMAL_OPTIONS, "overwrite"].join(" ")), computed = pick(chosen, NORMAL_OPTIONS), overwrite = flag(chosen.overwrite, true, "overwrite");
   given.crease(computed.crease);
   return named("normals", async (document) => {
-    const norma = await ready(), edit = new Edit(document), logger = document.getLogger();
-    for (const [primitive, place] of listPrimitives(document)) {
-      const position = primitive.getAttribute("POSITION"), before = primitive.getAttribute("NORMAL"), mode = primitive.getMode();
-      if (!position?.getArray() || (before && !overwrite)) continue;
-      const triangles = trianglesOf(primitive);
-      if (triangles === null) { logger.debug(`normals: ${place}: points or lines, which have no normals`); continue; }
-      const result = edit.once([position, primitive.getIndices(), mode], () => at(place, () => creased(norma, primitive, position, triangles, computed)));
-      const writeMorphs = morphNormals(edit, norma, primitive, result, computed);
-      edit.ownTargets(primitive, result);
-      edit.setVertices(primitive, result, mode);
-      primitive.setAttribute("NORMAL", edit.store(before, result.values, "VEC3", position.getBuffer(), [result, "normals"]));
-      writeMorphs(primitive.listTargets());
-      keepTangents(edit, norma, primitive, result);
-    }
+    const norma = await ready(), edit = new Edit(document), logger = document.getLogger(), done = new Set();
+    const chosenOf = (members) => members.filter(({ primitive }) => !done.has(primitive) && (overwrite || !primitive.getAttribute("NORMAL")));
+    const work = listMeshes(document).map((listed) => {
+      const there = listed.filter(({ primitive }) => primitive.getAttribute("POSITION")?.getArray()).map((member) => ({ ...member, triangles: trianglesOf(member.primitive) }));
+      for (const { place } of there.filter(({ triangles }) => triangles === null)) logger.debug(`normals: ${place}: points or lines, which have no normals`);
+      const members = there.filter(({ triangles }) => triangles !== null), wanted = chosenOf(members);
+      if (wanted.length) at(wanted[0].place, () => morphNormals(norma, members, creased(edit, norma, members, computed), computed));
+      for (const { primitive } of members) done.add(primitive);
+      return wanted;
+    });
+    for (const member of work.flat()) writeNormals(edit, norma, member);
     edit.finish();
     logger.debug("normals: complete");
   });
@@ -201,7 +274,7 @@ function at(place, work) {
   try {
     return work();
   } catch (error) {
-    error.message = `${place}: ${error.message}`;
+    if (!error.message.startsWith("mesh ")) error.message = `${place}: ${error.message}`;
     throw error;
   }
 }
@@ -250,8 +323,7 @@ export function tangents(options) {
       if (triangles === null || !normal || !coordinates) { logger.debug(`tangents: ${place}: left as it is; it has no ${triangles === null ? "triangles" : normal ? `TEXCOORD_${set}` : "NORMAL"}`); continue; }
       const result = edit.once([position, normal, coordinates, primitive.getIndices(), mode], () => at(place, () => withTangents(norma, primitive, coordinates, triangles, computed)));
       const writeMorphs = morphTangents(edit, norma, primitive, coordinates, result, computed);
-      edit.ownTargets(primitive, result);
-      edit.setVertices(primitive, result, mode);
+      edit.setVertices(primitive, result, mode, result.indices);
       primitive.setAttribute("TANGENT", edit.store(before, result.values, "VEC4", position.getBuffer(), [result, "tangents"]));
       writeMorphs(primitive.listTargets());
     }
@@ -295,3 +367,14 @@ export function check(options) {
     await onReport?.(report);
   });
 }
+
+/* A configuration for the command line of glTF-Transform, which gets a command for all three. */
+export const config = {
+  onProgramReady({ program, io, Session }) {
+    program.command("normals", "Compute normals and tangents")
+      .argument("<input>", "the file to read").argument("<output>", "the file to write")
+      .option("--crease <degrees>", "edges that bend by more are hard", { default: 60 })
+      .action(({ args, options, logger }) => Session.create(io, logger, args.input, args.output)
+        .transform(normals({ crease: Number(options.crease) }), tangents(), check()));
+  },
+};
