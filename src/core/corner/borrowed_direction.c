@@ -55,8 +55,8 @@ uint32_t norma_core_longest_edge(const core_mesh *mesh, size_t face) {
 static uint32_t find_borrowed_from(const core_prepared_mesh *prepared, const core_star *star,
     const star_edge *flat, const edge_side *own, const edge_side *other) {
     const star_edge *partner = prepared->call->options.non_manifold == NORMA_NON_MANIFOLD_SMOOTH
-                                   ? norma_core_partners_of(star, flat, other).only
-                                   : norma_core_mutual_partner(star, flat, own, other);
+                                   ? norma_core_partners_of(flat, other).only
+                                   : norma_core_mutual_partner(flat, own, other);
     if (!partner || !(star->corners[partner->corner].flags & STAR_VOTES)) return UINT32_MAX;
     return star->corners[partner->corner].face;
 }

@@ -10,7 +10,6 @@
 #include "core/corner/star_edges.h"
 #include "core/call/sort.h"
 #include "core/face/triangle.h"
-#include "core/face/twin_key.h"
 
 typedef struct fin {
     double angle;
@@ -65,9 +64,8 @@ static double angle_in(const edge_frame *frame, const double normal[3]) {
 /* ---- joining */
 
 static void join_pair(const fin_set *f, const star_edge *out, const star_edge *back) {
-    if (!norma_core_are_partners(f->star, out, back) ||
-        norma_core_set_of(f->star->joined, out->corner) ==
-            norma_core_set_of(f->star->joined, back->corner))
+    if (!norma_core_are_partners(out, back) || norma_core_set_of(f->star->joined, out->corner) ==
+                                                   norma_core_set_of(f->star->joined, back->corner))
         return;
     if (norma_core_edge_is_smooth(f->prepared, f->star, out, back))
         norma_core_join_sets(f->star->joined, out->corner, back->corner);
@@ -161,7 +159,7 @@ static void join_group(fin_set *f, const edge_frame *frame, uint32_t group) {
 }
 
 /* Where no angle is asked, a face's partners are all of the other side that have a normal and are
- * not its twins: two of different keys reach all of them, and the face itself the rest. */
+ * not its twins: two of different keys reach all of them. */
 static void join_any_angle(
     const fin_set *f, const edge_side *own, const edge_side *other, int back) {
     for (size_t i = 0; i < own->count; i++) {
@@ -177,8 +175,6 @@ static void join_any_angle(
             }
             j = norma_core_first_not_below(other, partner->key, 1) - 1; /* on to the next key */
         }
-        const star_edge *again = norma_core_own_reverse(f->star, mine, other).first;
-        if (again) join_pair(f, back ? again : mine, back ? mine : again);
     }
 }
 

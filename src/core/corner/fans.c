@@ -1,7 +1,6 @@
 /* fans.c: which edges of a star are smooth, the fans that they join, and the counts of edges. */
 #include "core/corner/star_edges.h"
 #include "core/face/triangle.h"
-#include "core/face/twin_key.h"
 
 /* ---- counting */
 
@@ -18,10 +17,9 @@ static uint32_t least_begin(const core_star *star, const edge *e) {
     return first;
 }
 
-static int each_has_one_partner(
-    const core_star *star, const edge_side *side, const edge_side *other) {
+static int each_has_one_partner(const edge_side *side, const edge_side *other) {
     for (size_t i = 0; i < side->count; i++)
-        if (norma_core_partners_of(star, &side->edges[i], other).count != 1) return 0;
+        if (norma_core_partners_of(&side->edges[i], other).count != 1) return 0;
     return 1;
 }
 
@@ -32,8 +30,8 @@ typedef struct pairs {
 static void count_edge(const core_star *star, const edge *e, pairs pair, star_counts *counts) {
     const size_t faces = e->out.count + e->back.count;
     counts->edges.count++;
-    if (faces > 2 && !(each_has_one_partner(star, &e->out, &e->back) &&
-                         each_has_one_partner(star, &e->back, &e->out)))
+    if (faces > 2 &&
+        !(each_has_one_partner(&e->out, &e->back) && each_has_one_partner(&e->back, &e->out)))
         norma_core_count_one(&counts->non_manifold, least_begin(star, e));
     else if (faces == 2 && e->out.count != 1)
         norma_core_count_one(&counts->conflicts, least_begin(star, e));
@@ -69,7 +67,7 @@ static void join_all_partners(
     for (size_t i = 0; i < e->out.count; i++)
         for (size_t j = 0; j < e->back.count; j++) {
             const star_edge *out = &e->out.edges[i], *back = &e->back.edges[j];
-            if (!norma_core_are_partners(star, out, back) ||
+            if (!norma_core_are_partners(out, back) ||
                 norma_core_set_of(star->joined, out->corner) ==
                     norma_core_set_of(star->joined, back->corner))
                 continue;
@@ -83,7 +81,7 @@ static pairs join_only_partners(
     pairs pair = {0, 0};
     for (size_t i = 0; i < e->out.count; i++) {
         const star_edge *out = &e->out.edges[i];
-        const star_edge *back = norma_core_mutual_partner(star, out, &e->out, &e->back);
+        const star_edge *back = norma_core_mutual_partner(out, &e->out, &e->back);
         if (!back) continue;
         if (norma_core_edge_is_smooth(prepared, star, out, back)) {
             norma_core_join_sets(star->joined, out->corner, back->corner);
@@ -149,7 +147,7 @@ static int pair_up(const core_star *star, ordinary_star *o) {
         if (!backs) continue;
         if (norma_core_key_of_twin(star->corners[i].next_key) ==
             star->corners[o->back[i]].previous_key)
-            return 0; /* the face's twin, or the face again */
+            return 0; /* its twin */
         o->met[o->back[i]] = 1;
     }
     return 1;

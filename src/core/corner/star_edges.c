@@ -4,7 +4,6 @@
  * those that run the other way, less the range of those with its twins' key: found by bisection, so
  * that an edge of a million faces costs no more a face than one of two. */
 #include "core/corner/star_edges.h"
-#include "core/face/twin_key.h"
 
 /* ---- sorting: by the position at the other end, direction, key, order of corners */
 
@@ -79,52 +78,20 @@ size_t norma_core_first_not_below(const edge_side *side, uint64_t key, int above
     return low;
 }
 
-int norma_core_are_partners(const core_star *star, const star_edge *a, const star_edge *b) {
-    return b->key != norma_core_key_of_twin(a->key) ||
-           star->corners[a->corner].face == star->corners[b->corner].face;
-}
-
-/* The first of the key that is of the face or of a later one: corners ascend, and faces with them.
- */
-static size_t first_of_face(
-    const core_star *star, const edge_side *side, uint64_t key, uint64_t face) {
-    size_t low = norma_core_first_not_below(side, key, 0),
-           high = norma_core_first_not_below(side, key, 1);
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (star->corners[side->edges[middle].corner].face < face)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-edge_runs norma_core_own_reverse(
-    const core_star *star, const star_edge *own, const edge_side *other) {
-    const uint64_t face = star->corners[own->corner].face;
-    if (own->key != norma_core_key_of_twin(own->key)) return (edge_runs){NULL, 0};
-    const size_t first = first_of_face(star, other, own->key, face),
-                 last = first_of_face(star, other, own->key, face + 1);
-    return (edge_runs){first < last ? &other->edges[first] : NULL, last - first};
-}
-
-edge_partners norma_core_partners_of(
-    const core_star *star, const star_edge *own, const edge_side *other) {
+edge_partners norma_core_partners_of(const star_edge *own, const edge_side *other) {
     const uint64_t twin = norma_core_key_of_twin(own->key);
     const size_t begin = norma_core_first_not_below(other, twin, 0),
                  end = norma_core_first_not_below(other, twin, 1);
-    const edge_runs again = norma_core_own_reverse(star, own, other);
-    edge_partners partners = {other->count - (end - begin) + again.count, NULL};
-    if (partners.count == 1) /* twins lie together */
-        partners.only = again.count ? again.first : &other->edges[begin ? 0 : end];
+    edge_partners partners = {other->count - (end - begin), NULL};
+    if (partners.count == 1)
+        partners.only = &other->edges[begin ? 0 : end]; /* twins lie together */
     return partners;
 }
 
 const star_edge *norma_core_mutual_partner(
-    const core_star *star, const star_edge *own, const edge_side *side, const edge_side *other) {
-    const star_edge *partner = norma_core_partners_of(star, own, other).only;
-    return partner && norma_core_partners_of(star, partner, side).count == 1 ? partner : NULL;
+    const star_edge *own, const edge_side *side, const edge_side *other) {
+    const star_edge *partner = norma_core_partners_of(own, other).only;
+    return partner && norma_core_partners_of(partner, side).count == 1 ? partner : NULL;
 }
 
 edge norma_core_edge_at(const core_star *star, size_t begin, size_t *end) {

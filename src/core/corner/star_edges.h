@@ -2,6 +2,7 @@
 #ifndef NORMA_CORE_STAR_EDGES_H
 #define NORMA_CORE_STAR_EDGES_H
 #include "core/corner/vertex_star.h"
+#include "core/face/twin_key.h"
 
 typedef struct edge_side {
     const star_edge *edges;
@@ -19,27 +20,23 @@ void norma_core_sort_edges(core_star *star);
 /* The edge that begins at edges[begin]; *end is where the next one does. */
 edge norma_core_edge_at(const core_star *star, size_t begin, size_t *end);
 
-/* Two that run along it opposite ways are partners, unless one is the other's reversed twin:
- * another face of the same positions. A face that runs both ways is its own partner. */
-int norma_core_are_partners(const core_star *star, const star_edge *a, const star_edge *b);
+/* Two that run along it opposite ways are partners, unless one is the other's reversed twin: of the
+ * same positions in opposite order, back to back. A face that runs both ways is two there, each the
+ * other's partner (a slit); but of one that is its own reverse, as (a, b, c, b) is, they are twins.
+ */
+static inline int norma_core_are_partners(const star_edge *a, const star_edge *b) {
+    return b->key != norma_core_key_of_twin(a->key);
+}
 
 typedef struct edge_partners {
     size_t count;
     const star_edge *only; /* where there is just one, else NULL */
 } edge_partners;
 /* The partners of own among those that run the other way; by bisection. */
-edge_partners norma_core_partners_of(
-    const core_star *star, const star_edge *own, const edge_side *other);
-/* Of a face that is its own reverse: its runs among those that run the other way. */
-typedef struct edge_runs {
-    const star_edge *first; /* NULL: none */
-    size_t count;
-} edge_runs;
-edge_runs norma_core_own_reverse(
-    const core_star *star, const star_edge *own, const edge_side *other);
+edge_partners norma_core_partners_of(const star_edge *own, const edge_side *other);
 /* Each other's only one: that of own, or NULL. */
 const star_edge *norma_core_mutual_partner(
-    const core_star *star, const star_edge *own, const edge_side *side, const edge_side *other);
+    const star_edge *own, const edge_side *side, const edge_side *other);
 /* The first edge of the side with this key or a higher one; above: with a higher one. */
 size_t norma_core_first_not_below(const edge_side *side, uint64_t key, int above);
 

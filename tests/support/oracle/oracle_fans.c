@@ -78,10 +78,10 @@ static int are_twins(const oracle *o, size_t a, size_t b) {
     return read_backwards(o, a, b);
 }
 
-/* A face that runs twice along the edge is two there, and no twin of its own. */
+/* A face that runs twice along the edge is two there; they are twins where it is its own reverse.
+ */
 static int are_partners(const oracle *o, const half_edge *a, const half_edge *b) {
-    return a->upwards != b->upwards &&
-           (o->faces[a->corner] == o->faces[b->corner] || !are_twins(o, a->corner, b->corner));
+    return a->upwards != b->upwards && !are_twins(o, a->corner, b->corner);
 }
 
 static void add_pair(finder *s, const half_edge *a, const half_edge *b) {
