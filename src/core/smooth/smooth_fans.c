@@ -47,7 +47,8 @@ typedef struct corner_group {
 } corner_group;
 typedef void see_group(smooth_bin *b, const corner_group *g);
 
-/* The group that begins with this face, and with this corner of it. */
+/* The group that begins with this face, and with this corner of it. The tail of a face that has
+ * been begun is a part of it, however short. */
 static corner_group group_at(const core_mesh *mesh, size_t face, size_t end, size_t corner) {
     corner_group g = {.first = corner, .face = face};
     if (!mesh->face_starts) {
@@ -55,13 +56,11 @@ static corner_group group_at(const core_mesh *mesh, size_t face, size_t end, siz
         g.count = 3 * g.faces;
         return g;
     }
-    while (
-        face + g.faces < end && mesh->face_starts[face + g.faces + 1] - corner <= CORNERS_AT_ONCE)
+    while (corner == mesh->face_starts[face] && face + g.faces < end &&
+           mesh->face_starts[face + g.faces + 1] - corner <= CORNERS_AT_ONCE)
         g.faces++;
-    g.count = mesh->face_starts[face + g.faces] - corner;
-    if (g.faces) return g;
-    g.count = mesh->face_starts[face + 1] - corner;
-    g.count = g.count < CORNERS_AT_ONCE ? g.count : CORNERS_AT_ONCE;
+    g.count = mesh->face_starts[face + (g.faces ? g.faces : 1)] - corner;
+    if (g.count > CORNERS_AT_ONCE) g.count = CORNERS_AT_ONCE;
     return g;
 }
 
