@@ -189,6 +189,10 @@ if [ "$(grep -c '<section class="file"' farm.html)" -eq 19 ] && [ "$(grep -c "cl
 else
     fail "the page has each file, marked faces and what the rules mean" "$(grep -c '<section class="file"' farm.html) files, $(stat -c %s farm.html) bytes"
 fi
+# A corner that lies 1e38 sides of its neighbour away: of it only the direction shows, in numbers that a browser can draw.
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 3e38 1e38 0\nv 1e38 3e38 2e38\nvn 0 0 0\nvn 0 0 1\nf 1//1 2//2 3//2\nf 1//2 4//2 5//2\n' >far.obj
+norma check far.obj --no-config -o far.html >/dev/null 2>&1
+if grep -q "<path class='m' d='" far.html && ! grep -Eq "d='[^']*[0-9]{10}" far.html; then pass "a picture of distant corners keeps to small numbers"; else fail "a picture of distant corners keeps to small numbers" "$(grep -o "d='[^']*'" far.html)"; fi
 norma explain -o rules.html
 without=""
 for id in $(norma explain | cut -d ' ' -f 1); do

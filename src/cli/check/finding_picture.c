@@ -4,6 +4,7 @@
  * over all others, so that they are seen wherever they lie, and ringed if they are small; stored
  * normals of vertices that are named are lines. */
 #include "cli/check/finding_picture.h"
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -196,11 +197,24 @@ static void choose_radius(picture *drawn) {
     drawn->radius = 1.3 * sqrt(far_squared);
 }
 
+/* A million radii away: of such a corner only the direction shows, and pixels stay whole numbers.
+ */
+static void pull_near(double local[3], double radius) {
+    const double most = 1e6;
+    double far = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        local[axis] = fmax(-DBL_MAX, fmin(DBL_MAX, local[axis])); /* a difference overflows */
+        far = fmax(far, fabs(local[axis]));
+    }
+    if (far / radius <= most) return;
+    for (int axis = 0; axis < 3; ++axis) local[axis] = local[axis] / far * most * radius;
+}
+
 static void project(const picture *drawn, const double at[3], double *x, double *y, double *depth) {
     double local[3] = {at[0] - drawn->place[0], at[1] - drawn->place[1], at[2] - drawn->place[2]};
-    double scale = SIDE / 2.0 / drawn->radius;
-    *x = SIDE / 2.0 + scale * dot(local, drawn->right);
-    *y = SIDE / 2.0 - scale * dot(local, drawn->up);
+    pull_near(local, drawn->radius);
+    *x = SIDE / 2.0 + SIDE / 2.0 * (dot(local, drawn->right) / drawn->radius);
+    *y = SIDE / 2.0 - SIDE / 2.0 * (dot(local, drawn->up) / drawn->radius);
     *depth = dot(local, drawn->view);
 }
 
