@@ -42,6 +42,32 @@ holds norma.sarif 'with%20blank\|with blank'
 run_step 1 "models/ze*.obj" '' error
 run_step 0 models/zero.obj $'--ignore N1\n--no-config\n\n--max-samples 2' error
 run_step 0 models/zero.obj $'--no-config\n--select N3\n' error
+# The step before it finds its script in a folder with blanks.
+mkdir -p 'with blank/scripts' && printf '#!/bin/sh\necho "got $1 $2"\n' >'with blank/scripts/get-release.sh' && chmod +x 'with blank/scripts/get-release.sh'
+sed -nE "s/^      run: '?(.*[^'])'?\$/\1/p" "$root/action.yml" | head -n 1 >get.sh
+got=$(GITHUB_ACTION_PATH="$scratch/with blank" REPOSITORY=o/n TAG=v1 bash --noprofile --norc -eo pipefail get.sh 2>&1)
+if [ "$got" = "got o/n v1" ]; then pass "the path of the action may have blanks"; else fail "the path of the action may have blanks" "$got"; fi
+
+# The hooks of pre-commit, which runs the words of `entry` and then names of committed files: one that is called like an option is a file all the same.
+ln -s "$scratch/action/build/bin" bin
+mkdir -p repository outside
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n' >repository/good.obj
+named="--write-baseline=$scratch/outside/notes.obj"
+mkdir -p "repository/${named%/*}" && cp repository/good.obj "repository/$named"
+sed -n 's/^  entry: //p' "$root/.pre-commit-hooks.yaml" >entries
+while IFS= read -r entry; do
+    printf 'mine\n' >outside/notes.obj
+    status=0
+    # shellcheck disable=SC2086  # words
+    (cd repository && PATH=$scratch/bin:$PATH $entry good.obj "$named") >said 2>&1 </dev/null || status=$?
+    if [ $status -eq 0 ] && [ "$(cat outside/notes.obj)" = mine ] && grep -q 'in 0 of 2 files' said; then
+        pass "a file called like an option is checked: $entry"
+    else
+        fail "a file called like an option is checked: $entry" "status $status: $(cat said outside/notes.obj)"
+    fi
+done <entries
+check "there are two hooks" test "$(wc -l <entries)" -eq 2
+
 # The tool of a release, from a folder that stands for the releases: taken with the right checksum, refused with another.
 release=norma-$(sed -nE 's/^#define NORMA_VERSION_(MAJOR|MINOR|PATCH) +([0-9]+).*/\2/p' "$root/include/norma/norma.h" | paste -sd.)-linux-$(uname -m)
 mkdir -p got/scripts got/include/norma releases "made/$release/lib"
