@@ -237,52 +237,65 @@ int cli_find_inputs(const cli_subcommand *command, cli_files *files) {
 
 /* ---- lists */
 
-typedef struct left_out {
-    size_t unknown, missing;
-} left_out;
+typedef struct listed {
+    size_t unknown;     /* names of other formats */
+    cli_inputs missing; /* names of files that do not exist */
+} listed;
 
 /* A list comes from another program, such as git: it names all kinds of files, and some that were
- * deleted. */
+ * deleted. Its names are names, never patterns. */
 static int add_line(
-    const cli_subcommand *command, cli_files *files, const char *line, left_out *left) {
+    const cli_subcommand *command, cli_files *files, const char *line, listed *list) {
     struct stat status;
-    const int is_there = stat(line, &status) == 0;
+    const int is_there = stat(line, &status) == 0,
+              is_gone = !is_there && (errno == ENOENT || errno == ENOTDIR);
     if (is_there && S_ISDIR(status.st_mode)) return add_word(command, &files->inputs, line);
-    if (!files->format && !norma_file_format_of_path(line))
-        ++left->unknown;
-    else if (!is_there && (errno == ENOENT || errno == ENOTDIR)) {
-        if (strpbrk(line, "*?[")) return add_word(command, &files->inputs, line);
-        ++left->missing;
-    } else
-        return add_path(&files->inputs, strdup(line), base_of(line));
-    return CLI_OK;
+    if (!files->format && !norma_file_format_of_path(line)) {
+        ++list->unknown;
+        return CLI_OK;
+    }
+    return add_path(is_gone ? &list->missing : &files->inputs, strdup(line), base_of(line));
+}
+
+static int add_missing(cli_inputs *inputs, const cli_inputs *missing) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < missing->count && !status; ++i)
+        status = add_path(inputs, strdup(missing->paths[i]), missing->tails[i]);
+    return status;
 }
 
 static int read_lines(
-    const cli_subcommand *command, cli_files *files, const char *list, FILE *file) {
+    const cli_subcommand *command, cli_files *files, const char *name, FILE *file) {
     char *line = NULL;
     size_t capacity = 0;
     ssize_t length;
     int status = CLI_OK;
-    left_out left = {0};
+    listed list = {0};
+    const size_t before = files->inputs.count;
     errno = 0;
     while (status != CLI_USAGE && (length = getline(&line, &capacity, file)) >= 0) {
         while (length && (line[length - 1] == '\n' || line[length - 1] == '\r'))
             line[--length] = '\0';
         if (strcmp(line, "-") == 0)
-            status = cli_usage(command, "--files-from %s names standard input", list);
+            status = cli_usage(command, "--files-from %s names standard input", name);
         else if (length)
-            status = cli_worse(status, add_line(command, files, line, &left));
+            status = cli_worse(status, add_line(command, files, line, &list));
         errno = 0;
     }
     if (!status && !feof(file)) { /* also if memory is out */
-        cli_error("%s: cannot be read: %s", cli_input_name(list), strerror(errno));
+        cli_error("%s: cannot be read: %s", cli_input_name(name), strerror(errno));
         status = CLI_FILE;
     }
     free(line);
-    if (left.unknown + left.missing)
+    /* Deleted files are no fault as long as something is left. A list that leaves nothing to check
+     * must not look like a pass: its files are then reported as unreadable. */
+    const int is_all = files->inputs.count == before;
+    const size_t skipped = is_all ? 0 : list.missing.count;
+    if (list.unknown + skipped)
         cli_error("%s: %zu names skipped: %zu of other formats, %zu that do not exist",
-            cli_input_name(list), left.unknown + left.missing, left.unknown, left.missing);
+            cli_input_name(name), list.unknown + skipped, list.unknown, skipped);
+    if (is_all) status = cli_worse(status, add_missing(&files->inputs, &list.missing));
+    cli_inputs_free(&list.missing);
     return status;
 }
 
