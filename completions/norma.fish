@@ -96,6 +96,7 @@ complete -c norma -n "$check" -l profile -x -a 'render print generated' -d 'What
 complete -c norma -n "$check" -l strict -d 'Unit length to within 1e-4'
 complete -c norma -n "$check" -l config -r -F -d 'Configuration file'
 complete -c norma -n "$check" -l no-config -d 'Reads no configuration'
+complete -c norma -n "$check" -l trust-config -d 'Also reads configurations of other users'
 complete -c norma -n "$check" -l baseline -r -F -d 'Hides the findings in this file'
 complete -c norma -n "$check" -l write-baseline -r -F -d 'Records today\'s findings'
 complete -c norma -n "$check" -l format -x -a 'text line json sarif html' -d 'Format of the report'

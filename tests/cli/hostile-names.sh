@@ -123,6 +123,27 @@ mkfifo pipe.json
 check "a pipe in place of a configuration is refused at once" timeout 5 bash -c '"$0" check named.gltf --config pipe.json 2>&1 | grep -q "is not a regular file"' "$NORMA"
 mkdir linked && cp named.gltf linked && printf 'secret words' >elsewhere && ln -s ../elsewhere linked/.norma.json
 check "a configuration that is a link is refused, and nothing of it is quoted" bash -c '"$0" check linked/named.gltf >said 2>&1; [ $? = 2 ] && grep -q "is a symbolic link" said && ! grep -q secret said' "$NORMA"
+# A configuration of another user: ignored, said once, and what lies above it counts; --trust-config, --config and sudo's own caller have it obeyed; root's is everybody's.
+if [ "$(id -u)" -eq 0 ]; then
+    mkdir -p own/strange/a own/strange/b
+    cp named.gltf own/strange/a && cp named.gltf own/strange/b
+    echo '{"severity": {"N6": "error"}}' >own/.norma.json
+    echo '{"ignore": ["N"]}' >own/strange/.norma.json && chown 1001 own/strange/.norma.json
+    asked() { env -u SUDO_UID "$@" check own/strange --quiet; }
+    obeyed() { "$@" >said 2>errors; [ $? -eq 0 ] && ! grep -q 'another user' errors; }
+    ignored() { asked "$@" >said 2>errors; [ $? -eq 1 ] && [ "$(grep -c 'own/strange/.norma.json: ignored because it or its folder belongs to another user' errors)" -eq 1 ]; }
+    check "another user's configuration is ignored, one above it is not" ignored "$NORMA"
+    check "with --trust-config it is obeyed" obeyed "$NORMA" check own/strange --quiet --trust-config
+    check "with --config it is obeyed" obeyed "$NORMA" check own/strange --quiet --config own/strange/.norma.json
+    check "that of the caller of sudo is obeyed" obeyed env SUDO_UID=1001 "$NORMA" check own/strange --quiet
+    check "that of another than the caller of sudo is not" ignored env SUDO_UID=1002 "$NORMA"
+    chown 0 own/strange/.norma.json && chmod -R a+rX . && cp "$NORMA" tool
+    check "root's is obeyed by all" obeyed env python3 -c 'import os, sys; os.setuid(1001); os.execv("./tool", ["tool", "check", "own/strange", "--quiet"])'
+    chown 1001 own/strange
+    check "nor is one in a folder of another user" ignored "$NORMA"
+else
+    skip "configurations of other users: only root can make one"
+fi
 check "a line that does not exist is not told" bash -c '! "$0" check named.gltf --config no.json 2>&1 | grep -q -- ":-1"' "$NORMA"
 if "$NORMA" view named.gltf -o page.html >/dev/null 2>&1; then
     cp named.gltf "$odd.gltf"

@@ -35,6 +35,7 @@ static const char help[] =
     "  --config FILE         reads this configuration (.norma.json in the file's folder, or in\n"
     "                        the nearest folder above that has one)\n"
     "  --no-config           reads no configuration\n"
+    "  --trust-config        also reads a .norma.json that belongs to another user\n"
     "  --baseline FILE       hides the findings recorded in FILE, unless they got worse\n"
     "  --write-baseline FILE records today's findings in FILE\n"
     "\n"
@@ -90,7 +91,7 @@ typedef struct check_work {
     check_settings settings;
     const check_format *format;
     const char *config, *baseline, *new_baseline;
-    int no_config;
+    check_config_trust trust;
     cli_color_mode color;
     size_t shard, shards; /* shards 0: all files */
     cli_files files; /* the words, --input-format, and where the report or what is mended goes */
@@ -149,7 +150,13 @@ static const char *set_config(void *settings, const char *value) {
 
 static const char *set_no_config(void *settings, const char *value) {
     (void)value;
-    ((check_work *)settings)->no_config = 1;
+    ((check_work *)settings)->trust = CHECK_CONFIG_NONE;
+    return NULL;
+}
+
+static const char *set_trust_config(void *settings, const char *value) {
+    (void)value;
+    ((check_work *)settings)->trust = CHECK_CONFIG_ANY;
     return NULL;
 }
 
@@ -246,6 +253,7 @@ static const cli_option options[] = {
     {"strict", 0, 0, set_strict},
     {"config", 0, 1, set_config},
     {"no-config", 0, 0, set_no_config},
+    {"trust-config", 0, 0, set_trust_config},
     {"baseline", 0, 1, set_baseline},
     {"write-baseline", 0, 1, set_new_baseline},
     {"format", 0, 1, set_format},
@@ -269,7 +277,8 @@ static void choose_command_options(check_work *work) {
     if (work->settings.profile)
         *option++ = "--profile", *option++ = check_profile_name(work->settings.profile);
     if (work->settings.strict) *option++ = "--strict";
-    if (work->no_config) *option++ = "--no-config";
+    if (work->trust == CHECK_CONFIG_NONE) *option++ = "--no-config";
+    if (work->trust == CHECK_CONFIG_ANY) *option++ = "--trust-config";
     if (work->config) *option++ = "--config", *option++ = work->config;
     if (work->files.format)
         *option++ = "--input-format", *option++ = norma_file_format_name(work->files.format);
@@ -292,7 +301,7 @@ static int read_options(
     if (!work->format && work->files.output && !work->settings.fix)
         work->format = check_format_of_name(work->files.output);
     if (!work->format) work->format = &check_format_text;
-    if (work->config && work->no_config)
+    if (work->config && work->trust == CHECK_CONFIG_NONE)
         return cli_usage(command, "--config and --no-config exclude each other");
     if (work->baseline && work->new_baseline)
         return cli_usage(command, "--baseline and --write-baseline exclude each other");
@@ -413,7 +422,7 @@ static int find_inputs(const cli_subcommand *command, check_work *work) {
 }
 
 static int check_all(const cli_subcommand *command, check_work *work) {
-    check_configs *configs = check_configs_new(work->config, work->no_config, work->files.guard);
+    check_configs *configs = check_configs_new(work->config, work->trust, work->files.guard);
     if (work->baseline) cli_guard_read(work->files.guard, work->baseline);
     int status = !configs              ? cli_out_of_memory()
                  : open_baseline(work) ? find_inputs(command, work)

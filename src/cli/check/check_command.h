@@ -31,8 +31,14 @@ typedef struct check_config {
 } check_config;
 
 typedef struct check_configs check_configs; /* those read so far, by folder */
-/* named: --config FILE, NULL: found upward from each file; none: --no-config. */
-check_configs *check_configs_new(const char *named, int none, cli_guard *guard);
+/* Which are obeyed of those that nobody named: the user's own, --no-config, --trust-config. */
+typedef enum check_config_trust {
+    CHECK_CONFIG_OWN,
+    CHECK_CONFIG_NONE,
+    CHECK_CONFIG_ANY
+} check_config_trust;
+/* named: --config FILE, NULL: found upward from each file. */
+check_configs *check_configs_new(const char *named, check_config_trust trust, cli_guard *guard);
 void check_configs_free(check_configs *configs);
 /* The configuration of a file. NULL: one that cannot be read, which has been said. */
 const check_config *check_config_of(check_configs *configs, const char *path);

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 typedef struct config_entry {
     char *folder; /* where files are that it is for */
@@ -22,12 +23,14 @@ typedef struct config_entry {
 
 struct check_configs {
     const char *named;
-    int none;
+    check_config_trust trust;
     cli_guard *guard;
     check_config **configs; /* each read once */
     size_t config_count;
     config_entry *entries;
     size_t entry_count;
+    char **strange; /* those of other users, each told once */
+    size_t strange_count;
     check_config empty;
 };
 
@@ -283,14 +286,56 @@ static int is_link(const char *path, const struct stat *status) {
     return 1;
 }
 
+/* Whose configurations are obeyed: the user's, the system's, and through sudo those of who called
+ * it. */
+static int is_trusted_owner(uid_t owner) {
+    const char *caller = getenv("SUDO_UID");
+    char *end = NULL;
+    if (owner == 0 || owner == geteuid()) return 1;
+    if (geteuid() != 0 || !caller || !caller[0]) return 0;
+    const unsigned long number = strtoul(caller, &end, 10);
+    return *end == '\0' && number == (unsigned long)owner;
+}
+
+/* Each is told once, however many folders lie below it. 0: out of memory. */
+static int tell_strange(check_configs *configs, const char *path) {
+    for (size_t i = 0; i < configs->strange_count; ++i)
+        if (strcmp(configs->strange[i], path) == 0) return 1;
+    char **grown = realloc(configs->strange, (configs->strange_count + 1) * sizeof *grown);
+    if (grown) configs->strange = grown;
+    if (!grown || !(grown[configs->strange_count] = strdup(path))) return 0;
+    ++configs->strange_count;
+    cli_error("%s: ignored because it or its folder belongs to another user; --trust-config or "
+              "--config FILE uses it",
+        path);
+    return 1;
+}
+
+/* As git does with repositories (safe.directory): in a folder that many can write to, anybody could
+ * silence the findings of all others. *trusted: 0 where it is passed over. 0: out of memory. */
+static int judge_owner(check_configs *configs, const char *folder, const char *path,
+    const struct stat *file, int *trusted) {
+    struct stat status;
+    *trusted = configs->trust == CHECK_CONFIG_ANY ||
+               (is_trusted_owner(file->st_uid) && stat(folder[0] ? folder : "/", &status) == 0 &&
+                   is_trusted_owner(status.st_uid));
+    return *trusted || tell_strange(configs, path);
+}
+
 /* Looks in folder (absolute, without its last slash) and above. *found stays NULL if no file
  * exists. Returns 0 if one exists and cannot be read. */
 static int find_upward(check_configs *configs, char *folder, check_config **found) {
     for (;;) {
         char *slash, path[4200];
         struct stat status;
+        int trusted = 0;
         snprintf(path, sizeof path, "%s/.norma.json", folder);
-        if (strlen(folder) < 4096 && lstat(path, &status) == 0) {
+        if (strlen(folder) < 4096 && lstat(path, &status) == 0 &&
+            !judge_owner(configs, folder, path, &status, &trusted)) {
+            without_memory();
+            return 0;
+        }
+        if (trusted) {
             *found = is_link(path, &status) ? NULL : add_config(configs, path);
             return *found != NULL;
         }
@@ -314,11 +359,11 @@ static check_config *config_of_folder(check_configs *configs, const char *folder
     return found;
 }
 
-check_configs *check_configs_new(const char *named, int none, cli_guard *guard) {
+check_configs *check_configs_new(const char *named, check_config_trust trust, cli_guard *guard) {
     check_configs *configs = calloc(1, sizeof *configs);
     if (!configs) return NULL;
     configs->named = named;
-    configs->none = none;
+    configs->trust = trust;
     configs->guard = guard;
     if (named) cli_guard_read(guard, named);
     configs->empty.strict = configs->empty.fail_on = -1;
@@ -329,6 +374,8 @@ void check_configs_free(check_configs *configs) {
     if (!configs) return;
     for (size_t i = 0; i < configs->config_count; ++i) free_config(configs->configs[i]);
     for (size_t i = 0; i < configs->entry_count; ++i) free(configs->entries[i].folder);
+    for (size_t i = 0; i < configs->strange_count; ++i) free(configs->strange[i]);
+    free(configs->strange);
     free(configs->configs);
     free(configs->entries);
     free(configs);
@@ -347,7 +394,7 @@ static const check_config *remember(check_configs *configs, char *folder, check_
 }
 
 const check_config *check_config_of(check_configs *configs, const char *path) {
-    if (configs->none) return &configs->empty;
+    if (configs->trust == CHECK_CONFIG_NONE) return &configs->empty;
     if (configs->named) return add_config(configs, configs->named);
     char *folder = folder_of(path);
     if (!folder) return without_memory();
