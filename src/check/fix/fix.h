@@ -57,7 +57,7 @@ typedef struct fix_mesh {
     size_t finding_count;
     norma_mesh_edit *edit; /* its arrays are the mender's */
     const uint8_t *turned; /* faces of bodies that are reversed as a whole; NULL: none */
-    const uint8_t *sides;  /* of each face, as norma_core_judge_sides has it; NULL: not asked for */
+    const uint8_t *sides;  /* of each face, as core_side_judge has it; NULL: not asked for */
     const float
         *smooth; /* of each vertex, at seams of several primitives; NULL: of this one alone */
     /* Made when first needed. */

@@ -2,7 +2,7 @@
  * what is far from the surface, facets that differ from their winding, seams. New ones come from
  * the surface, by the weight and crease that the others show. */
 #include "check/fix/fix.h"
-#include "core/orient/orient.h"
+#include "check/rules/mesh_rules.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -148,22 +148,25 @@ static norma_result turn_sides(fix_mesh *m) {
 
 /* ---- facets */
 
-/* The facet is shown to be turned, and its normal is not: that is for N302 and N304 to mend. */
-static int is_winding_wrong(const fix_mesh *m, size_t facet) {
+/* A normal on the other side of a facet that is not turned back is left: 1 where it is right, as
+ * the facet is shown to be turned, which is for N301, N302 and N304 to mend; 2 where nothing shows
+ * which of both is wrong, and it is nearly the opposite of the winding. */
+static int why_left(const fix_mesh *m, size_t facet) {
     double normal[3];
-    const int turned =
-        (m->sides[facet] & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)) == CORE_SIDE_TURNED;
-    if (!turned || (m->edit->reverse_faces && m->edit->reverse_faces[facet])) return 0;
+    if (m->edit->reverse_faces && m->edit->reverse_faces[facet]) return 0;
     norma_fix_normal(m, facet, normal);
-    return norma_check_dot(m->face_normals + 3 * facet, normal) < 0;
+    const double dot = norma_check_dot(m->face_normals + 3 * facet, normal),
+                 length = norma_core_length(normal);
+    if (!(dot < 0)) return 0;
+    if (m->sides[facet] & CORE_SIDE_UNDECIDED) return dot <= -CHECK_LEAN_COSINE * length ? 2 : 0;
+    return m->sides[facet] & CORE_SIDE_TURNED ? 1 : 0;
 }
 
-static void note_right(const fix_mesh *m, size_t facets) {
+static void note_left(const fix_mesh *m, size_t facets, const char *why) {
     char text[CHECK_MESSAGE];
-    norma_check_message(text,
-        "N205 facet-normal-mismatch is not fixed for %z facet%s: there the winding is wrong and "
-        "the normal is right (N301, N302)",
-        facets, norma_check_plural(facets));
+    if (!facets) return;
+    norma_check_message(text, "N205 facet-normal-mismatch is not fixed for %z facet%s: %s", facets,
+        norma_check_plural(facets), why);
     norma_fix_note(m->plan, text);
 }
 
@@ -176,13 +179,15 @@ static norma_result rewrite_facets(fix_mesh *m) {
         free(marks);
         return made;
     }
-    size_t right = 0;
-    for (size_t f = 0; f < m->mesh.face_count && any > 0; f++)
-        if (marks[f] && m->sides && is_winding_wrong(m, f)) {
-            marks[f] = 0;
-            right++;
-        }
-    if (right) note_right(m, right);
+    size_t left[3] = {0};
+    for (size_t f = 0; f < m->mesh.face_count && any > 0 && m->sides; f++) {
+        const int why = marks[f] ? why_left(m, f) : 0;
+        left[why]++;
+        if (why) marks[f] = 0;
+    }
+    note_left(m, left[1], "there the winding is wrong and the normal is right (N301, N302)");
+    note_left(m, left[2],
+        "neither volume nor rays nor neighbours show whether the normal or the winding is wrong");
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : any > 0 ? recompute(m, marks) : NORMA_OK;
     free(marks);
     return result;

@@ -3,6 +3,7 @@
  * open. Rays say nothing of a material that is seen from both sides. The primitives of a glTF mesh
  * are looked at together. */
 #include "check/fix/fix.h"
+#include "check/rules/mesh_rules.h"
 #include "core/orient/orient.h"
 #include <stdlib.h>
 #include <string.h>
@@ -42,16 +43,34 @@ static norma_document_result share_out(
     return result;
 }
 
-norma_document_result norma_fix_sides(const fix_group *group, norma_result *how) {
-    fix_whole whole;
+/* Those of an STL by their stored normals, where nothing else decides. */
+static norma_document_result judge_whole(fix_whole *whole, uint8_t *sides, norma_result *how) {
+    const fix_group *group = whole->group;
     const norma_options options = {
         .struct_size = sizeof options, .threads = group->request->options.threads};
+    core_side_judge judge;
+    norma_mesh_info info;
+    norma_mesh_data data;
+    norma_document_result result =
+        norma_document_mesh_info(group->document, group->indices[0], &info);
+    if (!result)
+        result = norma_document_mesh_data(group->document, group->indices[0], &data, group->error);
+    if (result || !whole->face_count) return result;
+    *how = norma_core_side_judge_open(&whole->mesh, &options, &judge);
+    if (*how) return result;
+    *how = norma_core_side_judge_ask(&judge, 0, whole->face_count, NULL, sides);
+    if (!*how && info.normals == NORMA_NORMALS_PER_FACET)
+        *how = norma_check_sides_by_facets(&judge, &data.normals, sides);
+    norma_core_side_judge_close(&judge);
+    return result;
+}
+
+norma_document_result norma_fix_sides(const fix_group *group, norma_result *how) {
+    fix_whole whole;
     norma_document_result result = norma_fix_open_whole(group, &whole, how);
     uint8_t *sides = !result && !*how ? malloc(whole.face_count + 1) : NULL;
-    if (!result && !*how)
-        *how = sides && norma_fix_join(&whole)
-                   ? norma_core_judge_sides(&whole.mesh, &options, sides)
-                   : NORMA_ERROR_MEMORY;
+    if (!result && !*how && !(sides && norma_fix_join(&whole))) *how = NORMA_ERROR_MEMORY;
+    if (!result && !*how) result = judge_whole(&whole, sides, how);
     if (!result && !*how) result = share_out(&whole, sides, how);
     norma_fix_close_whole(&whole);
     free(sides);

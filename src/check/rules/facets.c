@@ -13,7 +13,8 @@ static const double LEAST_SHARE = .001;               /* of the area: below it, 
 typedef struct facet_pass {
     const check_mesh *m;
     check_facets *parts;
-    uint8_t *behind; /* of each face: its normal is on the other side; or NULL */
+    uint8_t *behind; /* of each face: 1: its normal is on the other side; 2: nearly the opposite of
+                        its winding; or NULL */
 } facet_pass;
 
 /* A facet that is degenerate has no direction to compare with; its zero normal is as right as any.
@@ -33,7 +34,8 @@ static void judge_facet(const facet_pass *pass, check_facets *part, size_t facet
         part->zeros++;
         norma_check_hit(m->run, &part->hits, NAN, norma_check_face(facet));
     } else if (cosine < NEAR_COSINE) {
-        if (pass->behind) pass->behind[facet] = cosine < 0;
+        if (pass->behind)
+            pass->behind[facet] = (uint8_t)((cosine < 0) + (cosine <= -CHECK_LEAN_COSINE));
         norma_check_hit(m->run, &part->hits,
             norma_check_arc_cosine(fmax(cosine, -1)) * (180 / 3.141592653589793),
             norma_check_face(facet));
@@ -45,23 +47,23 @@ static void judge_facets(void *context, size_t block, size_t begin, size_t end) 
     for (size_t f = begin; f < end; f++) judge_facet(pass, &pass->parts[block], f);
 }
 
-/* How many facets are wound wrongly while their normals are right: no fix of normals is for them.
- */
-static norma_result count_turned(check_mesh *m, const uint8_t *behind, size_t *count) {
+/* Those that no fix of normals is for: wound wrongly while their normals are right, or perhaps. */
+static norma_result count_turned(check_mesh *m, const uint8_t *behind, check_facets *sum) {
     const size_t faces = m->mesh.face_count;
-    *count = 0;
-    if (!memchr(behind, 1, faces)) return NORMA_OK;
+    if (!memchr(behind, 1, faces) && !memchr(behind, 2, faces)) return NORMA_OK;
     uint8_t *sides = norma_core_allocate(&m->run->call, faces, 1);
     const norma_result result = sides ? norma_check_sides(m, behind, sides) : NORMA_ERROR_MEMORY;
-    for (size_t f = 0; !result && f < faces; f++)
-        *count += behind[f] && norma_check_is_turned(sides[f]);
+    for (size_t f = 0; !result && f < faces; f++) {
+        sum->turned += behind[f] && norma_check_is_turned(sides[f]);
+        sum->undecided += behind[f] > 1 && sides[f] & CORE_SIDE_UNDECIDED;
+    }
     norma_core_release(&m->run->call, sides, faces, 1);
     return result;
 }
 
 norma_result norma_check_facets_add(check_mesh *m, check_facets *sum) {
     check_hits *hits = &sum->hits;
-    const size_t zeros = sum->zeros, turned = sum->turned;
+    const size_t zeros = sum->zeros, turned = sum->turned, undecided = sum->undecided;
     char message[CHECK_MESSAGE];
     const int matters = sum->twice_area >= LEAST_SHARE * sum->whole_area;
     if (!hits->count) return NORMA_OK;
@@ -79,6 +81,11 @@ norma_result norma_check_facets_add(check_mesh *m, check_facets *sum) {
             "%z of %z facet normals disagree with the winding, by up to %g degrees; there the "
             "winding is wrong and the normals are right (N301, N302)",
             hits->count, m->mesh.face_count, hits->worst);
+    else if (turned + undecided == hits->count)
+        norma_check_message(message,
+            "%z of %z facet normals disagree with the winding, by up to %g degrees; neither volume "
+            "nor rays nor neighbours show for %z of them which is wrong",
+            hits->count, m->mesh.face_count, hits->worst, undecided);
     else
         norma_check_message(message,
             "%z of %z facet normals disagree with the winding, by up to %g degrees; some readers "
@@ -89,7 +96,7 @@ norma_result norma_check_facets_add(check_mesh *m, check_facets *sum) {
             .severity = matters ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .unit = "deg",
             .no_value = zeros == hits->count,
-            .no_fix = turned == hits->count,
+            .no_fix = turned + undecided == hits->count,
             .hits = hits,
             .message = message});
 }
@@ -126,7 +133,7 @@ norma_result norma_check_facets(check_mesh *m) {
     if (!behind) return NORMA_ERROR_MEMORY;
     memset(behind, 0, faces);
     norma_result result = norma_check_facets_look(m, &sum, behind);
-    if (!result) result = count_turned(m, behind, &sum.turned);
+    if (!result) result = count_turned(m, behind, &sum);
     norma_core_release(call, behind, faces, 1);
     if (!result && sum.hits.count) sum.whole_area = norma_check_add_areas(m, 0);
     if (!result) result = norma_check_facets_add(m, &sum);

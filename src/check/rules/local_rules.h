@@ -14,11 +14,11 @@ norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum);
 norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, size_t idle);
 
 /* facets.c: N205. behind: NULL, or a mark for each face whose normal is on its other side. The
- * caller fills whole_area (twice the area of all faces) and turned (facets whose winding is known
- * to be wrong). */
+ * caller fills whole_area (twice the area of all faces), turned (facets whose winding is known to
+ * be wrong) and undecided (it may be). */
 typedef struct check_facets {
     check_hits hits;
-    size_t zeros, turned;
+    size_t zeros, turned, undecided;
     double twice_area, whole_area; /* twice_area: of those that were hit */
 } check_facets;
 norma_result norma_check_facets_look(check_mesh *m, check_facets *sum, uint8_t *behind);

@@ -35,6 +35,11 @@ norma_result norma_check_is_of_another_frame(check_mesh *m, int *is);
  * matters. sides: of each face of the mesh. */
 norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides);
 void norma_check_sides_drop(check_run *run);
+/* Of an STL's facets whose sides neither volume nor rays decide: a normal within 25 degrees of its
+ * winding, or of its winding's opposite, that agrees with its neighbours' says which it is. */
+#define CHECK_LEAN_COSINE 0.9063077870366499
+norma_result norma_check_sides_by_facets(
+    const core_side_judge *judge, const norma_vec3_view *normals, uint8_t *sides);
 int norma_check_is_turned(uint8_t side); /* shown to be, not only different from most */
 /* After that: how many faces are shown to be turned, of those and of all in components whose faces
  * do not agree. */

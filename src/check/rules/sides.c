@@ -1,7 +1,9 @@
 /* sides.c: which of the faces that somebody doubts are turned (core/orient/sides.c), with the
  * primitives of a glTF mesh looked at together. Rays say nothing of a material that is seen from
- * both sides. */
+ * both sides. Where neither volume nor rays say anything, the stored normals of facets do: a
+ * program that turns a facet seldom turns its normal. */
 #include "check/rules/mesh_rules.h"
+#include <math.h>
 #include <string.h>
 
 /* All primitives as one mesh; they are triangles. */
@@ -63,6 +65,70 @@ static size_t first_face(const check_mesh *m) {
     return first;
 }
 
+/* ---- stored normals of facets as evidence */
+
+/* 1: the stored normal is the winding's, nearly; -1: its opposite; 0: neither, or unknown. */
+static signed char lean_of(const core_mesh *mesh, size_t facet, const norma_vec3_view *normals) {
+    core_face geometry;
+    double n[3];
+    norma_core_face_geometry(mesh, facet, &geometry);
+    norma_view_read(normals, facet, n);
+    const double square = norma_core_dot(n, n);
+    if (!(geometry.flags & CORE_FACE_DIRECTED) || !(square > 1e-12 && square < INFINITY)) return 0;
+    const double cosine = norma_core_dot(geometry.normal, n) / sqrt(square);
+    return cosine >= CHECK_LEAN_COSINE ? 1 : cosine <= -CHECK_LEAN_COSINE ? -1 : 0;
+}
+
+/* Above zero: the stored normals of more of its neighbours point to the same side of the surface as
+ * its own does than to the other; below: of fewer. */
+static int agreement(const core_topology *t, size_t facet, const signed char *leans) {
+    int sum = 0;
+    for (size_t c = 3 * facet; c < 3 * facet + 3; c++) {
+        const uint32_t partner = t->partners[c];
+        if (partner < CORE_EDGE_SPECIAL)
+            sum += leans[facet] * leans[partner / 3];
+        else if (partner == CORE_EDGE_CONFLICT)
+            sum -= leans[facet] * leans[t->others[c] / 3];
+    }
+    return sum;
+}
+
+/* A normal that its neighbours contradict is wrong itself, if it is the opposite of its winding. */
+static uint8_t side_by_facets(
+    const core_topology *t, size_t facet, const signed char *leans, uint8_t side) {
+    const int sum = agreement(t, facet, leans);
+    if (sum > 0) return leans[facet] < 0 ? CORE_SIDE_TURNED : 0;
+    return sum < 0 && leans[facet] < 0 ? 0 : side;
+}
+
+/* Of a facet that nobody asked about, rays might say something still. */
+static int was_asked(const core_side_judge *j, size_t facet) {
+    const uint32_t piece = j->pieces.of[facet], part = j->parts.of[facet];
+    return piece != UINT32_MAX && part != UINT32_MAX &&
+           (j->known[piece] || j->parts.each[part].flags == 0);
+}
+
+norma_result norma_check_sides_by_facets(
+    const core_side_judge *j, const norma_vec3_view *normals, uint8_t *sides) {
+    const core_topology *t = &j->topology;
+    const size_t count = t->mesh.face_count < normals->count ? t->mesh.face_count : normals->count;
+    size_t undecided = 0;
+    for (size_t f = 0; f < count; f++)
+        undecided += sides[f] & CORE_SIDE_UNDECIDED && was_asked(j, f);
+    if (!undecided) return NORMA_OK;
+    signed char *leans = norma_core_allocate(&j->call, t->mesh.face_count, sizeof *leans);
+    if (!leans) return NORMA_ERROR_MEMORY;
+    memset(leans, 0, t->mesh.face_count * sizeof *leans);
+    for (size_t f = 0; f < count; f++) leans[f] = lean_of(&t->mesh, f, normals);
+    for (size_t f = 0; f < count; f++)
+        if (sides[f] & CORE_SIDE_UNDECIDED && was_asked(j, f))
+            sides[f] = side_by_facets(t, f, leans, sides[f]);
+    norma_core_release(&j->call, leans, t->mesh.face_count, sizeof *leans);
+    return NORMA_OK;
+}
+
+/* ---- asking */
+
 int norma_check_is_turned(uint8_t side) {
     return (side & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)) == CORE_SIDE_TURNED;
 }
@@ -84,7 +150,10 @@ norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sid
         memset(sides, 0, m->mesh.face_count);
         asked = sides;
     }
-    return result ? result
-                  : norma_core_side_judge_ask(
-                        &m->run->group->judge, first, m->mesh.face_count, asked, sides);
+    if (!result)
+        result = norma_core_side_judge_ask(
+            &m->run->group->judge, first, m->mesh.face_count, asked, sides);
+    return result || m->given->info.normals != NORMA_NORMALS_PER_FACET
+               ? result
+               : norma_check_sides_by_facets(&m->run->group->judge, &m->given->data.normals, sides);
 }

@@ -45,8 +45,4 @@ norma_result norma_core_side_judge_open(
 norma_result norma_core_side_judge_ask(
     core_side_judge *judge, size_t first, size_t count, const uint8_t *asked, uint8_t *sides);
 void norma_core_side_judge_close(core_side_judge *judge);
-
-/* Of all faces. */
-norma_result norma_core_judge_sides(
-    const norma_mesh *mesh, const norma_options *options, uint8_t *sides);
 #endif

@@ -119,16 +119,3 @@ norma_result norma_core_side_judge_ask(
     for (size_t f = 0; f < count && result == NORMA_OK; f++) sides[f] = side_of(judge, first + f);
     return result;
 }
-
-norma_result norma_core_judge_sides(
-    const norma_mesh *mesh, const norma_options *options, uint8_t *sides) {
-    core_side_judge judge;
-    core_mesh checked;
-    norma_result result = norma_core_mesh_shape(mesh, &checked);
-    if (result != NORMA_OK || !checked.face_count) return result;
-    result = norma_core_side_judge_open(mesh, options, &judge);
-    if (result != NORMA_OK) return result;
-    result = norma_core_side_judge_ask(&judge, 0, checked.face_count, NULL, sides);
-    norma_core_side_judge_close(&judge);
-    return result;
-}

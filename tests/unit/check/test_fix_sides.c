@@ -194,6 +194,63 @@ static void normals_of_facets_that_are_right_stay(void **state) {
     }
 }
 
+/* A sheet of 72 facets, of which neither volume nor rays say which side is outside; above it two
+ * facets that touch nothing. state: of each facet '.': right, 't': wound the other way round, 'n':
+ * its normal is the opposite of what it was. */
+enum { ACROSS = 6, FACETS = 2 * ACROSS * ACROSS + 2 };
+static unsigned char *sheet(const char *state, size_t *size) {
+    unsigned char *stl = calloc(1, 84 + 50 * FACETS);
+    assert_non_null(stl);
+    stl[80] = FACETS;
+    for (int f = 0; f < FACETS; f++) {
+        static const int halves[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
+        const int x = f / 2 % ACROSS, y = f / 2 / ACROSS, turned = state[f] == 't';
+        float facet[4][3] = {{0, 0, state[f] == 'n' ? -1.0F : 1.0F}};
+        for (int k = 0; k < 3; k++) {
+            const int *at = halves[f % 2][turned ? (3 - k) % 3 : k];
+            facet[1 + k][0] = (float)(x + at[0] + (f == FACETS - 1 ? 8 : 0));
+            facet[1 + k][1] = (float)(y + at[1] + (f >= FACETS - 2 ? 2 : 0));
+        }
+        memcpy(stl + 84 + 50 * f, facet, sizeof facet);
+    }
+    *size = 84 + 50 * FACETS;
+    return stl;
+}
+
+static void sheet_becomes(const char *state, const char *rules, const char *wanted) {
+    size_t size, fixed_size;
+    unsigned char *before = sheet(state, &size), *after = sheet(wanted, &size);
+    norma_document *document = scene_reopen(before, size, "a.stl");
+    assert_int_equal(fix(document, rules), memcmp(before, after, size) != 0);
+    unsigned char *fixed = scene_output(document, &fixed_size);
+    assert_int_equal(fixed_size, size);
+    assert_memory_equal(fixed, after, size);
+    norma_document_close(document);
+    free(fixed);
+    free(before);
+    free(after);
+}
+
+/* Stored normals say which facets are turned, where nothing else does; a normal that its
+ * neighbours' contradict is wrong itself; of a facet by itself nothing says which of both is wrong.
+ */
+static void stored_normals_are_evidence(void **state) {
+    (void)state;
+    static const char
+        right[] = "..........................................................................",
+        turned[] = "..t..tt.......t.....ttt............tt...........t...........t...........t.",
+        back[] = "........................................................................t.",
+        mixed[] = "..t..tt.....n.t.....ttt.....n......tt...........t.......n...t.........n.tn",
+        lone[] = "........................................................................tn",
+        half[] = "..t..tt.......t.....ttt............tt...........t...........t...........tn";
+    assert_int_equal(sizeof right, FACETS + 1);
+    sheet_becomes(turned, "N205", turned);
+    sheet_becomes(turned, "N301", back);
+    sheet_becomes(mixed, "N205", half);
+    sheet_becomes(mixed, "N205,N301", lone);
+    sheet_becomes(right, "N205,N301", right);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_wrong_is_turned),
@@ -201,6 +258,7 @@ int main(void) {
         cmocka_unit_test(what_is_undecided_stays),
         cmocka_unit_test(a_double_sided_material_stays),
         cmocka_unit_test(normals_of_facets_that_are_right_stay),
+        cmocka_unit_test(stored_normals_are_evidence),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
