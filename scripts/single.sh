@@ -75,8 +75,8 @@ body() { # FILE: without includes of ours
  * Define any of these to leave out what is not needed, and its functions with it:
  *     NORMA_WITHOUT_ORIENT     norma_orient, norma_reverse_winding
  *     NORMA_WITHOUT_PLANS      norma_plan_*, and morph targets, which use them
- *     NORMA_WITHOUT_MORPHS     norma_morph_normals
- *     NORMA_WITHOUT_TANGENTS   norma_corner_tangents, norma_split_tangents, norma_tangent_plan_*
+ *     NORMA_WITHOUT_MORPHS     norma_morph_normals, norma_morph_deltas
+ *     NORMA_WITHOUT_TANGENTS   norma_corner_tangents, norma_split_tangents, norma_build, norma_tangent_plan_*
  *     NORMA_WITHOUT_AVX512     code for AVX-512; AVX2 does the same work
  *
 HEAD

@@ -398,6 +398,26 @@ NORMA_API norma_result norma_split(const norma_mesh *mesh, float crease_angle_ra
     uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count,
     norma_report *report);
 
+/* Output buffers of norma_split_mesh. The caller owns the arrays; each may be NULL. */
+typedef struct norma_split_output {
+    uint32_t *corners;         /* written: the new vertex of each corner; not mesh->corners */
+    size_t corner_capacity;    /* corners that fit */
+    uint32_t *source_vertices; /* written: the old vertex of each new vertex */
+    float *normals;            /* written: the normal of each new vertex */
+    size_t vertex_capacity;    /* elements that fit in source_vertices and in normals */
+    size_t vertex_count;       /* written on success: the number of new vertices */
+} norma_split_output;
+
+/* norma_split with its outputs in a struct; prefer it in new programs.
+ *
+ *   mesh, crease_angle_rad, options   as for norma_split
+ *   split                             read and written
+ *   report                            written, counting corners; or NULL
+ *
+ * Errors: those of norma_split; NORMA_ERROR_ARGUMENT also if split is NULL. */
+NORMA_API norma_result norma_split_mesh(const norma_mesh *mesh, float crease_angle_rad,
+    const norma_options *options, norma_split_output *split, norma_report *report);
+
 /* Interpolates the normal inside a triangle: the unit vector along barycentric[0] a +
  * barycentric[1] b + barycentric[2] c, correct over the whole range of floats.
  *
@@ -523,6 +543,24 @@ NORMA_API norma_result norma_morph_normals(const norma_mesh *base,
     const norma_vec3_view *base_normals, const norma_vec3_view *targets, size_t target_count,
     float smallest, const norma_options *options, size_t *target_starts, uint32_t *vertices,
     float *deltas, size_t capacity);
+
+/* Output buffers of norma_morph_deltas. The caller owns the arrays. */
+typedef struct norma_morph_output {
+    size_t *target_starts; /* written: target_count + 1 offsets; required */
+    uint32_t *vertices;    /* written: the vertex of each delta; or NULL */
+    float *deltas;         /* written: three floats for each delta; or NULL */
+    size_t capacity;       /* deltas that fit */
+} norma_morph_output;
+
+/* norma_morph_normals with its outputs in a struct; prefer it in new programs.
+ *
+ *   base, base_normals, targets, target_count, smallest, options   as for norma_morph_normals
+ *   output                                                         the arrays to write
+ *
+ * Errors: those of norma_morph_normals; NORMA_ERROR_ARGUMENT also if output is NULL. */
+NORMA_API norma_result norma_morph_deltas(const norma_mesh *base,
+    const norma_vec3_view *base_normals, const norma_vec3_view *targets, size_t target_count,
+    float smallest, const norma_options *options, const norma_morph_output *output);
 
 /* ---- matrices
  *
@@ -1125,6 +1163,45 @@ NORMA_API norma_result norma_copy_values(const norma_stream *stream, const uint3
 NORMA_API norma_result norma_split_tangents(const norma_mesh *mesh, const norma_attribute *normals,
     const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
     float *tangents, norma_indexed *indexed, norma_report *report);
+
+/* Output buffers of norma_build. The caller owns the arrays; each may be NULL. The
+ * vertex_capacity of indexed holds for source_corners, source_vertices, normals and tangents. */
+typedef struct norma_built {
+    norma_indexed indexed;     /* the new vertex of each corner, the first corner of each vertex */
+    uint32_t *source_vertices; /* written: the position of each new vertex */
+    float *normals;            /* written: three floats for each new vertex */
+    size_t normal_stride;      /* bytes from one to the next; 0: 12 */
+    float *tangents;           /* written: four floats for each new vertex; needs texcoords */
+    size_t tangent_stride;     /* bytes from one to the next; 0: 16 */
+} norma_built;
+
+/* Makes a graphics card's mesh out of arrays: computes the normals of norma_corner_normals, with
+ * texture coordinates the tangents of norma_corner_tangents, and an index for each corner. Call it
+ * with all arrays of built NULL to learn built->indexed.vertex_count, and with that the size of the
+ * indices (norma_index_size).
+ *
+ *   mesh               the faces
+ *   texcoords          one value for each position or corner; NULL: no tangents
+ *   crease_angle_rad   as for norma_corner_normals; pi lets every edge be smooth
+ *   mode               of the tangents: steady or MikkTSpace; ignored without texcoords
+ *   options            as for norma_corner_normals; normal_stride is ignored. reasons: one for each
+ *                      corner, of its normal. May be NULL
+ *   built              read and written; indexed.corners is not mesh->corners
+ *   report             written, counting the corners' normals; or NULL
+ *
+ * Corners become one vertex if they name the same position and agree in every byte of normal,
+ * texture coordinates and tangent. In a mesh without corners, equal bytes of positions are the same
+ * position. Vertices are numbered in the order in which corners first use them. Copy texture
+ * coordinates, colours and whatever else a vertex has from its source corner or source vertex with
+ * norma_copy_values.
+ * Errors: those of norma_corner_normals, norma_corner_tangents and norma_index_corners;
+ * NORMA_ERROR_ARGUMENT also for tangents without texcoords. reasons and report are written even if
+ * an output buffer turns out to be too small.
+ * Cost: that of the three calls; 12 bytes of scratch memory for each corner, 16 more with texcoords
+ * and 4 more with corners. */
+NORMA_API norma_result norma_build(const norma_mesh *mesh, const norma_attribute *texcoords,
+    float crease_angle_rad, norma_tangent_mode mode, const norma_options *options,
+    norma_built *built, norma_report *report);
 
 /* ---- the library */
 

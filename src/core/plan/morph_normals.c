@@ -228,3 +228,11 @@ norma_result norma_morph_normals(const norma_mesh *base, const norma_vec3_view *
     give_room(&m);
     return result;
 }
+
+norma_result norma_morph_deltas(const norma_mesh *base, const norma_vec3_view *base_normals,
+    const norma_vec3_view *targets, size_t target_count, float smallest,
+    const norma_options *options, const norma_morph_output *output) {
+    if (!output) return NORMA_ERROR_ARGUMENT;
+    return norma_morph_normals(base, base_normals, targets, target_count, smallest, options,
+        output->target_starts, output->vertices, output->deltas, output->capacity);
+}

@@ -489,3 +489,11 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     norma_core_prepared_mesh_close(&prepared);
     return result;
 }
+
+norma_result norma_split_mesh(const norma_mesh *mesh, float crease_angle_rad,
+    const norma_options *options, norma_split_output *split, norma_report *report) {
+    if (!split) return NORMA_ERROR_ARGUMENT;
+    return norma_split(mesh, crease_angle_rad, options, split->corners, split->corner_capacity,
+        split->source_vertices, split->normals, split->vertex_capacity, &split->vertex_count,
+        report);
+}

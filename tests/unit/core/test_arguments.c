@@ -91,6 +91,12 @@ static void null_options_and_report_are_fine(void **state) {
     assert_ok(norma_vertex_normals(&good, NULL, normals, 4, NULL));
     assert_ok(norma_corner_normals(&good, 1, NULL, normals, 12, NULL));
     assert_ok(norma_split(&good, 1, NULL, corners, 12, sources, normals, 12, &count, NULL));
+    norma_split_output split = {corners, 12, sources, normals, 12, 0};
+    assert_ok(norma_split_mesh(&good, 1, NULL, &split, NULL));
+    assert_int_equal(split.vertex_count, count);
+    split.vertex_capacity = count - 1;
+    assert_int_equal(norma_split_mesh(&good, 1, NULL, &split, NULL), NORMA_ERROR_CAPACITY);
+    assert_int_equal(norma_split_mesh(&good, 1, NULL, NULL, NULL), NORMA_ERROR_ARGUMENT);
 }
 
 static void creases_beyond_pi(void **state) {

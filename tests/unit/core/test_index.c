@@ -183,6 +183,9 @@ static void split_by_tangents(void **state) {
     assert_ok(norma_split_tangents(
         &mesh, &normals, &texcoords, NORMA_TANGENTS_MIKK, NULL, NULL, &counted, NULL));
     assert_int_equal(counted.vertex_count, GRID + SIDE + 1); /* the fold's vertices are two each */
+    norma_built built = {.source_vertices = NULL};
+    assert_ok(norma_build(&mesh, &texcoords, 3.14F, NORMA_TANGENTS_MIKK, NULL, &built, NULL));
+    assert_int_equal(built.indexed.vertex_count, GRID + SIDE + 1);
     assert_ok(norma_split_tangents(
         &mesh, &normals, &texcoords, NORMA_TANGENTS_MIKK, &wide, split[0], &to, NULL));
     for (size_t c = 0; c < COUNT; c++) {
@@ -203,9 +206,100 @@ static void split_by_tangents(void **state) {
         NORMA_ERROR_ARGUMENT);
 }
 
+/* A cube of six quads on eight positions, its texture coordinates per corner: the side of each axis
+ * and sign, whose first edge runs along the next axis. */
+enum { CUBE = 24 };
+
+static void make_cube(float positions[8][3], uint32_t corners[CUBE], uint32_t starts[7]) {
+    for (int i = 0; i < 8; i++)
+        for (int k = 0; k < 3; k++) positions[i][k] = (float)(i >> k & 1);
+    for (uint32_t f = 0; f < 6; f++) {
+        const uint32_t side = f % 2, a = f / 2, u = (a + 1) % 3, v = (a + 2) % 3, base = side << a;
+        const uint32_t square[] = {base, base | 1U << u, base | 1U << u | 1U << v, base | 1U << v};
+        for (uint32_t k = 0; k < 4; k++) corners[4 * f + k] = square[side ? k : 3 - k];
+        starts[f] = 4 * f;
+    }
+    starts[6] = CUBE;
+}
+
+/* Normals and tangents are the axes, by the way the cube is made; the sides share no vertex, as
+ * their normals differ. */
+static void builds_a_cube(void **state) {
+    float positions[8][3], texcoords[CUBE][2], normals[CUBE][3], tangents[CUBE][5] = {{0}};
+    uint32_t corners[CUBE], starts[7], vertices[CUBE];
+    uint16_t numbers[CUBE];
+    (void)state;
+    make_cube(positions, corners, starts);
+    for (int c = 0; c < CUBE; c++) {
+        texcoords[c][0] = positions[corners[c]][(c / 8 + 1) % 3];
+        texcoords[c][1] = positions[corners[c]][(c / 8 + 2) % 3];
+    }
+    const norma_mesh mesh = {.positions = {.data = positions, .count = 8},
+        .corners = corners,
+        .corner_count = CUBE,
+        .face_starts = starts,
+        .face_count = 6};
+    const norma_attribute uv = {.data = texcoords, .count = CUBE, .of = NORMA_PER_CORNER};
+    norma_built counted = {.source_vertices = NULL}, built = {.indexed = {.corners = numbers,
+                                                                  .corner_size = 2,
+                                                                  .corner_capacity = CUBE,
+                                                                  .vertex_capacity = CUBE},
+                                                         .source_vertices = vertices,
+                                                         .normals = normals[0],
+                                                         .tangents = tangents[0],
+                                                         .tangent_stride = sizeof tangents[0]};
+    assert_ok(norma_build(&mesh, &uv, 0.5F, NORMA_TANGENTS_MIKK, NULL, &counted, NULL));
+    assert_int_equal(counted.indexed.vertex_count, CUBE);
+    assert_ok(norma_build(&mesh, &uv, 0.5F, NORMA_TANGENTS_MIKK, NULL, &built, NULL));
+    assert_int_equal(built.indexed.vertex_count, CUBE);
+    for (int c = 0; c < CUBE; c++) {
+        const int axis = c / 8, side = c / 4 % 2 ? 1 : -1;
+        assert_int_equal(numbers[c], c);
+        assert_int_equal(vertices[c], corners[c]);
+        for (int k = 0; k < 3; k++) {
+            assert_true(normals[c][k] == (float)(k == axis ? side : 0));
+            assert_true(tangents[c][k] == (float)(k == (axis + 1) % 3));
+        }
+        assert_true(tangents[c][3] == (float)side && tangents[c][4] == 0);
+    }
+    built.indexed.vertex_capacity = CUBE - 1;
+    memset(normals, 0, sizeof normals);
+    assert_int_equal(norma_build(&mesh, &uv, 0.5F, NORMA_TANGENTS_MIKK, NULL, &built, NULL),
+        NORMA_ERROR_CAPACITY);
+    assert_true(normals[0][0] == 0);
+    assert_int_equal(norma_build(&mesh, NULL, 0.5F, NORMA_TANGENTS_MIKK, NULL, &built, NULL),
+        NORMA_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_build(&mesh, &uv, 0.5F, NORMA_TANGENTS_MIKK, NULL, NULL, NULL), NORMA_ERROR_ARGUMENT);
+}
+
+/* The same cube as a soup, smooth, without texture: its eight places are eight vertices. */
+static void builds_from_a_soup(void **state) {
+    float positions[8][3], soup[CUBE][3], normals[CUBE][3];
+    uint32_t corners[CUBE], starts[7], numbers[CUBE];
+    (void)state;
+    make_cube(positions, corners, starts);
+    for (int c = 0; c < CUBE; c++) memcpy(soup[c], positions[corners[c]], sizeof soup[c]);
+    const norma_mesh mesh = {.positions = {.data = soup, .count = CUBE},
+        .corner_count = CUBE,
+        .face_starts = starts,
+        .face_count = 6};
+    norma_built built = {
+        .indexed = {.corners = numbers, .corner_capacity = CUBE, .vertex_capacity = 8},
+        .normals = normals[0]};
+    assert_ok(norma_build(&mesh, NULL, 3.1415927F, NORMA_TANGENTS_STEADY, NULL, &built, NULL));
+    assert_int_equal(built.indexed.vertex_count, 8);
+    for (int c = 0; c < CUBE; c++)
+        for (int k = 0; k < 3; k++) {
+            const double diagonal = (soup[c][k] > 0 ? 1 : -1) / sqrt(3);
+            assert_true(fabs((double)normals[numbers[c]][k] - diagonal) < 1e-7);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(corners_that_agree_are_one_vertex),
         cmocka_unit_test(sixteen_bits), cmocka_unit_test(copies_nothing_between),
-        cmocka_unit_test(faults), cmocka_unit_test(split_by_tangents)};
+        cmocka_unit_test(faults), cmocka_unit_test(split_by_tangents),
+        cmocka_unit_test(builds_a_cube), cmocka_unit_test(builds_from_a_soup)};
     return cmocka_run_group_tests_name("index", tests, NULL, NULL);
 }

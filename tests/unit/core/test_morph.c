@@ -82,8 +82,10 @@ static void a_bound_leaves_out_what_is_small(void **state) {
     open_morphs(&m);
     assert_ok(norma_morph_normals(&m.view, NULL, m.targets, 1, 0, NULL, m.starts, NULL, NULL, 0));
     all = m.starts[1];
-    assert_ok(norma_morph_normals(
-        &m.view, NULL, m.targets, 1, 0.2f, NULL, m.starts, m.vertices, m.deltas, all));
+    const norma_morph_output large = {m.starts, m.vertices, m.deltas, all};
+    assert_ok(norma_morph_deltas(&m.view, NULL, m.targets, 1, 0.2f, NULL, &large));
+    assert_int_equal(
+        norma_morph_deltas(&m.view, NULL, m.targets, 1, 0.2f, NULL, NULL), NORMA_ERROR_ARGUMENT);
     assert_true(m.starts[1] > 0 && m.starts[1] < all);
     for (size_t i = 0; i < m.starts[1]; ++i)
         assert_true(hypot(hypot((double)m.deltas[3 * i], (double)m.deltas[3 * i + 1]),
