@@ -65,8 +65,19 @@ function(norma_version_script name)
   target_link_options(${name}-shared PRIVATE -Wl,--version-script=${script})
 endfunction()
 
+# norma::core and norma::norma, as find_package gives them: in a project that has Norma's sources in its tree (add_subdirectory, FetchContent), the static library unless
+# BUILD_SHARED_LIBS asks for the shared one.
+function(norma_default_kind export_name name)
+  if(NORMA_SHARED AND (PROJECT_IS_TOP_LEVEL OR BUILD_SHARED_LIBS))
+    add_library(norma::${export_name} ALIAS ${name}-shared)
+  else()
+    add_library(norma::${export_name} ALIAS ${name}-static)
+  endif()
+endfunction()
+
 norma_objects(norma-core-objects ${core_sources})
 norma_library(norma-core core- "" norma-core-objects)
+norma_default_kind(core norma-core)
 if(NORMA_FILES)
   norma_objects(norma-objects ${io_sources} ${check_sources})
   if(NORMA_MESHOPTIMIZER_PACKAGE)
@@ -78,6 +89,7 @@ if(NORMA_FILES)
     target_include_directories(norma-objects SYSTEM PRIVATE ${PNG_INCLUDE_DIRS} ${JPEG_INCLUDE_DIRS})
   endif()
   norma_library(norma "" "${norma_meshoptimizer_link};${norma_images_link};${norma_draco_link}" norma-core-objects norma-objects)
+  norma_default_kind(norma norma)
   # The one file in C++. As a bare object, so that CMake links everything by the C compiler, here and in projects that have no other.
   if(norma_has_DRACO)
     add_library(norma-draco OBJECT src/io/gltf/read/draco_decoder.cpp)
