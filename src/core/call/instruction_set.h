@@ -12,9 +12,10 @@ int norma_core_has_isa(norma_isa isa);
 typedef enum core_level { CORE_PORTABLE = 0, CORE_AVX2, CORE_AVX512 } core_level;
 core_level norma_core_level(norma_isa isa); /* the highest that the machine has and isa allows */
 
-#if defined(NORMA_COVERAGE)
+#if defined(NORMA_COVERAGE) || defined(NORMA_SANITIZED)
 #define CORE_INLINE                                                                                \
-    static inline /* what is counted is the source, once, not each copy of a kernel */
+    static inline /* what is counted is the source, once, not each copy of a kernel; with the      \
+                     checks of a sanitizer one file would be 16 MB */
 #elif defined(__GNUC__) || defined(__clang__)
 #define CORE_INLINE static inline __attribute__((always_inline))
 #else
