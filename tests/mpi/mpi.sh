@@ -63,17 +63,14 @@ tool_table() {
         file=$scratch/million${words:+-$words}.ply
         # shellcheck disable=SC2086  # no word, or one
         [ -f "$file" ] || python3 tests/mpi/make_file.py "$file" 708 ridges $words
-        for options in "" "--crease 30"; do
-            for n in 1 2 4; do
-                from=${EPOCHREALTIME/./}
-                # shellcheck disable=SC2086  # an option and its value
-                memory=$(LIMIT=300 ranks "$tree" "$n" "$tree/bin/norma-mpi" compute "$file" -o "$scratch/million.out.ply" --json $options 2>"$scratch/log" | sed -n 's/.*"most_memory_of_a_rank": \([0-9]*\).*/\1/p')
-                python3 -c 'import sys; print("| %s %s, %s %s | %.0f | %.1f |" % (sys.argv[1] or "rows", sys.argv[2] or "smooth", sys.argv[3], "rank" if sys.argv[3] == "1" else "ranks", float(sys.argv[4] or "nan") * int(sys.argv[3]) / 999698, float(sys.argv[5]) / 1e6))' \
-                    "$words" "$options" "$n" "$memory" "$((${EPOCHREALTIME/./} - from))" >>"$tables"
-                [ -n "$words$memory" ] || cat "$scratch/log"
-                # Rows alone: how much of a shuffled file's faces are near depends on the number of ranks.
-                [ -n "$words" ] || check "$mpi, $n ranks${options:+, $options}: 66 bytes of memory for a triangle, the slice and the result included" test "$((${memory:-1000000000} * n))" -le "$((66 * 999698))"
-            done
+        for n in 1 2 4; do
+            from=${EPOCHREALTIME/./}
+            memory=$(LIMIT=300 ranks "$tree" "$n" "$tree/bin/norma-mpi" compute "$file" -o "$scratch/million.out.ply" --json 2>"$scratch/log" | sed -n 's/.*"most_memory_of_a_rank": \([0-9]*\).*/\1/p')
+            python3 -c 'import sys; print("| %s, %s %s | %.0f | %.1f |" % (sys.argv[1] or "rows", sys.argv[2], "rank" if sys.argv[2] == "1" else "ranks", float(sys.argv[3] or "nan") * int(sys.argv[2]) / 999698, float(sys.argv[4]) / 1e6))' \
+                "$words" "$n" "$memory" "$((${EPOCHREALTIME/./} - from))" >>"$tables"
+            [ -n "$words$memory" ] || cat "$scratch/log"
+            # Rows alone: how much of a shuffled file's faces are near depends on the number of ranks.
+            [ -n "$words" ] || check "$mpi, $n ranks: 54 bytes of memory for a triangle, the slice and the result included" test "$((${memory:-1000000000} * n))" -le "$((54 * 999698))"
         done
     done
 }
@@ -138,13 +135,9 @@ test_tool() { # TREE MPI RANKS...
         for words in "flat shuffled" "double fins flat nan normals" "polygons fins flat tail before number"; do
             # shellcheck disable=SC2086
             python3 tests/mpi/make_file.py "$scratch/made.ply" 30 $words
-            same_file "creases, PLY $words" "$mpi" "$tree" "$n" "$scratch/made.ply" --crease 30
-            same_file "creases, PLY $words, by area" "$mpi" "$tree" "$n" "$scratch/made.ply" --crease 75 --weight area --non-manifold smooth
+            same_file "PLY $words" "$mpi" "$tree" "$n" "$scratch/made.ply"
         done
-        same_file "creases, not welded" "$mpi" "$tree" "$n" "$scratch/made.ply" --crease 60 --weld none
-        same_file "creases, within a distance, most visible" "$mpi" "$tree" "$n" "$scratch/made.ply" --crease 60 --weld 0.1 --weight visible
-        python3 tests/mpi/make_file.py "$scratch/made.ply" 190 short shuffled
-        same_file "creases, corners that get wider" "$mpi" "$tree" "$n" "$scratch/made.ply" --crease 30
+        same_file "PLY, most visible, within a distance" "$mpi" "$tree" "$n" "$scratch/made.ply" --weld 0.1 --weight visible
         python3 tests/mpi/make_file.py "$scratch/made.ply" 40
         same_file "PLY by area, not welded" "$mpi" "$tree" "$n" "$scratch/made.ply" --weight area --weld none
         same_file "PLY, within a distance" "$mpi" "$tree" "$n" "$scratch/made.ply" --weld 0.2
@@ -158,8 +151,6 @@ test_tool() { # TREE MPI RANKS...
     refused "a file that is shorter on one rank" "$mpi" "$tree" "all ranks must see one file" 'cd "$(as_rank 2 ../there .)"; norma-mpi compute a.ply -o out.ply'
     refused "a file that is too short" "$mpi" "$tree" "too short" 'norma-mpi compute ../there/a.ply -o out.ply'
     refused "ranks that disagree on the weight" "$mpi" "$tree" "a.ply: " 'norma-mpi compute a.ply -o out.ply --weight "$(as_rank 1 area angle)"'
-    refused "ranks that disagree on the crease" "$mpi" "$tree" "different options" 'norma-mpi compute a.ply -o out.ply --crease "$(as_rank 1 30 40)"'
-    refused "one rank of three cuts at creases" "$mpi" "$tree" "different options" 'norma-mpi compute a.ply -o out.ply $(as_rank 1 "--crease 30" "")'
     for words in "3, 1, -1, 3" "3, 1, 2, 4" "-1, 1, 2, 3"; do # the second face: its count and its vertices
         python3 -c 'import struct, sys; open(sys.argv[1], "wb").write(b"ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list char int vertex_indices\nend_header\n" + struct.pack("<12fb3ib3i", 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 1, 3, 0, 1, 2, *map(int, sys.argv[2].split(", "))))' "$scratch/bad.ply" "$words"
         said=$("$tree/bin/norma" compute "$scratch/bad.ply" -o "$scratch/out.ply" 2>&1)

@@ -131,24 +131,6 @@ static int read_rows(mpi_job *job, const ply_layout *layout, uint64_t begin, ply
     return failed;
 }
 
-void norma_mpi_drop_corners(mpi_job *job, ply_part *part) {
-    norma_core_release(&job->core, part->corner, part->corner_room, sizeof *part->corner);
-    norma_core_release(
-        &job->core, part->vertex_ids, part->own + part->others, sizeof *part->vertex_ids);
-    part->corner = NULL;
-    part->corner_room = 0;
-    part->vertex_ids = NULL;
-}
-
-int norma_mpi_read_corners(mpi_job *job, const ply_layout *layout, ply_part *part) {
-    const size_t corners = part->corners;
-    part->corners = 0;
-    if (grow_corners(job, part, corners) || read_rows(job, layout, part->begin, part)) return 1;
-    return part->corners == corners
-               ? 0
-               : norma_mpi_fail(job, "%s: was changed while it was read", job->input);
-}
-
 static int open_faces(mpi_job *job, int triangles, ply_part *part) {
     if (part->faces >= UINT32_MAX / 3) return fail_memory(job);
     if (grow_corners(job, part, 3 * part->faces)) return 1;

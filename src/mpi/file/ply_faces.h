@@ -19,28 +19,7 @@ typedef struct ply_part {
 
 /* Collective. Nonzero: failed. Close in any case. */
 int norma_mpi_read_faces(mpi_job *job, const ply_layout *layout, ply_part *part);
-/* On this rank alone: memory of corners and vertex_ids is released; corners are read once more. */
-void norma_mpi_drop_corners(mpi_job *job, ply_part *part);
-int norma_mpi_read_corners(mpi_job *job, const ply_layout *layout, ply_part *part);
 int norma_mpi_fetch_positions(mpi_job *job, const ply_layout *layout, ply_part *part);
-
-/* On this rank alone, the two steps before others' positions are fetched: which vertices there are,
- * and the positions of its own. */
-int norma_mpi_list_vertices(mpi_job *job, ply_part *part);
-int norma_mpi_read_positions(mpi_job *job, const ply_layout *layout, ply_part *part);
-/* Where a vertex of the file stands in vertex_ids. */
-uint32_t norma_mpi_place_of(const ply_part *part, uint32_t vertex);
-
-/* A value for each vertex, of which each rank has those of its own. */
-typedef struct ply_values {
-    size_t size;              /* bytes of each */
-    const unsigned char *own; /* of this rank's own vertices */
-    unsigned char *to;        /* written: of the others in part */
-} ply_values;
-/* Collective: the values of the others, each rank's by the rank that has them. */
-norma_result norma_mpi_fetch_values(
-    mpi_job *job, uint64_t vertices, const ply_part *part, const ply_values *values);
-int norma_mpi_owner_of(const mpi_job *job, uint64_t vertices, uint64_t vertex);
 void norma_mpi_release_positions(mpi_job *job, ply_part *part);
 void norma_mpi_close_part_of_ply(mpi_job *job, ply_part *part);
 size_t norma_mpi_position_size(const ply_part *part);

@@ -174,25 +174,7 @@ static int keep_bytes(void *user, const void *bytes, size_t size) {
     return 0;
 }
 
-/* As if it were the last of as many vertices as there will be, one is added: the writer chooses the
- * type of corners for their numbers. */
-static int add_vertices(const ply_layout *layout, uint64_t added, norma_document *copy) {
-    ply_state *state = copy->state;
-    ply_edit *edit = &state->edit;
-    float *normals = edit->normals ? realloc(edit->normals, 6 * sizeof *normals) : NULL;
-    if (!added) return 1;
-    if (edit->normals && !normals) return 0;
-    if (normals) memcpy(normals + 3, normals, 3 * sizeof *normals);
-    edit->normals = normals;
-    edit->added = calloc(1, sizeof *edit->added);
-    edit->corners = calloc(3, sizeof *edit->corners);
-    if (!edit->added || !edit->corners) return 0;
-    edit->added_count = 1;
-    state->vertices = (size_t)(layout->vertices + added - 1);
-    return 1;
-}
-
-static int open_after(mpi_job *job, uint64_t added, ply_layout *layout) {
+static int open_after(mpi_job *job, ply_layout *layout) {
     const norma_compute_options options = {
         .struct_size = sizeof options, .shading = NORMA_SHADING_SMOOTH};
     norma_document *copy = NULL;
@@ -203,25 +185,18 @@ static int open_after(mpi_job *job, uint64_t added, ply_layout *layout) {
         header->body + (size_t)(((const ply_state *)layout->before->state)->size - header->body);
     if (open_small(job, layout->small, small, &copy)) return 1;
     norma_document_result result = norma_document_compute(copy, &options, &summary, &error);
-    if (!result && !add_vertices(layout, added, copy)) {
-        norma_document_close(copy);
-        return norma_mpi_fail(job, "%s: out of memory", job->input);
-    }
     if (!result) result = norma_document_write(copy, keep_bytes, layout, &error);
     norma_document_close(copy);
     if (result) return norma_mpi_fail(job, "%s", error.message);
     return open_small(job, layout->written, layout->written_size, &layout->after);
 }
 
-int norma_mpi_plan_output(mpi_job *job, uint64_t added, ply_layout *layout) {
-    uint64_t counts[MPI_MOST_ELEMENTS];
-    if (open_after(job, added, layout)) return 1;
+int norma_mpi_plan_output(mpi_job *job, ply_layout *layout) {
+    if (open_after(job, layout)) return 1;
     layout->to = header_of(layout->after);
-    memcpy(counts, layout->counts, sizeof counts);
-    counts[layout->from->vertex] += added;
     char *end = strstr((char *)layout->written, END);
     end[sizeof END - 1] = '\0';
-    layout->header = with_counts((char *)layout->written, counts, &layout->header_size);
+    layout->header = with_counts((char *)layout->written, layout->counts, &layout->header_size);
     return layout->header ? 0 : norma_mpi_fail(job, "%s: out of memory", job->input);
 }
 

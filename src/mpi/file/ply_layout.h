@@ -23,8 +23,8 @@ typedef struct ply_layout {
 
 /* On this rank alone; nonzero: failed. Close in any case. */
 int norma_mpi_read_layout(mpi_job *job, ply_layout *layout);
-/* The same: what the output looks like, to and header, with so many vertices added. */
-int norma_mpi_plan_output(mpi_job *job, uint64_t added, ply_layout *layout);
+/* The same: what the output looks like, to and header. */
+int norma_mpi_plan_output(mpi_job *job, ply_layout *layout);
 void norma_mpi_close_layout(ply_layout *layout);
 size_t norma_mpi_offset_in_row(const ply_header *header, const ply_element *element, int property);
 #endif

@@ -25,7 +25,7 @@ static size_t drop_repeated(uint64_t *numbers, size_t count) {
 }
 
 /* Own vertices, then the others. */
-int norma_mpi_list_vertices(mpi_job *job, ply_part *part) {
+static int list_vertices(mpi_job *job, ply_part *part) {
     size_t most = 0, count = 0;
     for (size_t c = 0; c < part->corners; c++) most += !is_own(part, part->corner[c]);
     uint64_t *others = norma_core_allocate(&job->core, most, sizeof *others);
@@ -44,7 +44,7 @@ int norma_mpi_list_vertices(mpi_job *job, ply_part *part) {
     return part->own + count > UINT32_MAX - 1 ? fail_memory(job) : 0;
 }
 
-uint32_t norma_mpi_place_of(const ply_part *part, uint32_t vertex) {
+static uint32_t place_of(const ply_part *part, uint32_t vertex) {
     const uint64_t *others = part->vertex_ids + part->own;
     size_t low = 0, high = part->others;
     if (is_own(part, vertex)) return (uint32_t)(vertex - part->first);
@@ -86,7 +86,7 @@ static void decode_row(
     }
 }
 
-int norma_mpi_read_positions(mpi_job *job, const ply_layout *layout, ply_part *part) {
+static int read_positions(mpi_job *job, const ply_layout *layout, ply_part *part) {
     part->doubles = needs_doubles(layout);
     const size_t size = norma_mpi_position_size(part),
                  row = norma_ply_element(layout->from, layout->from->vertex)->fixed_size,
@@ -108,7 +108,7 @@ int norma_mpi_read_positions(mpi_job *job, const ply_layout *layout, ply_part *p
 
 /* ---- fetching others */
 
-int norma_mpi_owner_of(const mpi_job *job, uint64_t vertices, uint64_t vertex) {
+static int owner_of(const mpi_job *job, uint64_t vertices, uint64_t vertex) {
     int rank = (int)((double)vertex / (double)vertices * job->call.ranks);
     while (rank > 0 && norma_mpi_share_of(job, vertices, rank) > vertex) rank--;
     while (norma_mpi_share_of(job, vertices, rank + 1) <= vertex) rank++;
@@ -118,7 +118,6 @@ int norma_mpi_owner_of(const mpi_job *job, uint64_t vertices, uint64_t vertex) {
 typedef struct fetch {
     mpi_job *job;
     const ply_part *part;
-    const ply_values *values;
     uint64_t vertices;
     size_t begin, end; /* others of this round, ascending: so by owners */
 } fetch;
@@ -130,43 +129,44 @@ static norma_result list_wanted(const fetch *f, mpi_lists *out) {
     uint64_t *room = norma_core_allocate(core, ranks, sizeof *room);
     if (!room) return NORMA_ERROR_MEMORY;
     memset(room, 0, ranks * sizeof *room);
-    for (size_t i = f->begin; i < f->end; i++)
-        room[norma_mpi_owner_of(f->job, f->vertices, others[i])]++;
+    for (size_t i = f->begin; i < f->end; i++) room[owner_of(f->job, f->vertices, others[i])]++;
     const norma_result result = norma_mpi_lists_open(&f->job->call, room, sizeof(uint32_t), out);
     for (size_t i = f->begin; i < f->end && result == NORMA_OK; i++) {
         const uint32_t vertex = (uint32_t)others[i];
-        memcpy(norma_mpi_lists_add(out, norma_mpi_owner_of(f->job, f->vertices, vertex)), &vertex,
+        memcpy(norma_mpi_lists_add(out, owner_of(f->job, f->vertices, vertex)), &vertex,
             sizeof vertex);
     }
     norma_core_release(core, room, ranks, sizeof *room);
     return result;
 }
 
-static norma_result list_values(const fetch *f, const mpi_lists *in, mpi_lists *answers) {
-    const size_t size = f->values->size, count = norma_mpi_lists_total(&f->job->call, in);
+static norma_result list_positions(const fetch *f, const mpi_lists *in, mpi_lists *answers) {
+    const size_t size = norma_mpi_position_size(f->part),
+                 count = norma_mpi_lists_total(&f->job->call, in);
     const norma_result result = norma_mpi_lists_like(&f->job->call, in, size, answers);
     for (size_t i = 0; i < count && result == NORMA_OK; i++) {
         uint32_t vertex;
         memcpy(&vertex, norma_mpi_record(in, i), sizeof vertex);
         memcpy(norma_mpi_record(answers, i),
-            f->values->own + (size_t)(vertex - f->part->first) * size, size);
+            f->part->positions + (size_t)(vertex - f->part->first) * size, size);
     }
     return result;
 }
 
 static norma_result fetch_some(const fetch *f) {
     mpi_call *call = &f->job->call;
-    const size_t size = f->values->size;
+    const size_t size = norma_mpi_position_size(f->part);
     mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
     norma_result result = norma_mpi_exchange(call, list_wanted(f, &out), &out, &in);
     if (result == NORMA_OK) {
-        norma_result mine = list_values(f, &in, &answers);
+        norma_result mine = list_positions(f, &in, &answers);
         if (mine == NORMA_OK) mine = norma_mpi_lists_like(call, &out, size, &back);
         result = norma_mpi_agree(call, mine);
     }
     if (result == NORMA_OK) {
         norma_mpi_answer(call, &answers, &back);
-        memcpy(f->values->to + f->begin * size, back.bytes, (f->end - f->begin) * size);
+        memcpy(f->part->positions + (f->part->own + f->begin) * size, back.bytes,
+            (f->end - f->begin) * size);
     }
     norma_mpi_lists_close(call, &in);
     norma_mpi_lists_close(call, &out);
@@ -175,10 +175,9 @@ static norma_result fetch_some(const fetch *f) {
     return result;
 }
 
-norma_result norma_mpi_fetch_values(
-    mpi_job *job, uint64_t vertices, const ply_part *part, const ply_values *values) {
+static norma_result fetch_others(mpi_job *job, uint64_t vertices, const ply_part *part) {
     enum { AT_ONCE = 1 << 16 };
-    fetch f = {.job = job, .part = part, .values = values, .vertices = vertices};
+    fetch f = {.job = job, .part = part, .vertices = vertices};
     norma_result result = NORMA_OK;
     const size_t some = part->faces / 2 > AT_ONCE ? part->faces / 2 : AT_ONCE;
     const uint64_t rounds = norma_mpi_largest(&job->call, part->others / some + 1);
@@ -191,13 +190,8 @@ norma_result norma_mpi_fetch_values(
 }
 
 int norma_mpi_fetch_positions(mpi_job *job, const ply_layout *layout, ply_part *part) {
-    if (norma_mpi_failed(
-            job, norma_mpi_list_vertices(job, part) || norma_mpi_read_positions(job, layout, part)))
+    if (norma_mpi_failed(job, list_vertices(job, part) || read_positions(job, layout, part)))
         return 1;
-    for (size_t c = 0; c < part->corners; c++)
-        part->corner[c] = norma_mpi_place_of(part, part->corner[c]);
-    const size_t size = norma_mpi_position_size(part);
-    const ply_values values = {size, part->positions, part->positions + part->own * size};
-    return norma_mpi_failed_result(
-        job, norma_mpi_fetch_values(job, layout->vertices, part, &values));
+    for (size_t c = 0; c < part->corners; c++) part->corner[c] = place_of(part, part->corner[c]);
+    return norma_mpi_failed_result(job, fetch_others(job, layout->vertices, part));
 }

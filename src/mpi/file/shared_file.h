@@ -9,15 +9,12 @@ typedef struct mpi_job {
     core_call core;
     const char *input, *output; /* paths */
     norma_options options;      /* how normals are computed */
-    int creased;                /* cut at edges that bend by more than the angle */
-    double crease_angle_rad;
-    char message[640]; /* why it failed, the same on every rank once agreed upon */
+    char message[640];          /* why it failed, the same on every rank once agreed upon */
     MPI_File in, out;
     uint64_t size;        /* of the input */
     char temporary[1024]; /* the output until it is whole; "" when there is none */
     norma_report report;
     uint64_t faces, vertices;
-    uint64_t added, hard_edges;   /* by creases */
     uint64_t memory, most_memory; /* bytes that this rank has allocated; the most at any time */
 } mpi_job;
 

@@ -8,8 +8,6 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-#define PI 3.14159265358979323846
-
 static const char HELP[] =
     "mpirun -n RANKS norma-mpi compute IN -o OUT: computes normals and writes them into a copy of "
     "IN\n"
@@ -26,12 +24,7 @@ static const char HELP[] =
     "                        which vertices share a normal: those at equal positions (exact), "
     "none, or those\n"
     "                        within DISTANCE (all positions then go through one rank)\n"
-    "  --smooth              one normal for each position (the default)\n"
-    "  --crease DEG          PLY: edges that bend by more than DEG degrees, 0 to 180, are sharp; "
-    "vertices\n"
-    "                        are added where they need several normals\n"
-    "  --non-manifold hard|smooth\n"
-    "                        with --crease: edges of more than two faces (hard)\n"
+    "  --smooth              one normal for each position (what it always does)\n"
     "  --json                prints a summary as JSON\n"
     "  --quiet               prints no summary\n"
     "  --help, --version\n"
@@ -40,7 +33,7 @@ static const char HELP[] =
 
 typedef struct settings {
     mpi_job job;
-    int json, quiet, smooth;
+    int json, quiet;
     const char *wrong; /* what is wrong with the command line */
     const char *word;
 } settings;
@@ -76,30 +69,15 @@ static int set_weld(settings *s, const char *word) {
     return refuse(s, word, "expected exact, none or a distance from 0 up in the file's unit");
 }
 
-static int set_crease(settings *s, const char *word) {
-    char *end;
-    const double degrees = strtod(word, &end);
-    if (end == word || *end || !(degrees >= 0 && degrees <= 180))
-        return refuse(s, word, "expected degrees from 0 to 180");
-    s->job.creased = 1;
-    s->job.crease_angle_rad = degrees * (PI / 180);
-    return 1;
-}
-
-static int set_non_manifold(settings *s, const char *word) {
-    const int smooth = strcmp(word, "smooth") == 0;
-    if (!smooth && strcmp(word, "hard") != 0) return refuse(s, word, "expected hard or smooth");
-    s->job.options.non_manifold = smooth ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD;
-    return 1;
-}
-
 typedef int set_option(settings *s, const char *word);
 
 static const struct {
     const char *name;
     set_option *set;
-} VALUES[] = {{"--weight", set_weight}, {"--weld", set_weld}, {"--crease", set_crease},
-    {"--non-manifold", set_non_manifold}};
+} VALUES[] = {
+    {"--weight", set_weight},
+    {"--weld", set_weld},
+};
 enum { VALUE_COUNT = sizeof VALUES / sizeof *VALUES };
 
 /* An option with a value; 0: refused. */
@@ -122,9 +100,7 @@ static int set_flag(settings *s, const char *word) {
         s->json = 1;
     else if (strcmp(word, "--quiet") == 0)
         s->quiet = 1;
-    else if (strcmp(word, "--smooth") == 0)
-        s->smooth = 1;
-    else
+    else if (strcmp(word, "--smooth") != 0)
         return refuse(s, word, "no such option (see norma-mpi --help)");
     return 1;
 }
@@ -160,8 +136,6 @@ static int read_arguments(settings *s, int argc, char **argv) {
         return refuse(s, argc < 2 ? "norma-mpi" : argv[1], "expected: norma-mpi compute IN -o OUT");
     if (!s->job.input || !s->job.output)
         return refuse(s, "compute", "expected an input, and -o with an output");
-    if (s->job.creased && s->smooth)
-        return refuse(s, "--crease", "--crease and --smooth exclude each other");
     return check_output(s);
 }
 
@@ -188,21 +162,12 @@ static void print_json(const mpi_job *job, uint64_t memory) {
     printf(", \"output\": ");
     print_text(job->output);
     printf(", \"faces\": %llu, \"vertices\": {\"before\": %llu, \"after\": %llu}",
-        (unsigned long long)job->faces, vertices, vertices + (unsigned long long)job->added);
-    printf(", \"weight\": \"%s\"", norma_weight_name(job->options.weight));
-    if (job->creased)
-        printf(", \"crease_deg\": %.9g, \"hard_edges\": %llu", job->crease_angle_rad * (180 / PI),
-            (unsigned long long)job->hard_edges);
-    else
-        printf(", \"crease_deg\": null, \"hard_edges\": null");
+        (unsigned long long)job->faces, vertices, vertices);
+    printf(", \"weight\": \"%s\", \"crease_deg\": null, \"hard_edges\": null",
+        norma_weight_name(job->options.weight));
     printf(", \"report\": {\"degenerate_faces\": %zu, \"cancelled\": %zu, \"unreferenced\": %zu, "
-           "\"non_finite\": %zu",
+           "\"non_finite\": %zu, \"non_manifold_edges\": null, \"winding_conflicts\": null}",
         r->degenerate_faces.count, r->cancelled.count, r->unreferenced.count, r->non_finite.count);
-    if (job->creased)
-        printf(", \"non_manifold_edges\": %zu, \"winding_conflicts\": %zu}",
-            r->non_manifold_edges.count, r->winding_conflicts.count);
-    else
-        printf(", \"non_manifold_edges\": null, \"winding_conflicts\": null}");
     printf(", \"ranks\": %d, \"most_memory_of_a_rank\": %llu}\n", job->call.ranks,
         (unsigned long long)memory);
 }
@@ -219,8 +184,6 @@ static void print_summary(const settings *s, uint64_t memory) {
     if (s->quiet) return;
     printf("%s: normals of %llu faces and %llu vertices, by %d ranks\n", job->output,
         (unsigned long long)job->faces, (unsigned long long)job->vertices, job->call.ranks);
-    if (job->added)
-        printf("  %llu vertices were added at creases\n", (unsigned long long)job->added);
     if (r->degenerate_faces.count)
         printf("  %zu degenerate faces (almost no area) were ignored\n", r->degenerate_faces.count);
     if (without) printf("  %zu normals are those of the nearest neighbour\n", without);
@@ -254,12 +217,6 @@ static int run(mpi_job *job) {
                            job->input, job->call.rank);
     if (norma_mpi_failed(job, failed)) return 1;
     if (!stl && !ply) return norma_mpi_fail(job, "%s: is neither .ply nor .stl", job->input);
-    if (norma_mpi_failed(
-            job, stl && job->creased
-                     ? norma_mpi_fail(job, "%s: --crease is for PLY; an STL has facet normals only",
-                           job->input)
-                     : 0))
-        return 1;
     job->in = job->out = MPI_FILE_NULL;
     failed = norma_mpi_open_input(job);
     if (!failed) failed = stl ? norma_mpi_compute_stl(job) : norma_mpi_compute_ply(job);
