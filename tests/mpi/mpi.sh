@@ -149,7 +149,7 @@ test_tool() { # TREE MPI RANKS...
     done
     python3 tests/mpi/make_file.py "$scratch/a.ply" 60
     refused "a file that is shorter on one rank" "$mpi" "$tree" "all ranks must see one file" 'cd "$(as_rank 2 ../there .)"; norma-mpi compute a.ply -o out.ply'
-    refused "a file that is too short" "$mpi" "$tree" "too short" 'norma-mpi compute ../there/a.ply -o out.ply'
+    refused "a file that is too short" "$mpi" "$tree" "the file ends" 'norma-mpi compute ../there/a.ply -o out.ply'
     refused "ranks that disagree on the weight" "$mpi" "$tree" "a.ply: " 'norma-mpi compute a.ply -o out.ply --weight "$(as_rank 1 area angle)"'
     for words in "3, 1, -1, 3" "3, 1, 2, 4" "-1, 1, 2, 3"; do # the second face: its count and its vertices
         python3 -c 'import struct, sys; open(sys.argv[1], "wb").write(b"ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list char int vertex_indices\nend_header\n" + struct.pack("<12fb3ib3i", 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 1, 3, 0, 1, 2, *map(int, sys.argv[2].split(", "))))' "$scratch/bad.ply" "$words"

@@ -13,17 +13,37 @@ static norma_document_result read_beginning(large_file *file) {
     return norma_large_read(file, 0, bytes, size);
 }
 
+static norma_document_result make_document(
+    const char *path, norma_file_format format, large_file *file) {
+    const norma_document_options opening = {.struct_size = sizeof opening, .format = format};
+    file->document = norma_document_make(path, 1, &opening);
+    return file->document ? NORMA_DOCUMENT_OK : norma_document_fail_memory(NULL, file->error);
+}
+
+static int read_window(void *window, uint64_t offset, void *bytes, size_t size) {
+    return norma_window_read(window, offset, bytes, size);
+}
+
 norma_document_result norma_large_open(const char *path, const norma_large_options *options,
     norma_file_format format, large_file *file, norma_document_error *error) {
-    const norma_document_options opening = {.struct_size = sizeof opening, .format = format};
     *file = (large_file){.error = error, .budget = {.most = options->max_memory}, .to = 1};
-    file->document = norma_document_make(path, 1, &opening);
-    if (!file->document) return norma_document_fail_memory(NULL, error);
+    const norma_document_result result = make_document(path, format, file);
+    if (result) return result;
     const int failed = norma_window_open(path, &file->window);
     if (failed) return norma_large_fail_read(file, failed);
     file->document->stamp = *norma_window_stamp(file->window);
     file->size = file->document->stamp.size;
+    file->source = (large_source){read_window, file->window, file->size,
+        "does not fit into the memory allowed", "allow more memory"};
     return read_beginning(file);
+}
+
+norma_document_result norma_large_open_source(
+    const char *path, norma_file_format format, const large_source *source, large_file *file) {
+    const norma_document_result result = make_document(path, format, file);
+    file->source = *source;
+    file->size = source->size;
+    return result ? result : read_beginning(file);
 }
 
 void norma_large_close(large_file *file) {
@@ -44,7 +64,7 @@ norma_document_result norma_large_fail_read(large_file *file, int system_error) 
 
 norma_document_result norma_large_read(
     large_file *file, uint64_t offset, void *bytes, size_t size) {
-    const int failed = norma_window_read(file->window, offset, bytes, size);
+    const int failed = file->source.read(file->source.user, offset, bytes, size);
     return failed ? norma_large_fail_read(file, failed) : NORMA_DOCUMENT_OK;
 }
 

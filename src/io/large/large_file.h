@@ -7,9 +7,20 @@
 #include "io/large/budget.h"
 #include <norma/large.h>
 
+/* Where bytes come from, unless from a file of this machine through a window; and what a message
+ * says of why not all of them are read at once, and of the way out. */
+typedef struct large_source {
+    int (*read)(
+        void *user, uint64_t offset, void *bytes, size_t size); /* errno or FILE_...; or 0 */
+    void *user;
+    uint64_t size;
+    const char *why, *instead;
+} large_source;
+
 typedef struct large_file {
     norma_document *document; /* its name and header, without its body */
-    file_window *window;
+    file_window *window;      /* NULL where the source reads otherwise */
+    large_source source;
     uint64_t size;
     norma_document_error *error;
     large_budget budget;
@@ -25,6 +36,9 @@ norma_document_result norma_large_fail_format(const char *path, norma_document_e
 /* Opens it and reads what it begins with, at most so many bytes, into document->source. */
 norma_document_result norma_large_open(const char *path, const norma_large_options *options,
     norma_file_format format, large_file *file, norma_document_error *error);
+/* The same from another source; error and budget are those of file. */
+norma_document_result norma_large_open_source(
+    const char *path, norma_file_format format, const large_source *source, large_file *file);
 void norma_large_close(large_file *file);
 
 norma_document_result norma_large_fail_memory(large_file *file);

@@ -7,16 +7,7 @@
 
 static norma_document_result fail_whole(const large_file *file, const char *what) {
     return norma_document_fail(file->document, file->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-        "does not fit into the memory allowed, and %s; allow more memory", what);
-}
-
-static norma_document_result fail_short(
-    const large_file *file, const ply_element *element, uint64_t row) {
-    const unsigned char *bytes = file->document->source.data;
-    return norma_ply_fail_at(file->document, file->error, (size_t)file->size,
-        "the file ends in row %llu of element \"%.*s\", which should have %llu rows",
-        (unsigned long long)row, element->name.length > 60 ? 60 : (int)element->name.length,
-        (const char *)bytes + element->name.offset, (unsigned long long)element->count);
+        "%s, and %s; %s", file->source.why, what, file->source.instead);
 }
 
 static norma_document_result read_header(large_file *file, ply_state *state) {
@@ -37,29 +28,17 @@ static const char *why_whole(const ply_state *state) {
     return NULL;
 }
 
+static norma_document_result walk_row(
+    large_ply *ply, const ply_element *element, uint64_t row, int is_read);
+
 /* Elements with lists that are not read are walked row by row. */
 static norma_document_result walk_element(large_ply *ply, ply_element *element, uint64_t *at) {
-    const ply_header *header = &ply->state->header;
+    norma_document_result result = NORMA_DOCUMENT_OK;
     norma_large_reader_seek(&ply->rows, *at);
-    for (uint64_t row = 0; row < element->count; ++row)
-        for (size_t i = 0; i < element->property_count; ++i) {
-            const ply_property *property = norma_ply_property(header, element, (int)i);
-            const size_t first = norma_ply_type_size(
-                norma_ply_is_list(property) ? property->count_type : property->type);
-            const unsigned char *bytes = norma_large_peek(&ply->rows, first);
-            const int64_t items =
-                bytes && norma_ply_is_list(property)
-                    ? norma_ply_get_integer(bytes, property->count_type, header->encoding)
-                    : 0;
-            const uint64_t size =
-                first + (items > 0 ? (uint64_t)items * norma_ply_type_size(property->type) : 0);
-            if (ply->rows.result) return ply->rows.result;
-            if (!bytes || size > ply->file->size - norma_large_reader_tell(&ply->rows))
-                return fail_short(ply->file, element, row);
-            norma_large_reader_seek(&ply->rows, norma_large_reader_tell(&ply->rows) + size);
-        }
+    for (uint64_t row = 0; row < element->count && !result; ++row)
+        result = walk_row(ply, element, row, 0);
     *at = norma_large_reader_tell(&ply->rows);
-    return NORMA_DOCUMENT_OK;
+    return result;
 }
 
 /* Faces end where the survey of them ends; what follows is copied. */
@@ -71,7 +50,8 @@ static norma_document_result find_elements(large_ply *ply) {
         element->begin = (size_t)at;
         const uint64_t left = ply->file->size - at;
         if (element->fixed_size > 0 && element->count > left / element->fixed_size)
-            return fail_short(ply->file, element, left / element->fixed_size);
+            return norma_ply_fail_short(ply->file->document, ply->file->error,
+                (size_t)ply->file->size, element, left / element->fixed_size);
         const int vertices_follow = (int)i < header->vertex || (int)i < header->face;
         if (element->list_count == 0)
             at += element->count * element->fixed_size;
@@ -84,24 +64,15 @@ static norma_document_result find_elements(large_ply *ply) {
     return NORMA_DOCUMENT_OK;
 }
 
-static size_t offset_in_row(const ply_header *header, const ply_element *element, int property) {
-    size_t offset = 0;
-    for (int i = 0; i < property; ++i)
-        offset += norma_ply_type_size(norma_ply_property(header, element, i)->type);
-    return offset;
-}
-
-/* As the reader of whole files decides it. */
 static void choose_positions(large_ply *ply) {
     const ply_header *header = &ply->state->header;
+    const int *position = header->position;
     int plain = norma_ply_is_native(header->encoding);
-    ply->single = 1;
-    for (int axis = 0; axis < 3; ++axis) {
-        const ply_type type = norma_ply_property(header, ply->vertex, header->position[axis])->type;
-        if (type == PLY_INT32 || type == PLY_UINT32 || type == PLY_DOUBLE) ply->single = 0;
-        plain &= type == PLY_FLOAT && header->position[axis] == header->position[0] + axis;
-    }
-    if (plain) ply->plain_floats = 1 + offset_in_row(header, ply->vertex, header->position[0]);
+    ply->single = norma_ply_fits_float(header, ply->vertex, position);
+    for (int axis = 0; axis < 3; ++axis)
+        plain &= norma_ply_property(header, ply->vertex, position[axis])->type == PLY_FLOAT &&
+                 position[axis] == position[0] + axis;
+    if (plain) ply->plain_floats = 1 + norma_ply_offset_in_row(header, ply->vertex, position[0]);
 }
 
 static norma_document_result open_parts(large_ply *ply) {
@@ -177,30 +148,17 @@ void norma_large_ply_look_away(large_ply *ply, const large_view *before) {
     vertex->count = before->count;
 }
 
-static void decode_positions(
-    large_ply *ply, const unsigned char *rows, size_t count, void *positions) {
-    const ply_header *header = &ply->state->header;
-    for (int axis = 0; axis < 3; ++axis) {
-        const int property = header->position[axis];
-        const ply_type type = norma_ply_property(header, ply->vertex, property)->type;
-        const unsigned char *at = rows + offset_in_row(header, ply->vertex, property);
-        for (size_t i = 0; i < count; ++i, at += ply->vertex->fixed_size) {
-            const double value = norma_ply_get(at, type, header->encoding);
-            if (ply->single)
-                ((float *)positions)[3 * i + (size_t)axis] = (float)value;
-            else
-                ((double *)positions)[3 * i + (size_t)axis] = value;
-        }
-    }
-}
-
 norma_document_result norma_large_ply_positions(
     large_ply *ply, size_t first, size_t count, void *positions) {
     norma_document_result result;
     const unsigned char *rows = norma_large_ply_rows(ply, first, count, &result);
     if (!rows) return result;
     if (!ply->plain_floats) {
-        decode_positions(ply, rows, count, positions);
+        const ply_header *header = &ply->state->header;
+        norma_ply_decode_rows(header, ply->vertex, header->position, rows, count, ply->scratch);
+        if (ply->single) norma_ply_narrow(ply->scratch, 3 * count);
+        if (positions != ply->scratch)
+            memcpy(positions, ply->scratch, count * norma_large_position_size(ply));
         return NORMA_DOCUMENT_OK;
     }
     const unsigned char *at = rows + ply->plain_floats - 1;
@@ -209,11 +167,61 @@ norma_document_result norma_large_ply_positions(
     return NORMA_DOCUMENT_OK;
 }
 
-/* ---- faces */
+/* ---- rows with other normals */
 
-norma_document_result norma_large_fail_face(large_ply *ply, uint64_t offset, const char *why) {
-    return norma_ply_fail_at(ply->file->document, ply->file->error, (size_t)offset, "%s", why);
+norma_document_result norma_large_ply_stored(
+    large_ply *ply, size_t first, size_t count, double **stored, large_view *view) {
+    const int *normal = ply->state->header.normal;
+    norma_document_result result;
+    const unsigned char *rows = norma_large_ply_rows(ply, first, count, &result);
+    *stored = NULL;
+    if (!rows) return result;
+    *view = norma_large_ply_look(ply, rows, count);
+    if (normal[0] != PLY_NONE)
+        result = norma_ply_read_columns(
+            ply->file->document, ply->vertex, normal, stored, ply->file->error);
+    if (result) norma_large_ply_look_away(ply, view);
+    return result;
 }
+
+/* As the writer asks for it while it plans. */
+static norma_document_result write_with(large_ply *ply, float *normals, norma_write *write,
+    void *user,
+    norma_document_result (*part)(norma_document *, norma_sink *, norma_document_error *)) {
+    large_file *file = ply->file;
+    norma_sink *sink = norma_sink_create(write, user);
+    if (!sink) return norma_large_fail_memory(file);
+    ply->state->edit.normals = normals;
+    const norma_document_result result = part(file->document, sink, file->error);
+    ply->state->edit.normals = NULL;
+    norma_sink_finish(sink);
+    return result;
+}
+
+norma_document_result norma_large_ply_write_header(
+    large_ply *ply, norma_write *write, void *user, large_row *row) {
+    const ply_header *header = &ply->state->header;
+    ply_edit *edit = &ply->state->edit;
+    float unit[3] = {0, 0, 1};
+    edit->normal_types[0] = edit->normal_types[1] = edit->normal_types[2] = PLY_FLOAT;
+    if (header->normal[0] != PLY_NONE)
+        norma_ply_normal_types(header, ply->vertex, header->normal, edit->normal_types);
+    const norma_document_result result = write_with(ply, unit, write, user, norma_ply_write_header);
+    edit->normals = unit;
+    row->size = norma_ply_written_row(ply->file->document, row->normal, ply->file->error);
+    edit->normals = NULL;
+    return result || row->size ? result : norma_large_fail_memory(ply->file);
+}
+
+norma_document_result norma_large_ply_write_rows(
+    large_ply *ply, const large_view *view, float *normals, norma_write *write, void *user) {
+    const norma_document_result result =
+        write_with(ply, normals, write, user, norma_ply_write_vertices);
+    norma_large_ply_look_away(ply, view);
+    return result;
+}
+
+/* ---- faces */
 
 static int make_room(large_ply *ply, size_t more) {
     large_faces *chunk = &ply->chunk;
@@ -228,13 +236,6 @@ static int make_room(large_ply *ply, size_t more) {
     return 1;
 }
 
-static norma_document_result fail_index(
-    large_ply *ply, uint64_t offset, uint64_t face, int64_t index) {
-    return norma_ply_fail_at(ply->file->document, ply->file->error, (size_t)offset,
-        "face %llu names vertex %lld; vertices are numbered from 0 to %lld",
-        (unsigned long long)face, (long long)index, (long long)ply->vertices - 1);
-}
-
 /* Of the list of a row: count of them at `at`. */
 static norma_document_result take_corners(
     large_ply *ply, const unsigned char *at, size_t count, uint64_t offset, uint64_t face) {
@@ -244,38 +245,43 @@ static norma_document_result take_corners(
     uint32_t *out = ply->chunk.corners + ply->chunk.corner_count;
     for (size_t k = 0; k < count; ++k, at += size) {
         const int64_t index = norma_ply_get_integer(at, type, header->encoding);
-        if ((uint64_t)index >= ply->vertices) return fail_index(ply, offset, face, index);
+        if ((uint64_t)index >= ply->vertices)
+            return norma_ply_fail_index(ply->file->document, ply->file->error, (size_t)offset,
+                "face", face, index, ply->vertices);
         out[k] = (uint32_t)index;
     }
     ply->chunk.corner_count += count;
     return NORMA_DOCUMENT_OK;
 }
 
-/* A row of any kind. */
-static norma_document_result read_row(large_ply *ply, uint64_t face) {
+/* A row of any kind, of faces perhaps read into the chunk. */
+static norma_document_result walk_row(
+    large_ply *ply, const ply_element *element, uint64_t row, int is_read) {
     const ply_header *header = &ply->state->header;
     large_reader *reader = &ply->rows;
+    norma_document *document = ply->file->document;
     const uint64_t begin = norma_large_reader_tell(reader);
-    for (size_t i = 0; i < ply->face->property_count; ++i) {
-        const ply_property *property = norma_ply_property(header, ply->face, (int)i);
+    for (size_t i = 0; i < element->property_count; ++i) {
+        const ply_property *property = norma_ply_property(header, element, (int)i);
         const int is_list = norma_ply_is_list(property);
         const size_t first = norma_ply_type_size(is_list ? property->count_type : property->type);
         const unsigned char *at = norma_large_peek(reader, first);
-        int64_t items =
+        const int64_t items =
             at && is_list ? norma_ply_get_integer(at, property->count_type, header->encoding) : 0;
         if (items < 0)
-            return norma_large_fail_face(
-                ply, norma_large_reader_tell(reader), "a list of negative length");
+            return norma_ply_fail_at(document, ply->file->error,
+                (size_t)norma_large_reader_tell(reader), "a list of negative length");
         const uint64_t size = first + (uint64_t)items * norma_ply_type_size(property->type);
         if (reader->result) return reader->result;
         if (!at || size > ply->file->size - norma_large_reader_tell(reader))
-            return fail_short(ply->file, ply->face, face);
-        if ((int)i == header->face_list) {
+            return norma_ply_fail_short(
+                document, ply->file->error, (size_t)ply->file->size, element, row);
+        if (is_read && (int)i == header->face_list) {
             at = norma_large_peek(reader, size < SMALL_BUFFER ? (size_t)size : SIZE_MAX);
+            if (!at && reader->result) return reader->result;
             if (!at) return fail_whole(ply->file, "a face is longer than a megabyte");
             if (!make_room(ply, (size_t)items)) return norma_large_fail_memory(ply->file);
-            norma_document_result result =
-                take_corners(ply, at + first, (size_t)items, begin, face);
+            norma_document_result result = take_corners(ply, at + first, (size_t)items, begin, row);
             if (result) return result;
         }
         norma_large_reader_seek(reader, norma_large_reader_tell(reader) + size);
@@ -283,19 +289,18 @@ static norma_document_result read_row(large_ply *ply, uint64_t face) {
     return NORMA_DOCUMENT_OK;
 }
 
-/* The commonest rows: one list, of three, and perhaps numbers beside it. The bytes of each; 0: the
- * rows are others. */
-static size_t even_row(const large_ply *ply) {
+size_t norma_large_even_row(const large_ply *ply) {
     const ply_header *header = &ply->state->header;
-    if (ply->face->list_count != 1) return 0;
+    if (!ply->face || ply->face->list_count != 1) return 0;
     return ply->face->fixed_size +
            3 * norma_ply_type_size(norma_ply_property(header, ply->face, header->face_list)->type);
 }
 
 static int are_triangles(
-    const large_ply *ply, const unsigned char *rows, size_t count, size_t row_size, size_t list) {
+    const large_ply *ply, const unsigned char *rows, size_t count, size_t row_size) {
     const ply_header *header = &ply->state->header;
     const ply_type type = norma_ply_property(header, ply->face, header->face_list)->count_type;
+    const size_t list = norma_ply_offset_in_row(header, ply->face, header->face_list);
     if (norma_ply_type_size(type) == 1) {
         unsigned differs = 0;
         for (size_t i = 0; i < count; ++i) differs |= rows[i * row_size + list] ^ 3u;
@@ -307,15 +312,13 @@ static int are_triangles(
     return 1;
 }
 
-/* Native numbers of four bytes. Nonzero: one is beyond the vertices. */
-static int copy_triangles(large_ply *ply, const unsigned char *at, size_t count, size_t row_size) {
-    uint32_t *out = ply->chunk.corners, greatest = 0;
-    for (size_t i = 0; i < count; ++i, at += row_size) {
-        memcpy(out + 3 * i, at, 12);
-        for (size_t k = 0; k < 3; ++k)
-            greatest = out[3 * i + k] > greatest ? out[3 * i + k] : greatest;
-    }
-    return greatest >= ply->vertices;
+norma_document_result norma_large_are_even(
+    large_ply *ply, uint64_t offset, size_t count, int *are_even) {
+    const size_t row_size = norma_large_even_row(ply);
+    norma_large_reader_seek(&ply->rows, offset);
+    const unsigned char *rows = norma_large_peek(&ply->rows, count * row_size);
+    *are_even = rows && are_triangles(ply, rows, count, row_size);
+    return ply->rows.result;
 }
 
 /* *done: whether all rows were triangles. */
@@ -323,17 +326,18 @@ static norma_document_result read_triangles(
     large_ply *ply, uint64_t first, size_t count, int *done) {
     const ply_header *header = &ply->state->header;
     const ply_property *property = norma_ply_property(header, ply->face, header->face_list);
-    const size_t row_size = even_row(ply),
-                 list = offset_in_row(header, ply->face, header->face_list),
-                 items = list + norma_ply_type_size(property->count_type);
+    const size_t row_size = norma_large_even_row(ply),
+                 items = norma_ply_offset_in_row(header, ply->face, header->face_list) +
+                         norma_ply_type_size(property->count_type);
     const unsigned char *rows = row_size ? norma_large_peek(&ply->rows, count * row_size) : NULL;
     const uint64_t begin = norma_large_reader_tell(&ply->rows);
-    *done = rows && are_triangles(ply, rows, count, row_size, list);
+    *done = rows && are_triangles(ply, rows, count, row_size);
     if (!*done) return ply->rows.result;
     if (!make_room(ply, 3 * count)) return norma_large_fail_memory(ply->file);
     const int native = norma_ply_is_native(header->encoding) &&
                        (property->type == PLY_INT32 || property->type == PLY_UINT32);
-    if (!native || copy_triangles(ply, rows + items, count, row_size))
+    if (!native || norma_ply_copy_triangles(rows + items, row_size, count, ply->chunk.corners) >=
+                       ply->vertices)
         for (size_t i = 0; i < count; ++i) {
             norma_document_result result =
                 take_corners(ply, rows + i * row_size + items, 3, begin + i * row_size, first + i);
@@ -355,7 +359,7 @@ norma_document_result norma_large_ply_chunk(
     norma_large_reader_seek(&ply->rows, *offset);
     norma_document_result result = read_triangles(ply, first, count, &done);
     for (size_t i = 0; i < count && !result && !done; ++i) {
-        result = read_row(ply, first + i);
+        result = walk_row(ply, ply->face, first + i, 1);
         chunk->starts[i + 1] = (uint32_t)chunk->corner_count;
     }
     *offset = norma_large_reader_tell(&ply->rows);

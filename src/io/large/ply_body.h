@@ -53,10 +53,28 @@ static inline size_t norma_large_position_size(const large_ply *ply) {
     return 3 * (ply->single ? sizeof(float) : sizeof(double));
 }
 
+/* Rows of the output. */
+typedef struct large_row {
+    size_t size, normal[3]; /* bytes; where a normal's numbers lie */
+} large_row;
+/* Writes the header of the output, whose only change is its normals, and chooses their types. */
+norma_document_result norma_large_ply_write_header(
+    large_ply *ply, norma_write *write, void *user, large_row *row);
+/* The stored normals of a block that is then looked at, to be freed; NULL: there are none. Not
+ * looked at after a failure. */
+norma_document_result norma_large_ply_stored(
+    large_ply *ply, size_t first, size_t count, double **stored, large_view *view);
+/* The rows of that block with these normals, once they are encoded; looks away. */
+norma_document_result norma_large_ply_write_rows(
+    large_ply *ply, const large_view *view, float *normals, norma_write *write, void *user);
+
+/* The commonest faces: one list, of three, and perhaps numbers beside it. The bytes of such a row;
+ * 0: rows are others. And whether so many rows at offset are such, if all before were. */
+size_t norma_large_even_row(const large_ply *ply);
+norma_document_result norma_large_are_even(
+    large_ply *ply, uint64_t offset, size_t count, int *are_even);
 /* Decodes the faces from number first on, which begin at *offset, into ply->chunk; *offset moves
  * behind them. */
 norma_document_result norma_large_ply_chunk(
     large_ply *ply, uint64_t first, size_t count, uint64_t *offset);
-/* Where a face begins, for an error or a count: not needed where rows are even. */
-norma_document_result norma_large_fail_face(large_ply *ply, uint64_t offset, const char *why);
 #endif

@@ -19,7 +19,7 @@ typedef struct ply_passes {
     size_t without_count;
     large_output output;
     uint64_t rows_begin; /* in the output */
-    size_t row_size, normal_place[3];
+    large_row row;
     int had;         /* normals were there */
     int only_broken; /* and most of them stay */
 } ply_passes;
@@ -41,20 +41,6 @@ static norma_document_result check_options(const large_compute *job) {
 }
 
 static const ply_element *vertex_of(const ply_passes *p) { return p->ply.vertex; }
-
-static norma_document_result read_stored(
-    ply_passes *p, size_t first, size_t count, double **stored, large_view *view) {
-    norma_document_result result;
-    const unsigned char *rows = norma_large_ply_rows(&p->ply, first, count, &result);
-    *stored = NULL;
-    if (!rows) return result;
-    *view = norma_large_ply_look(&p->ply, rows, count);
-    if (p->had)
-        result = norma_ply_read_columns(
-            p->file->document, vertex_of(p), p->ply.state->header.normal, stored, p->file->error);
-    if (result) norma_large_ply_look_away(&p->ply, view);
-    return result;
-}
 
 static size_t block_size(const ply_passes *p, size_t first, size_t end) {
     (void)p;
@@ -79,7 +65,7 @@ static norma_document_result find_broken(ply_passes *p, int *any) {
         const size_t count = block_size(p, first, p->ply.vertices);
         double *stored;
         large_view view;
-        result = read_stored(p, first, count, &stored, &view);
+        result = norma_large_ply_stored(&p->ply, first, count, &stored, &view);
         if (result) return result;
         norma_large_ply_look_away(&p->ply, &view);
         for (size_t i = 0; i < count; ++i) *any |= is_broken(stored + 3 * i, scale);
@@ -106,7 +92,7 @@ static norma_document_result write_block(
     ply_edit *edit = &p->ply.state->edit;
     double *stored;
     large_view view;
-    norma_document_result result = read_stored(p, first, count, &stored, &view);
+    norma_document_result result = norma_large_ply_stored(&p->ply, first, count, &stored, &view);
     if (result) return result;
     result =
         norma_ply_encode_normals(file->document, edit->normal_types, normals, count, file->error);
@@ -115,13 +101,12 @@ static norma_document_result write_block(
     if (stored && !p->job->policy.summary->changed)
         p->job->policy.summary->changed = differs(normals, stored, reasons, count);
     free(stored);
-    norma_sink *sink = result ? NULL : norma_sink_create(norma_large_output_write, &p->output);
-    if (!result && !sink) result = norma_large_fail_memory(file);
-    edit->normals = normals;
-    if (!result) result = norma_ply_write_vertices(file->document, sink, file->error);
-    edit->normals = NULL;
-    if (sink) norma_sink_finish(sink);
-    norma_large_ply_look_away(&p->ply, &view);
+    if (result) {
+        norma_large_ply_look_away(&p->ply, &view);
+        return result;
+    }
+    result =
+        norma_large_ply_write_rows(&p->ply, &view, normals, norma_large_output_write, &p->output);
     return result ? result : norma_large_output_result(&p->output);
 }
 
@@ -191,7 +176,7 @@ static norma_document_result read_positions(void *context, size_t first, size_t 
 }
 
 static uint64_t row_place(const ply_passes *p, size_t vertex) {
-    return p->rows_begin + (uint64_t)vertex * p->row_size;
+    return p->rows_begin + (uint64_t)vertex * p->row.size;
 }
 
 /* What was written for one vertex becomes what is written for another. */
@@ -199,7 +184,7 @@ static norma_document_result patch_row(ply_passes *p, uint32_t vertex, const dou
     const ply_edit *edit = &p->ply.state->edit;
     double *stored;
     large_view view;
-    norma_document_result result = read_stored(p, vertex, 1, &stored, &view);
+    norma_document_result result = norma_large_ply_stored(&p->ply, vertex, 1, &stored, &view);
     if (result) return result;
     norma_large_ply_look_away(&p->ply, &view);
     for (int axis = 0; axis < 3 && !result; ++axis) {
@@ -211,7 +196,7 @@ static norma_document_result patch_row(ply_passes *p, uint32_t vertex, const dou
         if (stored && memcmp(&value, &stored[axis], sizeof value) != 0)
             p->job->policy.summary->changed = 1;
         norma_ply_put(bytes, edit->normal_types[axis], p->ply.state->header.encoding, value);
-        result = norma_large_output_patch(&p->output, row_place(p, vertex) + p->normal_place[axis],
+        result = norma_large_output_patch(&p->output, row_place(p, vertex) + p->row.normal[axis],
             bytes, norma_ply_type_size(edit->normal_types[axis]));
     }
     free(stored);
@@ -226,7 +211,7 @@ static norma_document_result fill_one(void *context, uint32_t vertex, uint32_t s
     for (int axis = 0; axis < 3 && source != UINT32_MAX; ++axis) {
         unsigned char bytes[8];
         norma_document_result result =
-            norma_large_output_read(&p->output, row_place(p, source) + p->normal_place[axis], bytes,
+            norma_large_output_read(&p->output, row_place(p, source) + p->row.normal[axis], bytes,
                 norma_ply_type_size(edit->normal_types[axis]));
         if (result) return result;
         /* A zero may have the sign of the one that it replaced. */
@@ -253,26 +238,27 @@ static norma_document_result fill_nearest(ply_passes *p) {
 static norma_document_result restore_block(ply_passes *p, size_t first, size_t count) {
     const ply_header *header = &p->ply.state->header;
     const double scale = norma_ply_normal_scale(header, vertex_of(p), header->normal);
-    unsigned char *rows = malloc(count * p->row_size);
+    unsigned char *rows = malloc(count * p->row.size);
     double *stored = NULL;
     large_view view;
     norma_document_result result =
-        rows ? read_stored(p, first, count, &stored, &view) : norma_large_fail_memory(p->file);
+        rows ? norma_large_ply_stored(&p->ply, first, count, &stored, &view)
+             : norma_large_fail_memory(p->file);
     if (!result) norma_large_ply_look_away(&p->ply, &view);
     if (!result)
         result =
-            norma_large_output_read(&p->output, row_place(p, first), rows, count * p->row_size);
+            norma_large_output_read(&p->output, row_place(p, first), rows, count * p->row.size);
     for (size_t i = 0; i < count && !result; ++i) {
         if (is_broken(stored + 3 * i, scale)) continue;
         if (norma_large_bits_has(&p->without, first + i)) --p->job->policy.summary->filled;
         for (int axis = 0; axis < 3; ++axis)
-            norma_ply_put(rows + i * p->row_size + p->normal_place[axis],
+            norma_ply_put(rows + i * p->row.size + p->row.normal[axis],
                 p->ply.state->edit.normal_types[axis], header->encoding,
                 stored[3 * i + (size_t)axis]);
     }
     if (!result)
         result =
-            norma_large_output_patch(&p->output, row_place(p, first), rows, count * p->row_size);
+            norma_large_output_patch(&p->output, row_place(p, first), rows, count * p->row.size);
     free(stored);
     free(rows);
     return result;
@@ -325,26 +311,16 @@ static norma_document_result find_equal(ply_passes *p) {
 }
 
 static norma_document_result begin_output(ply_passes *p) {
-    large_file *file = p->file;
-    ply_edit *edit = &p->ply.state->edit;
-    float unit[3] = {0, 0, 1};
-    edit->normal_types[0] = edit->normal_types[1] = edit->normal_types[2] = PLY_FLOAT;
     const ply_header *header = &p->ply.state->header;
-    if (p->had) norma_ply_normal_types(header, vertex_of(p), header->normal, edit->normal_types);
+    const ply_edit *edit = &p->ply.state->edit;
+    norma_document_result result =
+        norma_large_ply_write_header(&p->ply, norma_large_output_write, &p->output, &p->row);
     for (int axis = 0; axis < 3 && p->had; ++axis)
         p->job->policy.summary->changed |=
             norma_ply_property(header, vertex_of(p), header->normal[axis])->type !=
             edit->normal_types[axis];
-    norma_sink *sink = norma_sink_create(norma_large_output_write, &p->output);
-    if (!sink) return norma_large_fail_memory(file);
-    edit->normals = unit;
-    norma_document_result result = norma_ply_write_header(file->document, sink, file->error);
-    p->row_size = norma_ply_written_row(file->document, p->normal_place, file->error);
-    edit->normals = NULL;
-    norma_sink_finish(sink);
-    if (!result && !p->row_size) result = norma_large_fail_memory(file);
     if (!result) result = norma_large_output_result(&p->output);
-    norma_large_stage(file, 0.27, 0.28);
+    norma_large_stage(p->file, 0.27, 0.28);
     if (!result) result = norma_large_output_copy(&p->output, header->body, vertex_of(p)->begin);
     p->rows_begin = p->output.written;
     return result;

@@ -57,19 +57,10 @@ static int open_survey(large_ply *ply, large_survey *survey) {
     return survey->chunks && survey->touching && survey->crossing && survey->begun && survey->ended;
 }
 
-/* No row is shorter than its fixed part: a count beyond the file ends here. */
-static norma_document_result check_count(large_ply *ply) {
-    const uint64_t left = ply->file->size - ply->face->begin;
-    if (ply->faces <= left / (ply->face->fixed_size ? ply->face->fixed_size : 1))
-        return NORMA_DOCUMENT_OK;
-    return norma_large_fail_face(ply, ply->file->size,
-        "the file ends before the last of the faces that its header declares");
-}
-
 norma_document_result norma_large_survey(large_ply *ply, large_survey *survey) {
     *survey = (large_survey){.end = ply->face ? ply->face->begin : 0, .empty = {0, SIZE_MAX}};
-    norma_document_result result = ply->face ? check_count(ply) : NORMA_DOCUMENT_OK;
-    if (!result && !open_survey(ply, survey)) result = norma_large_fail_memory(ply->file);
+    norma_document_result result =
+        open_survey(ply, survey) ? NORMA_DOCUMENT_OK : norma_large_fail_memory(ply->file);
     for (size_t i = 0; i < survey->chunk_count && !result; ++i) {
         survey->chunks[i] = (large_chunk){survey->end, UINT32_MAX, 0};
         result = norma_large_ply_chunk(

@@ -10,15 +10,6 @@ static const size_t BYTES_A_CORNER = 192, MOST_CORNERS = (size_t)3 << 20;
 
 /* ---- opening */
 
-/* No row is shorter than its fixed part: a count beyond the file ends here. */
-static norma_document_result check_count(large_ply *ply) {
-    const uint64_t left = ply->file->size - ply->face->begin;
-    return ply->faces <= left / (ply->face->fixed_size ? ply->face->fixed_size : 1)
-               ? NORMA_DOCUMENT_OK
-               : norma_large_fail_face(ply, ply->file->size,
-                     "the file ends before the last of the faces that its header declares");
-}
-
 static int open_part(walk_ply *w) {
     large_budget *budget = &w->ply.file->budget;
     const size_t least = (size_t)3 * LARGE_FACES_IN_BLOCK;
@@ -37,7 +28,6 @@ static int open_part(walk_ply *w) {
 
 norma_document_result norma_walk_ply_open(large_file *file, walk_ply *w) {
     norma_document_result result = norma_large_ply_open(file, &w->ply);
-    if (!result && w->ply.face) result = check_count(&w->ply);
     if (result) return result;
     w->chunk_count = (size_t)(w->ply.faces / LARGE_CHUNK) + (w->ply.faces % LARGE_CHUNK != 0);
     if (!open_part(w)) return norma_large_fail_memory(file);

@@ -5,15 +5,6 @@
 #include "io/text/number.h"
 #include "io/stream/tasks.h"
 
-static norma_document_result fail_short(const norma_document *document, norma_document_error *error,
-    const ply_element *element, uint64_t row) {
-    const ply_state *state = document->state;
-    return norma_ply_fail_at(document, error, state->size,
-        "the file ends in row %llu of element \"%.*s\", which should have %llu rows",
-        (unsigned long long)row, element->name.length > 60 ? 60 : (int)element->name.length,
-        (const char *)state->bytes + element->name.offset, (unsigned long long)element->count);
-}
-
 /* The bytes of one row, or 0 where it does not lie within the file or a count of a list is negative
  * (then *bad is where). */
 static size_t measure_row(
@@ -102,7 +93,7 @@ static norma_document_result walk_lists(const norma_document *document, ply_elem
         size_t size = measure_row(state, element, at, &bad);
         if (bad != SIZE_MAX)
             return norma_ply_fail_at(document, error, bad, "a list of negative length");
-        if (size == 0) return fail_short(document, error, element, row);
+        if (size == 0) return norma_ply_fail_short(document, error, state->size, element, row);
         at += size;
     }
     *end = at;
@@ -116,7 +107,8 @@ static norma_document_result locate_binary(norma_document *document, norma_docum
         ply_element *element = &state->header.elements[i];
         element->begin = at;
         if (element->fixed_size > 0 && element->count > (state->size - at) / element->fixed_size)
-            return fail_short(document, error, element, (state->size - at) / element->fixed_size);
+            return norma_ply_fail_short(
+                document, error, state->size, element, (state->size - at) / element->fixed_size);
         if (element->list_count == 0)
             at += (size_t)element->count * element->fixed_size;
         else {

@@ -159,6 +159,18 @@ const unsigned char *norma_ply_row_end(
 size_t norma_ply_property_size(
     const ply_header *header, const ply_property *property, const unsigned char *at);
 
+/* Rows of one size. Where a property lies in one; three of its properties as stored, three doubles
+ * a row; whether floats hold these; doubles become floats in place; three native numbers of each
+ * row, of which the greatest is returned. */
+size_t norma_ply_offset_in_row(const ply_header *header, const ply_element *element, int property);
+void norma_ply_decode_rows(const ply_header *header, const ply_element *element,
+    const int properties[3], const unsigned char *rows, size_t count, double *values);
+int norma_ply_fits_float(
+    const ply_header *header, const ply_element *element, const int properties[3]);
+void norma_ply_narrow(double *values, size_t count);
+uint32_t norma_ply_copy_triangles(
+    const unsigned char *at, size_t row_size, size_t count, uint32_t *corners);
+
 /* locate_rows.c: where each element's rows lie. Fails where the file is too short. */
 norma_document_result norma_ply_locate(norma_document *document, norma_document_error *error);
 
@@ -166,6 +178,13 @@ norma_document_result norma_ply_locate(norma_document *document, norma_document_
 size_t norma_ply_line_of(const ply_state *state, size_t offset);
 norma_document_result norma_ply_fail_at(const norma_document *document, norma_document_error *error,
     size_t offset, const char *format, ...);
+/* The file, of so many bytes, ends in that row; a row of faces or strips names a vertex that does
+ * not exist. */
+norma_document_result norma_ply_fail_short(const norma_document *document,
+    norma_document_error *error, size_t size, const ply_element *element, uint64_t row);
+norma_document_result norma_ply_fail_index(const norma_document *document,
+    norma_document_error *error, size_t offset, const char *of, uint64_t row, int64_t index,
+    size_t vertices);
 
 /* ascii_read.c: rows of text */
 void norma_ply_surplus_text(const ply_state *state, char text[120]); /* of its surplus rows */

@@ -30,3 +30,20 @@ norma_document_result norma_ply_fail_at(const norma_document *document, norma_do
     return norma_document_fail(
         document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "%s", message);
 }
+
+norma_document_result norma_ply_fail_short(const norma_document *document,
+    norma_document_error *error, size_t size, const ply_element *element, uint64_t row) {
+    const ply_state *state = document->state;
+    return norma_ply_fail_at(document, error, size,
+        "the file ends in row %llu of element \"%.*s\", which should have %llu rows",
+        (unsigned long long)row, element->name.length > 60 ? 60 : (int)element->name.length,
+        (const char *)state->bytes + element->name.offset, (unsigned long long)element->count);
+}
+
+norma_document_result norma_ply_fail_index(const norma_document *document,
+    norma_document_error *error, size_t offset, const char *of, uint64_t row, int64_t index,
+    size_t vertices) {
+    return norma_ply_fail_at(document, error, offset,
+        "%s %llu names vertex %lld; vertices are numbered from 0 to %lld", of,
+        (unsigned long long)row, (long long)index, (long long)vertices - 1);
+}

@@ -7,25 +7,6 @@
 
 /* ---- three properties of each row */
 
-static size_t offset_in_row(const ply_header *header, const ply_element *element, int property) {
-    size_t offset = 0;
-    for (int i = 0; i < property; ++i)
-        offset += norma_ply_type_size(norma_ply_property(header, element, i)->type);
-    return offset;
-}
-
-static void read_fixed_rows(
-    const ply_state *state, const ply_element *element, const int properties[3], double *values) {
-    const ply_header *header = &state->header;
-    const unsigned char *rows = state->bytes + element->begin;
-    for (int axis = 0; axis < 3; ++axis) {
-        const ply_type type = norma_ply_property(header, element, properties[axis])->type;
-        const unsigned char *at = rows + offset_in_row(header, element, properties[axis]);
-        for (size_t row = 0; row < element->count; ++row, at += element->fixed_size)
-            values[3 * row + (size_t)axis] = norma_ply_get(at, type, header->encoding);
-    }
-}
-
 static void read_rows_with_lists(
     const ply_state *state, const ply_element *element, const int properties[3], double *values) {
     const ply_header *header = &state->header;
@@ -53,7 +34,8 @@ norma_document_result norma_ply_read_columns(norma_document *document, const ply
     if (state->header.encoding == PLY_ASCII)
         result = norma_ply_read_text_columns(document, element, properties, read, error);
     else if (element->list_count == 0)
-        read_fixed_rows(state, element, properties, read);
+        norma_ply_decode_rows(&state->header, element, properties, state->bytes + element->begin,
+            (size_t)element->count, read);
     else
         read_rows_with_lists(state, element, properties, read);
     if (result) {
@@ -88,30 +70,11 @@ static int view_rows(const ply_state *state, const ply_element *element, const i
         if (properties[axis] != properties[0] + axis ||
             norma_ply_property(header, element, properties[axis])->type != first->type)
             return 0;
-    *view = (norma_vec3_view){
-        .data = state->bytes + element->begin + offset_in_row(header, element, properties[0]),
+    *view = (norma_vec3_view){.data = state->bytes + element->begin +
+                                      norma_ply_offset_in_row(header, element, properties[0]),
         .count = (size_t)element->count,
         .stride = element->fixed_size,
         .format = format_of(first->type)};
-    return 1;
-}
-
-/* In place: each float lies before or on the double it comes from. */
-static float *narrow(double *values, size_t count) {
-    unsigned char *bytes = (unsigned char *)values;
-    for (size_t i = 0; i < count; ++i) {
-        float value = (float)values[i];
-        memcpy(bytes + i * sizeof value, &value, sizeof value);
-    }
-    return (float *)(void *)values;
-}
-
-static int fits_float(
-    const ply_header *header, const ply_element *element, const int properties[3]) {
-    for (int axis = 0; axis < 3; ++axis) {
-        ply_type type = norma_ply_property(header, element, properties[axis])->type;
-        if (type == PLY_INT32 || type == PLY_UINT32 || type == PLY_DOUBLE) return 0;
-    }
     return 1;
 }
 
@@ -126,8 +89,8 @@ static norma_document_result read_positions(norma_document *document, norma_docu
         norma_ply_read_columns(document, vertex, header->position, &values, error);
     state->mesh.own_positions = values;
     if (result) return result;
-    int single = fits_float(header, vertex, header->position);
-    if (single) narrow(values, 3 * (size_t)vertex->count);
+    const int single = norma_ply_fits_float(header, vertex, header->position);
+    if (single) norma_ply_narrow(values, 3 * (size_t)vertex->count);
     state->mesh.positions = (norma_vec3_view){.data = values,
         .count = (size_t)vertex->count,
         .format = single ? NORMA_FORMAT_FLOAT : NORMA_FORMAT_DOUBLE};
@@ -237,9 +200,7 @@ static norma_document_result fail_index(norma_document *document, norma_document
     norma_ply_row_spans(document, of, &spans, NULL);
     size_t offset = spans ? spans[row].offset : of->begin;
     free(spans);
-    return norma_ply_fail_at(document, error, offset,
-        "%s %zu names vertex %lld; vertices are numbered from 0 to %lld", element, row,
-        (long long)index, (long long)state->vertices - 1);
+    return norma_ply_fail_index(document, error, offset, element, row, index, state->vertices);
 }
 
 static norma_document_result fail_too_many(
@@ -266,14 +227,10 @@ typedef struct triangle_copy {
 
 static void copy_slice(void *context, size_t slice) {
     triangle_copy *copy = context;
-    const size_t end = norma_io_slice(copy->count, copy->slices, slice + 1);
-    uint32_t greatest = 0;
-    for (size_t i = norma_io_slice(copy->count, copy->slices, slice); i < end; ++i) {
-        uint32_t *corners = copy->corners + 3 * i;
-        memcpy(corners, copy->rows + 13 * i + 1, 12);
-        for (size_t k = 0; k < 3; ++k) greatest = corners[k] > greatest ? corners[k] : greatest;
-    }
-    copy->greatest[slice] = greatest;
+    const size_t begin = norma_io_slice(copy->count, copy->slices, slice),
+                 end = norma_io_slice(copy->count, copy->slices, slice + 1);
+    copy->greatest[slice] = norma_ply_copy_triangles(
+        copy->rows + 13 * begin + 1, 13, end - begin, copy->corners + 3 * begin);
 }
 
 static norma_document_result read_plain_triangles(

@@ -137,3 +137,50 @@ const unsigned char *norma_ply_row_end(
         row += norma_ply_property_size(header, norma_ply_property(header, element, (int)i), row);
     return row;
 }
+
+/* ---- rows of one size */
+
+size_t norma_ply_offset_in_row(const ply_header *header, const ply_element *element, int property) {
+    size_t offset = 0;
+    for (int i = 0; i < property; ++i)
+        offset += norma_ply_type_size(norma_ply_property(header, element, i)->type);
+    return offset;
+}
+
+void norma_ply_decode_rows(const ply_header *header, const ply_element *element,
+    const int properties[3], const unsigned char *rows, size_t count, double *values) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const ply_type type = norma_ply_property(header, element, properties[axis])->type;
+        const unsigned char *at = rows + norma_ply_offset_in_row(header, element, properties[axis]);
+        for (size_t row = 0; row < count; ++row, at += element->fixed_size)
+            values[3 * row + (size_t)axis] = norma_ply_get(at, type, header->encoding);
+    }
+}
+
+int norma_ply_fits_float(
+    const ply_header *header, const ply_element *element, const int properties[3]) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const ply_type type = norma_ply_property(header, element, properties[axis])->type;
+        if (type == PLY_INT32 || type == PLY_UINT32 || type == PLY_DOUBLE) return 0;
+    }
+    return 1;
+}
+
+/* Each float lies before or on the double it comes from. */
+void norma_ply_narrow(double *values, size_t count) {
+    unsigned char *bytes = (unsigned char *)values;
+    for (size_t i = 0; i < count; ++i) {
+        const float value = (float)values[i];
+        memcpy(bytes + i * sizeof value, &value, sizeof value);
+    }
+}
+
+uint32_t norma_ply_copy_triangles(
+    const unsigned char *at, size_t row_size, size_t count, uint32_t *corners) {
+    uint32_t greatest = 0;
+    for (size_t i = 0; i < count; ++i, at += row_size, corners += 3) {
+        memcpy(corners, at, 12);
+        for (size_t k = 0; k < 3; ++k) greatest = corners[k] > greatest ? corners[k] : greatest;
+    }
+    return greatest;
+}

@@ -1,11 +1,404 @@
-/* ply_compute.c: a binary PLY with a normal for each vertex. */
+/* ply_compute.c: a binary PLY with a normal for each vertex. Each rank reads a range of faces and
+ * one of vertices, with the reader of files larger than memory; positions of other vertices that
+ * its faces name come from the ranks that read them. The output's rows have one size, so each rank
+ * writes those of its own vertices where they belong. */
+#include "core/call/sort.h"
+#include "io/format/compute_policy.h"
+#include "io/large/ply_body.h"
 #include "mpi/file/formats.h"
-#include "mpi/file/ply_output.h"
+#include <errno.h>
 #include <norma/mpi.h>
+#include <stdlib.h>
+
+typedef struct mpi_ply {
+    mpi_job *job;
+    large_file file;
+    large_ply ply;
+    norma_document_error error;
+    size_t faces, corners;
+    uint32_t *corner;      /* numbers of the file; once positions are fetched, places here */
+    uint32_t *face_starts; /* NULL: triangles */
+    size_t corner_room, start_room;
+    uint64_t first; /* this rank's own vertices: own of them, from first on */
+    size_t own, others;
+    uint64_t *vertex_ids; /* own, then the others that faces name, ascending */
+    unsigned char *positions;
+} mpi_ply;
 
 static int fail_memory(mpi_job *job) {
     return norma_mpi_fail(job, "%s: out of memory", job->input);
 }
+
+static int fail_ply(mpi_ply *p, norma_document_result result) {
+    return result ? norma_mpi_fail(p->job, "%s", p->error.message) : 0;
+}
+
+/* ---- opening */
+
+static int read_input(void *job, uint64_t offset, void *bytes, size_t size) {
+    return norma_mpi_read(job, offset, bytes, size) ? EIO : 0;
+}
+
+/* Blocks of a megabyte, whatever the file's size. */
+static int open_ply(mpi_ply *p) {
+    enum { BUFFERS = 48 << 20 };
+    mpi_job *job = p->job;
+    const large_source source = {
+        read_input, job, job->size, "norma-mpi reads it in parts", "use norma compute"};
+    p->file = (large_file){.error = &p->error, .budget = {.most = BUFFERS}, .to = 1};
+    p->ply = (large_ply){.file = &p->file, .rows.file = &p->file, .blocks.file = &p->file};
+    norma_document_result result =
+        norma_large_open_source(job->input, NORMA_FILE_PLY, &source, &p->file);
+    if (!result) result = norma_large_ply_open(&p->file, &p->ply);
+    if (result) return fail_ply(p, result);
+    norma_mpi_count_memory(job, (size_t)p->file.budget.used);
+    job->faces = p->ply.faces;
+    job->vertices = p->ply.vertices;
+    p->first = norma_mpi_share_of(job, job->vertices, job->call.rank);
+    p->own = (size_t)(norma_mpi_share_of(job, job->vertices, job->call.rank + 1) - p->first);
+    return 0;
+}
+
+static void close_ply(mpi_ply *p) {
+    const core_call *core = &p->job->core;
+    const size_t count = p->own + p->others;
+    norma_core_release(core, p->corner, p->corner_room, sizeof *p->corner);
+    norma_core_release(core, p->face_starts, p->start_room, sizeof *p->face_starts);
+    norma_core_release(core, p->vertex_ids, count, sizeof *p->vertex_ids);
+    norma_core_release(core, p->positions, count, norma_large_position_size(&p->ply));
+    norma_large_ply_close(&p->ply);
+    norma_large_close(&p->file);
+}
+
+/* ---- where each rank's faces begin: where rows have one size, each knows; else the first rank
+ * goes through all rows once and tells */
+
+static uint64_t begin_of(const mpi_ply *p, int rank) {
+    return norma_mpi_share_of(p->job, p->ply.faces, rank);
+}
+
+static size_t chunk_before(uint64_t face, uint64_t end) {
+    return end - face < LARGE_CHUNK ? (size_t)(end - face) : LARGE_CHUNK;
+}
+
+/* Whether the rows of this rank, were all before triangles, are triangles too. */
+static int are_even(mpi_ply *p, int *all) {
+    const size_t row = norma_large_even_row(&p->ply);
+    const int rank = p->job->call.rank;
+    const uint64_t begin = p->ply.face ? p->ply.face->begin : 0, end = begin_of(p, rank + 1);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    *all = !p->ply.faces || (row && p->ply.faces <= (p->file.size - begin) / row);
+    for (uint64_t f = begin_of(p, rank); f < end && *all && !result; f += LARGE_CHUNK)
+        result = norma_large_are_even(&p->ply, begin + f * row, chunk_before(f, end), all);
+    return fail_ply(p, result);
+}
+
+static int find_begins(mpi_ply *p, uint64_t *begins) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    uint64_t face = 0;
+    begins[0] = p->ply.face->begin;
+    for (int rank = 1; rank <= p->job->call.ranks && !result; rank++) {
+        begins[rank] = begins[rank - 1];
+        for (const uint64_t end = begin_of(p, rank); face < end && !result;) {
+            const size_t some = chunk_before(face, end);
+            result = norma_large_ply_chunk(&p->ply, face, some, &begins[rank]);
+            face += some;
+        }
+    }
+    return fail_ply(p, result);
+}
+
+/* Collective. begin: of this rank's faces. */
+static int place_faces(mpi_ply *p, uint64_t *begin, int *triangles) {
+    mpi_job *job = p->job;
+    const size_t ranks = (size_t)job->call.ranks;
+    int all = 0, failed = are_even(p, &all);
+    if (norma_mpi_failed(job, failed)) return 1;
+    *triangles = norma_mpi_largest(&job->call, (uint64_t)!all) == 0;
+    *begin = p->ply.face ? p->ply.face->begin : 0;
+    *begin += begin_of(p, job->call.rank) * norma_large_even_row(&p->ply);
+    if (*triangles) return 0;
+    uint64_t *begins = norma_core_allocate(&job->core, ranks + 1, sizeof *begins);
+    failed = begins ? job->call.rank == 0 && find_begins(p, begins) : fail_memory(job);
+    failed = norma_mpi_failed(job, failed);
+    if (!failed) MPI_Bcast(begins, (int)ranks + 1, MPI_UINT64_T, 0, job->call.comm);
+    if (!failed) *begin = begins[job->call.rank];
+    norma_core_release(&job->core, begins, ranks + 1, sizeof *begins);
+    return failed;
+}
+
+/* ---- corners */
+
+static int grow_corners(mpi_ply *p, size_t more) {
+    const core_call *core = &p->job->core;
+    if (p->corners + more <= p->corner_room) return 0;
+    const size_t room = p->corners + more + p->corner_room / 2 + 1024;
+    uint32_t *corner = room > UINT32_MAX ? NULL : norma_core_allocate(core, room, sizeof *corner);
+    if (!corner) return fail_memory(p->job);
+    if (p->corners) memcpy(corner, p->corner, p->corners * sizeof *corner);
+    norma_core_release(core, p->corner, p->corner_room, sizeof *corner);
+    p->corner = corner;
+    p->corner_room = room;
+    return 0;
+}
+
+static int take_chunk(mpi_ply *p, size_t first) {
+    const large_faces *chunk = &p->ply.chunk;
+    if (grow_corners(p, chunk->corner_count)) return 1;
+    if (chunk->corner_count)
+        memcpy(p->corner + p->corners, chunk->corners, chunk->corner_count * sizeof *p->corner);
+    for (size_t i = 1; p->face_starts && i <= chunk->count; i++)
+        p->face_starts[first + i] = (uint32_t)p->corners + chunk->starts[i];
+    p->corners += chunk->corner_count;
+    return 0;
+}
+
+static int open_faces(mpi_ply *p, int triangles) {
+    if (p->faces >= UINT32_MAX / 3) return fail_memory(p->job);
+    if (grow_corners(p, 3 * p->faces)) return 1;
+    if (triangles) return 0;
+    p->start_room = p->faces + 1;
+    p->face_starts = norma_core_allocate(&p->job->core, p->start_room, sizeof *p->face_starts);
+    if (!p->face_starts) return fail_memory(p->job);
+    p->face_starts[0] = 0;
+    return 0;
+}
+
+static int read_chunks(mpi_ply *p, uint64_t begin) {
+    const uint64_t first = begin_of(p, p->job->call.rank), end = first + p->faces;
+    int failed = 0;
+    for (uint64_t f = first; f < end && !failed; f += LARGE_CHUNK)
+        failed = fail_ply(p, norma_large_ply_chunk(&p->ply, f, chunk_before(f, end), &begin)) ||
+                 take_chunk(p, (size_t)(f - first));
+    return failed;
+}
+
+/* Collective. */
+static int read_faces(mpi_ply *p) {
+    const int rank = p->job->call.rank;
+    uint64_t begin;
+    int triangles;
+    p->faces = (size_t)(begin_of(p, rank + 1) - begin_of(p, rank));
+    if (place_faces(p, &begin, &triangles)) return 1;
+    return norma_mpi_failed(p->job, open_faces(p, triangles) || read_chunks(p, begin));
+}
+
+/* ---- vertices: own ones, and others that faces name */
+
+static int is_own(const mpi_ply *p, uint32_t vertex) { return vertex - p->first < p->own; }
+
+static size_t drop_repeated(uint64_t *numbers, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++)
+        if (!kept || numbers[i] != numbers[kept - 1]) numbers[kept++] = numbers[i];
+    return kept;
+}
+
+static int list_vertices(mpi_ply *p) {
+    const core_call *core = &p->job->core;
+    size_t most = 0, count = 0;
+    for (size_t c = 0; c < p->corners; c++) most += !is_own(p, p->corner[c]);
+    uint64_t *others = norma_core_allocate(core, most, sizeof *others);
+    if (!others) return fail_memory(p->job);
+    for (size_t c = 0; c < p->corners; c++)
+        if (!is_own(p, p->corner[c])) others[count++] = p->corner[c];
+    norma_core_sort_numbers(others, count);
+    count = drop_repeated(others, count);
+    uint64_t *ids = norma_core_allocate(core, p->own + count, sizeof *ids);
+    for (size_t i = 0; ids && i < p->own; i++) ids[i] = p->first + i;
+    if (ids && count) memcpy(ids + p->own, others, count * sizeof *ids);
+    norma_core_release(core, others, most, sizeof *others);
+    if (!ids) return fail_memory(p->job);
+    p->vertex_ids = ids;
+    p->others = count;
+    return p->own + count > UINT32_MAX - 1 ? fail_memory(p->job) : 0;
+}
+
+static uint32_t place_of(const mpi_ply *p, uint32_t vertex) {
+    const uint64_t *others = p->vertex_ids + p->own;
+    size_t low = 0, high = p->others;
+    if (is_own(p, vertex)) return (uint32_t)(vertex - p->first);
+    while (high - low > 1) {
+        const size_t middle = low + (high - low) / 2;
+        if (others[middle] <= vertex)
+            low = middle;
+        else
+            high = middle;
+    }
+    return (uint32_t)(p->own + low);
+}
+
+static size_t block_before(size_t v, size_t end) {
+    return end - v < LARGE_BLOCK ? end - v : LARGE_BLOCK;
+}
+
+static int read_positions(mpi_ply *p) {
+    const size_t size = norma_large_position_size(&p->ply);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    p->positions = norma_core_allocate(&p->job->core, p->own + p->others, size);
+    if (!p->positions) return fail_memory(p->job);
+    for (size_t v = 0; v < p->own && !result; v += LARGE_BLOCK)
+        result = norma_large_ply_positions(
+            &p->ply, (size_t)p->first + v, block_before(v, p->own), p->positions + v * size);
+    return fail_ply(p, result);
+}
+
+/* ---- fetching others */
+
+static int owner_of(const mpi_ply *p, uint64_t vertex) {
+    const mpi_job *job = p->job;
+    int rank = (int)((double)vertex / (double)job->vertices * job->call.ranks);
+    while (rank > 0 && norma_mpi_share_of(job, job->vertices, rank) > vertex) rank--;
+    while (norma_mpi_share_of(job, job->vertices, rank + 1) <= vertex) rank++;
+    return rank;
+}
+
+/* The others from begin to end: ascending, so by owners. */
+static norma_result list_wanted(const mpi_ply *p, size_t begin, size_t end, mpi_lists *out) {
+    const core_call *core = &p->job->core;
+    const size_t ranks = (size_t)p->job->call.ranks;
+    const uint64_t *others = p->vertex_ids + p->own;
+    uint64_t *room = norma_core_allocate(core, ranks, sizeof *room);
+    if (!room) return NORMA_ERROR_MEMORY;
+    memset(room, 0, ranks * sizeof *room);
+    for (size_t i = begin; i < end; i++) room[owner_of(p, others[i])]++;
+    const norma_result result = norma_mpi_lists_open(&p->job->call, room, sizeof(uint32_t), out);
+    for (size_t i = begin; i < end && result == NORMA_OK; i++) {
+        const uint32_t vertex = (uint32_t)others[i];
+        memcpy(norma_mpi_lists_add(out, owner_of(p, vertex)), &vertex, sizeof vertex);
+    }
+    norma_core_release(core, room, ranks, sizeof *room);
+    return result;
+}
+
+static norma_result list_positions(const mpi_ply *p, const mpi_lists *in, mpi_lists *answers) {
+    const size_t size = norma_large_position_size(&p->ply),
+                 count = norma_mpi_lists_total(&p->job->call, in);
+    const norma_result result = norma_mpi_lists_like(&p->job->call, in, size, answers);
+    for (size_t i = 0; i < count && result == NORMA_OK; i++) {
+        uint32_t vertex;
+        memcpy(&vertex, norma_mpi_record(in, i), sizeof vertex);
+        memcpy(
+            norma_mpi_record(answers, i), p->positions + (size_t)(vertex - p->first) * size, size);
+    }
+    return result;
+}
+
+static norma_result fetch_some(const mpi_ply *p, size_t begin, size_t end) {
+    mpi_call *call = &p->job->call;
+    const size_t size = norma_large_position_size(&p->ply);
+    mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
+    norma_result result = norma_mpi_exchange(call, list_wanted(p, begin, end, &out), &out, &in);
+    if (result == NORMA_OK) {
+        norma_result mine = list_positions(p, &in, &answers);
+        if (mine == NORMA_OK) mine = norma_mpi_lists_like(call, &out, size, &back);
+        result = norma_mpi_agree(call, mine);
+    }
+    if (result == NORMA_OK) {
+        norma_mpi_answer(call, &answers, &back);
+        memcpy(p->positions + (p->own + begin) * size, back.bytes, (end - begin) * size);
+    }
+    norma_mpi_lists_close(call, &in);
+    norma_mpi_lists_close(call, &out);
+    norma_mpi_lists_close(call, &answers);
+    norma_mpi_lists_close(call, &back);
+    return result;
+}
+
+static norma_result fetch_others(const mpi_ply *p) {
+    enum { AT_ONCE = 1 << 16 };
+    const size_t some = p->faces / 2 > AT_ONCE ? p->faces / 2 : AT_ONCE;
+    const uint64_t rounds = norma_mpi_largest(&p->job->call, p->others / some + 1);
+    norma_result result = NORMA_OK;
+    size_t begin = 0;
+    for (uint64_t round = 0; round < rounds && result == NORMA_OK; round++) {
+        const size_t end = p->others - begin < some ? p->others : begin + some;
+        result = fetch_some(p, begin, end);
+        begin = end;
+    }
+    return result;
+}
+
+/* Collective. */
+static int read_vertices(mpi_ply *p) {
+    if (norma_mpi_failed(p->job, list_vertices(p) || read_positions(p))) return 1;
+    for (size_t c = 0; c < p->corners; c++) p->corner[c] = place_of(p, p->corner[c]);
+    return norma_mpi_failed_result(p->job, fetch_others(p));
+}
+
+/* ---- the output */
+
+typedef struct place_in_output {
+    mpi_job *job;
+    uint64_t at;
+    int failed;
+} place_in_output;
+
+static int count_bytes(void *user, const void *bytes, size_t size) {
+    (void)bytes;
+    *(uint64_t *)user += size;
+    return 0;
+}
+
+static int write_here(void *user, const void *bytes, size_t size) {
+    place_in_output *place = user;
+    if (!place->failed) place->failed = norma_mpi_write(place->job, place->at, bytes, size);
+    place->at += size;
+    return place->failed;
+}
+
+/* The rows of own vertices, from the v-th on; normals become as they are stored. */
+static int write_rows(mpi_ply *p, size_t v, size_t count, float *normals, place_in_output *place) {
+    double *stored;
+    large_view view;
+    norma_document_result result =
+        norma_large_ply_stored(&p->ply, (size_t)p->first + v, count, &stored, &view);
+    if (result) return fail_ply(p, result);
+    for (size_t i = 0; i < count; i++) norma_policy_point_up(normals + 3 * i);
+    result = norma_ply_encode_normals(
+        p->file.document, p->ply.state->edit.normal_types, normals, count, &p->error);
+    for (size_t i = 0; stored && i < 3 * count; i++)
+        normals[i] = norma_policy_keep_zero(normals[i], stored[i]);
+    free(stored);
+    if (!result) result = norma_large_ply_write_rows(&p->ply, &view, normals, write_here, place);
+    return place->failed || fail_ply(p, result);
+}
+
+/* Collective, once the output is open; head: bytes of its header. */
+static int write_parts(mpi_ply *p, uint64_t head, const large_row *row, float *normals) {
+    mpi_job *job = p->job;
+    const uint64_t body = p->ply.state->header.body, begin = p->ply.vertex->begin - body,
+                   behind = p->ply.vertex->end,
+                   behind_there = head + begin + job->vertices * row->size;
+    place_in_output place = {.job = job};
+    large_row same;
+    if (!job->call.rank &&
+        (fail_ply(p, norma_large_ply_write_header(&p->ply, write_here, &place, &same)) ||
+            place.failed))
+        return 1;
+    if (norma_mpi_copy_share(job, body, head, begin)) return 1;
+    place.at = head + begin + p->first * row->size;
+    for (size_t v = 0; v < p->own; v += LARGE_BLOCK)
+        if (write_rows(p, v, block_before(v, p->own), normals + 3 * v, &place)) return 1;
+    return norma_mpi_copy_share(job, behind, behind_there, job->size - behind);
+}
+
+static int write_output(mpi_ply *p, float *normals) {
+    mpi_job *job = p->job;
+    uint64_t head = 0;
+    large_row row;
+    const norma_document_result result =
+        norma_large_ply_write_header(&p->ply, count_bytes, &head, &row);
+    if (norma_mpi_failed(job, fail_ply(p, result))) return 1;
+    const large_ply *ply = &p->ply;
+    const uint64_t others =
+        ply->vertex->begin - ply->state->header.body + job->size - ply->vertex->end;
+    int failed = norma_mpi_open_output(job, head + others + job->vertices * row.size);
+    if (!failed) failed = write_parts(p, head, &row, normals);
+    return norma_mpi_close_output(job, failed);
+}
+
+/* ---- all */
 
 static int copy_unchanged(mpi_job *job) {
     int failed = norma_mpi_open_output(job, job->size);
@@ -13,45 +406,33 @@ static int copy_unchanged(mpi_job *job) {
     return norma_mpi_close_output(job, failed);
 }
 
-/* ---- one normal for each vertex */
-
-static int compute_smooth(mpi_job *job, ply_layout *layout, ply_part *part) {
-    if (norma_mpi_fetch_positions(job, layout, part)) return 1;
-    const size_t count = part->own + part->others;
-    norma_mesh mesh = {.corners = part->corner, .corner_count = part->corners};
-    mesh.positions.data = part->positions;
-    mesh.positions.count = count;
-    mesh.positions.format = part->doubles ? NORMA_FORMAT_DOUBLE : NORMA_FORMAT_FLOAT;
-    mesh.face_starts = part->face_starts;
-    mesh.face_count = part->face_starts ? part->faces : 0;
+static int compute(mpi_ply *p) {
+    mpi_job *job = p->job;
+    if (read_vertices(p)) return 1;
+    const size_t count = p->own + p->others;
+    const norma_mesh mesh = {
+        .positions = {.data = p->positions,
+            .count = count,
+            .format = p->ply.single ? NORMA_FORMAT_FLOAT : NORMA_FORMAT_DOUBLE},
+        .corners = p->corner,
+        .corner_count = p->corners,
+        .face_starts = p->face_starts,
+        .face_count = p->face_starts ? p->faces : 0};
     float *normals = norma_core_allocate(&job->core, count, 3 * sizeof *normals);
     int failed = norma_mpi_failed(job, normals ? 0 : fail_memory(job));
     if (!failed)
         failed = norma_mpi_failed_result(
-            job, norma_mpi_vertex_normals(job->call.comm, &mesh, part->vertex_ids, NULL,
-                     &job->options, normals, count, &job->report));
-    if (!failed) failed = norma_mpi_failed(job, norma_mpi_plan_output(job, layout));
-    if (!failed) failed = norma_mpi_write_ply(job, layout, part, normals);
+            job, norma_mpi_vertex_normals(job->call.comm, &mesh, p->vertex_ids, NULL, &job->options,
+                     normals, count, &job->report));
+    if (!failed) failed = write_output(p, normals);
     norma_core_release(&job->core, normals, count, 3 * sizeof *normals);
     return failed;
 }
 
-/* ---- all */
-
 int norma_mpi_compute_ply(mpi_job *job) {
-    ply_layout layout = {0};
-    ply_part part = {0};
-    int failed = norma_mpi_failed(job, norma_mpi_read_layout(job, &layout));
-    if (!failed) {
-        job->faces = layout.faces;
-        job->vertices = layout.vertices;
-        failed = norma_mpi_read_faces(job, &layout, &part);
-    }
-    if (!failed && !norma_mpi_sum(&job->call, part.corners))
-        failed = copy_unchanged(job); /* points, which have no normals */
-    else if (!failed)
-        failed = compute_smooth(job, &layout, &part);
-    norma_mpi_close_part_of_ply(job, &part);
-    norma_mpi_close_layout(&layout);
+    mpi_ply p = {.job = job};
+    int failed = norma_mpi_failed(job, open_ply(&p)) || read_faces(&p);
+    if (!failed) failed = norma_mpi_sum(&job->call, p.corners) ? compute(&p) : copy_unchanged(job);
+    close_ply(&p);
     return failed;
 }

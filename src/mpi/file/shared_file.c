@@ -13,13 +13,17 @@
 
 /* ---- memory that is counted */
 
+void norma_mpi_count_memory(mpi_job *job, size_t size) {
+    job->memory += size;
+    if (job->memory > job->most_memory) job->most_memory = job->memory;
+}
+
 static void *allocate(void *user, size_t size, size_t alignment) {
     mpi_job *job = user;
     (void)alignment; /* nothing here needs more than malloc's */
     void *block = norma_core_default_block(size);
     if (!block) return NULL;
-    job->memory += size;
-    if (job->memory > job->most_memory) job->most_memory = job->memory;
+    norma_mpi_count_memory(job, size);
     return block;
 }
 

@@ -20,6 +20,8 @@ typedef struct mpi_job {
 
 /* Collective: the copy of comm, and memory that is counted, for the library's calls too. */
 norma_result norma_mpi_open_job(mpi_job *job, MPI_Comm comm);
+/* What stays allocated otherwise until the end. */
+void norma_mpi_count_memory(mpi_job *job, size_t size);
 
 /* Returns 1, and keeps the message of this rank. */
 int norma_mpi_fail(mpi_job *job, const char *format, ...);
