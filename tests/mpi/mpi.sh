@@ -113,7 +113,7 @@ killed() {
         status=0
         from=$SECONDS
         (cd "$folder" && export WAIT=$5 && PATH=$3/bin:$PATH LIMIT=60 ranks "$3" 3 bash -c "$AS_RANK"'; if [ "$(as_rank '"$4"' yes no)" = yes ]; then (while kill -0 $$ && ! eval "$WAIT"; do :; done; kill -KILL $$) 2>/dev/null & fi; exec norma-mpi compute ../a.ply -o out.ply --quiet') >"$scratch/log" 2>&1 || status=$?
-        left=$(cd "$folder" && find . -name '.out.ply.*' ! -name '*.lock') # Open MPI's own, of the rank that was killed
+        left=$(cd "$folder" && find . -name ".norma-*.tmp" -o -name ".out.ply.*" ! -name "*.lock") # Open MPI's own, of the rank that was killed
         [ -z "$left" ] || [ "$4" = 0 ] || bad="left behind: $left"
         [ $((SECONDS - from)) -lt 60 ] || bad="it hung"
         if cmp -s "$folder/out.ply" "$scratch/a.done.ply"; then continue; fi # too late
@@ -159,6 +159,7 @@ test_tool() { # TREE MPI RANKS...
     refused "ranks that disagree on the output" "$mpi" "$tree" "other paths" 'norma-mpi compute a.ply -o "$(as_rank 1 other.ply out.ply)"'
     python3 -c 'import sys; data = open(sys.argv[1], "rb").read(); open(sys.argv[2], "wb").write(data.replace(b"element vertex", b"element empty 5\nelement\tbare 2\nelement vertex", 1))' "$scratch/a.ply" "$scratch/made.ply"
     same_file "PLY with elements without properties, and a tab" "$mpi" "$tree" 2 "$scratch/made.ply"
+    check "$mpi: an output that is replaced keeps its permissions" bash -c '. tests/mpi/launch.bash; echo old >"$2" && chmod 604 "$2" && ranks "$0" 2 "$0/bin/norma-mpi" compute "$1" -o "$2" --quiet && [ "$(stat -c %a "$2")" = 604 ] && [ "$(head -c 3 "$2")" = ply ]' "$tree" "$scratch/a.ply" "$scratch/kept.ply"
     check "$mpi: the source is no output" bash -c '. tests/mpi/launch.bash; cp "$1" "$2" && ln -f "$2" "$3" && ! ranks "$0" 2 "$0/bin/norma-mpi" compute "$2" -o "$3" 2>"$4" && grep -q "this is the input" "$4" && cmp "$1" "$2"' "$tree" "$scratch/a.ply" "$scratch/source.ply" "$scratch/link.ply" "$scratch/log"
     python3 tests/mpi/make_file.py "$scratch/a.ply" 480 # so large that MPI's own files stay below the limit
     refused "a rank that cannot write all of its slice" "$mpi" "$tree" "out.ply: cannot be written" 'trap "" XFSZ; ulimit -f "$(as_rank 2 6000 unlimited)"; exec norma-mpi compute a.ply -o out.ply'
@@ -166,7 +167,7 @@ test_tool() { # TREE MPI RANKS...
     for n in 0 2; do
         killed "at the start" "$mpi" "$tree" "$n" 'sleep 0.1'
         killed "while it reads or computes" "$mpi" "$tree" "$n" 'readlink /proc/$$/fd/* | grep -q "/a.ply$"'
-        killed "while the output is written" "$mpi" "$tree" "$n" 'compgen -G ".out.ply.*" >/dev/null'
+        killed "while the output is written" "$mpi" "$tree" "$n" 'compgen -G ".norma-*.tmp" >/dev/null'
     done
     check "$mpi: the example of a solver's seams" bash -c '. tests/mpi/launch.bash; ranks "$0" 4 "$0/examples/solver_seams" | tee "$1" | grep -q "norma_mpi_vertex_normals: *0.0 %" && ! grep -q "by itself: *0.0 %" "$1"' "$tree" "$scratch/seams"
     if [ -x "$tree/examples/petsc_seams" ]; then

@@ -265,6 +265,8 @@ int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size)
     return 0;
 }
 
+int norma_file_writer_name(file_writer *writer) { return writer->error = give_name(writer); }
+
 const char *norma_file_writer_temporary(const file_writer *writer) { return writer->temporary; }
 
 int norma_file_writer_read(file_writer *writer, uint64_t offset, void *bytes, size_t size) {

@@ -83,6 +83,9 @@ void norma_file_writer_batch(file_writer *writer, int alone);
  */
 int norma_file_writers_meet(file_writer *a, file_writer *b);
 int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size);
+/* Gives the temporary file a name at once, for other processes that write it too. Returns 0 or
+ * errno. */
+int norma_file_writer_name(file_writer *writer);
 /* The name of what would stay if the process ended now; NULL: nothing would. */
 const char *norma_file_writer_temporary(const file_writer *writer);
 /* What was written before, read again, or replaced by as many bytes. Not of a device or a pipe.

@@ -371,6 +371,8 @@ int norma_file_writer_patch(file_writer *writer, uint64_t offset, const void *by
     return writer->error;
 }
 
+int norma_file_writer_name(file_writer *writer) { return (void)writer, 0; }
+
 const char *norma_file_writer_temporary(const file_writer *writer) { return writer->temporary; }
 
 int norma_file_writer_prepare(file_writer *writer) {

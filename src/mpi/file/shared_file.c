@@ -1,7 +1,8 @@
-/* shared_file.c: slices by MPI-IO; the output is a temporary file that the first rank renames once
- * every rank has written its slice. */
-#define _DEFAULT_SOURCE /* mkstemp, fchmod, umask */
+/* shared_file.c: slices by MPI-IO; the output is a temporary file that the first rank puts in its
+ * place once every rank has written its slice. */
+#define _DEFAULT_SOURCE
 #include "mpi/file/shared_file.h"
+#include "io/format/format.h"
 #include <errno.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -140,24 +141,21 @@ static void tidy_when_ended(const char *path) {
         if (signal(numbers[i], path ? tidy : SIG_DFL) == SIG_IGN) signal(numbers[i], SIG_IGN);
 }
 
-/* With the permissions that a new file gets. */
+static int fail_output(mpi_job *job, int failed) {
+    char text[160];
+    norma_document_system_text(failed, text, sizeof text);
+    return norma_mpi_fail(job, "%s: cannot be written: %s", job->output, text);
+}
+
 static int make_temporary(mpi_job *job) {
-    const char *slash = strrchr(job->output, '/');
-    const int folder = slash ? (int)(slash - job->output) + 1 : 0;
-    const int length = snprintf(job->temporary, sizeof job->temporary, "%.*s.%s.XXXXXX", folder,
-        job->output, job->output + folder);
-    if (length < 0 || (size_t)length >= sizeof job->temporary)
+    int failed = norma_file_writer_open(job->output, &job->writer);
+    if (!failed) failed = norma_file_writer_name(job->writer);
+    if (failed) return fail_output(job, failed);
+    const char *name = norma_file_writer_temporary(job->writer);
+    if (strlen(name) >= sizeof job->temporary)
         return norma_mpi_fail(job, "%s: the path is too long", job->output);
-    const int file = mkstemp(job->temporary);
-    if (file < 0) {
-        job->temporary[0] = '\0';
-        return norma_mpi_fail(job, "%s: cannot be written: %s", job->output, strerror(errno));
-    }
+    strcpy(job->temporary, name);
     tidy_when_ended(job->temporary);
-    const mode_t mask = umask(0);
-    umask(mask);
-    fchmod(file, 0666 & ~mask);
-    close(file);
     return 0;
 }
 
@@ -209,12 +207,14 @@ int norma_mpi_close_output(mpi_job *job, int failed) {
     const int closed = close_mine(job);
     if (failed) memcpy(job->message, why, sizeof why);
     failed = norma_mpi_failed(job, failed || closed);
-    if (job->call.rank == 0 && job->temporary[0]) {
-        if (!failed && rename(job->temporary, job->output) != 0)
-            failed = norma_mpi_fail(job, "%s: cannot be written: %s", job->output, strerror(errno));
-        if (failed) remove(job->temporary);
-        tidy_when_ended(NULL);
+    if (failed)
+        norma_file_writer_abandon(job->writer);
+    else if (job->writer) {
+        const int error = norma_file_writer_commit(job->writer);
+        if (error) failed = fail_output(job, error);
     }
+    if (job->writer) tidy_when_ended(NULL);
+    job->writer = NULL;
     job->temporary[0] = '\0';
     return norma_mpi_failed(job, failed);
 }

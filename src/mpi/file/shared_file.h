@@ -1,6 +1,7 @@
 /* shared_file.h: one file that all ranks read, and one that all write, whole or not at all. */
 #ifndef NORMA_MPI_SHARED_FILE_H
 #define NORMA_MPI_SHARED_FILE_H
+#include "io/file/file.h"
 #include "mpi/exchange/exchange.h"
 #include <norma/norma.h>
 
@@ -12,6 +13,7 @@ typedef struct mpi_job {
     char message[640];          /* why it failed, the same on every rank once agreed upon */
     MPI_File in, out;
     uint64_t size;        /* of the input */
+    file_writer *writer;  /* of the first rank */
     char temporary[1024]; /* the output until it is whole; "" when there is none */
     norma_report report;
     uint64_t faces, vertices;
