@@ -4,7 +4,8 @@
  * numbers of a fixed sequence, and the same whichever way round a face is wound, so that a part
  * that was turned is not turned again. The steps of all rays are at most of the order of n log n,
  * however densely the n triangles lie, and each part has the same share of them; a part that uses
- * it up is judged by the rays that were cast until then. */
+ * it up is judged by the rays that were cast until then. Where triangles coincide a single ray
+ * could use up a share; then the rays of that part end with it. */
 #include "core/orient/orient.h"
 #include "core/orient/box_tree.h"
 #include "core/face/triangle.h"
@@ -13,8 +14,9 @@
 
 enum {
     RAYS = 64,        /* to each side of a part: a power of two, see scramble */
-    FEWEST_RAYS = 16, /* of a part whose budget is used up; with fewer it stays undecided */
-    STEPS_OF_RAY = 6  /* times the logarithm of all triangles: nodes and triangles looked at */
+    FEWEST_RAYS = 32, /* of a part whose budget is used up; with fewer it stays undecided */
+    STEPS_OF_RAY = 2, /* times the logarithm of all triangles: nodes and triangles looked at */
+    LARGE_SHARE = 8   /* two rays that take more than this part of a budget are the last ones */
 };
 static const double JUST_OFF = 0x1p-20; /* of the size of the face: where a ray begins */
 
@@ -239,8 +241,10 @@ static void poll_part(void *context, size_t part) {
     if (!(c->each[part].flags & all->open_flags) || (c->each[part].flags & COMPONENT_ONE_SIDED) ||
         !choose_faces(all, part, RAYS, faces))
         return;
-    ray r = {.most = all->budget};
+    ray r = {.steps = 0};
     while (p->cast < RAYS && !is_settled(p)) {
+        const uint64_t share = r.steps + all->budget / LARGE_SHARE;
+        r.most = share < all->budget ? share : all->budget;
         const uint32_t number = scramble((uint32_t)p->cast, RAYS);
         const int says = vote(all, faces[number], number, &r);
         if (r.steps >= r.most) break;
