@@ -285,6 +285,42 @@ static void test_a_root_listed_twice(void **state) {
     output_finish(&b, &a);
 }
 
+/* Nodes that draw a mesh and carry a camera, below one that flattens: each camera stays where it
+ * is, and its mesh goes to a new node, which no inverse can bring to the identity there, so it
+ * becomes a root. The scene's roots are then mostly nodes that the file did not have (found by
+ * fuzzing: a heap overflow). */
+static void test_new_nodes_among_the_roots(void **state) {
+    enum { CAMERAS = 60 };
+    const double up[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1};
+    char rest[4000], roots[400] = "[121", *at = rest;
+    gltf_asset a = {0};
+    (void)state;
+    asset_numbers(&a, TRIANGLE[0], 3, 3, FLOAT, 0);
+    at += sprintf(at, SCENE "\"nodes\":[{\"scale\":[1,1,0],\"children\":[1");
+    for (int i = 2; i <= CAMERAS; ++i) at += sprintf(at, ",%d", i);
+    at += sprintf(at, "]}");
+    for (int i = 1; i <= CAMERAS; ++i) at += sprintf(at, ",{\"mesh\":0,\"camera\":0}");
+    sprintf(at,
+        "],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]");
+    for (int i = 0; i < CAMERAS; ++i)
+        sprintf(roots + strlen(roots), ",%d%s", 1 + CAMERAS + i, i + 1 < CAMERAS ? "" : "]");
+    gltf_output b = output_transformed(&a, rest, 1, up);
+    assert_string_equal(output_text(&b, "scenes/0/nodes"), roots);
+    assert_string_equal(output_text(&b, "nodes/121/children"), "[0]");
+    assert_string_equal(output_text(&b, "nodes/121/translation"), "[0,0,5]");
+    assert_string_equal(output_text(&b, "nodes/122"), "");
+    assert_int_equal(norma_document_node_count(b.document), CAMERAS);
+    for (size_t i = 0; i < CAMERAS; ++i) {
+        assert_world_is_identity(&b, i);
+        norma_mesh_data data = output_mesh(&b, i);
+        for (size_t v = 0; v < 3; ++v)
+            assert_vector(
+                &data.mesh.positions, v, (const double[]){TRIANGLE[v][0], TRIANGLE[v][1], 5}, 0);
+    }
+    output_finish(&b, &a);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_instances_beside_other_extensions),
@@ -295,6 +331,7 @@ int main(void) {
         cmocka_unit_test(test_whole_numbers_stay),
         cmocka_unit_test(test_fewer_normals_than_tangents),
         cmocka_unit_test(test_a_root_listed_twice),
+        cmocka_unit_test(test_new_nodes_among_the_roots),
     };
     return cmocka_run_group_tests_name("glTF baked", tests, NULL, NULL);
 }

@@ -216,7 +216,8 @@ void norma_gltf_tree_set_local(gltf_tree *tree, uint32_t node, const double loca
 /* Roots by the set of scenes that list them: each scene in turn splits every class into those that
  * it lists and the others. */
 typedef struct root_classes {
-    uint32_t *of; /* for each node its class; 0: in no scene */
+    uint32_t
+        *of; /* for each node, new ones too (a scene may list one), its class; 0: in no scene */
     uint32_t *made_in, *split_in, *split_to,
         *above; /* for each class: the scene (from 1) that made it, that split it last, into what;
                    the new node */
@@ -227,7 +228,7 @@ static int allocate_classes(const gltf_tree *tree, root_classes *classes) {
     size_t most = 1;
     for (size_t i = 0; i < tree->scene_count; i++) most += tree->scenes[i].count;
     *classes = (root_classes){.count = 1};
-    classes->of = norma_io_allocate((size_t)tree->g->node_count + 1, sizeof *classes->of);
+    classes->of = norma_io_allocate(tree->count + 1, sizeof *classes->of);
     classes->made_in = norma_io_allocate(most, sizeof *classes->made_in);
     classes->split_in = norma_io_allocate(most, sizeof *classes->split_in);
     classes->split_to = norma_io_allocate(most, sizeof *classes->split_to);
