@@ -756,6 +756,9 @@ typedef struct norma_save_options {
  *   options   NULL for the defaults
  *   error     written on failure; or NULL
  *
+ * Saving needs memory of its own. If there is too little (NORMA_DOCUMENT_ERROR_MEMORY), the
+ * document and the files are as they were, and the call can be repeated.
+ *
  * In place, a file that another program has changed, or is replacing at the same time, is refused.
  * Whenever the process or the machine stops, path is the old file or the new one. Buffers are on
  * disk before the .gltf that needs them. In place they only grow, so the old .gltf, and others that

@@ -92,7 +92,8 @@ typedef struct json_edits json_edits;
 json_edits *norma_json_edits_create(const json *j, uint32_t value);
 json_edits *norma_json_edits_copy(const json_edits *edits);
 void norma_json_edits_destroy(json_edits *edits);
-void norma_json_edits_fail(json_edits *edits); /* as if memory had run out within them */
+void norma_json_edits_fail(json_edits *edits);        /* as if memory had run out within them */
+int norma_json_edits_failed(const json_edits *edits); /* memory ran out within them */
 int norma_json_edits_any(const json_edits *edits);
 
 void norma_json_replace(json_edits *edits, uint32_t value,

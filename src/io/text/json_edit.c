@@ -132,6 +132,8 @@ json_edits *norma_json_edits_copy(const json_edits *edits) {
 
 void norma_json_edits_fail(json_edits *edits) { edits->failed = 1; }
 
+int norma_json_edits_failed(const json_edits *edits) { return edits->failed; }
+
 int norma_json_edits_any(const json_edits *edits) { return edits->count > 0; }
 
 static void set_text(json_edits *edits, char **place, const char *text) {

@@ -1,11 +1,15 @@
 /* test_document_memory.c: documents, checks and fixes without memory. Their interface takes no
  * allocator, so this program is linked with functions of its own in place of the C library's (ld's
  * --wrap, tests/CMakeLists.txt), which fail the n-th time, or from then on, for every n that there
- * is: each call then says that memory is out, or does what it always does; nothing is left behind,
- * neither memory nor a file. */
+ * is: each call then says that memory is out, or does what it always does, to the byte; nothing is
+ * left behind, neither memory nor a file, and what stood there before stands there still. Saving
+ * says so only where saving lacks memory, not where the change before it did, and can be called
+ * again. */
 #define _POSIX_C_SOURCE 200809L
 #include "check.h"
 #include "document_bytes.h"
+#include "gltf_asset.h"
+#include "io/gltf/read/asset.h"
 #include <dirent.h>
 #include <errno.h>
 #include <norma/check.h>
@@ -25,7 +29,7 @@ char *__wrap_realpath(const char *path, char *resolved);
 void __wrap_free(void *block);
 
 static struct {
-    int is_on, from_there_on;
+    int is_on, from_there_on, again; /* again: what could not be saved is saved again */
     long calls, fail_at, live;
 } memory;
 
@@ -71,6 +75,8 @@ typedef struct outcome {
     norma_document_result result;
     norma_document_error error;
     size_t findings;
+    long save_from;       /* the allocations before saving */
+    int changed, retried; /* the change said that it was made; saving again: it was, then */
 } outcome;
 
 static norma_document_result of_core(norma_result result) {
@@ -143,7 +149,15 @@ static outcome run(const char *from, const char *to, int kind) {
     outcome out = {.result = NORMA_DOCUMENT_OK};
     out.result = norma_document_open(from, &options, &document, &out.error);
     if (!out.result) out.result = change(document, kind, &out);
-    if (!out.result) out.result = norma_document_save(document, to, NULL, &out.error);
+    const norma_save_options save = {.struct_size = sizeof save, .in_place = !strcmp(from, to)};
+    out.changed = !out.result;
+    out.save_from = memory.calls;
+    if (out.changed) out.result = norma_document_save(document, to, &save, &out.error);
+    if (out.changed && out.result == NORMA_DOCUMENT_ERROR_MEMORY && memory.again) {
+        memory.fail_at = 0;
+        memory.from_there_on = 0;
+        out.retried = norma_document_save(document, to, &save, NULL) == NORMA_DOCUMENT_OK;
+    }
     norma_document_close(document);
     return out;
 }
@@ -177,49 +191,175 @@ static document_bytes take_folder(void) {
     return all;
 }
 
+/* A file to be changed: one of the golden ones, or given, with those beside it, in the folder that
+ * is written to. */
+typedef struct source {
+    const char *name;
+    document_bytes files[3]; /* none: a golden one */
+    const char *names[3];
+} source;
+
+static void write_files(const source *of) {
+    for (int i = 0; i < 3 && of->names[i]; ++i) {
+        char path[100];
+        snprintf(path, sizeof path, "%s/%s", folder, of->names[i]);
+        FILE *file = fopen(path, "wb");
+        assert_non_null(file);
+        assert_int_equal(fwrite(of->files[i].data, 1, of->files[i].size, file), of->files[i].size);
+        assert_int_equal(fclose(file), 0);
+    }
+}
+
+typedef struct trial {
+    const source *of;
+    char from[100], to[100];
+    int kind;
+    outcome whole;
+    document_bytes before, expected; /* the folder, as it was, and without a failure */
+} trial;
+
+static int is_right(const trial *t, const outcome *out, document_bytes left, long n) {
+    if (out->retried) return bytes_equal(left, t->expected);
+    if (out->result == NORMA_DOCUMENT_OK)
+        return out->findings == t->whole.findings && bytes_equal(left, t->expected);
+    return out->result == NORMA_DOCUMENT_ERROR_MEMORY && bytes_equal(left, t->before) &&
+           !(out->changed && (memory.again || (!memory.from_there_on && n <= out->save_from)));
+}
+
 /* The n-th run; 0: nothing failed, and it is the last. */
-static int try_one(const char *from, const char *to, int kind, long n, const outcome *whole,
-    document_bytes expected) {
+static int try_one(const trial *t, long n, int from_there_on) {
+    write_files(t->of);
     memory.calls = memory.live = 0;
     memory.fail_at = n;
+    memory.from_there_on = from_there_on;
     memory.is_on = 1;
-    outcome out = run(from, to, kind);
+    const outcome out = run(t->from, t->to, t->kind);
     memory.is_on = 0;
     document_bytes left = take_folder();
-    const int same = out.result == NORMA_DOCUMENT_OK && out.findings == whole->findings &&
-                     bytes_equal(left, expected);
-    const int told = out.result == NORMA_DOCUMENT_ERROR_MEMORY && left.size == 0;
-    if ((!same && !told) || memory.live != 0) {
+    if (!is_right(t, &out, left, n) || memory.live != 0) {
         print_error("%s, kind %d, allocation %ld%s: result %d (%s), %zu findings of %zu, %zu bytes "
-                    "in the folder of %zu, %ld blocks not given back\n",
-            from, kind, n, memory.from_there_on ? " and all after it" : "", (int)out.result,
-            out.error.message, out.findings, whole->findings, left.size, expected.size,
-            memory.live);
+                    "in the folder of %zu, saved from %ld on, %ld blocks not given back\n",
+            t->from, t->kind, n, from_there_on ? " and all after it" : "", (int)out.result,
+            out.error.message, out.findings, t->whole.findings, left.size, t->expected.size,
+            out.save_from, memory.live);
         fail();
     }
     bytes_free(&left);
     return memory.calls >= n;
 }
 
+static size_t try_all(trial *t) {
+    size_t runs = 0;
+    write_files(t->of);
+    t->before = take_folder();
+    write_files(t->of);
+    t->whole = run(t->from, t->to, t->kind);
+    t->expected = take_folder();
+    assert_int_equal(t->whole.result, NORMA_DOCUMENT_OK);
+    assert_true(t->expected.size > 0);
+    for (int way = 0; way < 3; ++way) {
+        memory.again = way == 2;
+        for (long n = way == 2 ? t->whole.save_from + 1 : 1; try_one(t, n, way == 1); ++n) ++runs;
+    }
+    bytes_free(&t->before);
+    bytes_free(&t->expected);
+    return runs;
+}
+
+/* ---- files */
+
+#define ASSET "{\"asset\":{\"version\":\"2.0\"},"
+#define DRAWN "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}]"
+
+/* Two buffers beside it. */
+static source beside(void) {
+    static const char text[] = ASSET DRAWN
+        ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
+        "\"min\":[0,0,0],\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5123,\"count\":3,"
+        "\"type\":\"SCALAR\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":1,"
+        "\"byteLength\":6}],\"buffers\":[{\"uri\":\"a.bin\",\"byteLength\":36},{\"uri\":"
+        "\"b.bin\",\"byteLength\":6}]}";
+    static const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const uint16_t corners[] = {0, 1, 2};
+    return (source){"beside.gltf",
+        {bytes_copy(text, sizeof text - 1), bytes_copy(positions, sizeof positions),
+            bytes_copy(corners, sizeof corners)},
+        {"beside.gltf", "a.bin", "b.bin"}};
+}
+
+static int packed_view(gltf_asset *a, const void *bytes, size_t size, gltf_meshopt m) {
+    static const char *const modes[] = {"ATTRIBUTES", "TRIANGLES"};
+    char members[300];
+    unsigned char *packed = norma_gltf_encode_meshopt(&m, bytes);
+    assert_non_null(packed);
+    const size_t at = a->bin_size;
+    asset_view(a, packed, m.length, "");
+    free(packed);
+    snprintf(members, sizeof members,
+        ",\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":%zu,"
+        "\"byteLength\":%zu,\"byteStride\":%zu,\"count\":%zu,\"mode\":\"%s\"%s}}",
+        at, m.length, m.stride, m.count, modes[m.mode],
+        m.filter == GLTF_FILTER_EXPONENTIAL ? ",\"filter\":\"EXPONENTIAL\"" : "");
+    return asset_view(a, bytes, size, members);
+}
+
+/* Compressed views, which the codecs and filters that they have can hold before and after. */
+static source packed(void) {
+    static const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0},
+                       normals[] = {0, 0, 1, 0, 0, 1, 0, 0, 1};
+    static const uint16_t corners[] = {0, 1, 2};
+    gltf_asset a = {0};
+    char text[300];
+    size_t size;
+    for (int i = 0; i < 3; ++i) {
+        const int view = packed_view(&a,
+            i == 0   ? (const void *)positions
+            : i == 1 ? (const void *)normals
+                     : corners,
+            i < 2 ? 36 : 6,
+            i < 2 ? (gltf_meshopt){.stride = 12,
+                        .count = 3,
+                        .mode = GLTF_MODE_ATTRIBUTES,
+                        .filter = GLTF_FILTER_EXPONENTIAL}
+                  : (gltf_meshopt){.stride = 2, .count = 3, .mode = GLTF_MODE_TRIANGLES});
+        snprintf(text, sizeof text,
+            "{\"bufferView\":%d,\"componentType\":%d,\"count\":3,\"type\":\"%s\"%s}", view,
+            i < 2 ? 5126 : 5123, i < 2 ? "VEC3" : "SCALAR",
+            i ? "" : ",\"min\":[0,0,0],\"max\":[1,1,0]");
+        asset_accessor(&a, text);
+    }
+    asset_bytes(&a,
+        "\"extensionsUsed\":[\"EXT_meshopt_compression\"]," DRAWN
+        ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},\"indices\":2}"
+        "]}]",
+        &size);
+    const source made = {"packed.glb", {bytes_copy(a.glb, size)}, {"packed.glb"}};
+    asset_free(&a);
+    return made;
+}
+
 static void test_each_allocation(void **state) {
-    static const char *const files[] = {
-        "cube.obj", "broken.obj", "groups.obj", "roof.ply", "corner.stl", "roof.gltf", "roof.glb"};
+    source sources[] = {{.name = "cube.obj"}, {.name = "broken.obj"}, {.name = "groups.obj"},
+        {.name = "roof.ply"}, {.name = "corner.stl"}, {.name = "roof.gltf"}, {.name = "roof.glb"},
+        beside(), packed()};
     size_t runs = 0;
     (void)state;
     assert_non_null(mkdtemp(folder));
-    for (size_t i = 0; i < COUNT_OF(files); ++i)
+    for (size_t i = 0; i < COUNT_OF(sources); ++i)
         for (int kind = 0; kind < KINDS; ++kind) {
-            char from[100], to[100];
-            snprintf(from, sizeof from, "tests/cli/golden/files/%s", files[i]);
-            snprintf(to, sizeof to, "%s/out%s", folder, strrchr(files[i], '.'));
-            const outcome whole = run(from, to, kind);
-            document_bytes expected = take_folder();
-            assert_int_equal(whole.result, NORMA_DOCUMENT_OK);
-            assert_true(expected.size > 0);
-            for (memory.from_there_on = 0; memory.from_there_on < 2; ++memory.from_there_on)
-                for (long n = 1; try_one(from, to, kind, n, &whole, expected); ++n) ++runs;
-            bytes_free(&expected);
+            trial t = {.of = &sources[i], .kind = kind};
+            const char *name = sources[i].name;
+            snprintf(t.to, sizeof t.to, "%s/%s%s", folder, sources[i].names[0] ? "" : "out",
+                sources[i].names[0] ? name : strrchr(name, '.'));
+            if (sources[i].names[0])
+                strcpy(t.from, t.to);
+            else
+                snprintf(t.from, sizeof t.from, "tests/cli/golden/files/%s", name);
+            runs += try_all(&t);
         }
+    for (size_t i = 0; i < COUNT_OF(sources); ++i)
+        for (int k = 0; k < 3; ++k) bytes_free(&sources[i].files[k]);
     assert_int_equal(rmdir(folder), 0);
     print_message("%zu failed allocations\n", runs);
     assert_true(runs > 1000);

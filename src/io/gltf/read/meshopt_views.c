@@ -190,25 +190,30 @@ static size_t encode_filtered(
     return length;
 }
 
-/* Filters round, and the codec of triangles may begin each with another of its corners. */
+/* Filters round, and the codec of triangles may begin each with another of its corners. -1: out of
+ * memory, which is no reason for another codec: bytes never depend on it. */
 static int gives_back(
     const gltf_meshopt *m, const unsigned char *packed, const unsigned char *bytes) {
     const size_t size = m->count * m->stride;
     unsigned char *again = norma_io_allocate(size, 1);
-    const int same = again && decode(m, packed, again) && memcmp(again, bytes, size) == 0;
+    const int same = again ? decode(m, packed, again) && memcmp(again, bytes, size) == 0 : -1;
     free(again);
     return same;
 }
 
 unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes) {
     unsigned char *out = NULL;
-    const int rows = m->mode == GLTF_MODE_ATTRIBUTES;
-    if (rows && (m->filter == GLTF_FILTER_OCTAHEDRAL || m->filter == GLTF_FILTER_EXPONENTIAL))
-        m->length = encode_filtered(m, bytes, &out);
-    else if (m->mode == GLTF_MODE_TRIANGLES)
-        m->length = encode_indices(m, bytes, &out);
-    if (out && m->length && gives_back(m, out, bytes)) return out;
-    free(out);
+    const int rows = m->mode == GLTF_MODE_ATTRIBUTES,
+              filtered = rows && (m->filter == GLTF_FILTER_OCTAHEDRAL ||
+                                     m->filter == GLTF_FILTER_EXPONENTIAL);
+    if (filtered || m->mode == GLTF_MODE_TRIANGLES) {
+        m->length = filtered ? encode_filtered(m, bytes, &out) : encode_indices(m, bytes, &out);
+        const int same = m->length ? gives_back(m, out, bytes) : -1;
+        if (same > 0) return out;
+        free(out);
+        out = NULL;
+        if (same < 0) return NULL;
+    }
     m->mode = rows ? GLTF_MODE_ATTRIBUTES : GLTF_MODE_INDICES;
     m->filter = GLTF_FILTER_NONE;
     m->length = rows ? encode_rows(m, bytes, &out) : encode_indices(m, bytes, &out);

@@ -158,8 +158,12 @@ norma_document_result norma_gltf_name_buffers(
         if (old) result = reach(g, b, &reached, error);
         if (result || !reached || destination == GLTF_TO_STREAM || destination == GLTF_TO_MEMORY)
             continue;
-        if (destination == GLTF_IN_PLACE && old &&
-            !(patch->buffers[b].changed && norma_gltf_is_named_twice(g, b))) {
+        const int twice = destination == GLTF_IN_PLACE && old && patch->buffers[b].changed
+                              ? norma_gltf_is_named_twice(g, b)
+                              : 0;
+        if (twice < 0) {
+            result = norma_document_fail_memory(g->document, error);
+        } else if (destination == GLTF_IN_PLACE && old && !twice) {
             patch->buffers[b].name = norma_io_join(g->buffers[b].name, "");
             result = patch->buffers[b].name ? NORMA_DOCUMENT_OK
                                             : norma_document_fail_memory(g->document, error);

@@ -30,18 +30,19 @@ int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer) {
         if (b == buffer || !g->buffers[b].name) continue;
         char *one = norma_io_join(g->document->folder, g->buffers[buffer].name),
              *other = norma_io_join(g->document->folder, g->buffers[b].name);
-        twice = !one || !other || norma_file_same(one, other);
+        twice = !one || !other ? -1 : norma_file_same(one, other);
         free(one);
         free(other);
     }
     return twice;
 }
 
-/* Whether the buffer's file is replaced by itself with more in it. */
+/* Whether the buffer's file is replaced by itself with more in it; -1: out of memory. */
 static int keeps_file(const gltf *g, uint32_t buffer, gltf_destination destination) {
-    return buffer < g->buffer_count && g->buffers[buffer].storage == GLTF_STORED_FILE &&
-           (destination == GLTF_TO_MEMORY ||
-               (destination == GLTF_IN_PLACE && !norma_gltf_is_named_twice(g, buffer)));
+    if (buffer >= g->buffer_count || g->buffers[buffer].storage != GLTF_STORED_FILE) return 0;
+    if (destination != GLTF_IN_PLACE) return destination == GLTF_TO_MEMORY;
+    const int twice = norma_gltf_is_named_twice(g, buffer);
+    return twice < 0 ? twice : !twice;
 }
 
 /* ---- places of views */
@@ -337,7 +338,10 @@ norma_document_result norma_gltf_fill_buffers(
         if (!buffer->changed) continue;
         if (b < g->buffer_count && g->buffers[b].storage != GLTF_STORED_NOWHERE)
             result = norma_gltf_load_buffer(g, b, error);
-        if (!result && keeps_file(g, b, destination)) {
+        const int keeps = result ? 0 : keeps_file(g, b, destination);
+        if (keeps < 0) {
+            result = norma_document_fail_memory(g->document, error);
+        } else if (keeps) {
             if (destination == GLTF_IN_PLACE) result = check_file(g, b, error);
             if (!result) result = append(g, b, destination, error);
         } else if (!result) {

@@ -42,6 +42,7 @@ norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
     if (!result) result = append_copies(g, error);
     if (result) return result;
     norma_gltf_edit_extensions(g);
+    if (norma_json_edits_failed(g->edits)) return norma_document_fail_memory(g->document, error);
     g->changed = norma_json_edits_any(g->edits);
     for (size_t i = 0; i < patch->view_count; ++i)
         g->changed |= patch->views[i].plain.bytes != NULL;

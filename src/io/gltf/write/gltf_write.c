@@ -22,6 +22,8 @@ norma_document_result norma_gltf_lay_out_for(
     if (!result) result = norma_gltf_name_images(g, destination, path, error);
     if (!result) norma_gltf_edit_views(g);
     if (!result) result = norma_gltf_edit_buffers(g, destination, error);
+    if (!result && norma_json_edits_failed(patch->layout))
+        result = norma_document_fail_memory(g->document, error);
     return result;
 }
 

@@ -157,8 +157,9 @@ norma_document_result norma_gltf_name_buffers(gltf *g, gltf_destination destinat
 /* The output's name with another ending: "scene.bin" for scene.gltf. NULL: out of memory. */
 char *norma_gltf_name_after(const char *path, const char *ending);
 norma_document_result norma_gltf_name_images(gltf *g, gltf_destination destination,
-    const char *path, norma_document_error *error);            /* image_names.c */
-int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer); /* by other buffers, one file */
+    const char *path, norma_document_error *error); /* image_names.c */
+/* By other buffers, one file; -1: out of memory. */
+int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer);
 gltf_storage norma_gltf_storage_of(
     const gltf *g, uint32_t buffer); /* of old ones and the one more */
 int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size);
