@@ -13,15 +13,14 @@ typedef struct split_work {
     smooth_fans *smooth;
     core_output output; /* of new vertices; normals may be NULL */
     uint8_t *firsts;    /* of each corner: whether a new vertex begins with it */
-    size_t
-        *before; /* of each block of corners: how many vertices begin before it; and of the end */
-    uint8_t *single; /* of each position: whether all its corners have one normal: no vertex there
-                        needs to be split */
+    uint32_t *before; /* of each CORNERS_COUNTED corners how many vertices begin before them; and of
+                         the end: the number of any first follows from a few of the bytes above */
+    uint8_t *single;  /* of each position: whether all its corners have one normal: no vertex there
+                         needs to be split */
     float (*normals)[3]; /* of those */
     uint32_t *vertices;  /* of each vertex there the new one */
-    uint32_t *numbers; /* of each corner its new vertex: the caller's, or own_numbers; NULL: nobody
-                          asks */
-    uint32_t *own_numbers, *source_vertices;
+    uint32_t *numbers;   /* of each corner its new vertex: the caller's, or NULL */
+    uint32_t *source_vertices;
     uint32_t
         *few; /* the sorted corners of all other positions, in place of the surface's; or NULL */
     size_t few_count;
@@ -131,7 +130,7 @@ static void see_to_number(void *context, const core_fans *fans, core_tally *tall
 
 /* ---- numbers, in blocks of corners */
 
-enum { CORNERS_IN_BLOCK = 1 << 15, CORNERS_AT_ONCE = 1 << 8 };
+enum { CORNERS_IN_BLOCK = 1 << 15, CORNERS_AT_ONCE = 1 << 8, CORNERS_COUNTED = 1 << 6 };
 
 static size_t blocks_of(const split_work *work) {
     return work->prepared->mesh.corner_count / CORNERS_IN_BLOCK +
@@ -143,23 +142,48 @@ static size_t block_end(const split_work *work, size_t block) {
     return count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
 }
 
+static size_t counts_of(const split_work *work) {
+    const size_t corners = work->prepared->mesh.corner_count;
+    return corners / CORNERS_COUNTED + (corners % CORNERS_COUNTED != 0);
+}
+
+/* Of so many corners in a row, how many begin a vertex: eight bytes of 0 or 1 at a time. */
+static uint32_t count_firsts(const uint8_t *firsts, size_t count) {
+    const uint64_t ones = UINT64_C(0x0101010101010101);
+    uint32_t sum = 0;
+    for (; count >= sizeof ones; firsts += sizeof ones, count -= sizeof ones) {
+        uint64_t eight;
+        memcpy(&eight, firsts, sizeof eight);
+        sum += (uint32_t)(eight * ones >> 56);
+    }
+    for (size_t i = 0; i < count; i++) sum += firsts[i];
+    return sum;
+}
+
 static void count_block(void *context, size_t block) {
     const split_work *work = context;
-    size_t count = 0;
-    for (size_t c = block * CORNERS_IN_BLOCK; c < block_end(work, block); c++)
-        count += work->firsts[c];
-    work->before[block + 1] = count;
+    const size_t end = block_end(work, block);
+    for (size_t c = block * CORNERS_IN_BLOCK; c < end; c += CORNERS_COUNTED)
+        work->before[c / CORNERS_COUNTED + 1] =
+            count_firsts(work->firsts + c, end - c < CORNERS_COUNTED ? end - c : CORNERS_COUNTED);
 }
 
 static norma_result count_vertices(const split_work *work, size_t *count) {
-    const size_t blocks = blocks_of(work);
+    const size_t counts = counts_of(work);
     work->before[0] = 0;
-    const norma_result result =
-        norma_core_parallel(work->prepared->call, blocks, count_block, (void *)(uintptr_t)work);
-    for (size_t b = 0; b < blocks && result == NORMA_OK; b++)
-        work->before[b + 1] += work->before[b];
-    *count = result == NORMA_OK ? work->before[blocks] : 0;
+    const norma_result result = norma_core_parallel(
+        work->prepared->call, blocks_of(work), count_block, (void *)(uintptr_t)work);
+    for (size_t i = 0; i < counts && result == NORMA_OK; i++)
+        work->before[i + 1] += work->before[i];
+    *count = result == NORMA_OK ? work->before[counts] : 0;
     return result;
+}
+
+/* Of the new vertex that begins with this corner. */
+static uint32_t number_of(const split_work *work, uint32_t first) {
+    const size_t counted = first / CORNERS_COUNTED * CORNERS_COUNTED;
+    return work->before[first / CORNERS_COUNTED] +
+           count_firsts(work->firsts + counted, first - counted);
 }
 
 static void write_vertex(const split_work *work, uint32_t number, uint32_t corner) {
@@ -178,7 +202,8 @@ static void write_vertex(const split_work *work, uint32_t number, uint32_t corne
 static void write_vertices(void *context, size_t block) {
     const split_work *work = context;
     const size_t end = block_end(work, block);
-    uint32_t firsts[CORNERS_AT_ONCE], number = (uint32_t)work->before[block];
+    uint32_t firsts[CORNERS_AT_ONCE],
+        number = work->before[block * (CORNERS_IN_BLOCK / CORNERS_COUNTED)];
     for (size_t begin = block * CORNERS_IN_BLOCK; begin < end; begin += CORNERS_AT_ONCE) {
         size_t found = 0;
         for (size_t c = begin; c < end && c < begin + CORNERS_AT_ONCE; c++) {
@@ -189,17 +214,14 @@ static void write_vertices(void *context, size_t block) {
     }
 }
 
-/* Where a position's corners are several vertices, their firsts get their numbers here, the others
- * in the second pass. */
+/* Where a position's corners are several vertices, they get their numbers in the second pass. */
 static void number_block(void *context, size_t block) {
     const split_work *work = context;
     const core_mesh *mesh = &work->prepared->mesh;
-    uint32_t number = (uint32_t)work->before[block];
     for (size_t c = block * CORNERS_IN_BLOCK; c < block_end(work, block); c++) {
         const uint32_t vertex = norma_core_corner(mesh, c);
-        work->numbers[c] =
-            work->single[norma_core_welded(mesh, vertex)] ? work->vertices[vertex] : number;
-        number += work->firsts[c];
+        if (work->single[norma_core_welded(mesh, vertex)])
+            work->numbers[c] = work->vertices[vertex];
     }
 }
 
@@ -259,9 +281,9 @@ static void see_to_write(void *context, const core_fans *fans, core_tally *tally
     list_members(work, fans);
     for (size_t begin = 0, end; begin < fans->count; begin = end) {
         const uint32_t first = fans->corners[fans->members[begin].index],
-                       number = work->numbers[first];
+                       number = number_of(work, first);
         end = group_end(fans->members, begin, fans->count);
-        for (size_t i = begin; i < end; i++)
+        for (size_t i = begin; i < end && work->numbers; i++)
             work->numbers[fans->corners[fans->members[i].index]] = number;
         if (!work->output.normals) continue;
         const core_fan *fan = fan_of_group(fans, begin, end);
@@ -272,7 +294,7 @@ static void see_to_write(void *context, const core_fans *fans, core_tally *tally
 
 static void receive(void *context, const corner_request *request, const float normal[3]) {
     const split_work *work = context;
-    norma_core_write_normal(&work->output, work->numbers[request->target], normal);
+    norma_core_write_normal(&work->output, number_of(work, request->target), normal);
 }
 
 static norma_result fill_from_nearest(split_work *work) {
@@ -291,7 +313,8 @@ static norma_result fill_from_nearest(split_work *work) {
     if (result == NORMA_OK && found)
         result = norma_core_fetch_normals(work->prepared, requests, found, receive, work);
     for (size_t c = 0; c < corners && result == NORMA_OK && !found; c++)
-        if (work->wanted[c]) norma_core_write_normal(&work->output, work->numbers[c], zero);
+        if (work->wanted[c])
+            norma_core_write_normal(&work->output, number_of(work, (uint32_t)c), zero);
     norma_core_release(call, requests, count, sizeof *requests);
     return result;
 }
@@ -303,11 +326,7 @@ static norma_result allocate_numbers(split_work *work, int lacking) {
     const size_t corners = work->prepared->mesh.corner_count;
     work->vertices =
         norma_core_allocate(call, work->prepared->mesh.positions.count, sizeof *work->vertices);
-    if (!work->numbers && work->output.normals && !work->room)
-        work->numbers = work->own_numbers =
-            norma_core_allocate(call, corners, sizeof *work->own_numbers);
-    if (!work->vertices || (!work->numbers && work->output.normals && !work->room))
-        return NORMA_ERROR_MEMORY;
+    if (!work->vertices) return NORMA_ERROR_MEMORY;
     if (!lacking) return NORMA_OK;
     work->reasons = norma_core_allocate(call, corners, 1);
     work->wanted = norma_core_allocate(call, corners, 1);
@@ -346,7 +365,7 @@ static norma_result write_split(
     if (result == NORMA_OK && skip)
         memset(work->vertices, 0, prepared->mesh.positions.count * sizeof *work->vertices);
     if (result == NORMA_OK) result = write_numbers(work);
-    if (result != NORMA_OK || !work->numbers || !others) return result;
+    if (result != NORMA_OK || !others || !(work->numbers || work->output.normals)) return result;
     const position_visit visit = {
         .join = CORE_JOIN_FANS, .skip = work->single, .see = see_to_write, .context = work};
     norma_core_stage(prepared->call, 0.8, 0.97);
@@ -410,11 +429,10 @@ static void release_work(const core_call *call, split_work *work) {
     const size_t corners = work->prepared->mesh.corner_count,
                  positions = work->prepared->mesh.positions.count;
     norma_core_release(call, work->firsts, corners, 1);
-    norma_core_release(call, work->before, blocks_of(work) + 1, sizeof *work->before);
+    norma_core_release(call, work->before, counts_of(work) + 1, sizeof *work->before);
     norma_core_release(call, work->single, positions, 1);
     release_normals(work);
     norma_core_release(call, work->vertices, positions, sizeof *work->vertices);
-    norma_core_release(call, work->own_numbers, corners, sizeof *work->own_numbers);
     norma_core_release(call, work->reasons, corners, 1);
     norma_core_release(call, work->wanted, corners, 1);
     if (!work->few) return;
@@ -427,7 +445,7 @@ static norma_result allocate_work(const core_call *call, split_work *work, int w
     const size_t corners = work->prepared->mesh.corner_count,
                  positions = work->prepared->mesh.positions.count;
     work->firsts = norma_core_allocate(call, corners, 1);
-    work->before = norma_core_allocate(call, blocks_of(work) + 1, sizeof *work->before);
+    work->before = norma_core_allocate(call, counts_of(work) + 1, sizeof *work->before);
     work->single = norma_core_allocate(call, positions, 1);
     if (with_normals) work->normals = norma_core_allocate(call, positions, sizeof *work->normals);
     if (!work->firsts || !work->before || !work->single || (!work->normals && with_normals))

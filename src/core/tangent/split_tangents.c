@@ -50,22 +50,25 @@ static norma_result index_corners(tangent_split *s) {
     return norma_core_index_corners(&s->call, streams, STREAMS, s->corner_count, s->indexed);
 }
 
-/* By the sources, which the caller may not want: then into memory of our own. */
+/* By the sources, in memory of our own: what is written for the caller is not read again. */
 static norma_result split(tangent_split *s, float *tangents, size_t stride) {
-    const int own = tangents && !s->indexed->source_corners;
-    if (own) {
-        s->sources = norma_core_allocate(&s->call, s->indexed->vertex_capacity, sizeof *s->sources);
+    norma_indexed *to = s->indexed;
+    uint32_t *wanted = to->source_corners;
+    if (tangents) {
+        s->sources = norma_core_allocate(&s->call, to->vertex_capacity, sizeof *s->sources);
         if (!s->sources) return NORMA_ERROR_MEMORY;
-        s->indexed->source_corners = s->sources;
+        to->source_corners = s->sources;
     }
     norma_result result = index_corners(s);
     const norma_stream values = {
         .data = s->tangents, .count = s->corner_count, .size = TANGENT_BYTES};
     if (result == NORMA_OK && tangents)
-        result = norma_copy_values(&values, s->indexed->source_corners, s->indexed->vertex_count,
-            tangents, stride, s->indexed->vertex_capacity);
-    norma_core_release(&s->call, s->sources, s->indexed->vertex_capacity, sizeof *s->sources);
-    if (own) s->indexed->source_corners = NULL;
+        result = norma_copy_values(
+            &values, s->sources, to->vertex_count, tangents, stride, to->vertex_capacity);
+    if (result == NORMA_OK && tangents && wanted)
+        memcpy(wanted, s->sources, to->vertex_count * sizeof *wanted);
+    norma_core_release(&s->call, s->sources, to->vertex_capacity, sizeof *s->sources);
+    to->source_corners = wanted;
     return result;
 }
 

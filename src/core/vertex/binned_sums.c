@@ -73,7 +73,7 @@ static norma_result compute_all(bin_work *work, core_tally *sum) {
 }
 
 norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_range *ranges,
-    const core_output *output, core_tally *tally, int *done) {
+    const core_output *output, core_tally *tally, int *written) {
     core_call *call = prepared->call;
     const core_mesh *mesh = &prepared->mesh;
     bin_work work = {.prepared = prepared,
@@ -81,7 +81,7 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_ra
         .add = mesh->face_starts ? norma_core_choose_add_polygons(call->options.isa)
                                  : norma_core_choose_add(call->options.isa),
         .finish = norma_core_choose_finish(call->options.isa)};
-    *done = 0;
+    *written = 0;
     if (mesh->weld || call->options.weight == NORMA_WEIGHT_VISIBLE ||
         !norma_core_plan_bins(
             call, mesh, ranges, (core_bin_limits){SIZE_MAX, SIZE_MAX}, &work.bins))
@@ -94,8 +94,6 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_ra
     norma_core_release(call, work.sums, records, sizeof *work.sums);
     norma_core_release(call, work.tallies, work.bins.count, sizeof *work.tallies);
     norma_core_count_add(&tally->degenerate, &prepared->degenerate_faces);
-    /* Who has no normal and takes the nearest has to find it among all sums. */
-    *done = !(output->nearest &&
-              tally->non_finite.count + tally->unreferenced.count + tally->cancelled.count);
+    *written = 1;
     return result;
 }

@@ -91,28 +91,40 @@ static norma_result fill_from_nearest(const vertex_work *work, size_t queries) {
     return result;
 }
 
+static norma_result sum_vertices(
+    core_prepared_mesh *prepared, core_vertices *vertices, core_tally *tally) {
+    return prepared->call->options.weight == NORMA_WEIGHT_VISIBLE
+               ? norma_core_cone_vertices(prepared, vertices, tally)
+               : norma_core_sum_vertices(
+                     prepared, norma_core_is_scattered(&prepared->mesh), vertices, tally);
+}
+
+static size_t without_normal(const core_tally *tally) {
+    return tally->non_finite.count + tally->unreferenced.count + tally->cancelled.count;
+}
+
+/* Who has no normal and takes the nearest has to find it among all sums. Bins keep none: there they
+ * are taken once more, and only what was left open is written. */
 static norma_result compute(core_prepared_mesh *prepared, const core_range *ranges,
     const core_output *output, norma_report *report) {
     core_call *call = prepared->call;
-    vertex_work work = {.output = output, .finish = norma_core_choose_finish(call->options.isa)};
-    core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
-    int done = 0;
+    vertex_work work = {.vertices.prepared = prepared,
+        .output = output,
+        .finish = norma_core_choose_finish(call->options.isa)};
+    core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}}, again = tally;
+    int written = 0;
     norma_core_stage(call, 0.5, 0.9);
-    norma_result result = norma_core_bin_vertices(prepared, ranges, output, &tally, &done);
-    if (result == NORMA_OK && done) norma_core_write_report(report, &tally, NULL, NULL);
-    if (result != NORMA_OK || done) return result;
-    tally = (core_tally){{0, 0}, {0, 0}, {0, 0}, {0, 0}};
-    result = call->options.weight == NORMA_WEIGHT_VISIBLE
-                 ? norma_core_cone_vertices(prepared, &work.vertices, &tally)
-                 : norma_core_sum_vertices(
-                       prepared, norma_core_is_scattered(&prepared->mesh), &work.vertices, &tally);
-    if (result != NORMA_OK) return result;
+    norma_result result = norma_core_bin_vertices(prepared, ranges, output, &tally, &written);
+    if (result == NORMA_OK && !written) {
+        result = sum_vertices(prepared, &work.vertices, &tally);
+        norma_core_stage(call, 0.9, 0.97);
+        if (result == NORMA_OK) result = write_all(&work, &tally);
+    }
+    const size_t without = output->nearest ? without_normal(&tally) : 0;
     norma_core_stage(call, 0.9, 0.97);
-    result = write_all(&work, &tally);
-    const size_t without =
-        tally.non_finite.count + tally.unreferenced.count + tally.cancelled.count;
-    if (result == NORMA_OK && output->nearest && without)
-        result = fill_from_nearest(&work, without);
+    if (result == NORMA_OK && written && without)
+        result = sum_vertices(prepared, &work.vertices, &again);
+    if (result == NORMA_OK && without) result = fill_from_nearest(&work, without);
     if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
     norma_core_release_vertices(&work.vertices);
     return result;

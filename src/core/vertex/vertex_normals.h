@@ -35,10 +35,10 @@ norma_result norma_core_cone_vertices(
     core_prepared_mesh *prepared, core_vertices *vertices, core_tally *tally);
 
 /* binned_sums.c: where faces in a row touch positions near each other, and none is welded, range by
- * range of positions, from the corners to the output. *done: whether it could; ranges: of the
- * chunks of faces. */
+ * range of positions, from the corners to the output. *written: whether it could, and all but what
+ * takes the nearest normal is written; ranges: of the chunks of faces. */
 norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_range *ranges,
-    const core_output *output, core_tally *tally, int *done);
+    const core_output *output, core_tally *tally, int *written);
 
 int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]);
 int norma_core_resolve_cone(const core_vertices *vertices, size_t vertex, float normal[3]);
