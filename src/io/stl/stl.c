@@ -1,9 +1,465 @@
-/* stl.c: STL documents. The file's bytes stay as they are; new normals and vertices are kept beside
+/* stl.c: STL documents: opened, read again, computed, transformed and written. */
+#include "io/stl/stl.h"
+#include "io/file/large_memory.h"
+#include "io/format/compute_policy.h"
+#include "io/format/edit.h"
+#include "io/format/transform_stored_normals.h"
+#include "io/stream/tasks.h"
+#include "io/text/number.h"
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- The state of an STL document: read, decoded, let go, and read again once its changes
+ * have become bytes. */
+
+static void free_content(void *content) {
+    stl_state *state = content;
+    free(state->name);
+    free(state->positions);
+    free(state->stored);
+    free(state->normals);
+    free(state->vertices);
+}
+
+static int has_edit(const void *content) {
+    const stl_state *state = content;
+    return state->normals || state->vertices;
+}
+
+static norma_document_result read_source(norma_document *document, norma_document_error *error) {
+    stl_state *state = document->state;
+    state->bytes = document->source.data;
+    state->size = document->source.size;
+    state->binary = norma_stl_is_binary(state);
+    norma_document_result result = state->binary ? norma_stl_read_binary(document, error)
+                                                 : norma_stl_read_text(document, error);
+    if (!result && state->facets > UINT32_MAX / 3)
+        return norma_document_fail(
+            document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL, "more than 1431655765 facets");
+    return result;
+}
+
+const edited_format norma_stl_edited = {sizeof(stl_state), 0, has_edit, free_content, read_source};
+
+static norma_document_result stl_drop_idle_edit(
+    norma_document *document, int *changed, norma_document_error *error) {
+    stl_state *state = document->state;
+    norma_document_result result =
+        norma_rewrite_compare(document, state->bytes, state->size, changed, error);
+    if (!*changed) {
+        free(state->normals);
+        free(state->vertices);
+        state->normals = NULL;
+        state->vertices = NULL;
+    }
+    return result;
+}
+
+static norma_document_result stl_decode(norma_document *document, norma_document_error *error) {
+    const stl_state *state = document->state;
+    if (state->positions) return NORMA_DOCUMENT_OK;
+    return state->binary ? norma_stl_decode_binary(document, error)
+                         : norma_stl_decode_text(document, error);
+}
+
+static void stl_forget_decoded(stl_state *state) {
+    free(state->positions);
+    free(state->stored);
+    state->positions = NULL;
+    state->stored = NULL;
+}
+
+static norma_mesh stl_core_mesh(const stl_state *state) {
+    const size_t corners = 3 * state->facets;
+    return (norma_mesh){.positions = {.data = state->positions,
+                            .count = corners,
+                            .format = state->binary ? NORMA_FORMAT_FLOAT : NORMA_FORMAT_DOUBLE},
+        .corner_count = corners};
+}
+
+/* ---- Facet normals from the winding, and an STL under a matrix. */
+
+/* ---- computing */
+
+/* Puts the stored normals back where they are not to change, and the sign of zeros, which says
+ * nothing. */
+static void keep_stored(stl_state *state, norma_only only) {
+    for (size_t i = 0; i < state->facets; ++i) {
+        const float *stored = state->stored + 3 * i;
+        const int stays = !norma_policy_wants_facet(only, stored);
+        for (size_t axis = 0; axis < 3; ++axis) {
+            float *number = &state->normals[3 * i + axis];
+            *number = stays ? stored[axis] : norma_policy_keep_zero(*number, (double)stored[axis]);
+        }
+    }
+}
+
+/* All at once: a facet without a direction looks for the nearest among all. */
+static norma_document_result compute_whole(
+    norma_document *document, compute_policy *policy, norma_document_error *error) {
+    stl_state *state = document->state;
+    const norma_only only = policy->options->only;
+    norma_document_result result = stl_decode(document, error);
+    uint8_t *wanted = norma_io_allocate(state->facets, 1);
+    if (!result && !wanted) result = norma_document_fail_memory(document, error);
+    for (size_t i = 0; !result && i < state->facets; ++i)
+        wanted[i] = (uint8_t)norma_policy_wants_facet(only, state->stored + 3 * i);
+    const norma_mesh mesh = stl_core_mesh(state);
+    computed_normals made = {.elements = NORMALS_OF_FACES, .with_reasons = 1};
+    if (!result)
+        result =
+            norma_document_fail_core(document, error, norma_policy_compute(policy, &mesh, &made));
+    if (!result) {
+        norma_policy_fill(policy, made.normals, made.reasons, made.count, wanted, made.count);
+        state->normals = made.normals;
+        made.normals = NULL;
+    }
+    norma_computed_normals_free(&made);
+    free(wanted);
+    return result;
+}
+
+enum { BLOCK_FACETS = 1 << 10 };
+
+enum { BLOCK_DONE, BLOCK_CHANGED, BLOCK_FAILED }; /* failed: or some facet has no direction */
+
+typedef struct block_work {
+    const stl_state *state;
+    unsigned char *bytes; /* the document's own */
+    norma_options core;
+    unsigned char *done; /* what became of each block */
+} block_work;
+
+/* A block of facets at a time, whose positions stay in the cache, and whose normals go straight
+ * into the document's bytes. */
+static void compute_block(void *context, size_t block) {
+    const block_work *work = context;
+    const stl_state *state = work->state;
+    float positions[9 * BLOCK_FACETS], normals[3 * BLOCK_FACETS];
+    const size_t first = block * BLOCK_FACETS, left = state->facets - first,
+                 count = left < BLOCK_FACETS ? left : BLOCK_FACETS;
+    for (size_t i = 0; i < count; ++i) norma_stl_load(state, first + i, NULL, positions + 9 * i);
+    const norma_mesh mesh = {
+        .positions = {.data = positions, .count = 3 * count}, .corner_count = 3 * count};
+    norma_report report;
+    if (norma_face_normals(&mesh, &work->core, normals, count, &report) != NORMA_OK ||
+        report.degenerate_faces.count > 0 || report.non_finite.count > 0)
+        work->done[block] = BLOCK_FAILED;
+    else if (norma_stl_replace_normals(work->bytes, first, count, normals))
+        work->done[block] = BLOCK_CHANGED;
+}
+
+/* *complete: 0 where some facet has no direction. */
+static norma_document_result compute_by_blocks(norma_document *document,
+    const norma_options *options, int *complete, int *changed, norma_document_error *error) {
+    stl_state *state = document->state;
+    const size_t blocks = (state->facets + BLOCK_FACETS - 1) / BLOCK_FACETS;
+    block_work work = {.state = state,
+        .bytes = norma_edited_own_bytes(document),
+        .core = *options,
+        .done = norma_io_allocate(blocks, 1)};
+    state->bytes = document->source.data;
+    if (!work.bytes || !work.done) {
+        free(work.done);
+        return norma_document_fail_memory(document, error);
+    }
+    stl_forget_decoded(state);
+    work.core.progress = NULL;
+    work.core.threads = 0;
+    norma_result failed = norma_io_tasks_told(options, blocks, compute_block, &work);
+    *complete = !failed && memchr(work.done, BLOCK_FAILED, blocks) == NULL;
+    *changed = memchr(work.done, BLOCK_CHANGED, blocks) != NULL;
+    free(work.done);
+    document->failed = failed != NORMA_OK; /* some blocks have their new normals already */
+    return norma_document_fail_core(document, error, failed);
+}
+
+static norma_document_result compute_normals(
+    norma_document *document, compute_policy *policy, norma_document_error *error) {
+    stl_state *state = document->state;
+    const norma_only only = policy->options->only;
+    int complete = 0, changed = 0;
+    if (state->binary && only == NORMA_ONLY_ALL) {
+        norma_document_result result =
+            compute_by_blocks(document, &policy->core, &complete, &changed, error);
+        policy->summary->changed = changed;
+        if (result || complete) return result;
+        policy->core.progress = NULL; /* a fraction never falls */
+    }
+    norma_document_result result = compute_whole(document, policy, error);
+    if (result) return result;
+    keep_stored(state, only);
+    result = stl_drop_idle_edit(document, &policy->summary->changed, error);
+    policy->summary->changed |= changed;
+    return result;
+}
+
+static norma_document_result stl_compute(norma_document *document,
+    const norma_compute_options *options, norma_compute_summary *summary,
+    norma_document_error *error) {
+    if (options->shading == NORMA_SHADING_SMOOTH || options->shading == NORMA_SHADING_CREASE)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "STL holds one normal for each facet: smooth shading and creases cannot be stored; use "
+            "neither, or another format");
+    norma_document_result result = norma_edited_flush(document, error);
+    if (result) return result;
+    const stl_state *state = document->state;
+    compute_policy policy = norma_policy_begin(options, summary, NORMA_SHADING_FLAT, 0);
+    summary->faces = state->facets;
+    summary->vertices_before = summary->vertices_after = 3 * state->facets;
+    if (state->facets == 0) return NORMA_DOCUMENT_OK;
+    return compute_normals(document, &policy, error);
+}
+
+/* ---- transforming */
+
+/* Under a mirror the second and the third vertex change places, so that the winding still tells the
+ * outside. */
+static void swap_vertices(double *vertices, size_t facets) {
+    for (size_t i = 0; i < facets; ++i) {
+        double second[3];
+        memcpy(second, vertices + 9 * i + 3, sizeof second);
+        memcpy(vertices + 9 * i + 3, vertices + 9 * i + 6, sizeof second);
+        memcpy(vertices + 9 * i + 6, second, sizeof second);
+    }
+}
+
+static norma_document_result transform_vertices(
+    norma_document *document, const double matrix[16], int mirrored, norma_document_error *error) {
+    stl_state *state = document->state;
+    const norma_mesh mesh = stl_core_mesh(state);
+    state->vertices = norma_io_allocate(state->facets, 9 * sizeof *state->vertices);
+    if (!state->vertices) return norma_document_fail_memory(document, error);
+    norma_result failed = norma_transform_positions_double(
+        matrix, mesh.positions, state->vertices, 0, mesh.positions.count);
+    if (failed) return norma_document_fail_core(document, error, failed);
+    norma_document_result result =
+        norma_check_transformed_range(document, &mesh.positions, state->vertices,
+            state->binary || !state->many_digits ? (double)FLT_MAX : DBL_MAX, "facet", 3, error);
+    if (!result && mirrored) swap_vertices(state->vertices, state->facets);
+    return result;
+}
+
+static norma_document_result transform_normals(
+    norma_document *document, const normal_carrier *carrier, norma_document_error *error) {
+    stl_state *state = document->state;
+    const size_t numbers = 3 * state->facets;
+    double *stored = norma_io_allocate(numbers, sizeof *stored);
+    state->normals = norma_io_allocate(numbers, sizeof *state->normals);
+    norma_document_result result =
+        stored && state->normals ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
+    for (size_t i = 0; i < numbers && !result; ++i) stored[i] = (double)state->stored[i];
+    if (!result)
+        result = norma_transform_stored_normals(
+            document, carrier, stored, state->facets, state->normals, error);
+    free(stored);
+    return result;
+}
+
+/* stl_compute.c */
+static norma_document_result stl_transform(norma_document *document,
+    const norma_transform_options *options, norma_transform_summary *summary,
+    norma_document_error *error) {
+    norma_document_result result = norma_edited_flush(document, error);
+    if (result) return result;
+    summary->vertices = 3 * ((const stl_state *)document->state)->facets;
+    summary->meshes = 1;
+    if (norma_stored_normals_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
+    normal_carrier carrier;
+    result = norma_stored_normals_begin(document, options, summary, &carrier, error);
+    if (result) return result;
+    result = stl_decode(document, error);
+    if (!result) result = transform_vertices(document, options->matrix, carrier.mirrored, error);
+    if (!result) result = transform_normals(document, &carrier, error);
+    if (!result) result = stl_drop_idle_edit(document, &summary->changed, error);
+    return result ? result : norma_stored_normals_progress(document, options, 1, error);
+}
+
+/* ---- Facets of an STL reversed, left out, their normals and corners replaced: the bytes of
+ * all others are copied. */
+
+static size_t count_kept(const stl_state *state, const norma_mesh_edit *edit) {
+    size_t kept = 0;
+    for (size_t facet = 0; facet < state->facets; ++facet)
+        kept += !norma_edit_says(edit->drop_faces, facet);
+    return kept;
+}
+
+/* ---- binary */
+
+static void store_32(unsigned char *at, uint32_t value) {
+    for (int i = 0; i < 4; ++i) at[i] = (unsigned char)(value >> 8 * i);
+}
+
+static void store_vector(unsigned char *at, const float vector[3]) {
+    for (int axis = 0; axis < 3; ++axis) {
+        uint32_t bits;
+        memcpy(&bits, vector + axis, sizeof bits);
+        store_32(at + 4 * axis, bits);
+    }
+}
+
+static void edit_facet(unsigned char *at, const norma_mesh_edit *edit, size_t facet) {
+    unsigned char second[12];
+    for (size_t corner = 3 * facet; corner < 3 * facet + 3; ++corner)
+        if (norma_edit_says(edit->set_positions, corner)) {
+            const double *p = edit->positions + 3 * corner;
+            const float moved[3] = {(float)p[0], (float)p[1], (float)p[2]};
+            store_vector(at + STL_NORMAL + 12 * (corner - 3 * facet), moved);
+        }
+    if (norma_edit_says(edit->reverse_faces, facet)) {
+        memcpy(second, at + STL_NORMAL + 12, 12);
+        memcpy(at + STL_NORMAL + 12, at + STL_NORMAL + 24, 12);
+        memcpy(at + STL_NORMAL + 24, second, 12);
+    }
+    if (norma_edit_says(edit->set_normals, facet)) store_vector(at, edit->normals + 3 * facet);
+}
+
+static void edit_binary(const stl_state *state, const norma_mesh_edit *edit, norma_sink *sink) {
+    unsigned char header[STL_HEADER];
+    const unsigned char *at = state->bytes + STL_HEADER;
+    memcpy(header, state->bytes, STL_HEADER);
+    store_32(header + 80, (uint32_t)count_kept(state, edit));
+    norma_sink_put(sink, header, STL_HEADER);
+    for (size_t facet = 0; facet < state->facets; ++facet, at += STL_FACET) {
+        unsigned char copy[STL_FACET];
+        if (norma_edit_says(edit->drop_faces, facet)) continue;
+        memcpy(copy, at, STL_FACET);
+        edit_facet(copy, edit, facet);
+        norma_sink_put(sink, copy, STL_FACET);
+    }
+    norma_sink_put(sink, at, state->size - (size_t)(at - state->bytes));
+}
+
+/* ---- text */
+
+typedef struct text_editor {
+    const stl_state *state;
+    const norma_mesh_edit *edit;
+    norma_sink *sink;
+    const char *begin, *at, *end; /* copied up to at */
+    stl_word second[3];           /* the second corner of a facet that is reversed */
+} text_editor;
+
+static int is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+/* From the numbers of a facet's normal back over "facet normal", and over what stands before it on
+ * its line if that is blank. */
+static const char *facet_begin(const text_editor *editor, const char *normal) {
+    const char *p = normal;
+    for (int words = 0; words < 2; ++words) {
+        while (p > editor->begin && is_blank(p[-1])) --p;
+        while (p > editor->begin && !is_blank(p[-1])) --p;
+    }
+    while (p > editor->at && (p[-1] == ' ' || p[-1] == '\t')) --p;
+    return p;
+}
+
+/* From the end of its last number over "endloop endfacet" and the line's end. */
+static const char *facet_end(const text_editor *editor, const char *last) {
+    const char *p = last;
+    for (int words = 0; words < 2; ++words) {
+        while (p < editor->end && is_blank(*p)) ++p;
+        while (p < editor->end && !is_blank(*p)) ++p;
+    }
+    while (p < editor->end && (*p == ' ' || *p == '\t' || *p == '\r')) ++p;
+    return p < editor->end && *p == '\n' ? p + 1 : p;
+}
+
+static void copy_to(text_editor *editor, const char *to) {
+    if (to > editor->at) norma_sink_put(editor->sink, editor->at, (size_t)(to - editor->at));
+    editor->at = to;
+}
+
+static void put_numbers(
+    text_editor *editor, const stl_word words[3], const double numbers[3], int unit) {
+    for (int axis = 0; axis < 3; ++axis) {
+        char text[32];
+        size_t length = unit ? norma_number_format_normal((float)numbers[axis], text)
+                        : editor->state->many_digits
+                            ? norma_number_format_double(numbers[axis], text)
+                            : norma_number_format_float((float)numbers[axis], text);
+        copy_to(editor, words[axis].text);
+        norma_sink_put(editor->sink, text, length);
+        editor->at = words[axis].end;
+    }
+}
+
+static int edit_part(
+    void *user, size_t facet, int part, const stl_word words[3], const double values[3]) {
+    text_editor *editor = user;
+    const norma_mesh_edit *edit = editor->edit;
+    (void)values;
+    if (norma_edit_says(edit->drop_faces, facet)) {
+        if (part == 0)
+            copy_to(editor, facet_begin(editor, words[0].text));
+        else if (part == 3)
+            editor->at = facet_end(editor, words[2].end);
+        return 0;
+    }
+    if (part == 0 && norma_edit_says(edit->set_normals, facet)) {
+        const float *n = edit->normals + 3 * facet;
+        const double numbers[3] = {(double)n[0], (double)n[1], (double)n[2]};
+        put_numbers(editor, words, numbers, 1);
+    }
+    if (part > 0 && norma_edit_says(edit->set_positions, 3 * facet + (size_t)part - 1))
+        put_numbers(editor, words, edit->positions + 3 * (3 * facet + (size_t)part - 1), 0);
+    if (!norma_edit_says(edit->reverse_faces, facet)) return 0;
+    if (part == 2) memcpy(editor->second, words, sizeof editor->second);
+    if (part == 3) { /* the numbers change places, what stands between them does not */
+        copy_to(editor, editor->second[0].text);
+        norma_sink_put(editor->sink, words[0].text, (size_t)(words[2].end - words[0].text));
+        editor->at = editor->second[2].end;
+        copy_to(editor, words[0].text);
+        norma_sink_put(editor->sink, editor->second[0].text,
+            (size_t)(editor->second[2].end - editor->second[0].text));
+        editor->at = words[2].end;
+    }
+    return 0;
+}
+
+static norma_document_result edit_text(norma_document *document, const norma_mesh_edit *edit,
+    norma_sink *sink, norma_document_error *error) {
+    const stl_state *state = document->state;
+    const char *begin = (const char *)state->bytes;
+    text_editor editor = {.state = state,
+        .edit = edit,
+        .sink = sink,
+        .begin = begin,
+        .at = begin,
+        .end = begin + state->size};
+    norma_document_result result = norma_stl_scan(document, edit_part, &editor, error);
+    copy_to(&editor, editor.end);
+    return result;
+}
+
+norma_document_result norma_stl_edit(
+    norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
+    growing_bytes memory = {0};
+    norma_document_result result = norma_edited_flush(document, error);
+    if (result) return result;
+    const stl_state *state = document->state;
+    norma_sink *sink = norma_sink_create(norma_memory_sink_write, &memory);
+    if (!sink) return norma_document_fail_memory(document, error);
+    if (edit->reverse_faces && edit->set_positions)
+        result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "facets cannot be reversed and moved at once; do one after the other");
+    else if (state->binary)
+        edit_binary(state, edit, sink);
+    else
+        result = edit_text(document, edit, sink, error);
+    int failed = norma_sink_finish(sink);
+    if (!result && failed) result = norma_document_fail_memory(document, error);
+    if (!result) return norma_edited_replace(document, &memory, error);
+    free(memory.data);
+    return result;
+}
+
+/* ---- STL documents. The file's bytes stay as they are; new normals and vertices are kept beside
  * them until they are written, or until another change needs to see them: then they become the
  * document's bytes, which are read anew. */
-#include "io/stl/stl.h"
-#include "io/format/edit.h"
-#include <stdlib.h>
 
 /* ---- describing */
 
@@ -28,10 +484,10 @@ static norma_document_result give_mesh(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
     (void)index;
     norma_document_result result = norma_edited_flush(document, error);
-    if (!result) result = norma_stl_decode(document, error);
+    if (!result) result = stl_decode(document, error);
     if (result) return result;
     const stl_state *state = document->state;
-    data->mesh = norma_stl_core_mesh(state);
+    data->mesh = stl_core_mesh(state);
     data->normals = (norma_vec3_view){
         .data = state->stored, .count = state->facets, .format = NORMA_FORMAT_FLOAT};
     return NORMA_DOCUMENT_OK;
@@ -67,8 +523,8 @@ const format_functions norma_stl_functions = {
     .mesh_count = count_meshes,
     .mesh_info = describe_mesh,
     .mesh_data = give_mesh,
-    .compute = norma_stl_compute,
-    .transform = norma_stl_transform,
+    .compute = stl_compute,
+    .transform = stl_transform,
     .edit = norma_stl_edit,
     .write = write_stl,
 };

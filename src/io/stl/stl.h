@@ -49,19 +49,6 @@ int norma_stl_replace_normals(
 norma_document_result norma_stl_write_binary(
     norma_document *document, norma_sink *sink, norma_document_error *error);
 
-/* stl_compute.c */
-norma_document_result norma_stl_compute(norma_document *document,
-    const norma_compute_options *options, norma_compute_summary *summary,
-    norma_document_error *error);
-norma_document_result norma_stl_transform(norma_document *document,
-    const norma_transform_options *options, norma_transform_summary *summary,
-    norma_document_error *error);
-
 /* stl_state.c. Flushing makes the changes the document's bytes, which are read again. */
 extern const edited_format norma_stl_edited;
-norma_document_result norma_stl_decode(norma_document *document, norma_document_error *error);
-norma_document_result norma_stl_drop_idle_edit(
-    norma_document *document, int *changed, norma_document_error *error);
-void norma_stl_forget_decoded(stl_state *state);
-norma_mesh norma_stl_core_mesh(const stl_state *state);
 #endif
