@@ -189,8 +189,6 @@ norma_document_result norma_ply_fail_index(const norma_document *document,
 /* ascii_read.c: rows of text */
 void norma_ply_surplus_text(const ply_state *state, char text[120]); /* of its surplus rows */
 static inline int norma_ply_ends_line(unsigned char byte) { return byte >= '\n' && byte <= '\r'; }
-const unsigned char *norma_ply_token(const unsigned char *at, const unsigned char *end,
-    size_t *length); /* NULL: no more; skips white space and line breaks */
 norma_document_result norma_ply_locate_text(norma_document *document, norma_document_error *error);
 norma_document_result norma_ply_read_text_columns(norma_document *document,
     const ply_element *element, const int properties[3], double *values,
@@ -246,14 +244,6 @@ void norma_ply_normal_types(const ply_header *header, const ply_element *element
 /* Unit vectors as the codes of integer types, in place; others stay. */
 norma_document_result norma_ply_encode_normals(norma_document *document, const ply_type types[3],
     float *normals, size_t count, norma_document_error *error);
-
-/* vertex_rows.c: the edit's list of vertices as a change; how many of them, from the first on, are
- * old rows that stay in their order */
-norma_document_result norma_ply_equal_vertices(
-    norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
-norma_document_result norma_ply_edit_vertices(
-    norma_document *document, const norma_mesh_edit *edit, norma_document_error *error);
-size_t norma_ply_kept(const norma_mesh_edit *edit);
 
 /* ply_write.c, binary_rows.c, ascii_rows.c */
 norma_document_result norma_ply_write(norma_document *document, const char *path,
