@@ -1,12 +1,390 @@
 /* obj.c: OBJ as a document: one mesh, its positions as doubles, a normal for each corner that names
  * one. */
 #include "io/obj/obj.h"
-#include "io/obj/statements.h"
 #include "io/format/edit.h"
-#include "io/obj/vertex_lines.h"
 #include "io/format/scene.h"
+#include "io/stream/sink.h"
+#include "io/text/number.h"
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- The state of an OBJ document: read, let go, and read again once its changes have
+ * become bytes; and the core's view of it. */
+
+static void free_vertices(obj_vertices *v) {
+    if (!v) return;
+    free(v->kept_before);
+    free(v->numbers);
+    free(v->corners);
+    free(v->lines);
+    free(v);
+}
+
+static void free_content(void *content) {
+    obj_state *state = content;
+    free_vertices(state->vertices);
+    free(state->stretches);
+    free(state->positions);
+    free(state->corners);
+    free(state->corner_normals);
+    free(state->face_starts);
+    free(state->normals);
+    free(state->normal_offsets);
+    free(state->other_normals);
+    free(state->runs);
+    free(state->name);
+    free(state->shown_normals);
+    free(state->group_masks);
+    free(state->hard_edges);
+}
+
+static int has_edit(const void *content) {
+    const obj_state *state = content;
+    return state->normals_replaced || state->normals_turned || state->positions_moved ||
+           state->faces_reversed || state->reverse_faces || state->drop_faces || state->cut_faces ||
+           state->vertices;
+}
+
+const edited_format norma_obj_edited = {
+    sizeof(obj_state), 1, has_edit, free_content, norma_obj_read};
+
+norma_mesh norma_obj_mesh(const obj_state *state) {
+    static const double nowhere[3];
+    static const uint32_t nothing[1];
+    const norma_vec3_view positions = {state->positions ? state->positions : nowhere,
+        state->position_count, 0, NORMA_FORMAT_DOUBLE};
+    return (norma_mesh){.positions = positions,
+        .corners = state->corners ? state->corners : nothing,
+        .corner_count = state->corner_count,
+        .face_starts = state->face_starts,
+        .face_count = state->face_count};
+}
+
+/* ---- Faces of an OBJ reversed, cut or left out, single vn and v lines with other numbers,
+ * v lines that go and come: the text is written so and read anew. */
+
+static void take_numbers(obj_state *state, const norma_mesh_edit *edit) {
+    for (size_t i = 0; edit->set_normals && i < state->normal_count; ++i)
+        if (edit->set_normals[i])
+            memcpy(state->normals + 3 * i, edit->normals + 3 * i, 3 * sizeof *state->normals);
+    for (size_t i = 0; edit->set_positions && i < state->position_count; ++i)
+        if (edit->set_positions[i])
+            memcpy(state->positions + 3 * i, edit->positions + 3 * i, 3 * sizeof *state->positions);
+    state->normals_turned |= edit->set_normals != NULL;
+    state->positions_moved |= edit->set_positions != NULL;
+}
+
+norma_document_result norma_obj_edit(
+    norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
+    norma_document_result result = norma_edited_flush(document, error);
+    if (result) return result;
+    obj_state *state = document->state;
+    if (edit->set_normals && !state->has_normals) /* there may be vn lines, but none that a face
+                                                     names, so none that the caller was told of */
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "has no normals that could be replaced");
+    result =
+        edit->source_vertices ? norma_obj_edit_vertices(document, edit, error) : NORMA_DOCUMENT_OK;
+    if (result) return result;
+    take_numbers(state, edit);
+    state->reverse_faces = edit->reverse_faces;
+    state->drop_faces = edit->drop_faces;
+    state->cut_faces = edit->cut_faces;
+    state->cut_corners = edit->cut_corners;
+    result = norma_edited_flush(document, error);
+    state = document->state;
+    if (result && state)
+        state->reverse_faces = state->drop_faces = state->cut_faces = NULL; /* the caller's */
+    return result;
+}
+
+/* ---- What an OBJ's faces have beside positions and normals: texture vertices and
+ * materials. A second walk over the same statements, for those who ask. */
+
+typedef struct walk {
+    norma_document *document;
+    const obj_state *state;
+    const char *end;
+    float *texcoords;
+    size_t texcoord_count, texcoord_room;
+    uint32_t *corner_texcoords; /* of each corner */
+    size_t corner, face;
+    const char **names; /* of materials, in the order of their first use */
+    size_t name_count, name_room;
+    uint32_t *table; /* hash table of names: number + 1 */
+    size_t table_size;
+    uint32_t *face_materials;
+    uint32_t material; /* in force; UINT32_MAX: none */
+    int failed;        /* out of memory */
+} walk;
+
+/* ---- names */
+
+static size_t hash_of(const char *text, size_t length) {
+    uint64_t hash = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < length; ++i)
+        hash = (hash ^ (unsigned char)text[i]) * UINT64_C(1099511628211);
+    return (size_t)(hash ^ hash >> 29);
+}
+
+static uint32_t *slot_of(const walk *w, const char *text, size_t length) {
+    size_t at = hash_of(text, length) & (w->table_size - 1);
+    for (; w->table[at]; at = (at + 1) & (w->table_size - 1)) {
+        const char *name = w->names[w->table[at] - 1];
+        if (strlen(name) == length && memcmp(name, text, length) == 0) break;
+    }
+    return &w->table[at];
+}
+
+static int grow_table(walk *w) {
+    size_t larger = w->table_size ? 2 * w->table_size : 64;
+    uint32_t *table = norma_io_allocate(larger, sizeof *table);
+    if (!table) return 0;
+    free(w->table);
+    w->table = table;
+    w->table_size = larger;
+    for (size_t i = 0; i < w->name_count; ++i)
+        *slot_of(w, w->names[i], strlen(w->names[i])) = (uint32_t)i + 1;
+    return 1;
+}
+
+/* Texts with a zero byte in them end there. */
+static void use_material(walk *w, const char *text, size_t length) {
+    const char *zero = memchr(text, 0, length);
+    length = zero ? (size_t)(zero - text) : length;
+    if (2 * w->name_count >= w->table_size && !grow_table(w)) {
+        w->failed = 1;
+        return;
+    }
+    uint32_t *slot = slot_of(w, text, length);
+    if (!*slot) {
+        const char **names =
+            norma_io_grow((void *)w->names, &w->name_room, w->name_count + 1, sizeof *names);
+        char *name = names ? norma_scene_allocate(w->document->scene, length + 1, 1) : NULL;
+        w->names = names ? names : w->names;
+        w->failed |= !name;
+        if (!name) return;
+        memcpy(name, text, length);
+        w->names[w->name_count] = name;
+        *slot = (uint32_t)++w->name_count;
+    }
+    w->material = *slot - 1;
+}
+
+/* ---- statements */
+
+static void read_material(walk *w, const char *p) {
+    p = norma_obj_skip_blanks(p, w->end);
+    const char *end = norma_obj_statement_end(p, w->end, NULL);
+    while (end > p && norma_obj_is_blank(end[-1])) --end;
+    use_material(w, p, (size_t)(end - p));
+}
+
+static void read_texcoord(walk *w, const char *p) {
+    float *grown =
+        norma_io_grow(w->texcoords, &w->texcoord_room, w->texcoord_count + 1, 2 * sizeof *grown);
+    if (!grown) {
+        w->failed = 1;
+        return;
+    }
+    w->texcoords = grown;
+    for (size_t i = 0; i < 2; ++i) {
+        double number = 0;
+        uint64_t digits;
+        p = norma_obj_skip_blanks(p, w->end);
+        const char *next = norma_digits_plain(p, w->end, &number, &digits);
+        if (!next) next = norma_number_parse(p, w->end, &number);
+        p = norma_obj_number_end(next ? next : p, w->end);
+        grown[2 * w->texcoord_count + i] = (float)number;
+    }
+    ++w->texcoord_count;
+}
+
+static uint32_t texture_of(const walk *w, const obj_corner *corner) {
+    int64_t index;
+    const char *slash = memchr(corner->begin, '/', (size_t)(corner->end - corner->begin));
+    if (!corner->has_texture || !slash ||
+        !norma_number_parse_integer(slash + 1, corner->end, &index))
+        return UINT32_MAX;
+    uint32_t number = norma_obj_resolve(index, w->texcoord_count);
+    return number == UINT32_MAX - 2 ? UINT32_MAX : number;
+}
+
+static void read_face(walk *w, const char *p) {
+    obj_corner corner;
+    size_t first = w->corner;
+    for (p = norma_obj_skip_blanks(p, w->end);
+         w->corner < w->state->corner_count && norma_obj_corner(p, w->end, &corner);
+         p = norma_obj_skip_blanks(corner.end, w->end))
+        w->corner_texcoords[w->corner++] = texture_of(w, &corner);
+    if (w->corner > first && w->face < w->state->face_count)
+        w->face_materials[w->face++] = w->material;
+}
+
+/* ---- plain lines, nearly all of a file. What is not plain is read the long way. */
+
+/* Where the line ends; NULL: not plain, nothing has been read. */
+static const char *read_plain_face(walk *w, const char *p) {
+    size_t corner = w->corner;
+    while (corner < w->state->corner_count) {
+        obj_plain_corner plain;
+        while (p < w->end && *p == ' ') ++p;
+        if (p < w->end && *p == '\n') break;
+        if (w->end - p < OBJ_PLAIN_LENGTH || !norma_obj_read_plain_corner(p, &plain)) return NULL;
+        w->corner_texcoords[corner++] = plain.texture - 1;
+        p = plain.end;
+    }
+    while (p < w->end && *p == ' ') ++p;
+    if (p >= w->end || *p != '\n' || corner == w->corner || w->face >= w->state->face_count)
+        return NULL;
+    w->corner = corner;
+    w->face_materials[w->face++] = w->material;
+    return p;
+}
+
+static int is_word(const char *p, const char *end, const char *word, size_t length) {
+    return (size_t)(end - p) > length && memcmp(p, word, length) == 0 &&
+           norma_obj_is_blank(p[length]);
+}
+
+/* Where its line ends. */
+static const char *read_statement(walk *w, const char *p) {
+    const char *rest = p, *plain = NULL;
+    if (*p == 'f' && is_word(p, w->end, "f", 1)) plain = read_plain_face(w, p + 1);
+    if (plain) return plain;
+    if (*p == 'f' && norma_obj_keyword(p, w->end, &rest) == OBJ_FACE)
+        read_face(w, rest);
+    else if (*p == 'v' && is_word(p, w->end, "vt", 2))
+        read_texcoord(w, p + 2);
+    else if (*p == 'u' && is_word(p, w->end, "usemtl", 6))
+        read_material(w, p + 6);
+    return norma_obj_statement_end(p, w->end, NULL);
+}
+
+static void read_all(walk *w) {
+    const char *text = (const char *)w->document->source.data;
+    if (w->document->source.size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) text += 3;
+    for (const char *p = text; p < w->end && !w->failed;) {
+        p = norma_obj_skip_blanks(p, w->end);
+        p = p < w->end ? norma_obj_skip_end(read_statement(w, p), w->end) : p;
+    }
+}
+
+/* ---- the document's */
+
+static int keep_materials(walk *w) {
+    norma_scene *scene = w->document->scene;
+    norma_material_info *materials = norma_scene_allocate(scene, w->name_count, sizeof *materials);
+    if (!materials) return 0;
+    for (size_t i = 0; i < w->name_count; ++i)
+        materials[i] = (norma_material_info){.name = w->names[i],
+            .where = "",
+            .base_color = {1, 1, 1, 1},
+            .roughness = 1,
+            .ignore = ""};
+    scene->materials = materials;
+    scene->material_count = w->name_count;
+    return 1;
+}
+
+static int several(const walk *w) {
+    for (size_t i = 1; i < w->face; ++i)
+        if (w->face_materials[i] != w->face_materials[0]) return 1;
+    return 0;
+}
+
+/* vt numbers past the last one name none. */
+static void keep_texcoords(walk *w, norma_mesh_attributes *made) {
+    int any = 0;
+    for (size_t i = 0; i < w->corner; ++i) {
+        if (w->corner_texcoords[i] >= w->texcoord_count) w->corner_texcoords[i] = UINT32_MAX;
+        any |= w->corner_texcoords[i] != UINT32_MAX;
+    }
+    float *kept =
+        any ? norma_scene_allocate(w->document->scene, w->texcoord_count, 2 * sizeof *kept) : NULL;
+    w->failed |= any && !kept;
+    if (!kept) return;
+    memcpy(kept, w->texcoords, w->texcoord_count * 2 * sizeof *kept);
+    made->texcoords = kept;
+    made->texcoord_count = w->texcoord_count;
+    made->corner_texcoords = w->corner_texcoords;
+}
+
+/* 1: some corners name a normal and others none; 2: one names a normal that is not there. */
+static uint8_t fault_of(const obj_state *state, size_t face) {
+    int bad = 0, without = 0, with = 0;
+    for (size_t i = norma_obj_face_start(state, face); i < norma_obj_face_start(state, face + 1);
+         ++i) {
+        bad |= state->corner_normals[i] == OBJ_BAD_NORMAL;
+        without |= state->corner_normals[i] == OBJ_NO_NORMAL;
+        with |= state->corner_normals[i] < OBJ_BAD_NORMAL;
+    }
+    return bad ? 2 : with && without;
+}
+
+static void judge_normals(walk *w, norma_mesh_attributes *made) {
+    const obj_state *state = w->state;
+    uint8_t *faults = NULL;
+    for (size_t face = 0; state->corner_normals && face < state->face_count; ++face) {
+        uint8_t fault = fault_of(state, face);
+        if (!fault) continue;
+        if (!faults && !(faults = norma_scene_allocate(w->document->scene, state->face_count, 1))) {
+            w->failed = 1;
+            return;
+        }
+        faults[face] = fault;
+        made->normals_missing += fault == 1;
+        made->normals_out_of_range += fault == 2;
+    }
+    made->face_faults = faults;
+}
+
+/* Both, materials and attributes, come of one walk. */
+static norma_document_result walk_all(norma_document *document, norma_document_error *error) {
+    norma_scene *scene = document->scene;
+    const obj_state *state = document->state;
+    walk w = {.document = document,
+        .state = state,
+        .end = (const char *)document->source.data + document->source.size,
+        .material = UINT32_MAX};
+    norma_mesh_attributes *made = norma_scene_allocate(scene, 1, sizeof *made);
+    norma_mesh_attributes **list = norma_scene_allocate(scene, 1, sizeof *list);
+    w.corner_texcoords =
+        norma_scene_allocate(scene, state->corner_count, sizeof *w.corner_texcoords);
+    w.face_materials = norma_scene_allocate(scene, state->face_count, sizeof *w.face_materials);
+    w.failed = !made || !list || !w.corner_texcoords || !w.face_materials;
+    if (!w.failed) read_all(&w);
+    if (!w.failed) {
+        *made = (norma_mesh_attributes){.material = SIZE_MAX, .tangent_encoding = "", .ignore = ""};
+        keep_texcoords(&w, made);
+        judge_normals(&w, made);
+        if (w.face && w.face_materials[0] != UINT32_MAX) made->material = w.face_materials[0];
+        if (several(&w)) made->face_materials = w.face_materials;
+        list[0] = made;
+    }
+    w.failed = w.failed || !keep_materials(&w);
+    if (!w.failed) scene->attributes = list;
+    free(w.texcoords);
+    free((void *)w.names);
+    free(w.table);
+    return w.failed ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result read_unread(norma_document *document, norma_document_error *error) {
+    const obj_state *state = document->state;
+    norma_unread *unread = norma_scene_allocate(document->scene, 1, sizeof *unread);
+    if (!unread) return norma_document_fail_memory(document, error);
+    *unread = (norma_unread){
+        .where = "", .why = "free-form surfaces are not read, only the polygons beside them"};
+    document->scene->unread = unread;
+    document->scene->unread_count = state->has_surfaces != 0;
+    return NORMA_DOCUMENT_OK;
+}
+
+const scene_functions norma_obj_scene = {.materials = walk_all, .unread = read_unread};
+
+/* ---- OBJ as a document: one mesh, its positions as doubles, a normal for each corner that names
+ * one. */
 
 static size_t mesh_count(const norma_document *document) {
     (void)document;

@@ -1,13 +1,188 @@
-/* obj_compute.c: new normals for the corners that need one; of the old ones stay those that
- * something still names. Equal normals are one, numbered as corners first use them, after the old
- * ones. */
-#include <stdlib.h>
-#include <string.h>
+/* obj_compute.c: new normals for the corners that need one; an OBJ under a matrix. */
+#include "io/obj/obj.h"
 #include "io/file/large_memory.h"
 #include "io/format/compute_policy.h"
-#include "io/obj/obj.h"
-#include "io/obj/deduplicate_normals.h"
+#include "io/format/format.h"
+#include "io/format/transform_stored_normals.h"
 #include "io/stream/tasks.h"
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Equal normals are one, numbered in the order of their first use. Elements
+ * are dealt out by a hash of their normals, in order, so that each share is small enough for a
+ * table in the cache and needs nothing of the others; the first of each share's equal
+ * normals stands for them, whichever thread found it. */
+
+enum { SHARES = 256, LEAST_NUMBERED = 1 << 14 };
+
+typedef struct numberer {
+    obj_numbering *n;
+    size_t slices;
+    uint32_t *counts; /* of each slice and share; then where its part of the share begins */
+    uint64_t *dealt;  /* share after share: a place in the order below its normal's tag */
+    size_t starts[SHARES + 1]; /* of each share in dealt */
+    uint32_t *first; /* for each place in the order the first place with the same normal */
+    size_t *firsts;  /* of each slice: how many stand for themselves; then how many before it */
+    int *failed;     /* of each share */
+} numberer;
+
+static uint64_t hash_normal(const float *n) {
+    uint32_t bits[3];
+    memcpy(bits, n, sizeof bits);
+    uint64_t hash = (bits[0] | (uint64_t)bits[1] << 32) * UINT64_C(0x9e3779b97f4a7c15);
+    hash = (hash ^ hash >> 29 ^ bits[2]) * UINT64_C(0xbf58476d1ce4e5b9);
+    return hash ^ hash >> 32;
+}
+
+static const float *normal_at(const obj_numbering *n, size_t place) {
+    return n->normals + 3 * (n->order ? n->order[place] : place);
+}
+
+static size_t share_of(uint64_t hash) { return (size_t)(hash >> 56); }
+/* The lower half of the hash, above where a place goes: most others are told apart by it, without a
+ * look at normals that lie far apart. */
+static uint64_t tag_of(uint64_t hash) { return hash << 32; }
+static uint32_t place_of(uint64_t tagged) { return (uint32_t)tagged; }
+
+static void count_shares(void *context, size_t slice) {
+    numberer *w = context;
+    uint32_t *counts = w->counts + slice * SHARES;
+    const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
+    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
+        ++counts[share_of(hash_normal(normal_at(w->n, i)))];
+}
+
+static void place_shares(numberer *w) {
+    uint32_t at = 0;
+    for (size_t share = 0; share < SHARES; ++share) {
+        w->starts[share] = at;
+        for (size_t slice = 0; slice < w->slices; ++slice) {
+            const uint32_t count = w->counts[slice * SHARES + share];
+            w->counts[slice * SHARES + share] = at;
+            at += count;
+        }
+    }
+    w->starts[SHARES] = at;
+}
+
+static void deal(void *context, size_t slice) {
+    numberer *w = context;
+    uint32_t *next = w->counts + slice * SHARES;
+    const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
+    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i) {
+        const uint64_t hash = hash_normal(normal_at(w->n, i));
+        w->dealt[next[share_of(hash)]++] = tag_of(hash) | i;
+    }
+}
+
+static int are_equal(const obj_numbering *n, uint32_t a, uint32_t b) {
+    return memcmp(normal_at(n, a), normal_at(n, b), 3 * sizeof(float)) == 0;
+}
+
+/* A slot: a place + 1 below its normal's tag; 0: free. */
+static void find_firsts(void *context, size_t share) {
+    numberer *w = context;
+    const size_t begin = w->starts[share], end = w->starts[share + 1];
+    size_t size = 16;
+    if (begin == end) return;
+    while (size < 2 * (end - begin)) size *= 2;
+    uint64_t *slots = norma_io_allocate(size, sizeof *slots);
+    w->failed[share] = !slots;
+    for (size_t i = begin; slots && i < end; ++i) {
+        const uint32_t place = place_of(w->dealt[i]);
+        const uint64_t tag = w->dealt[i] - place;
+        size_t slot = (size_t)(tag >> 32) & (size - 1);
+        while (slots[slot] && (slots[slot] - place_of(slots[slot]) != tag ||
+                                  !are_equal(w->n, place_of(slots[slot]) - 1, place)))
+            slot = (slot + 1) & (size - 1);
+        if (!slots[slot]) slots[slot] = tag | (place + 1);
+        w->first[place] = place_of(slots[slot]) - 1;
+    }
+    free(slots);
+}
+
+static void count_firsts(void *context, size_t slice) {
+    numberer *w = context;
+    const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
+    size_t count = 0;
+    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
+        count += w->first[i] == i;
+    w->firsts[slice] = count;
+}
+
+/* Those that stand for themselves get their numbers, into dealt, which has served. */
+static void number_firsts(void *context, size_t slice) {
+    numberer *w = context;
+    const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
+    size_t number = w->firsts[slice];
+    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
+        if (w->first[i] == i) {
+            memcpy(w->n->unique + 3 * number, normal_at(w->n, i), 3 * sizeof(float));
+            w->dealt[i] = number++;
+        }
+}
+
+static void number_all(void *context, size_t slice) {
+    numberer *w = context;
+    const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
+    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
+        w->n->numbers[w->n->order ? w->n->order[i] : i] = (uint32_t)w->dealt[w->first[i]];
+}
+
+static int run_slices(const numberer *w, size_t count, norma_task *task) {
+    return !norma_io_tasks_watched(w->n->options, count, task, (void *)(uintptr_t)w);
+}
+
+static void sum_firsts(numberer *w) {
+    w->n->unique_count = 0;
+    for (size_t slice = 0; slice < w->slices; ++slice) {
+        const size_t count = w->firsts[slice];
+        w->firsts[slice] = w->n->unique_count;
+        w->n->unique_count += count;
+    }
+}
+
+static obj_numbered number(numberer *w) {
+    obj_numbering *n = w->n;
+    if (!run_slices(w, w->slices, count_shares)) return OBJ_NUMBERED_CANCELLED;
+    place_shares(w);
+    if (!run_slices(w, w->slices, deal) || !run_slices(w, SHARES, find_firsts))
+        return OBJ_NUMBERED_CANCELLED;
+    for (size_t share = 0; share < SHARES; ++share)
+        if (w->failed[share]) return OBJ_NUMBERED_MEMORY;
+    if (!run_slices(w, w->slices, count_firsts)) return OBJ_NUMBERED_CANCELLED;
+    sum_firsts(w);
+    n->unique = norma_io_block(n->unique_count, 3 * sizeof *n->unique);
+    n->numbers = norma_io_block(n->element_count, sizeof *n->numbers);
+    if (!n->unique || !n->numbers) return OBJ_NUMBERED_MEMORY;
+    return run_slices(w, w->slices, number_firsts) && run_slices(w, w->slices, number_all)
+               ? OBJ_NUMBERED
+               : OBJ_NUMBERED_CANCELLED;
+}
+
+/* What it found is the caller's to free. */
+static obj_numbered obj_number(obj_numbering *n) {
+    numberer w = {.n = n, .slices = norma_io_slices(n->count, LEAST_NUMBERED)};
+    w.counts = norma_io_allocate(w.slices * SHARES, sizeof *w.counts);
+    w.firsts = norma_io_allocate(w.slices, sizeof *w.firsts);
+    w.failed = norma_io_allocate(SHARES, sizeof *w.failed);
+    w.dealt = norma_io_block(n->count, sizeof *w.dealt);
+    w.first = norma_io_block(n->count, sizeof *w.first);
+    obj_numbered result =
+        w.counts && w.firsts && w.failed && w.dealt && w.first ? number(&w) : OBJ_NUMBERED_MEMORY;
+    free(w.counts);
+    free(w.firsts);
+    free(w.failed);
+    free(w.dealt);
+    free(w.first);
+    return result;
+}
+
+/* ---- New normals for the corners that need one; of the old ones stay those that
+ * something still names. Equal normals are one, numbered as corners first use them, after the old
+ * ones. */
 
 typedef struct computation {
     norma_document *document;
@@ -240,7 +415,7 @@ static obj_numbered number_corners(computation *c, obj_numbering *numbering, ren
     if (norma_io_tasks_watched(&c->policy.core, r->slices, finish_normals, r))
         return OBJ_NUMBERED_CANCELLED;
     if (!c->made.points && !order_elements(c, numbering)) return OBJ_NUMBERED_MEMORY;
-    obj_numbered result = norma_obj_number(numbering);
+    obj_numbered result = obj_number(numbering);
     if (!result && numbering->unique_count > OBJ_MOST - r->kept) result = OBJ_NUMBERED_MEMORY;
     if (result) return result;
     r->numbers = numbering->numbers;
@@ -310,4 +485,142 @@ norma_document_result norma_obj_compute(norma_document *document,
     free(c.wanted);
     norma_computed_normals_free(&c.made);
     return result;
+}
+
+/* ---- Positions under a matrix, normals under its normal matrix, faces turned round
+ * where it mirrors. */
+
+static int is_identity(const double m[16], int columns) {
+    for (int i = 0; i < 4 * columns; ++i)
+        if (i % 4 != 3 && m[i] != (i % 5 == 0)) return 0;
+    return 1;
+}
+
+/* Whether floats hold the positions well enough: they lie no farther from the origin than sixteen
+ * times their extent, and within the range of floats. */
+static int extent_is_float(const double *positions, size_t count) {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double extent = 0, farthest = 0;
+    for (size_t i = 0; i < 3 * count; ++i)
+        if (isfinite(positions[i])) {
+            low[i % 3] = fmin(low[i % 3], positions[i]);
+            high[i % 3] = fmax(high[i % 3], positions[i]);
+        }
+    for (int i = 0; i < 3; ++i) {
+        extent = fmax(extent, high[i] - low[i]);
+        farthest = fmax(farthest, fmax(high[i], -low[i]));
+    }
+    return farthest <= 16 * extent && extent > 1e-30 && farthest < 1e30;
+}
+
+static norma_document_result move_positions(norma_document *document, obj_state *state,
+    const double matrix[16], norma_document_error *error) {
+    const norma_vec3_view view = {state->positions, state->position_count, 0, NORMA_FORMAT_DOUBLE};
+    if (!state->position_count) return NORMA_DOCUMENT_OK;
+    double *moved = norma_io_block(state->position_count, 3 * sizeof *moved);
+    if (!moved) return norma_document_fail_memory(document, error);
+    norma_document_result result = norma_document_fail_core(document, error,
+        norma_transform_positions_double(matrix, view, moved, 0, state->position_count));
+    if (!result)
+        result = norma_check_transformed_range(document, &view, moved, DBL_MAX, "vertex", 1, error);
+    if (result) {
+        free(moved);
+        return result;
+    }
+    free(state->positions);
+    state->positions = moved;
+    state->position_room = state->position_count;
+    state->floats_suffice =
+        (state->positions_moved ? state->floats_suffice : !state->has_long_positions) &&
+        extent_is_float(state->positions, state->position_count);
+    state->positions_moved = 1;
+    return result;
+}
+
+/* The factor that brings the largest of nine numbers near 1, so that floats hold them. */
+static void to_floats(const double matrix[9], float floats[9]) {
+    double largest = 0;
+    int exponent;
+    for (int i = 0; i < 9; ++i) largest = fmax(largest, fabs(matrix[i]));
+    frexp(largest, &exponent);
+    for (int i = 0; i < 9; ++i) floats[i] = (float)ldexp(matrix[i], -exponent);
+}
+
+/* Normals that are not finite, and zero, stay what they are: that they are broken is not for a
+ * transform to hide. So do those that a matrix without an inverse leaves no direction; *lost counts
+ * them. */
+static void take_turned(obj_state *state, const float *turned, size_t *lost) {
+    for (size_t i = 0; i < state->normal_count; ++i) {
+        float *old = state->normals + 3 * i;
+        const float *new = turned + 3 * i;
+        if (new[0] != 0 || new[1] != 0 || new[2] != 0)
+            memcpy(old, new, 3 * sizeof *old);
+        else if (isfinite(old[0]) && isfinite(old[1]) && isfinite(old[2]))
+            *lost += old[0] != 0 || old[1] != 0 || old[2] != 0;
+    }
+}
+
+static norma_result turn_normals(
+    norma_document *document, obj_state *state, const double normal_matrix[9]) {
+    const norma_vec3_view view = {state->normals, state->normal_count, 0, NORMA_FORMAT_FLOAT};
+    float matrix[9];
+    size_t lost = 0;
+    float *turned = norma_io_allocate(state->normal_count, 3 * sizeof *turned);
+    if (!turned) return NORMA_ERROR_MEMORY;
+    to_floats(normal_matrix, matrix);
+    norma_result result =
+        state->normal_count ? norma_transform_normals(matrix, view, turned, 0, state->normal_count)
+                            : NORMA_OK;
+    if (!result) take_turned(state, turned, &lost);
+    if (lost)
+        norma_document_add_note(document,
+            "%zu normals have no direction under this matrix, and stay as they were", lost);
+    state->normals_turned = 1;
+    free(turned);
+    return result;
+}
+
+static void swap(uint32_t *a, uint32_t *b) {
+    uint32_t c = *a;
+    *a = *b;
+    *b = c;
+}
+
+static void reverse_faces(obj_state *state) {
+    for (size_t face = 0; face < state->face_count; ++face)
+        for (size_t a = norma_obj_face_start(state, face) + 1,
+                    b = norma_obj_face_start(state, face + 1) - 1;
+             a < b; ++a, --b) {
+            swap(&state->corners[a], &state->corners[b]);
+            if (state->corner_normals) swap(&state->corner_normals[a], &state->corner_normals[b]);
+        }
+    state->faces_reversed = !state->faces_reversed;
+}
+
+norma_document_result norma_obj_transform(norma_document *document,
+    const norma_transform_options *options, norma_transform_summary *summary,
+    norma_document_error *error) {
+    obj_state *state = document->state;
+    norma_matrix_info info;
+    double normal_matrix[9];
+    summary->vertices = state->position_count;
+    summary->meshes = 1;
+    norma_result result =
+        norma_normal_matrix_double(options->matrix, NORMA_WINDING_REVERSED, normal_matrix, &info);
+    if (result) return norma_document_fail_core(document, error, result);
+    summary->mirrored = info.mirrored;
+    if (is_identity(options->matrix, 4) || (!state->position_count && !state->normal_count))
+        return NORMA_DOCUMENT_OK;
+    norma_document_result told = norma_stored_normals_progress(document, options, 0, error);
+    if (!told) told = move_positions(document, state, options->matrix, error);
+    if (told) return told;
+    summary->changed = 1;
+    if (!is_identity(options->matrix, 3)) result = turn_normals(document, state, normal_matrix);
+    if (result) return norma_document_fail_core(document, error, result);
+    if (info.mirrored) reverse_faces(state);
+    if (info.mirrored && state->has_surfaces)
+        norma_document_add_note(document,
+            "the matrix mirrors; free-form surfaces keep the direction of their "
+            "parameters, so their front and back are swapped");
+    return norma_stored_normals_progress(document, options, 1, error);
 }

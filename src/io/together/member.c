@@ -2,7 +2,7 @@
 #include "io/together/member.h"
 #include "io/format/format.h"
 #include "io/gltf/compute/visit_surfaces.h"
-#include "io/obj/marked_faces.h"
+#include "io/obj/obj.h"
 #include "io/together/levels.h"
 #include "io/together/pattern.h"
 #include <stdlib.h>
