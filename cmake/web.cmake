@@ -117,8 +117,8 @@ web_module(norma.wasm ${web_core_objects} ${web_call_objects})
 
 # The readers and the rules, without what a browser lacks.
 set(web_file_sources ${io_sources})
-list(FILTER web_file_sources EXCLUDE REGEX "/image/((read|turn|write)_[a-z]+|png_memory|image_left_out)\\.c$") # in a browser no image is read
-list(FILTER web_file_sources EXCLUDE REGEX "/(file/read_file|file/window|file/attributes|file/atomic_write|file/folder|large/[a-z_]+|together/[a-z_]+|meshopt_[a-z_]+|draco_left_out)\\.c$")
+list(FILTER web_file_sources EXCLUDE REGEX "/image/image(_left_out)?\\.c$") # in a browser no image is read
+list(FILTER web_file_sources EXCLUDE REGEX "/(file/file_read|file/file_write|large/[a-z_]+|together/[a-z_]+|meshopt_[a-z_]+|draco_left_out)\\.c$")
 list(APPEND web_file_sources src/io/image/image_left_out.c)
 if(web_has_meshopt)
   list(APPEND web_file_sources src/io/gltf/read/meshopt_views.c)

@@ -112,6 +112,4 @@ void norma_folder_remove(const char *path); /* where it is empty; else it stays 
 /* What a file_writer needs, not on Windows: to have names in a folder on the disk. A folder that
  * may not be read cannot be flushed, and some file systems flush none: no reason to call a file
  * unwritten. The descriptor is -1 then. */
-int norma_folder_open(const char *path, int *descriptor);
-int norma_folder_flush(int descriptor);
 #endif

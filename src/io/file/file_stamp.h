@@ -6,9 +6,7 @@
 #include <sys/stat.h>
 
 file_stamp norma_file_stamp_of(const struct stat *status);
-int norma_file_stamps_equal(const file_stamp *a, const file_stamp *b);
 /* What the file called from, of which the system says old, has of owner, permissions, access lists
  * and attributes, for the open file that will take its place. Returns 0, errno, or FILE_ATTRIBUTES
  * where one of them cannot be kept. */
-int norma_file_keep_attributes(const char *from, const struct stat *old, int to);
 #endif

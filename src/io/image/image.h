@@ -38,17 +38,12 @@ int norma_image_is_png(const unsigned char *bytes, size_t size);
 /* ---- within this room */
 
 enum { IMAGE_MOST_SIDE = 1 << 14 };
-image_result norma_image_read_png(const unsigned char *bytes, size_t size, const image_sink *sink);
-image_result norma_image_read_jpeg(const unsigned char *bytes, size_t size, const image_sink *sink);
-image_result norma_image_turn_png(const unsigned char *bytes, size_t size, growing_bytes *out);
-image_result norma_image_turn_jpeg(const unsigned char *bytes, size_t size, growing_bytes *out);
 
 typedef struct image_raster { /* an image as PNG stores it: rows of samples, high bytes first */
     size_t width, height, stride;
     int depth, color_type, interlace; /* as in IHDR */
     unsigned char *pixels;            /* the caller's to free */
 } image_raster;
-image_result norma_image_write_png(const image_raster *raster, growing_bytes *out);
 
 /* A header may say that an image is larger than memory, and a deflated byte can become a thousand.
  * Whether a file of size bytes may have so many bytes of an image decoded; held at once. */

@@ -10,11 +10,6 @@ typedef struct png_source {
     image_result result;
 } png_source;
 
-/* Opens the image, reads its header and calls read, which may give up at any time. job begins with
- * a png_source; what read allocates is kept there. */
-image_result norma_png_read(void *job, void (*read)(png_structp png, png_infop info, void *job));
-_Noreturn void norma_png_give_up(png_structp png, image_result result);
-
 /* Appends what write writes of job. The only failure is IMAGE_MEMORY. out: the caller's to free in
  * any case. */
 image_result norma_png_write(growing_bytes *out,

@@ -13,9 +13,6 @@ norma_result norma_io_tasks_told(
  * cancelled, then some tasks did not run. */
 int norma_io_tasks_watched(
     const norma_options *options, size_t count, norma_task *task, void *context);
-int norma_io_cancelled(const norma_options *options);
-/* How many threads that number means: at least 1. */
-size_t norma_io_threads(uint32_t threads);
 
 /* A count cut into tasks of about equal size, not smaller than least: how many, and where one
  * begins. */

@@ -1,9 +1,9 @@
-/* read_file.c: the bytes of a file in memory of our own, which no other program can change while
- * they are used; and whether the file still is what was read. */
+/* file_read.c: files read: whole, in memory of our own, or piece by piece. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/file/file.h"
 #include "io/file/file_stamp.h"
 #include "io/file/large_memory.h"
+#include "io/file/window.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -11,6 +11,9 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* ---- The bytes of a file in memory of our own, which no other program can change while
+ * they are used; and whether the file still is what was read. */
 
 enum { FIRST_READ = 1 << 16, SMALL_FILE = 1 << 18, AT_ONCE = 1 << 24 };
 
@@ -61,6 +64,15 @@ static int map_whole(int descriptor, size_t size, const file_reading *how, file_
     return 0;
 }
 
+static int is_same_file(const file_stamp *a, const file_stamp *b) {
+    return a->device == b->device && a->inode == b->inode;
+}
+
+static int file_stamps_equal(const file_stamp *a, const file_stamp *b) {
+    return is_same_file(a, b) && a->size == b->size && a->seconds == b->seconds &&
+           a->nanoseconds == b->nanoseconds;
+}
+
 /* A regular file of no size may be one of /proc, whose size is not known before it is read. */
 static int read_regular(
     int descriptor, const file_reading *how, const struct stat *status, file_bytes *bytes) {
@@ -75,7 +87,7 @@ static int read_regular(
     if (bytes->mapped || size == 0) return 0;
     error = fstat(descriptor, &after) ? errno : 0;
     const file_stamp now = norma_file_stamp_of(&after);
-    if (!error && !norma_file_stamps_equal(&now, &bytes->stamp)) error = FILE_CHANGED;
+    if (!error && !file_stamps_equal(&now, &bytes->stamp)) error = FILE_CHANGED;
     if (error) norma_file_close(bytes);
     return error;
 }
@@ -125,15 +137,6 @@ file_stamp norma_file_stamp_of(const struct stat *status) {
         .known = S_ISREG(status->st_mode)};
 }
 
-static int is_same_file(const file_stamp *a, const file_stamp *b) {
-    return a->device == b->device && a->inode == b->inode;
-}
-
-int norma_file_stamps_equal(const file_stamp *a, const file_stamp *b) {
-    return is_same_file(a, b) && a->size == b->size && a->seconds == b->seconds &&
-           a->nanoseconds == b->nanoseconds;
-}
-
 static int stamp_path(const char *path, file_stamp *stamp) {
     struct stat status;
     if (stat(path, &status)) return 0;
@@ -144,12 +147,12 @@ static int stamp_path(const char *path, file_stamp *stamp) {
 int norma_file_has_changed(const char *path, const file_stamp *stamp) {
     file_stamp now;
     return stamp->known && stamp_path(path, &now) && is_same_file(&now, stamp) &&
-           !norma_file_stamps_equal(&now, stamp);
+           !file_stamps_equal(&now, stamp);
 }
 
 int norma_file_is_unchanged(const char *path, const file_stamp *stamp) {
     file_stamp now;
-    return stamp_path(path, &now) && norma_file_stamps_equal(&now, stamp);
+    return stamp_path(path, &now) && file_stamps_equal(&now, stamp);
 }
 
 int norma_file_same(const char *a, const char *b) {
@@ -177,4 +180,66 @@ int norma_file_is_link(const char *path) {
     struct stat status;
     return lstat(path, &status) == 0 && S_ISLNK(status.st_mode);
 #endif
+}
+
+/* ---- A file read piece by piece. Read, not mapped: what is read counts against memory only
+ * as long as it is kept, and a file that another program cuts short is an error instead of a
+ * signal. */
+
+struct file_window {
+    int descriptor;
+    file_stamp stamp;
+};
+
+static int look_at(file_window *window) {
+    struct stat status;
+    if (fstat(window->descriptor, &status)) return errno;
+    if (S_ISDIR(status.st_mode)) return EISDIR;
+    window->stamp = norma_file_stamp_of(&status);
+    return S_ISREG(status.st_mode) ? 0 : FILE_NOT_REGULAR;
+}
+
+int norma_window_open(const char *path, file_window **window) {
+    file_window *made = calloc(1, sizeof *made);
+    *window = NULL;
+    if (!made) return ENOMEM;
+    do made->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe would block */
+    while (made->descriptor < 0 && errno == EINTR);
+    const int error = made->descriptor < 0 ? errno : look_at(made);
+    if (error)
+        norma_window_close(made);
+    else
+        *window = made;
+    return error;
+}
+
+void norma_window_close(file_window *window) {
+    if (!window) return;
+    if (window->descriptor >= 0) close(window->descriptor);
+    free(window);
+}
+
+const file_stamp *norma_window_stamp(const file_window *window) { return &window->stamp; }
+
+int norma_window_read(const file_window *window, uint64_t offset, void *bytes, size_t size) {
+    const size_t at_once = (size_t)1 << 30; /* Linux reads at most 2 GiB in one call */
+    unsigned char *at = bytes;
+    while (size > 0) {
+        const ssize_t got =
+            pread(window->descriptor, at, size < at_once ? size : at_once, (off_t)offset);
+        if (got == 0) return FILE_CHANGED;
+        if (got < 0 && errno != EINTR) return errno;
+        if (got < 0) continue;
+        at += got;
+        offset += (uint64_t)got;
+        size -= (size_t)got;
+    }
+    return 0;
+}
+
+int norma_window_has_changed(const file_window *window) {
+    struct stat status;
+    if (fstat(window->descriptor, &status)) return 1;
+    const file_stamp now = norma_file_stamp_of(&status);
+    return !file_stamps_equal(&now, &window->stamp);
 }

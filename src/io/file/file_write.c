@@ -1,16 +1,16 @@
-/* atomic_write.c: files that are written whole or not at all.
- *
- * Writing goes to a temporary file beside the target, which is flushed and renamed over it (rename
- * is atomic in POSIX), and then the folder is flushed: whatever happens, a crash or a full disk,
- * the old file or the new one is whole. On Linux the temporary file has no name (open(2),
- * O_TMPFILE) until all of it is on the disk: what is stopped before leaves nothing. */
+/* file_write.c: files that are written whole or not at all; the folders they go to; what they keep
+ * of the files that they replace. */
+#define _POSIX_C_SOURCE 200809L
+#if defined(__linux__)
+#define _GNU_SOURCE
+#endif
 #if defined(__linux__)
 #define _GNU_SOURCE /* O_TMPFILE */
 #endif
 #define _DEFAULT_SOURCE /* flock */
-#define _POSIX_C_SOURCE 200809L
 #include "io/file/file.h"
 #include "io/file/file_stamp.h"
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -19,7 +19,161 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+/* ---- The folders that files go to: opened and flushed, so that names in them survive a
+ * crash, made where they are missing, and taken away again. */
+
+static int folder_open(const char *path, int *descriptor) {
+    do *descriptor = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    while (*descriptor < 0 && errno == EINTR);
+    return *descriptor < 0 && errno != EACCES && errno != EPERM ? errno : 0;
+}
+
+static int folder_flush(int descriptor) {
+    int failed;
+    do failed = fsync(descriptor);
+    while (failed && errno == EINTR);
+    const int error = failed ? errno : 0;
+    return error == EINVAL || error == EBADF || error == ENOTSUP || error == EROFS ? 0 : error;
+}
+
+/* What path lies in. */
+static int flush_parent(const char *path) {
+    const char *slash = strrchr(path, '/');
+    const size_t length = slash ? (size_t)(slash - path) + 1 : 0;
+    char *parent = malloc(length + 2);
+    int descriptor = -1;
+    if (!parent) return ENOMEM;
+    memcpy(parent, path, length);
+    memcpy(parent + length, ".", 2);
+    int error = folder_open(parent, &descriptor);
+    free(parent);
+    if (descriptor >= 0) {
+        error = folder_flush(descriptor);
+        close(descriptor);
+    }
+    return error;
+}
+
+int norma_folder_make(const char *path, int *made) {
+    *made = mkdir(path, 0777) == 0;
+    if (!*made) return errno == EEXIST ? 0 : errno;
+    const int error = flush_parent(path);
+    if (error) {
+        norma_folder_remove(path);
+        *made = 0;
+    }
+    return error;
+}
+
+int norma_folder_visit(const char *path, int (*visit)(void *user, const char *name), void *user) {
+    DIR *folder = opendir(path);
+    const struct dirent *entry;
+    if (!folder) return errno;
+    errno = 0;
+    while ((entry = readdir(folder)) && !visit(user, entry->d_name)) errno = 0;
+    const int error = entry ? 0 : errno;
+    closedir(folder);
+    return error;
+}
+
+void norma_folder_remove(const char *path) { rmdir(path); }
+
+/* ---- Who may read and write a file, and what is attached to it, carried from a file to
+ * the one that takes its place.
+ *
+ * Where a file has an access control list (acl(5)), the group bits of its mode are the list's
+ * mask: bits alone would take rights from the users that the list names and give them to the
+ * group. On Linux lists are extended attributes (xattr(7)), and so are labels:
+ *   system.posix_acl_access, system.nfs4_acl, user.*   kept, or the writer is not opened
+ *   security.selinux                                   kept where the system lets us
+ * The others vouch for the bytes that were there (security.ima, security.capability), or are of
+ * the file system's own (trusted.*): a new file has none. */
+
+#if defined(__linux__)
+#include <sys/xattr.h>
+
+static const char ACCESS_LIST[] = "system.posix_acl_access";
+
+/* Most that Linux has of names, and of one value. */
+enum { MOST_BYTES = 1 << 16 };
+
+typedef struct attribute_copy {
+    const char *from;
+    int to, is_anothers;      /* its owner or group could not be kept */
+    unsigned char *now, *old; /* values, of MOST_BYTES */
+} attribute_copy;
+
+static int is_missing(int error) {
+    return error == ENODATA || error == ENOTSUP || error == EOPNOTSUPP || error == ENOSYS;
+}
+
+static int copy_one(const attribute_copy *copy, const char *name) {
+    const ssize_t size = getxattr(copy->from, name, copy->old, MOST_BYTES);
+    if (size < 0) return is_missing(errno) ? 0 : errno;
+    if (copy->is_anothers && strcmp(name, ACCESS_LIST) == 0) return EPERM;
+    const ssize_t there = fgetxattr(copy->to, name, copy->now, MOST_BYTES);
+    if (there == size && memcmp(copy->now, copy->old, (size_t)size) == 0) return 0;
+    return fsetxattr(copy->to, name, copy->old, (size_t)size, 0) ? errno : 0;
+}
+
+static int is_kept(const char *name) {
+    return strncmp(name, "user.", 5) == 0 || strcmp(name, ACCESS_LIST) == 0 ||
+           strcmp(name, "system.nfs4_acl") == 0;
+}
+
+static int copy_named(const attribute_copy *copy, const char *names, size_t size) {
+    for (const char *name = names; name < names + size; name += strlen(name) + 1) {
+        const int error =
+            is_kept(name) || strcmp(name, "security.selinux") == 0 ? copy_one(copy, name) : 0;
+        if (error && is_kept(name)) return error;
+    }
+    return 0;
+}
+
+/* A folder may have given its own list to the new file (acl(5), default ACLs). */
+static int copy_attributes(const char *from, int to, int is_anothers) {
+    if (fremovexattr(to, ACCESS_LIST) && !is_missing(errno)) return errno;
+    if (listxattr(from, NULL, 0) <= 0) return 0;
+    char *names = malloc(3 * (size_t)MOST_BYTES);
+    if (!names) return ENOMEM;
+    unsigned char *values = (unsigned char *)names + MOST_BYTES;
+    const attribute_copy copy = {from, to, is_anothers, values, values + MOST_BYTES};
+    const ssize_t size = listxattr(from, names, MOST_BYTES);
+    const int error = size < 0 ? errno : copy_named(&copy, names, (size_t)size);
+    free(names);
+    return error;
+}
+#else
+static int copy_attributes(const char *from, int to, int is_anothers) {
+    return (void)from, (void)to, (void)is_anothers, 0;
+}
+#endif
+
+/* Who writes into another's file becomes its owner, as with every program that replaces files. Then
+ * the bits that lend the owner's rights go; where the group cannot be kept either, the writer's own
+ * gets no more rights than everyone; and an access list, whose owner would lose his, is a reason to
+ * refuse. */
+static int file_keep_attributes(const char *from, const struct stat *old, int to) {
+    mode_t mode = old->st_mode & 07777;
+    const int is_anothers = fchown(to, old->st_uid, old->st_gid) != 0;
+    if (is_anothers) {
+        mode &= 0777;
+        if (fchown(to, (uid_t)-1, old->st_gid)) mode &= (mode_t)(0707 | (mode & 07) << 3);
+    }
+    const int error = copy_attributes(from, to, is_anothers);
+    if (!error) return fchmod(to, mode) ? errno : 0;
+    return error == ENOMEM || error == ENOSPC || error == EDQUOT ? error : FILE_ATTRIBUTES;
+}
+
+/* ---- Files that are written whole or not at all.
+ *
+ * Writing goes to a temporary file beside the target, which is flushed and renamed over it (rename
+ * is atomic in POSIX), and then the folder is flushed: whatever happens, a crash or a full disk,
+ * the old file or the new one is whole. On Linux the temporary file has no name (open(2),
+ * O_TMPFILE) until all of it is on the disk: what is stopped before leaves nothing. */
 
 enum { BUFFER_SIZE = 1 << 18, MOST_LINKS = 40, MOST_NAMES = 10000, MANY_DESCRIPTORS = 100 };
 static const size_t WRITE_AT_ONCE = (size_t)1 << 30; /* Linux writes at most 2 GiB in one call */
@@ -149,7 +303,7 @@ static int copy_to_named(file_writer *writer) {
     if (fstat(from, &status)) return errno;
     name_of_descriptor(from, name);
     int error = name_temporary(writer, make_named, 0600);
-    if (!error) error = norma_file_keep_attributes(name, &status, writer->descriptor);
+    if (!error) error = file_keep_attributes(name, &status, writer->descriptor);
     for (off_t at = 0; !error && at < status.st_size;) {
         const ssize_t got = pread(from, writer->buffer, BUFFER_SIZE, at);
         if (got > 0) {
@@ -193,7 +347,7 @@ static int open_target(file_writer *writer) {
     }
     writer->replaces = 1;
     int error = open_temporary(writer, 0600);
-    return error ? error : norma_file_keep_attributes(writer->target, &old, writer->descriptor);
+    return error ? error : file_keep_attributes(writer->target, &old, writer->descriptor);
 }
 
 int norma_file_writer_open(const char *path, file_writer **writer) {
@@ -371,7 +525,7 @@ static int hold_expected(file_writer *writer) {
 static int open_folder(file_writer *writer) {
     if (!writer->nameless && !writer->temporary) return 0;
     char *folder = join(writer->target, folder_length(writer->target), ".");
-    const int error = folder ? norma_folder_open(folder, &writer->folder) : ENOMEM;
+    const int error = folder ? folder_open(folder, &writer->folder) : ENOMEM;
     free(folder);
     return error;
 }
@@ -418,7 +572,7 @@ static int put_in_place(file_writer *writer) {
     writer->placed = 1;
     if (writer->expected && is_known) *writer->expected = norma_file_stamp_of(&status);
     if (writer->folder < 0) return 0;
-    writer->error = norma_folder_flush(writer->folder);
+    writer->error = folder_flush(writer->folder);
     close(writer->folder);
     writer->folder = -1;
     return writer->error ? FILE_NOT_FLUSHED : 0;
@@ -473,8 +627,8 @@ static int flush_batch(file_writer **writers, size_t count) {
 static int flush_folder_of(const char *target, size_t length) {
     int descriptor = -1;
     char *folder = join(target, length, ".");
-    int error = folder ? norma_folder_open(folder, &descriptor) : ENOMEM;
-    if (!error && descriptor >= 0) error = norma_folder_flush(descriptor);
+    int error = folder ? folder_open(folder, &descriptor) : ENOMEM;
+    if (!error && descriptor >= 0) error = folder_flush(descriptor);
     if (descriptor >= 0) close(descriptor);
     free(folder);
     return error;

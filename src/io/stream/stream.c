@@ -1,0 +1,325 @@
+/* stream.c: bytes on their way: work that threads share, sinks, files made piece by piece in order,
+ * and rows that are equal. */
+#define _POSIX_C_SOURCE 200809L
+#include "io/stream/tasks.h"
+#include "core/call/call.h"
+#include "io/file/memory.h"
+#include "io/stream/equal_rows.h"
+#include "io/stream/ordered.h"
+#include "io/stream/sink.h"
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Work of the formats that threads share: the core's own threads, without its progress. */
+
+static void begin(core_call *call, uint32_t threads) {
+    const norma_options options = {.struct_size = sizeof options, .threads = threads};
+    norma_core_begin(call, &options);
+}
+
+void norma_io_tasks(uint32_t threads, size_t count, norma_task *task, void *context) {
+    core_call call;
+    begin(&call, threads);
+    if (count) norma_core_parallel(&call, count, task, context);
+}
+
+norma_result norma_io_tasks_told(
+    const norma_options *options, size_t count, norma_task *task, void *context) {
+    core_call call;
+    norma_result result = norma_core_begin(&call, options);
+    return result || count == 0 ? result : norma_core_parallel(&call, count, task, context);
+}
+
+static int io_cancelled(const norma_options *options) {
+    return options->progress && options->progress(options->progress_user, 1);
+}
+
+static int tell_the_end(void *options, double fraction) {
+    (void)fraction;
+    return io_cancelled(options);
+}
+
+int norma_io_tasks_watched(
+    const norma_options *options, size_t count, norma_task *task, void *context) {
+    const norma_options watched = {.struct_size = sizeof watched,
+        .threads = options->threads,
+        .progress = options->progress ? tell_the_end : NULL,
+        .progress_user = (void *)(uintptr_t)options};
+    return norma_io_tasks_told(&watched, count, task, context) == NORMA_CANCELLED;
+}
+
+/* How many threads that number means: at least 1. */
+static size_t io_threads(uint32_t threads) {
+    core_call call;
+    begin(&call, threads);
+    return norma_core_workers(&call);
+}
+
+/* ---- Bytes on their way out, gathered into blocks before they are handed on, or kept. */
+
+norma_sink *norma_sink_create(norma_write *write, void *user) {
+    norma_sink *sink = malloc(sizeof *sink);
+    unsigned char *block = malloc(SINK_BLOCK);
+    if (!sink || !block) {
+        free(sink);
+        free(block);
+        return NULL;
+    }
+    *sink = (norma_sink){.write = write, .user = user, .block = block, .capacity = SINK_BLOCK};
+    return sink;
+}
+
+static void hand_on_bytes(norma_sink *sink, const void *bytes, size_t size) {
+    if (!sink->failed && size > 0) sink->failed = sink->write(sink->user, bytes, size) != 0;
+}
+
+/* So that size bytes more fit behind those that are kept. Without memory what is there is dropped:
+ * a block, if there is one, has room for SINK_BLOCK. */
+static void keep_more(norma_sink *sink, size_t size) {
+    unsigned char *grown = sink->used > SIZE_MAX / 4 - size
+                               ? NULL
+                               : norma_io_grow(sink->block, &sink->capacity, sink->used + size, 1);
+    if (grown) {
+        sink->block = grown;
+        return;
+    }
+    sink->failed = 1;
+    sink->used = 0;
+}
+
+void norma_sink_flush(norma_sink *sink) {
+    if (!sink->write) {
+        keep_more(sink, SINK_BLOCK);
+        return;
+    }
+    hand_on_bytes(sink, sink->block, sink->used);
+    sink->used = 0;
+}
+
+void norma_sink_put_slowly(norma_sink *sink, const void *bytes, size_t size) {
+    if (!sink->write) {
+        keep_more(sink, size);
+        if (sink->failed) return;
+    } else {
+        norma_sink_flush(sink);
+        if (size >= SINK_BLOCK / 2) {
+            hand_on_bytes(sink, bytes, size);
+            return;
+        }
+    }
+    memcpy(sink->block + sink->used, bytes, size);
+    sink->used += size;
+}
+
+int norma_sink_finish(norma_sink *sink) {
+    norma_sink_flush(sink);
+    int failed = sink->failed;
+    free(sink->block);
+    free(sink);
+    return failed;
+}
+
+int norma_memory_sink_write(void *growing, const void *bytes, size_t size) {
+    norma_io_append(growing, bytes, size);
+    return ((const growing_bytes *)growing)->failed;
+}
+
+int norma_compare_sink_write(void *compare_sink, const void *bytes, size_t size) {
+    norma_compare_sink *sink = compare_sink;
+    if (size > sink->left || memcmp(sink->expected, bytes, size) != 0) return 1;
+    sink->expected += size;
+    sink->left -= size;
+    return 0;
+}
+
+/* ---- A file made piece by piece, by threads, and handed on in order. The calling thread
+ * hands on what is ready, and makes pieces itself while nothing is: so that what the system needs
+ * for writing goes on beside the making. */
+
+enum { MOST_HELPERS = 255 };
+
+typedef struct line { /* in which pieces stand */
+    pthread_mutex_t lock;
+    pthread_cond_t ready, room; /* told: the calling thread, the others */
+    norma_make_data_run *make;
+    void *context;
+    norma_watch *watch;
+    norma_data_run *pieces;
+    unsigned char *made;
+    size_t count, places;   /* piece i stands at place i % places */
+    size_t next, handed_on; /* the next to be made; how many are gone */
+    int stop;
+} line;
+
+static void make_run(line *l, size_t index) {
+    norma_data_run *piece = &l->pieces[index % l->places];
+    if (!piece->sink.block) norma_sink_flush(&piece->sink); /* its first block */
+    piece->sink.used = 0;
+    piece->span = NULL;
+    piece->span_size = 0;
+    if (!piece->sink.failed) l->make(l->context, index, piece);
+}
+
+/* Takes a piece to make, if there is one whose place is free. */
+static int take(line *l, size_t *index) {
+    if (l->stop || l->next >= l->count || l->next >= l->handed_on + l->places) return 0;
+    *index = l->next++;
+    return 1;
+}
+
+static void *help(void *context) {
+    line *l = context;
+    size_t index;
+    pthread_mutex_lock(&l->lock);
+    while (!l->stop && l->next < l->count) {
+        if (!take(l, &index)) {
+            pthread_cond_wait(&l->room, &l->lock);
+            continue;
+        }
+        pthread_mutex_unlock(&l->lock);
+        make_run(l, index);
+        pthread_mutex_lock(&l->lock);
+        l->made[index % l->places] = 1;
+        pthread_cond_signal(&l->ready);
+    }
+    pthread_mutex_unlock(&l->lock);
+    return NULL;
+}
+
+static norma_ordered_result hand_on_piece(
+    const norma_data_run *piece, norma_write *write, void *user) {
+    if (piece->sink.failed) return NORMA_ORDERED_MEMORY;
+    if (piece->sink.used && write(user, piece->sink.block, piece->sink.used))
+        return NORMA_ORDERED_REFUSED;
+    return piece->span_size && write(user, piece->span, piece->span_size) ? NORMA_ORDERED_REFUSED
+                                                                          : NORMA_ORDERED_OK;
+}
+
+static norma_ordered_result lead(line *l, norma_write *write, void *user) {
+    norma_ordered_result result = NORMA_ORDERED_OK;
+    size_t index;
+    pthread_mutex_lock(&l->lock);
+    while (!result && l->handed_on < l->count) {
+        const size_t place = l->handed_on % l->places;
+        if (l->watch && atomic_load(&l->watch->cancelled)) {
+            result = NORMA_ORDERED_REFUSED;
+        } else if (l->made[place]) {
+            pthread_mutex_unlock(&l->lock);
+            result = hand_on_piece(&l->pieces[place], write, user);
+            pthread_mutex_lock(&l->lock);
+            l->made[place] = 0;
+            ++l->handed_on;
+            pthread_cond_broadcast(&l->room);
+        } else if (take(l, &index)) {
+            pthread_mutex_unlock(&l->lock);
+            make_run(l, index);
+            pthread_mutex_lock(&l->lock);
+            l->made[index % l->places] = 1;
+        } else {
+            norma_watch_wait(l->watch, &l->ready, &l->lock);
+        }
+    }
+    l->stop = 1;
+    pthread_cond_broadcast(&l->room);
+    pthread_mutex_unlock(&l->lock);
+    return result;
+}
+
+/* A thread that cannot be had is done without. Signals are for the calling thread: one that hangs
+ * in a write must be the one that is interrupted. */
+static size_t start_helpers(line *l, size_t threads, pthread_t helpers[MOST_HELPERS]) {
+    size_t started = 0;
+#if !defined(_WIN32) /* which sends signals to threads of their own */
+    sigset_t all, before;
+    sigfillset(&all);
+    /* Signals raised by a thread's own instruction must reach their handler: blocked, they would
+     * end the process. */
+    static const int own[] = {SIGBUS, SIGSEGV, SIGILL, SIGFPE};
+    for (size_t i = 0; i < sizeof own / sizeof *own; ++i) sigdelset(&all, own[i]);
+    const int masked = pthread_sigmask(SIG_BLOCK, &all, &before) == 0;
+#endif
+    while (started + 1 < threads && started < MOST_HELPERS && started + 1 < l->count &&
+           pthread_create(&helpers[started], NULL, help, l) == 0)
+        ++started;
+#if !defined(_WIN32)
+    if (masked) pthread_sigmask(SIG_SETMASK, &before, NULL);
+#endif
+    return started;
+}
+
+static norma_ordered_result run(line *l, size_t threads, norma_write *write, void *user) {
+    pthread_t helpers[MOST_HELPERS];
+    const size_t started = start_helpers(l, threads, helpers);
+    norma_ordered_result result = lead(l, write, user);
+    for (size_t i = 0; i < started; ++i) pthread_join(helpers[i], NULL);
+    return result;
+}
+
+static norma_ordered_result open_and_run(line *l, size_t threads, norma_write *write, void *user) {
+    if (pthread_mutex_init(&l->lock, NULL)) return NORMA_ORDERED_MEMORY;
+    norma_ordered_result result = NORMA_ORDERED_MEMORY;
+    if (pthread_cond_init(&l->ready, NULL) == 0) {
+        if (pthread_cond_init(&l->room, NULL) == 0) {
+            result = run(l, threads, write, user);
+            pthread_cond_destroy(&l->room);
+        }
+        pthread_cond_destroy(&l->ready);
+    }
+    pthread_mutex_destroy(&l->lock);
+    return result;
+}
+
+norma_ordered_result norma_write_ordered(norma_ordered_how how, size_t count,
+    norma_make_data_run *make, void *context, norma_write *write, void *user) {
+    const size_t workers = io_threads(how.threads);
+    line l = {.make = make,
+        .context = context,
+        .watch = how.watch,
+        .count = count,
+        .places = workers > count / 2 ? count + 1 : 2 * workers};
+    l.pieces = norma_io_allocate(l.places, sizeof *l.pieces);
+    l.made = norma_io_allocate(l.places, 1);
+    norma_ordered_result result =
+        l.pieces && l.made ? open_and_run(&l, workers, write, user) : NORMA_ORDERED_MEMORY;
+    for (size_t i = 0; l.pieces && i < l.places; ++i) free(l.pieces[i].sink.block);
+    free(l.pieces);
+    free(l.made);
+    return result;
+}
+
+/* ---- Rows of bytes in a table by their hash; what is told is by comparing all bytes. */
+
+static uint64_t hash_row(const unsigned char *bytes, size_t length) {
+    const uint64_t prime = UINT64_C(0x9E3779B97F4A7C15);
+    uint64_t hash = length * prime;
+    for (size_t i = 0; i < length; i += 8) {
+        uint64_t word = 0;
+        memcpy(&word, bytes + i, length - i < 8 ? length - i : 8);
+        hash = (hash ^ word) * prime;
+        hash ^= hash >> 29;
+    }
+    return hash;
+}
+
+int norma_equal_rows(norma_row_of *row_of, const void *context, size_t count, uint32_t *first) {
+    size_t capacity = 16;
+    if (count > UINT32_MAX - 1 || count > SIZE_MAX / 16) return 0;
+    while (capacity / 2 < count) capacity *= 2;
+    uint32_t *table = calloc(capacity, sizeof *table); /* 0: free, else a row's number and 1 */
+    if (!table) return 0;
+    for (size_t row = 0; row < count; ++row) {
+        size_t length, other_length;
+        const unsigned char *bytes = row_of(context, row, &length);
+        size_t at = (size_t)hash_row(bytes, length) & (capacity - 1);
+        for (; table[at]; at = (at + 1) & (capacity - 1)) {
+            const unsigned char *other = row_of(context, table[at] - 1, &other_length);
+            if (other_length == length && memcmp(other, bytes, length) == 0) break;
+        }
+        if (!table[at]) table[at] = (uint32_t)row + 1;
+        first[row] = table[at] - 1;
+    }
+    free(table);
+    return 1;
+}
