@@ -185,6 +185,8 @@ static int divide_large_group(const division *d, uint32_t group) {
         else
             l.not_numbers = 1;
     }
+    /* A quad's two triangles are joined even where one of them is not a number. */
+    if (l.not_numbers && star->mesh->has_quads) done = 0;
     done = done && divide_gathered(d, &l);
     close_large(&l);
     if (!done) star->space_count = spaces;

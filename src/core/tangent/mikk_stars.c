@@ -87,7 +87,8 @@ static int same_space(const mikk_space *a, const mikk_space *b) {
 }
 
 /* Where both triangles of a quad have the corner: the first space, or the direction of the sum; the
- * sign of the second. */
+ * sign of the second. A space whose lengths are not numbers differs from itself, and is added to
+ * itself. */
 static mikk_space average(const mikk_space *first, const mikk_space *second) {
     mikk_space space = *first;
     space.positive = second->positive;
@@ -105,7 +106,7 @@ static const mikk_space *space_of(const mikk_star *star, size_t j) {
 static mikk_space *join_quad(const mikk_star *star, size_t j, mikk_space *room) {
     const mikk_space *a = space_of(star, j - 1), *b = space_of(star, j);
     if (!a && !b) return NULL;
-    if (!a || !b || a == b)
+    if (!a || !b)
         *room = a ? *a : *b;
     else
         *room = star->sequence[j - 1] < star->sequence[j] ? average(a, b) : average(b, a);

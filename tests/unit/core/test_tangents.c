@@ -6,6 +6,8 @@
 #include "core/tangent/mikk_lanes.h"
 #include "accountant.h"
 #include "watcher.h"
+#include <inttypes.h>
+#include <stdio.h>
 
 enum { MOST = 4000 };
 
@@ -335,6 +337,75 @@ static void the_same_bits_however(void **state) {
         }
 }
 
+/* ---- what the reference gave */
+
+static uint32_t next_bits(FILE *file) {
+    unsigned bits;
+    assert_int_equal(fscanf(file, "%x", &bits), 1);
+    return bits;
+}
+
+static void next_floats(FILE *file, size_t count, float *floats) {
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t bits = next_bits(file);
+        memcpy(&floats[i], &bits, sizeof bits);
+    }
+}
+
+/* Of one mesh: its shape and the tangents of its corners. NULL: there are no more. */
+static shape *next_mesh(FILE *file, float (*tangents)[4]) {
+    unsigned vertices, faces, count;
+    if (fscanf(file, " mesh %u %u", &vertices, &faces) != 2) return NULL;
+    shape *s = calloc(1, sizeof *s);
+    for (unsigned i = 0; i < vertices; i++) {
+        float v[8];
+        next_floats(file, 8, v);
+        add_vertex(s, v, v + 3, v + 6);
+    }
+    for (unsigned f = 0; f < faces; f++) {
+        uint32_t corners[4];
+        assert_true(fscanf(file, "%u", &count) == 1 && count <= 4);
+        for (unsigned i = 0; i < count; i++)
+            assert_int_equal(fscanf(file, "%" SCNu32, &corners[i]), 1);
+        for (unsigned i = 0; i < count; i++) next_floats(file, 4, tangents[s->corner_count + i]);
+        add_face(s, count, corners);
+    }
+    return s;
+}
+
+/* Zero, not a number, or not unit; a fallback has the bits of a tangent. */
+static int is_of_no_use(const float t[4]) {
+    const double length = sqrt(
+        (double)t[0] * (double)t[0] + (double)t[1] * (double)t[1] + (double)t[2] * (double)t[2]);
+    return !(fabs(length - 1) < 1e-3) || (t[0] == 1 && t[1] == 0 && t[2] == 0 && t[3] == -1);
+}
+
+/* Quads, which the programs of tests/tangent do not take; collinear faces and numbers that are not
+ * finite among them. */
+static void the_bits_of_the_reference(void **state) {
+    (void)state;
+    size_t compared = 0, meshes = 0;
+    float(*expected)[4] = calloc(MOST, sizeof *expected);
+    FILE *file = fopen("tests/tangent/reference.txt", "r");
+    assert_non_null(file);
+    for (int c, line = 0; line < 3 && (c = getc(file)) != EOF;) line += c == '\n';
+    for (shape *s; (s = next_mesh(file, expected)) != NULL; meshes++) {
+        answer *a = compute(s, NORMA_TANGENTS_MIKK, NO_OPTIONS);
+        assert_ok(a->result);
+        for (size_t c = 0; c < s->corner_count; c++) {
+            if (a->reasons[c] == NORMA_REASON_NONE && ++compared)
+                assert_memory_equal(a->tangents[c], expected[c], sizeof expected[c]);
+            else
+                assert_true(a->reasons[c] == NORMA_REASON_NON_FINITE || is_of_no_use(expected[c]));
+        }
+        free(a);
+        free(s);
+    }
+    assert_true(feof(file) && meshes == 11 && compared > 500);
+    fclose(file);
+    free(expected);
+}
+
 /* ---- memory, cancelling, arguments */
 
 static void each_allocation_failing(void **state) {
@@ -529,7 +600,8 @@ int main(void) {
         cmocka_unit_test(arc_cosines_are_rounded_right),
         cmocka_unit_test(quads_are_the_triangles_they_are_cut_into), cmocka_unit_test(reasons),
         cmocka_unit_test(degenerate_faces_copy), cmocka_unit_test(steady_in_any_order),
-        cmocka_unit_test(the_same_bits_however), cmocka_unit_test(each_allocation_failing),
+        cmocka_unit_test(the_same_bits_however), cmocka_unit_test(the_bits_of_the_reference),
+        cmocka_unit_test(each_allocation_failing),
         cmocka_unit_test(each_allocation_of_a_large_star_failing),
         cmocka_unit_test(large_star_without_a_normal), cmocka_unit_test(cancelling),
         cmocka_unit_test(wrong_arguments), cmocka_unit_test(other_dress)};
