@@ -608,7 +608,8 @@ typedef struct norma_tangent_summary {
  *   summary   written; or NULL
  *   error     written on failure; or NULL
  *
- * Tangents keep their encoding; new ones are floats. Errors: an argument error for formats that
+ * Tangents, also in morph targets, keep their encoding if it holds them; new ones are floats.
+ * Errors: an argument error for formats that
  * hold no tangents. */
 NORMA_API norma_document_result norma_document_tangents(norma_document *document,
     const norma_tangent_options *options, norma_tangent_summary *summary,
@@ -640,7 +641,10 @@ typedef struct norma_transform_summary {
  *   summary   written; or NULL
  *   error     written on failure; or NULL
  *
- * Errors: an argument error if the matrix is not finite or its last row is not 0 0 0 1. */
+ * Errors: an argument error if the matrix is not finite or its last row is not 0 0 0 1;
+ * NORMA_DOCUMENT_ERROR_UNSUPPORTED, with the vertex, facet or node, for a number that becomes larger
+ * than the file can hold: floats in glTF and STL, doubles in OBJ, whose numbers have no type, and in
+ * PLY, whose properties then become doubles. */
 NORMA_API norma_document_result norma_document_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);

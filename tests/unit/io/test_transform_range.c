@@ -1,6 +1,8 @@
 /* test_transform_range.c: a matrix that takes a finite coordinate out of the range of the file's
  * numbers is refused as content that cannot be done, with the element named, alike in OBJ, PLY and
- * STL; floats of a PLY become doubles where those hold the result; nothing ever says inf or nan. */
+ * STL; floats of a PLY become doubles where those hold the result; nothing ever says inf or nan.
+ * An OBJ's numbers have no type: they are doubles, as far as those reach. Numbers of glTF's nodes
+ * are floats wherever they are read. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -63,6 +65,49 @@ static void floats_become_doubles(void **state) {
     norma_document_close(document);
 }
 
+static norma_document_result place(
+    int is_scale, double x, double y, int bake, norma_document_error *error) {
+    static const char text[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"
+        "\"camera\":0,\"children\":[1],\"translation\":[2,0,0]},{\"camera\":0}],\"cameras\":[{"
+        "\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":1}}]}";
+    norma_document *document;
+    norma_transform_options options;
+    scaled(&options, is_scale ? x : 1);
+    if (!is_scale) {
+        options.matrix[12] = x;
+        options.matrix[13] = y;
+    }
+    options.bake = bake;
+    assert_int_equal(
+        norma_document_open_memory(text, sizeof text - 1, "a.gltf", NULL, &document, error), 0);
+    const norma_document_result result = norma_document_transform(document, &options, NULL, error);
+    document_bytes out = bytes_of(document); /* a change that failed changed nothing */
+    if (result) {
+        assert_int_equal(out.size, sizeof text - 1);
+        assert_memory_equal(out.data, text, out.size);
+    }
+    bytes_free(&out);
+    norma_document_close(document);
+    return result;
+}
+
+static void numbers_of_nodes_are_floats(void **state) {
+    norma_document_error error;
+    (void)state;
+    for (int bake = 0; bake < 2; ++bake) {
+        assert_int_equal(place(0, 1e39, 0, bake, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);
+        assert_string_equal(error.message,
+            "a.gltf:new node 2: its translation would hold 1e+39; expected numbers up to 3.4e+38, "
+            "the largest float");
+        assert_int_equal(place(0, 0, -3.4e48, bake, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);
+        assert_non_null(strstr(error.message, "translation would hold -3.4e+48; "));
+        assert_int_equal(place(1, 1e39, 0, bake, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);
+        assert_non_null(strstr(error.message, "its scale would hold 1e+39; "));
+        assert_int_equal(place(0, 3.4e38, 3.4e38, bake, &error), NORMA_DOCUMENT_OK);
+    }
+}
+
 /* What was not finite before is no reason to refuse. */
 static void infinities_stay(void **state) {
     norma_document_error error;
@@ -109,7 +154,8 @@ static void an_obj_of_zeros_is_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(what_no_number_holds_is_refused),
-        cmocka_unit_test(floats_become_doubles), cmocka_unit_test(infinities_stay),
-        cmocka_unit_test(a_zero_byte_is_a_blank), cmocka_unit_test(an_obj_of_zeros_is_refused)};
+        cmocka_unit_test(floats_become_doubles), cmocka_unit_test(numbers_of_nodes_are_floats),
+        cmocka_unit_test(infinities_stay), cmocka_unit_test(a_zero_byte_is_a_blank),
+        cmocka_unit_test(an_obj_of_zeros_is_refused)};
     return cmocka_run_group_tests_name("the range of files; zero bytes", tests, NULL, NULL);
 }

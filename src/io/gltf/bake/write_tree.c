@@ -3,6 +3,8 @@
 #include "io/gltf/bake/new_tree.h"
 #include "io/gltf/write/patch.h"
 #include "io/gltf/read/node_matrix.h"
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -177,9 +179,42 @@ static int edit_scene(json_edits *edits, const tree_scene *scene) {
     return done;
 }
 
+/* ---- what a node can hold */
+
+static int exceeds_floats(const double *numbers, size_t count, double *which) {
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite((float)(*which = numbers[i]))) return 1;
+    return 0;
+}
+
+/* Readers take a node's numbers for floats: larger ones would be infinite there. */
+static norma_document_result check_numbers(const gltf_tree *tree, norma_document_error *error) {
+    for (size_t i = 0; i < tree->count && !tree->failed; i++) {
+        const tree_node *node = &tree->nodes[i];
+        gltf_trs trs = {{0}, {0}, {0}};
+        double number = 0;
+        char place[40];
+        if (!node->local_changed) continue;
+        if (!node->matrix_form) norma_gltf_matrix_decompose(node->local, &trs);
+        const char *what = node->matrix_form
+                               ? exceeds_floats(node->local, 16, &number) ? "matrix" : NULL
+                           : exceeds_floats(trs.translation, 3, &number) ? "translation"
+                           : exceeds_floats(trs.scale, 3, &number)       ? "scale"
+                                                                         : NULL;
+        if (!what) continue;
+        (void)snprintf(place, sizeof place, "%snode %zu", i < tree->g->node_count ? "" : "new ", i);
+        return norma_document_fail(tree->g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+            place, "its %s would hold %.3g; expected numbers up to 3.4e+38, the largest float",
+            what, number);
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
 norma_document_result norma_gltf_tree_write(gltf_tree *tree, norma_document_error *error) {
     json_edits *edits = tree->failed ? NULL : norma_gltf_edits(tree->g, 0);
     int done = edits != NULL;
+    const norma_document_result too_large = check_numbers(tree, error);
+    if (too_large) return too_large;
     if (tree->count > tree->g->node_count) {
         const norma_document_result dangling =
             norma_gltf_check_dangling(tree->g, GLTF_LIST_NODES, error);
