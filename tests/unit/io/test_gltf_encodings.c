@@ -263,6 +263,92 @@ static void test_computed_deltas(void **state) {
         }
 }
 
+/* A wall of normal (-t, 0, 1) that turns to +X: the difference along x is a little above 1, which
+ * is the largest code as long as it is rounded to it; from half a code on, floats say it. */
+static void check_rounded_delta(int component, double tilt, int stays) {
+    const double wall[3][3] = {{0, 0, 0}, {1, 0, tilt}, {0, 1, 0}},
+                 turns[3][3] = {{0, 0, 0}, {-1, 1, -tilt}, {0, -1, 1}}, none[3][3] = {{0}},
+                 length = sqrt(1 + tilt * tilt), base[3] = {-tilt / length, 0, 1 / length},
+                 expected[3] = {1 - base[0], 0, -base[2]};
+    const norma_compute_options options = {.struct_size = sizeof options};
+    gltf_asset a = {0};
+    norma_morph_data morph;
+    float d[3];
+    asset_numbers(&a, wall[0], 3, 3, FLOAT, 0);
+    asset_numbers(&a, turns[0], 3, 3, FLOAT, 0);
+    asset_numbers(&a, none[0], 3, 3, component, 1);
+    norma_document *document = asset_open(&a,
+        "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"meshes\":[{\"primitives\":[{"
+        "\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1,\"NORMAL\":2}]}]}]",
+        0);
+    assert_int_equal(norma_document_compute(document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
+    gltf_output b = output_of(document);
+    assert_int_equal(output_number(&b, "accessors/2/componentType", 0), stays ? component : FLOAT);
+    assert_int_equal(norma_document_morph_data(b.document, 0, 0, &morph, NULL), NORMA_DOCUMENT_OK);
+    for (size_t v = 0; v < 3; ++v)
+        assert_near(at(&morph.normals, v, d), expected, 3,
+            (stays ? bound(component) / 2 : 0) + 1e-6, "delta");
+    output_finish(&b, &a);
+}
+
+static void test_rounded_deltas(void **state) {
+    (void)state;
+    check_rounded_delta(BYTE, .49 / 127, 1);
+    check_rounded_delta(BYTE, .51 / 127, 0);
+    check_rounded_delta(SHORT, .49 / 32767, 1);
+    check_rounded_delta(SHORT, .51 / 32767, 0);
+}
+
+/* Tangents along x, of a triangle whose target lifts its corner on the x axis: they turn to (1, 0,
+ * 1) / sqrt 2. Their differences stay in the encoding that they had; where one tangent alone is
+ * broken, the others' keep their codes. */
+static void check_tangent_deltas(int component, norma_only only) {
+    const double one = component == BYTE ? 127 : 32767, h = sqrt(.5), turned[3] = {h - 1, 0, h},
+                 positions[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                 lifts[3][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 0}},
+                 texcoords[3][2] = {{0, 0}, {1, 0}, {0, 1}},
+                 normals[3][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
+                 tilts[3][3] = {{-h, 0, h - 1}, {-h, 0, h - 1}, {-h, 0, h - 1}},
+                 tangents[3][4] = {{.5, 0, 0, 1}, {1, 0, 0, 1}, {1, 0, 0, 1}},
+                 old[3][3] = {
+                     {0, 0, 0}, {11 / one, 21 / one, 31 / one}, {12 / one, 22 / one, 32 / one}};
+    const norma_tangent_options options = {.struct_size = sizeof options, .only = only};
+    gltf_asset a = {0};
+    norma_morph_data morph;
+    float d[3];
+    asset_numbers(&a, positions[0], 3, 3, FLOAT, 0);
+    asset_numbers(&a, lifts[0], 3, 3, FLOAT, 0);
+    asset_numbers(&a, texcoords[0], 3, 2, FLOAT, 0);
+    asset_numbers(&a, normals[0], 3, 3, component, 1);
+    asset_numbers(&a, tilts[0], 3, 3, component, 1);
+    asset_numbers(&a, tangents[0], 3, 4, component, 1);
+    asset_numbers(&a, old[0], 3, 3, component, 1);
+    norma_document *document = asset_open(&a,
+        "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"meshes\":[{\"primitives\":[{"
+        "\"attributes\":{\"POSITION\":0,\"NORMAL\":3,\"TANGENT\":5,\"TEXCOORD_0\":2},"
+        "\"targets\":[{\"POSITION\":1,\"NORMAL\":4,\"TANGENT\":6}]}]}]",
+        0);
+    assert_int_equal(norma_document_tangents(document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
+    gltf_output b = output_of(document);
+    assert_int_equal(output_number(&b, "accessors/5/componentType", 0), component);
+    assert_int_equal(output_number(&b, "accessors/6/componentType", 0), component);
+    assert_int_equal(norma_document_morph_data(b.document, 0, 0, &morph, NULL), NORMA_DOCUMENT_OK);
+    for (size_t v = 0; v < 3; ++v) {
+        const int kept = only == NORMA_ONLY_BROKEN && v > 0;
+        assert_near(at(&morph.tangents, v, d), kept ? old[v] : turned, 3,
+            kept ? 1e-7 : 3 * bound(component), "delta");
+    }
+    output_finish(&b, &a);
+}
+
+static void test_tangent_deltas(void **state) {
+    (void)state;
+    for (int component = BYTE; component <= SHORT; component += SHORT - BYTE) {
+        check_tangent_deltas(component, NORMA_ONLY_ALL);
+        check_tangent_deltas(component, NORMA_ONLY_BROKEN);
+    }
+}
+
 /* ---- indices */
 
 /* Two walls that meet at a right angle, drawn with indices and, by a second primitive over the same
@@ -825,6 +911,8 @@ int main(void) {
         cmocka_unit_test(test_moved),
         cmocka_unit_test(test_too_large),
         cmocka_unit_test(test_computed_deltas),
+        cmocka_unit_test(test_rounded_deltas),
+        cmocka_unit_test(test_tangent_deltas),
         cmocka_unit_test(test_indices),
         cmocka_unit_test(test_sparse),
         cmocka_unit_test(test_compressed),

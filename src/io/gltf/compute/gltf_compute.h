@@ -94,6 +94,10 @@ norma_document_result norma_gltf_copy_elements(
     gltf_job *job, const gltf_set *set, uint32_t accessor, gltf_data *data);
 
 norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t set); /* vertex_contents.c */
+/* New differences of a target's normals or tangents, three numbers a vertex, in the encoding that
+ * they had where that can hold them all; vertices that are not broken keep their bits. */
+norma_document_result norma_gltf_put_deltas(
+    gltf_job *job, gltf_set *set, uint32_t target, const char *attribute, const float *deltas);
 /* stored_tangents.c: once all sets are put, what became of their tangents: counted, and marked
  * where they are to be computed anew. */
 norma_document_result norma_gltf_account_tangents(gltf_job *job);

@@ -207,30 +207,18 @@ static norma_document_result put_copies(tangent_job *job, tangent_set *of, int32
     return result;
 }
 
-static norma_document_result put_new(tangent_job *job, tangent_set *of, int32_t target,
-    uint32_t width, void **bytes, gltf_array shape) {
-    gltf_data data = {.component = shape.component,
-        .normalized = shape.normalized,
-        .width = width,
-        .count = of->set->vertices + of->set->added_count,
-        .bytes = *bytes};
-    *bytes = NULL;
-    return norma_gltf_put_in_set(&job->sets, of->set, target, "TANGENT", &data);
-}
-
 static norma_document_result put_targets(tangent_job *job, tangent_set *of) {
     gltf *g = job->sets.g;
     const gltf_primitive *lead = &g->primitives[of->set->lead];
-    const gltf_array floats = {.component = GLTF_FLOAT};
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t t = 0; !result && t < lead->target_count; ++t) {
         const int made = of->deltas[t] != NULL;
-        void *deltas = of->deltas[t];
-        of->deltas[t] = NULL;
         if (of->set->added_count)
             result = put_copies(job, of, (int32_t)t, &g->targets[lead->first_target + t], made);
-        if (!result && made) result = put_new(job, of, (int32_t)t, 3, &deltas, floats);
-        free(deltas);
+        if (!result && made)
+            result = norma_gltf_put_deltas(&job->sets, of->set, t, "TANGENT", of->deltas[t]);
+        free(of->deltas[t]);
+        of->deltas[t] = NULL;
     }
     return result;
 }
@@ -239,16 +227,20 @@ norma_document_result norma_gltf_put_tangents(tangent_job *job, tangent_set *of)
     gltf *g = job->sets.g;
     gltf_set *set = of->set;
     gltf_primitive *lead = &g->primitives[set->lead];
-    void *codes;
     norma_document_result result = fill_others(job, of);
     if (!result && set->added_count)
         result = norma_gltf_copy_vertices(g, lead, set->vertices + set->added_count,
             norma_gltf_vertex_size(g, lead), job->sets.error);
     if (!result && set->added_count) result = put_copies(job, of, GLTF_SLOT_BASE, &lead->base, 1);
-    codes = of->codes;
-    of->codes = NULL;
-    if (!result) result = put_new(job, of, GLTF_SLOT_BASE, 4, &codes, of->encoding);
-    free(codes);
+    if (!result) {
+        gltf_data data = {.component = of->encoding.component,
+            .normalized = of->encoding.normalized,
+            .width = 4,
+            .count = set->vertices + set->added_count,
+            .bytes = of->codes};
+        of->codes = NULL;
+        result = norma_gltf_put_in_set(&job->sets, set, GLTF_SLOT_BASE, "TANGENT", &data);
+    }
     return result ? result : put_targets(job, of);
 }
 

@@ -83,7 +83,7 @@ static norma_document_result merge_old(
         } else if (same && encoding == VECTOR_FLOAT) {
             keep_zero_signs(before, now);
         }
-        c->changed[v] = !same || memcmp(now, before, size) != 0;
+        if (c->changed) c->changed[v] = !same || memcmp(now, before, size) != 0;
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -218,9 +218,11 @@ static norma_document_result put_attribute(
 
 /* ---- morph targets */
 
-static int fits_snorm(const float *deltas, size_t count) {
-    for (size_t i = 0; i < 3 * count; ++i)
-        if (!(deltas[i] >= -1 && deltas[i] <= 1)) return 0;
+/* Up to half a code beyond the last one is still that, to the encoding's own rounding. */
+static int fits(vector_encoding encoding, const float *deltas, size_t count) {
+    const double last = encoding == VECTOR_SNORM8 ? 127 : 32767;
+    for (size_t i = 0; i < 3 * count && encoding != VECTOR_FLOAT; ++i)
+        if (!(fabs((double)deltas[i]) * last < last + .5)) return 0;
     return 1;
 }
 
@@ -242,22 +244,24 @@ static void encode_deltas(
     }
 }
 
-static norma_document_result put_deltas(const contents *c, uint32_t target) {
-    const gltf *g = c->job->g;
-    const float *deltas = c->set->deltas[target];
-    uint32_t old = g->targets[g->primitives[c->set->lead].first_target + target].normal;
+norma_document_result norma_gltf_put_deltas(
+    gltf_job *job, gltf_set *set, uint32_t target, const char *attribute, const float *deltas) {
+    const contents c = {.job = job, .set = set, .count = set->vertices + set->added_count};
+    const gltf *g = job->g;
+    const gltf_attributes *of = &g->targets[g->primitives[set->lead].first_target + target];
+    const uint32_t old = strcmp(attribute, "NORMAL") == 0 ? of->normal : of->tangent;
     vector_encoding encoding = encoding_of(g, old, 3);
-    if (encoding != VECTOR_FLOAT && !fits_snorm(deltas, c->count)) encoding = VECTOR_FLOAT;
-    gltf_data data = vector_data(encoding, 3, c->count);
-    if (!data.bytes) return out_of_memory(c);
-    encode_deltas(encoding, deltas, c->count, data.bytes);
+    if (!fits(encoding, deltas, c.count)) encoding = VECTOR_FLOAT;
+    gltf_data data = vector_data(encoding, 3, c.count);
+    if (!data.bytes) return out_of_memory(&c);
+    encode_deltas(encoding, deltas, c.count, data.bytes);
     norma_document_result result =
-        old == GLTF_NONE ? NORMA_DOCUMENT_OK : merge_old(c, old, encoding, &data);
+        old == GLTF_NONE ? NORMA_DOCUMENT_OK : merge_old(&c, old, encoding, &data);
     if (result) {
         free(data.bytes);
         return result;
     }
-    return put(c, (int32_t)target, "NORMAL", &data);
+    return put(&c, (int32_t)target, attribute, &data);
 }
 
 static norma_document_result put_targets(const contents *c) {
@@ -270,7 +274,8 @@ static norma_document_result put_targets(const contents *c) {
         for (uint32_t i = target->first; !result && i < target->first + target->count; ++i)
             if (!deltas || strcmp(g->attributes[i].name, "NORMAL") != 0)
                 result = put_attribute(c, &g->attributes[i], (int32_t)t);
-        if (!result && deltas) result = put_deltas(c, t);
+        if (!result && deltas)
+            result = norma_gltf_put_deltas(c->job, c->set, t, "NORMAL", c->set->deltas[t]);
     }
     return result;
 }
