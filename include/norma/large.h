@@ -112,6 +112,10 @@ typedef struct norma_together_options {
     /* Called when a file's output is complete, before any output is put in place; or NULL. */
     void (*file_done)(void *user, size_t file, const norma_document *document);
     void *file_done_user;
+
+    /* Written: for each pattern of lock how many names it matched, in all files; or NULL. Of a mesh
+     * without normals too, which has none to keep. */
+    size_t *lock_matches;
 } norma_together_options;
 
 /* Computes the normals of one surface that lies in several files, or in several meshes of one:

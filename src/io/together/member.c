@@ -19,9 +19,13 @@ void norma_member_close(member *m) {
 
 static int is_asked_for(void *options, const char *name) {
     const norma_together_options *o = options;
-    for (size_t i = 0; i < o->lock_count; ++i)
-        if (norma_matches(o->lock[i], name)) return 1;
-    return 0;
+    int asked = 0;
+    for (size_t i = 0; i < o->lock_count; ++i) {
+        if (!norma_matches(o->lock[i], name)) continue;
+        asked = 1;
+        if (o->lock_matches) ++o->lock_matches[i];
+    }
+    return asked;
 }
 
 static const char *material_of(norma_document *document, size_t mesh) {
@@ -37,17 +41,18 @@ static const char *material_of(norma_document *document, size_t mesh) {
 /* A mesh without normals has nothing to keep. */
 static int keeps_mesh(member *m, size_t mesh, void *options) {
     norma_mesh_info info;
-    return !norma_document_mesh_info(m->document, mesh, &info) && !info.not_read &&
-           info.normals != NORMA_NORMALS_NONE &&
-           (is_asked_for(options, info.name) ||
-               is_asked_for(options, material_of(m->document, mesh)));
+    if (norma_document_mesh_info(m->document, mesh, &info)) return 0;
+    const int asked =
+        is_asked_for(options, info.name) | is_asked_for(options, material_of(m->document, mesh));
+    return asked && !info.not_read && info.normals != NORMA_NORMALS_NONE;
 }
 
 static int keeps_file(member *m, const char *path, void *options) {
     norma_mesh_info info;
     const char *slash = strrchr(path, '/');
-    return !norma_document_mesh_info(m->document, 0, &info) && info.normals != NORMA_NORMALS_NONE &&
-           is_asked_for(options, slash ? slash + 1 : path);
+    const int asked = is_asked_for(options, slash ? slash + 1 : path);
+    return asked && !norma_document_mesh_info(m->document, 0, &info) &&
+           info.normals != NORMA_NORMALS_NONE;
 }
 
 static norma_document_result find_locked(

@@ -65,6 +65,7 @@ static norma_document_result each_file(
                 norma_document_fail(NULL, run->error, NORMA_DOCUMENT_CANCELLED, NULL, "cancelled");
     }
     run->passes_done += 1;
+    run->options.lock_matches = NULL; /* the first time over all files counts */
     return result;
 }
 
@@ -123,7 +124,8 @@ norma_document_result norma_together_compute(const norma_together_file *files, s
     norma_document_error *error) {
     together_run run = {.files = files, .count = count, .error = error, .writers = {.outlive = 1}};
     norma_document_clear(error);
-    norma_document_copy_options(&run.options, sizeof run.options, sizeof run.options, options);
+    norma_document_copy_options(
+        &run.options, sizeof run.options, offsetof(norma_together_options, lock_matches), options);
     norma_document_copy_options(
         &run.compute, sizeof run.compute, offsetof(norma_compute_options, tangents), compute);
     const char *bad = bad_file(files, count);
@@ -131,6 +133,8 @@ norma_document_result norma_together_compute(const norma_together_file *files, s
     if (!bad) bad = bad_choice(&run.compute);
     if (!bad) bad = bad_crease(&run);
     if (bad) return fail_argument(error, bad);
+    for (size_t i = 0; run.options.lock_matches && i < run.options.lock_count; ++i)
+        run.options.lock_matches[i] = 0;
     if (!count) return NORMA_DOCUMENT_OK;
     if (!run.options.max_memory) run.options.max_memory = USUAL_MEMORY;
     if (run.compute.shading == NORMA_SHADING_DEFAULT) run.compute.shading = NORMA_SHADING_SMOOTH;
