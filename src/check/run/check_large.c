@@ -7,7 +7,7 @@
 #include "check/rules/scene_rules.h"
 #include "check/run/run.h"
 #include "core/face/unit_length.h"
-#include "io/large/walk.h"
+#include "io/large/large.h"
 #include <stdlib.h>
 #include <string.h>
 

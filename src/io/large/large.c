@@ -1,14 +1,318 @@
-/* large.c: the public calls for files larger than memory. */
-#include "io/large/passes.h"
-#include "io/large/ply_body.h"
+/* large.c: the public calls for files larger than memory, and files read part by part. */
+#include "io/large/large.h"
 #include "io/stl/stl.h"
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- Parts of a PLY larger than memory. A part is as many faces in a row as fit, with the
+ * vertices that they name; of the vertices only those blocks are read that hold some of them. */
+
+enum { CHUNKS_IN_BLOCK = LARGE_FACES_IN_BLOCK / LARGE_CHUNK };
+/* Of a part's memory for each corner: the arrays here, and what the rules make of them. */
+static const size_t BYTES_A_CORNER = 192, MOST_CORNERS = (size_t)3 << 20;
+
+/* ---- opening */
+
+static int open_part(walk_ply *w) {
+    large_budget *budget = &w->ply.file->budget;
+    const size_t least = (size_t)3 * LARGE_FACES_IN_BLOCK;
+    w->offsets = norma_large_take(budget, w->chunk_count + 1, sizeof *w->offsets);
+    if (!w->offsets || !norma_large_bits_open(budget, w->ply.vertices, &w->named)) return 0;
+    w->named_room = w->ply.vertices;
+    const uint64_t room = (budget->most - budget->used) / BYTES_A_CORNER;
+    w->corner_room = room < least ? least : room < MOST_CORNERS ? (size_t)room : MOST_CORNERS;
+    w->face_room = w->corner_room / 3 / LARGE_FACES_IN_BLOCK * LARGE_FACES_IN_BLOCK;
+    w->corners = norma_large_take(budget, w->corner_room, sizeof *w->corners);
+    w->vertices = norma_large_take(budget, w->corner_room, sizeof *w->vertices);
+    w->positions = norma_large_take(budget, w->corner_room, norma_large_position_size(&w->ply));
+    w->starts = norma_large_take(budget, w->face_room + 1, sizeof *w->starts);
+    return w->corners && w->vertices && w->positions && w->starts;
+}
+
+static norma_document_result walk_ply_open(large_file *file, walk_ply *w) {
+    norma_document_result result = norma_large_ply_open(file, &w->ply);
+    if (result) return result;
+    w->chunk_count = (size_t)(w->ply.faces / LARGE_CHUNK) + (w->ply.faces % LARGE_CHUNK != 0);
+    if (!open_part(w)) return norma_large_fail_memory(file);
+    w->offsets[0] = w->ply.face ? w->ply.face->begin : 0;
+    return NORMA_DOCUMENT_OK;
+}
+
+static void walk_ply_close(walk_ply *w) {
+    if (!w->ply.file) return;
+    large_budget *budget = &w->ply.file->budget;
+    w->named.count = w->named_room;
+    norma_large_bits_close(budget, &w->named);
+    norma_large_give(budget, w->offsets, w->chunk_count + 1, sizeof *w->offsets);
+    norma_large_give(budget, w->corners, w->corner_room, sizeof *w->corners);
+    norma_large_give(budget, w->vertices, w->corner_room, sizeof *w->vertices);
+    norma_large_give(budget, w->positions, w->corner_room, norma_large_position_size(&w->ply));
+    norma_large_give(budget, w->starts, w->face_room + 1, sizeof *w->starts);
+    norma_large_ply_close(&w->ply);
+}
+
+/* ---- vertices */
+
+static norma_vec3_view view_of(const large_ply *ply, const void *positions, size_t count) {
+    return (norma_vec3_view){.data = positions,
+        .count = count,
+        .format = ply->single ? NORMA_FORMAT_FLOAT : NORMA_FORMAT_DOUBLE};
+}
+
+/* As norma_document_mesh_data has them. */
+static norma_document_result read_normals(
+    large_ply *ply, size_t first, size_t count, float *normals) {
+    const ply_header *header = &ply->state->header;
+    norma_document_result result;
+    double *stored = NULL;
+    const unsigned char *rows = norma_large_ply_rows(ply, first, count, &result);
+    if (!rows) return result;
+    const large_view before = norma_large_ply_look(ply, rows, count);
+    result = norma_ply_read_columns(
+        ply->file->document, ply->vertex, header->normal, &stored, ply->file->error);
+    norma_large_ply_look_away(ply, &before);
+    const double scale = norma_ply_normal_scale(header, ply->vertex, header->normal);
+    for (size_t i = 0; !result && i < 3 * count; ++i)
+        normals[i] = norma_ply_normal_value(stored[i], scale);
+    free(stored);
+    return result;
+}
+
+static norma_document_result walk_ply_vertices(
+    walk_ply *w, large_visit_vertices *visit, void *context) {
+    large_ply *ply = &w->ply;
+    const int has_normals = ply->state->header.normal[0] != PLY_NONE;
+    float *normals =
+        has_normals ? norma_large_take(&ply->file->budget, LARGE_BLOCK, 3 * sizeof *normals) : NULL;
+    norma_document_result result =
+        has_normals && !normals ? norma_large_fail_memory(ply->file) : NORMA_DOCUMENT_OK;
+    for (size_t first = 0; first < ply->vertices && !result; first += LARGE_BLOCK) {
+        const size_t left = ply->vertices - first, count = left < LARGE_BLOCK ? left : LARGE_BLOCK;
+        large_vertices part = {.first = first, .positions = view_of(ply, ply->scratch, count)};
+        result = norma_large_ply_positions(ply, first, count, ply->scratch);
+        if (!result && normals) result = read_normals(ply, first, count, normals);
+        if (normals)
+            part.normals =
+                (norma_vec3_view){.data = normals, .count = count, .format = NORMA_FORMAT_FLOAT};
+        if (!result) result = visit(context, &part);
+        if (!result) result = norma_large_tell(ply->file, (double)first / (double)ply->vertices);
+    }
+    norma_large_give(&ply->file->budget, normals, LARGE_BLOCK, 3 * sizeof *normals);
+    return result;
+}
+
+/* ---- faces */
+
+static size_t chunk_faces(const walk_ply *w, size_t chunk) {
+    const uint64_t left = w->ply.faces - (uint64_t)chunk * LARGE_CHUNK;
+    return left < LARGE_CHUNK ? (size_t)left : LARGE_CHUNK;
+}
+
+static norma_document_result read_chunk(walk_ply *w, size_t chunk) {
+    uint64_t offset = w->offsets[chunk];
+    const norma_document_result result = norma_large_ply_chunk(
+        &w->ply, (uint64_t)chunk * LARGE_CHUNK, chunk_faces(w, chunk), &offset);
+    if (!result) w->offsets[chunk + 1] = offset;
+    return result;
+}
+
+static void *grow(walk_ply *w, void *block, size_t count, size_t size) {
+    return norma_large_grow(&w->ply.file->budget, block, w->corner_room, count, size);
+}
+
+/* A chunk of large polygons may need more than a part was given. */
+static int make_room(walk_ply *w, size_t corners) {
+    const size_t count = w->corner_count + corners;
+    if (count <= w->corner_room) return 1;
+    if (count > UINT32_MAX) return 0; /* starts of faces are 32 bits */
+    uint32_t *grown_corners = grow(w, w->corners, count, sizeof *w->corners);
+    if (grown_corners) w->corners = grown_corners;
+    uint32_t *grown_vertices =
+        grown_corners ? grow(w, w->vertices, count, sizeof *w->vertices) : NULL;
+    if (grown_vertices) w->vertices = grown_vertices;
+    void *positions =
+        grown_vertices ? grow(w, w->positions, count, norma_large_position_size(&w->ply)) : NULL;
+    if (positions) w->positions = positions;
+    if (positions) w->corner_room = count;
+    return positions != NULL;
+}
+
+static int take_chunk(walk_ply *w) {
+    const large_faces *faces = &w->ply.chunk;
+    if (!make_room(w, faces->corner_count)) return 0;
+    memcpy(
+        w->corners + w->corner_count, faces->corners, faces->corner_count * sizeof *faces->corners);
+    for (size_t i = 0; i < faces->corner_count; ++i) {
+        const uint32_t vertex = faces->corners[i];
+        w->least = vertex < w->least ? vertex : w->least;
+        w->most = vertex > w->most ? vertex : w->most;
+    }
+    for (size_t i = 1; i <= faces->count; ++i)
+        w->starts[w->face_count + i] = (uint32_t)(w->corner_count + faces->starts[i]);
+    w->corner_count += faces->corner_count;
+    w->face_count += faces->count;
+    return 1;
+}
+
+/* Whole blocks of chunks from *chunk on, as many as fit, and one at least. */
+static norma_document_result take_faces(walk_ply *w, size_t *chunk) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    w->first_face = *chunk * LARGE_CHUNK;
+    w->corner_count = w->face_count = w->starts[0] = 0;
+    w->least = UINT32_MAX;
+    w->most = 0;
+    while (*chunk < w->chunk_count && !result) {
+        const size_t left = w->chunk_count - *chunk,
+                     count = left < CHUNKS_IN_BLOCK ? left : CHUNKS_IN_BLOCK,
+                     a_block = w->face_count ? w->corner_count / (w->face_count / LARGE_CHUNK) *
+                                                   CHUNKS_IN_BLOCK * 5 / 4
+                                             : 0;
+        if (w->face_count && (w->face_count + LARGE_FACES_IN_BLOCK > w->face_room ||
+                                 w->corner_count + a_block > w->corner_room))
+            break;
+        for (size_t i = 0; i < count && !result; ++i, ++*chunk) {
+            result = read_chunk(w, *chunk);
+            if (!result && !take_chunk(w)) result = norma_large_fail_memory(w->ply.file);
+        }
+    }
+    return result;
+}
+
+static void number_vertices(walk_ply *w) {
+    const size_t least = w->least, count = w->corner_count ? (size_t)w->most - least + 1 : 0;
+    w->named.count = count;
+    norma_large_bits_clear(&w->named);
+    for (size_t c = 0; c < w->corner_count; ++c)
+        norma_large_bits_set(&w->named, w->corners[c] - least);
+    w->vertex_count = norma_large_bits_count(&w->named);
+    for (size_t c = 0; c < w->corner_count; ++c)
+        w->corners[c] = (uint32_t)norma_large_bits_before(&w->named, w->corners[c] - least);
+    for (size_t v = 0, at = 0; v < count; ++v)
+        if (norma_large_bits_has(&w->named, v)) w->vertices[at++] = (uint32_t)(least + v);
+}
+
+static norma_document_result gather_positions(walk_ply *w) {
+    large_ply *ply = &w->ply;
+    const size_t size = norma_large_position_size(ply), end = w->corner_count ? w->most + 1U : 0;
+    unsigned char *out = w->positions;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t first = w->least, at = 0; first < end && !result; first += LARGE_BLOCK) {
+        const size_t count = end - first < LARGE_BLOCK ? end - first : LARGE_BLOCK;
+        if (at == w->vertex_count || w->vertices[at] >= first + count) continue;
+        result = norma_large_ply_positions(ply, first, count, ply->scratch);
+        for (; !result && at < w->vertex_count && w->vertices[at] < first + count;
+             ++at, out += size)
+            memcpy(
+                out, (const unsigned char *)ply->scratch + (w->vertices[at] - first) * size, size);
+    }
+    return result;
+}
+
+static large_surface surface_of(const walk_ply *w) {
+    return (large_surface){.first_face = w->first_face,
+        .mesh = {.positions = view_of(&w->ply, w->positions, w->vertex_count),
+            .corners = w->corners,
+            .corner_count = w->corner_count,
+            .corner_size = 4,
+            .face_starts = w->starts,
+            .face_count = w->face_count},
+        .vertices = w->vertices};
+}
+
+static norma_document_result walk_ply_surface(
+    walk_ply *w, large_visit_surface *visit, void *context) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t chunk = 0; chunk < w->chunk_count && !result;) {
+        result = take_faces(w, &chunk);
+        if (result) break;
+        number_vertices(w);
+        result = gather_positions(w);
+        const large_surface part = surface_of(w);
+        if (!result) result = visit(context, &part);
+        if (!result) result = norma_large_tell(w->ply.file, (double)chunk / (double)w->chunk_count);
+    }
+    return result;
+}
+
+/* ---- places */
+
+static norma_document_result locate_vertex(walk_ply *w, size_t vertex, double position[3]) {
+    large_ply *ply = &w->ply;
+    const norma_document_result result = norma_large_ply_positions(ply, vertex, 1, ply->scratch);
+    const float *single = (const float *)(const void *)ply->scratch;
+    for (size_t k = 0; k < 3 && !result; ++k)
+        position[k] = ply->single ? (double)single[k] : ply->scratch[k];
+    return result;
+}
+
+static norma_document_result walk_ply_locate(
+    walk_ply *w, size_t vertex, size_t face, double position[3]) {
+    const large_faces *faces = &w->ply.chunk;
+    if (vertex < w->ply.vertices) return locate_vertex(w, vertex, position);
+    norma_document_result result = read_chunk(w, face / LARGE_CHUNK);
+    if (result) return result;
+    const size_t begin = faces->starts[face % LARGE_CHUNK],
+                 end = faces->starts[face % LARGE_CHUNK + 1];
+    for (size_t k = 0; k < 3; ++k) position[k] = begin < end ? 0 : NAN;
+    for (size_t c = begin; c < end && !result; ++c) {
+        double corner[3];
+        result = locate_vertex(w, faces->corners[c], corner);
+        for (size_t k = 0; k < 3; ++k) position[k] += corner[k] / (double)(end - begin);
+    }
+    return result;
+}
+
+/* ---- What is in a binary PLY, counted piece by piece. */
+
+static norma_document_result include_vertices(
+    large_ply *ply, norma_large_description *description) {
+    const float *floats = (const float *)(const void *)ply->scratch;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t first = 0; first < ply->vertices && !result; first += LARGE_BLOCK) {
+        const size_t left = ply->vertices - first, count = left < LARGE_BLOCK ? left : LARGE_BLOCK;
+        result = norma_large_ply_positions(ply, first, count, ply->scratch);
+        for (size_t i = 0; i < count && !result; ++i) {
+            double at[3];
+            for (size_t k = 0; k < 3; ++k)
+                at[k] = ply->single ? (double)floats[3 * i + k] : ply->scratch[3 * i + k];
+            norma_large_include(description, at);
+        }
+        if (!result) result = norma_large_tell(ply->file, (double)first / (double)ply->vertices);
+    }
+    return result;
+}
+
+static norma_document_result large_describe_ply(
+    large_file *file, norma_large_description *description) {
+    large_ply ply;
+    large_survey survey = {0};
+    norma_document_result result = norma_large_ply_open(file, &ply);
+    norma_large_stage(file, 0, 0.7);
+    if (!result) result = norma_large_survey(&ply, &survey);
+    norma_large_stage(file, 0.7, 1);
+    if (!result) result = include_vertices(&ply, description);
+    if (!result) {
+        norma_mesh_info info = {.encoding = ""};
+        file->document->functions->mesh_info(file->document, 0, &info);
+        description->vertices = ply.vertices;
+        description->faces = (size_t)ply.faces;
+        description->triangles = (size_t)survey.triangles;
+        description->normals = info.normals;
+        description->encoding = info.encoding;
+    }
+    norma_large_survey_close(&ply, &survey);
+    norma_large_ply_close(&ply);
+    return result;
+}
+
+/* ---- The public calls for files larger than memory. */
 
 enum { FIRST_VERSION = sizeof(norma_large_options) };
 static const uint64_t USUAL_MEMORY = (uint64_t)1 << 29, MEMORY_FOR_THREADS = (uint64_t)1 << 26;
 
 /* ---- options */
 
-norma_large_options norma_large_options_of(const norma_large_options *given) {
+static norma_large_options large_options_of(const norma_large_options *given) {
     norma_large_options options;
     norma_document_copy_options(&options, sizeof options, FIRST_VERSION, given);
     if (!options.max_memory) options.max_memory = USUAL_MEMORY;
@@ -23,7 +327,8 @@ static norma_document_result fail_argument(norma_document_error *error, const ch
     return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", what);
 }
 
-norma_document_result norma_large_fail_format(const char *path, norma_document_error *error) {
+/* large.c: made whole; and what is said of formats that are read whole. */
+static norma_document_result large_fail_format(const char *path, norma_document_error *error) {
     const norma_document named = {.path = (char *)(uintptr_t)path};
     return norma_document_fail(&named, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
         "only PLY and STL can be read in passes; allow more memory");
@@ -34,7 +339,7 @@ norma_document_result norma_large_fail_format(const char *path, norma_document_e
 norma_document_result norma_large_compute(const char *input, const char *output,
     const norma_large_options *given, const norma_compute_options *compute,
     norma_compute_summary *summary, norma_document_error *error) {
-    const norma_large_options options = norma_large_options_of(given);
+    const norma_large_options options = large_options_of(given);
     norma_compute_options chosen;
     norma_compute_summary unwanted;
     large_file file;
@@ -42,7 +347,7 @@ norma_document_result norma_large_compute(const char *input, const char *output,
     if (!input || !output) return fail_argument(error, "no path was given");
     const norma_file_format format = format_of(input, options.format);
     if (format != NORMA_FILE_PLY && format != NORMA_FILE_STL)
-        return norma_large_fail_format(input, error);
+        return large_fail_format(input, error);
     norma_document_copy_options(
         &chosen, sizeof chosen, offsetof(norma_compute_options, tangents), compute);
     /* Each thread takes megabytes for its stack. */
@@ -67,14 +372,14 @@ norma_document_result norma_large_compute(const char *input, const char *output,
 norma_document_result norma_large_describe(const char *path, const norma_large_options *given,
     norma_progress *progress, void *progress_user, norma_large_description *description,
     norma_document_error *error) {
-    const norma_large_options options = norma_large_options_of(given);
+    const norma_large_options options = large_options_of(given);
     large_file file;
     norma_document_clear(error);
     if (!path || !description) return fail_argument(error, "no path or no place was given");
     *description =
         (norma_large_description){.format = format_of(path, options.format), .encoding = ""};
     if (description->format != NORMA_FILE_PLY && description->format != NORMA_FILE_STL)
-        return norma_large_fail_format(path, error);
+        return large_fail_format(path, error);
     norma_document_result result =
         norma_large_open(path, &options, description->format, &file, error);
     file.progress = progress;
@@ -82,7 +387,7 @@ norma_document_result norma_large_describe(const char *path, const norma_large_o
     if (!result)
         result = description->format == NORMA_FILE_STL
                      ? norma_large_describe_stl(&file, description)
-                     : norma_large_describe_ply(&file, description);
+                     : large_describe_ply(&file, description);
     if (!result && norma_window_has_changed(file.window))
         result = norma_large_fail_read(&file, FILE_CHANGED);
     norma_large_close(&file);
@@ -126,4 +431,149 @@ int norma_large_need(const char *path, norma_file_format format, uint64_t *bytes
     }
     if (bytes) *bytes = need;
     return possible;
+}
+
+/* ---- Files larger than memory, part by part: PLY as walk_ply.c, STL as it comes. */
+
+struct large_walk {
+    large_file file;
+    norma_file_format format;
+    walk_ply ply;
+    large_stl stl;
+};
+
+/* ---- opening */
+
+norma_file_format norma_large_format(const char *path, const norma_large_options *options) {
+    const norma_large_options whole = large_options_of(options);
+    return whole.format ? whole.format : norma_file_format_of_path(path);
+}
+
+static norma_document_result open_walk(
+    large_walk *w, const char *path, const norma_large_options *given, norma_document_error *e) {
+    const norma_large_options options = large_options_of(given);
+    if (w->format != NORMA_FILE_PLY && w->format != NORMA_FILE_STL)
+        return large_fail_format(path, e);
+    norma_document_result result = norma_large_open(path, &options, w->format, &w->file, e);
+    if (result) return result;
+    return w->format == NORMA_FILE_STL ? norma_large_stl_open(&w->file, &w->stl)
+                                       : walk_ply_open(&w->file, &w->ply);
+}
+
+static void describe(const large_walk *w, norma_mesh_info *info) {
+    *info = (norma_mesh_info){.name = "", .where = "", .encoding = ""};
+    w->file.document->functions->mesh_info(w->file.document, 0, info);
+    if (w->format == NORMA_FILE_PLY) {
+        info->vertices = w->ply.ply.vertices;
+        info->faces = (size_t)w->ply.ply.faces;
+    }
+}
+
+norma_document_result norma_large_walk_open(const char *path, const norma_large_options *options,
+    norma_progress *progress, void *progress_user, large_walk **walk, norma_mesh_info *info,
+    norma_document_error *error) {
+    large_walk *w = *walk = norma_io_allocate(1, sizeof *w);
+    if (!w) return norma_document_fail_memory(NULL, error);
+    w->format = norma_large_format(path, options);
+    const norma_document_result result = open_walk(w, path, options, error);
+    w->file.progress = progress;
+    w->file.progress_user = progress_user;
+    if (!result) describe(w, info);
+    return result;
+}
+
+norma_document_result norma_large_walk_close(large_walk *w, norma_document_result result) {
+    if (!w) return result;
+    if (!result && norma_window_has_changed(w->file.window))
+        result = norma_large_fail_read(&w->file, FILE_CHANGED);
+    walk_ply_close(&w->ply);
+    norma_large_stl_close(&w->stl);
+    norma_large_close(&w->file);
+    free(w);
+    return result;
+}
+
+/* ---- STL */
+
+static norma_vec3_view floats(const float *data, size_t count) {
+    return (norma_vec3_view){.data = data, .count = count, .format = NORMA_FORMAT_FLOAT};
+}
+
+static norma_document_result read_facets(large_walk *w, size_t first, size_t count) {
+    const norma_document_result result = norma_large_stl_read(&w->stl, first, count);
+    if (result) return result;
+    norma_large_stl_positions(&w->stl, count);
+    for (size_t i = 0; i < count; ++i)
+        norma_stl_load(w->stl.state, i, w->stl.block->normals + 3 * i, NULL);
+    return result;
+}
+
+typedef struct stl_visits { /* one of the two */
+    large_visit_vertices *vertices;
+    large_visit_surface *surface;
+    void *context;
+} stl_visits;
+
+static norma_document_result visit_facets(
+    const large_walk *w, const stl_visits *visits, size_t first, size_t count) {
+    const large_facets *block = w->stl.block;
+    const norma_vec3_view positions = floats(block->positions, 3 * count);
+    const large_vertices vertices = {.first = 3 * first, .positions = positions};
+    const large_surface surface = {.first_face = first,
+        .mesh = {.positions = positions, .corner_count = 3 * count},
+        .first_vertex = 3 * first,
+        .normals = floats(block->normals, count)};
+    return visits->vertices ? visits->vertices(visits->context, &vertices)
+                            : visits->surface(visits->context, &surface);
+}
+
+static norma_document_result walk_stl(large_walk *w, const stl_visits *visits) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t first = 0; first < w->stl.facets && !result; first += LARGE_FACETS) {
+        const size_t left = w->stl.facets - first,
+                     count = left < LARGE_FACETS ? left : LARGE_FACETS;
+        result = read_facets(w, first, count);
+        if (!result) result = visit_facets(w, visits, first, count);
+        if (!result) result = norma_large_tell(&w->file, (double)first / (double)w->stl.facets);
+    }
+    return result;
+}
+
+/* ---- walks */
+
+norma_document_result norma_large_walk_vertices(
+    large_walk *w, double from, double to, large_visit_vertices *visit, void *context) {
+    const stl_visits visits = {.vertices = visit, .context = context};
+    norma_large_stage(&w->file, from, to);
+    return w->format == NORMA_FILE_STL ? walk_stl(w, &visits)
+                                       : walk_ply_vertices(&w->ply, visit, context);
+}
+
+norma_document_result norma_large_walk_surface(
+    large_walk *w, double from, double to, large_visit_surface *visit, void *context) {
+    const stl_visits visits = {.surface = visit, .context = context};
+    norma_large_stage(&w->file, from, to);
+    return w->format == NORMA_FILE_STL ? walk_stl(w, &visits)
+                                       : walk_ply_surface(&w->ply, visit, context);
+}
+
+static norma_document_result locate_facet(
+    large_walk *w, size_t vertex, size_t face, double position[3]) {
+    const size_t facet = face == SIZE_MAX ? vertex / 3 : face;
+    const norma_document_result result = read_facets(w, facet, 1);
+    const float *at = w->stl.block->positions;
+    for (size_t k = 0; k < 3 && !result; ++k) {
+        position[k] = 0;
+        if (vertex != SIZE_MAX)
+            position[k] = (double)at[3 * (vertex % 3) + k];
+        else
+            for (size_t c = 0; c < 3; ++c) position[k] += (double)at[3 * c + k] / 3.0;
+    }
+    return result;
+}
+
+norma_document_result norma_large_walk_locate(
+    large_walk *w, size_t vertex, size_t face, double position[3]) {
+    return w->format == NORMA_FILE_STL ? locate_facet(w, vertex, face, position)
+                                       : walk_ply_locate(&w->ply, vertex, face, position);
 }

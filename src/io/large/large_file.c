@@ -1,7 +1,165 @@
-/* large_file.c: a file that is read through a window, in order or by place. */
-#include "io/large/large_file.h"
+/* large_file.c: A file that is read through a window, in order or by place; memory that counts
+ * against a limit; and what the file becomes. */
+#include "io/large/large.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- Blocks of memory that count against a limit, so that work is cut smaller before the
+ * system refuses. */
+
+/* 0: more than there is. */
+static size_t claim(large_budget *budget, size_t count, size_t size) {
+    if (count && size > SIZE_MAX / count) return 0;
+    const size_t bytes = count && size ? count * size : 1;
+    if (bytes > budget->most - budget->used) return 0;
+    budget->used += bytes;
+    return bytes;
+}
+
+static void release_claim(large_budget *budget, size_t count, size_t size) {
+    budget->used -= count && size ? count * size : 1;
+}
+
+void *norma_large_take(large_budget *budget, size_t count, size_t size) {
+    const size_t bytes = claim(budget, count, size);
+    void *block = bytes ? malloc(bytes) : NULL;
+    if (bytes && !block) release_claim(budget, count, size);
+    return block;
+}
+
+void *norma_large_take_zeroed(large_budget *budget, size_t count, size_t size) {
+    const size_t bytes = claim(budget, count, size);
+    void *block = bytes ? calloc(bytes, 1) : NULL;
+    if (bytes && !block) release_claim(budget, count, size);
+    return block;
+}
+
+void norma_large_give(large_budget *budget, void *block, size_t count, size_t size) {
+    if (!block) return;
+    release_claim(budget, count, size);
+    free(block);
+}
+
+void *norma_large_grow(
+    large_budget *budget, void *block, size_t old_count, size_t count, size_t size) {
+    if (!block) return norma_large_take(budget, count, size);
+    if (count <= old_count || !claim(budget, count - old_count, size)) return NULL;
+    void *grown = count > SIZE_MAX / size ? NULL : realloc(block, count * size);
+    if (!grown) release_claim(budget, count - old_count, size);
+    return grown;
+}
+
+/* ---- for the core */
+
+static void *allocate(void *user, size_t size, size_t alignment) {
+    void *block = NULL;
+    const size_t bytes = claim(user, 1, size);
+    if (!bytes) return NULL;
+#if defined(_WIN32)
+    block = _aligned_malloc(bytes, alignment);
+#else
+    if (bytes <= SIZE_MAX - alignment)
+        block = aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+#endif
+    if (!block) release_claim(user, 1, size);
+    return block;
+}
+
+static void release(void *user, void *block, size_t size) {
+    release_claim(user, 1, size);
+#if defined(_WIN32)
+    _aligned_free(block);
+#else
+    free(block);
+#endif
+}
+
+norma_allocator norma_large_allocator(large_budget *budget) {
+    return (norma_allocator){allocate, release, budget};
+}
+
+/* ---- A set of vertices, a bit each. Members before one are counted from a number for each word
+ * of 64, so that members can be numbered without a list of them. */
+
+static size_t words_of(size_t count) { return count / 64 + 1; }
+
+int norma_large_bits_open(large_budget *budget, size_t count, large_bits *bits) {
+    *bits = (large_bits){.count = count};
+    bits->words = norma_large_take_zeroed(budget, words_of(count), sizeof *bits->words);
+    bits->before = norma_large_take_zeroed(budget, words_of(count), sizeof *bits->before);
+    if (bits->words && bits->before) return 1;
+    norma_large_bits_close(budget, bits);
+    return 0;
+}
+
+void norma_large_bits_close(large_budget *budget, large_bits *bits) {
+    norma_large_give(budget, bits->words, words_of(bits->count), sizeof *bits->words);
+    norma_large_give(budget, bits->before, words_of(bits->count), sizeof *bits->before);
+    *bits = (large_bits){0};
+}
+
+void norma_large_bits_clear(large_bits *bits) {
+    memset(bits->words, 0, words_of(bits->count) * sizeof *bits->words);
+}
+
+void norma_large_bits_set_range(large_bits *bits, size_t begin, size_t end) {
+    while (begin < end && begin & 63) norma_large_bits_set(bits, begin++);
+    while (end > begin && end & 63) norma_large_bits_set(bits, --end);
+    if (begin < end) memset(bits->words + begin / 64, 0xff, (end - begin) / 8);
+}
+
+/* Without an instruction for it, which not every machine has. */
+static uint32_t ones(uint64_t word) {
+    word -= word >> 1 & UINT64_C(0x5555555555555555);
+    word = (word & UINT64_C(0x3333333333333333)) + (word >> 2 & UINT64_C(0x3333333333333333));
+    word = (word + (word >> 4)) & UINT64_C(0x0f0f0f0f0f0f0f0f);
+    return (uint32_t)(word * UINT64_C(0x0101010101010101) >> 56);
+}
+
+size_t norma_large_bits_count(large_bits *bits) {
+    uint32_t sum = 0;
+    for (size_t word = 0; word < words_of(bits->count); ++word) {
+        bits->before[word] = sum;
+        sum += ones(bits->words[word]);
+    }
+    return sum;
+}
+
+size_t norma_large_bits_before(const large_bits *bits, size_t index) {
+    const uint64_t below = (UINT64_C(1) << (index & 63)) - 1;
+    return bits->before[index / 64] + ones(bits->words[index / 64] & below);
+}
+
+/* ---- What is counted over the parts of a file. */
+
+void norma_large_add_count(norma_count *sum, const norma_count *count, size_t first) {
+    if (count->count == 0) return;
+    const size_t lowest = first + count->first;
+    if (sum->count == 0 || lowest < sum->first) sum->first = lowest;
+    sum->count += count->count;
+}
+
+void norma_large_count_reason(norma_report *report, uint8_t reason, size_t element) {
+    const norma_count one = {1, 0};
+    if (reason == NORMA_REASON_NON_FINITE)
+        norma_large_add_count(&report->non_finite, &one, element);
+    if (reason == NORMA_REASON_UNREFERENCED)
+        norma_large_add_count(&report->unreferenced, &one, element);
+    if (reason == NORMA_REASON_CANCELLED) norma_large_add_count(&report->cancelled, &one, element);
+}
+
+void norma_large_include(norma_large_description *description, const double at[3]) {
+    if (!isfinite(at[0]) || !isfinite(at[1]) || !isfinite(at[2])) return;
+    for (int axis = 0; axis < 3; ++axis) {
+        double *least = &description->least[axis], *most = &description->most[axis];
+        if (!description->has_bounds || at[axis] < *least) *least = at[axis];
+        if (!description->has_bounds || at[axis] > *most) *most = at[axis];
+    }
+    description->has_bounds = 1;
+}
+
+/* ---- A file that is read through a window, in order or by place. */
 
 static const size_t MOST_HEADER = (size_t)1 << 19;
 
@@ -119,4 +277,89 @@ const unsigned char *norma_large_peek(large_reader *reader, size_t size) {
     if (reader->result) return NULL;
     reader->filled += more;
     return reader->buffer;
+}
+
+/* ---- What a large file becomes: written whole to a temporary file, changed there where a
+ * normal is known only in the end, and put in its place as every output is. */
+
+norma_document_result norma_large_output_open(
+    large_file *file, const char *path, const norma_large_options *options, large_output *output) {
+    *output = (large_output){.file = file, .path = path};
+    norma_document_result result =
+        norma_document_check_target(file->document, path, options->in_place, file->error);
+    if (!result && norma_file_is_stream(path))
+        result =
+            norma_document_fail(file->document, file->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+                "does not fit into the memory allowed, and a device or a pipe cannot be written "
+                "in passes; give the name of a file");
+    if (result) return result;
+    const int failed = norma_file_writer_open(path, &output->writer);
+    if (failed) return norma_document_fail_file(path, file->error, "cannot be written", failed);
+    if (options->in_place && norma_file_same(path, file->document->path))
+        norma_file_writer_expect(output->writer, &file->document->stamp);
+    return NORMA_DOCUMENT_OK;
+}
+
+int norma_large_output_write(void *user, const void *bytes, size_t size) {
+    large_output *output = user;
+    if (!output->error) output->error = norma_file_writer_write(output->writer, bytes, size);
+    output->written += size;
+    return output->error;
+}
+
+static norma_document_result fail_write(large_output *output, int error) {
+    return norma_document_fail_file(output->path, output->file->error, "cannot be written", error);
+}
+
+norma_document_result norma_large_output_result(large_output *output) {
+    return output->error ? fail_write(output, output->error) : NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_large_output_copy(large_output *output, uint64_t begin, uint64_t end) {
+    large_file *file = output->file;
+    unsigned char *buffer = norma_large_take(&file->budget, SMALL_BUFFER, 1);
+    norma_document_result result = buffer ? NORMA_DOCUMENT_OK : norma_large_fail_memory(file);
+    for (uint64_t at = begin; at < end && !result;) {
+        const size_t size = end - at < SMALL_BUFFER ? (size_t)(end - at) : SMALL_BUFFER;
+        result = norma_large_read(file, at, buffer, size);
+        if (!result) {
+            norma_large_output_write(output, buffer, size);
+            result = norma_large_output_result(output);
+        }
+        at += size;
+        if (!result) result = norma_large_tell(file, (double)(at - begin) / (double)(end - begin));
+    }
+    norma_large_give(&file->budget, buffer, SMALL_BUFFER, 1);
+    return result;
+}
+
+norma_document_result norma_large_output_read(
+    large_output *output, uint64_t offset, void *bytes, size_t size) {
+    const int error = norma_file_writer_read(output->writer, offset, bytes, size);
+    return error ? fail_write(output, error) : NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_large_output_patch(
+    large_output *output, uint64_t offset, const void *bytes, size_t size) {
+    const int error = norma_file_writer_patch(output->writer, offset, bytes, size);
+    return error ? fail_write(output, error) : NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_large_output_close(
+    large_output *output, norma_document_result result, uint64_t *size) {
+    large_file *file = output->file;
+    if (!output->writer) return result;
+    int failed = result ? 0 : norma_file_writer_prepare(output->writer);
+    if (failed) result = fail_write(output, failed);
+    if (result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY &&
+        norma_window_has_changed(file->window))
+        result = norma_large_fail_read(file, FILE_CHANGED);
+    if (result) {
+        norma_file_writer_abandon(output->writer);
+        return result;
+    }
+    failed = norma_file_writer_commit(output->writer);
+    if (failed) return fail_write(output, failed);
+    if (size) *size = output->written;
+    return NORMA_DOCUMENT_OK;
 }

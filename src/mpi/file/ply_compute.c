@@ -1,11 +1,11 @@
-/* ply_compute.c: a binary PLY with a normal for each vertex. Each rank reads a range of faces and
+/* ply_compute.c: A binary PLY with a normal for each vertex. Each rank reads a range of faces and
  * one of vertices, with the reader of files larger than memory; positions of other vertices that
  * its faces name come from the ranks that read them. The output's rows have one size, so each rank
  * writes those of its own vertices where they belong. */
+#include "mpi/file/shared_file.h"
 #include "core/call/sort.h"
 #include "io/format/compute_policy.h"
-#include "io/large/ply_body.h"
-#include "mpi/file/formats.h"
+#include "io/large/large.h"
 #include <errno.h>
 #include <norma/mpi.h>
 #include <stdlib.h>

@@ -5,6 +5,8 @@
 #include "mpi/exchange/exchange.h"
 #include <norma/norma.h>
 
+/* ---- One file that all ranks read, and one that all write, whole or not at all. */
+
 typedef struct mpi_job {
     mpi_call call;
     core_call core;
@@ -52,4 +54,10 @@ int norma_mpi_write(mpi_job *job, uint64_t offset, const void *bytes, size_t siz
 int norma_mpi_close_output(mpi_job *job, int failed);
 /* This rank's share of size bytes, copied as they are. */
 int norma_mpi_copy_share(mpi_job *job, uint64_t from, uint64_t to, uint64_t size);
+
+/* ---- The files that norma-mpi reads and writes. */
+
+/* Collective; the input is open. Nonzero: failed, with a message. */
+int norma_mpi_compute_ply(mpi_job *job);
+int norma_mpi_compute_stl(mpi_job *job);
 #endif

@@ -1,10 +1,10 @@
 /* stl_compute.c: facet normals of a binary STL, a block at a time. Facets without a direction take
  * the normal of the nearest that has one; only where there are such are positions and normals kept.
  */
-#include "io/stl/stl.h"
+#include "mpi/file/shared_file.h"
 #include "io/format/compute_policy.h"
-#include "mpi/file/formats.h"
-#include "mpi/vertex/missing.h"
+#include "io/stl/stl.h"
+#include "mpi/vertex/vertex.h"
 
 enum { FACETS = MPI_BLOCK / STL_FACET };
 

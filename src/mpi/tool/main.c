@@ -1,6 +1,6 @@
 /* main.c: norma-mpi compute: normals of one large file, by all ranks together. */
 #define _XOPEN_SOURCE 700
-#include "mpi/file/formats.h"
+#include "mpi/file/shared_file.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

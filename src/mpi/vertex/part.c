@@ -1,9 +1,160 @@
-/* part.c: what must hold of each rank's part and of all together before anything is computed. */
-#include "mpi/vertex/part.h"
+/* part.c: this rank's part of the mesh, checked and agreed upon, ready to be summed. */
+#include "mpi/vertex/vertex.h"
 #include "core/mesh/weld.h"
 #include "core/mesh/weld_buckets.h"
-#include "mpi/vertex/gathered_weld.h"
 #include <math.h>
+#include <string.h>
+
+/* ---- Faces sorted by their global numbers, digit by digit from the lowest; numbers are
+ * read where they are, so that only places move. */
+
+enum { DIGIT_BITS = 11, DIGITS = 1 << DIGIT_BITS };
+
+static int ascend(const uint64_t *ids, size_t count) {
+    for (size_t i = 1; i < count; i++)
+        if (ids[i - 1] > ids[i]) return 0;
+    return 1;
+}
+
+static size_t digit_of(uint64_t id, int shift) { return (size_t)(id >> shift) & (DIGITS - 1); }
+
+/* Equal digits keep their order. */
+static void sort_by_digit(
+    const uint64_t *ids, size_t count, int shift, const uint32_t *from, uint32_t *to) {
+    uint32_t starts[DIGITS] = {0}, sum = 0;
+    for (size_t i = 0; i < count; i++) starts[digit_of(ids[i], shift)]++;
+    for (size_t d = 0; d < DIGITS; d++) {
+        const uint32_t here = starts[d];
+        starts[d] = sum;
+        sum += here;
+    }
+    for (size_t i = 0; i < count; i++) to[starts[digit_of(ids[from[i]], shift)]++] = from[i];
+}
+
+/* Returns the array that holds the result. */
+static uint32_t *sort_places(
+    const uint64_t *ids, size_t count, uint32_t *places, uint32_t *others) {
+    uint64_t differ = 0;
+    for (size_t i = 0; i < count; i++) {
+        differ |= ids[i] ^ ids[0];
+        places[i] = (uint32_t)i;
+    }
+    for (int shift = 0; shift < 64 && differ >> shift; shift += DIGIT_BITS) {
+        uint32_t *const from = places;
+        if (!digit_of(differ, shift)) continue;
+        sort_by_digit(ids, count, shift, from, others);
+        places = others;
+        others = from;
+    }
+    return places;
+}
+
+norma_result norma_mpi_order_faces(
+    const core_call *call, const uint64_t *ids, size_t count, mpi_face_order *order) {
+    *order = (mpi_face_order){.ids = ids, .count = count};
+    if (!ids || ascend(ids, count)) return NORMA_OK;
+    uint32_t *places = norma_core_allocate(call, count, sizeof *places),
+             *others = norma_core_allocate(call, count, sizeof *others);
+    if (!places || !others) {
+        norma_core_release(call, places, count, sizeof *places);
+        norma_core_release(call, others, count, sizeof *others);
+        return NORMA_ERROR_MEMORY;
+    }
+    order->order = sort_places(ids, count, places, others);
+    norma_core_release(call, order->order == places ? others : places, count, sizeof *places);
+    return NORMA_OK;
+}
+
+void norma_mpi_order_close(const core_call *call, mpi_face_order *order) {
+    norma_core_release(call, order->order, order->count, sizeof *order->order);
+    order->order = NULL;
+}
+
+/* ---- Chains of steps may run through all ranks, so one of them has all positions
+ * before it, in their order of ranks, and joins them as the core does. */
+
+enum { POINT = 3 * sizeof(double) };
+
+/* As the core reads them, its scale applied. */
+static norma_result list_points(const mpi_call *call, const core_mesh *mesh, mpi_lists *out) {
+    const size_t ranks = (size_t)call->ranks;
+    uint64_t *room = norma_core_allocate(call->core, ranks, sizeof *room);
+    if (!room) return NORMA_ERROR_MEMORY;
+    memset(room, 0, ranks * sizeof *room);
+    room[0] = mesh->positions.count;
+    const norma_result result = norma_mpi_lists_open(call, room, POINT, out);
+    norma_core_release(call->core, room, ranks, sizeof *room);
+    for (size_t v = 0; v < mesh->positions.count && result == NORMA_OK; v++) {
+        double p[3];
+        norma_view_read(&mesh->positions, v, p);
+        memcpy(norma_mpi_lists_add(out, 0), p, POINT);
+    }
+    return result;
+}
+
+static norma_result weld_points(
+    const mpi_call *call, const mpi_lists *in, double scale, mpi_lists *answers) {
+    core_mesh all = {.positions = {.data = in->bytes,
+                         .count = norma_mpi_lists_total(call, in),
+                         .stride = POINT,
+                         .format = NORMA_FORMAT_DOUBLE},
+        .scale = scale};
+    if (all.positions.count > UINT32_MAX - 1) return NORMA_ERROR_OVERFLOW;
+    norma_result result = norma_core_weld(call->core, &all);
+    if (result != NORMA_OK) return result;
+    result = norma_mpi_lists_like(call, in, sizeof(uint32_t), answers);
+    for (size_t i = 0; i < all.positions.count && result == NORMA_OK; i++) {
+        const uint32_t group = norma_core_welded(&all, (uint32_t)i);
+        memcpy(norma_mpi_record(answers, i), &group, sizeof group);
+    }
+    norma_core_unweld(call->core, &all);
+    return result;
+}
+
+static norma_result read_groups(
+    const mpi_call *call, const mpi_lists *back, size_t count, uint64_t **groups) {
+    *groups = norma_core_allocate(call->core, count, sizeof **groups);
+    if (!*groups) return NORMA_ERROR_MEMORY;
+    for (size_t v = 0; v < count; v++) {
+        uint32_t group;
+        memcpy(&group, norma_mpi_record(back, v), sizeof group);
+        (*groups)[v] = group;
+    }
+    return NORMA_OK;
+}
+
+/* Collective. *groups: of each position here a number that those that are one have in common; to be
+ * released by the caller. NULL on an error. */
+static norma_result mpi_weld_gathered(mpi_call *call, const core_mesh *mesh, uint64_t **groups) {
+    mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
+    double mine = mesh->scale, scale = 1;
+    const size_t count = mesh->positions.count;
+    *groups = NULL;
+    if (!count) mine = 0; /* a rank without positions knows no scale */
+    MPI_Allreduce(&mine, &scale, 1, MPI_DOUBLE, MPI_MAX, call->comm);
+    norma_result result = norma_mpi_exchange(call, list_points(call, mesh, &out), &out, &in);
+    if (result == NORMA_OK) {
+        norma_result local = weld_points(call, &in, scale, &answers);
+        if (local == NORMA_OK) local = norma_mpi_lists_like(call, &out, sizeof(uint32_t), &back);
+        result = norma_mpi_agree(call, local);
+    }
+    if (result == NORMA_OK) {
+        norma_mpi_answer(call, &answers, &back);
+        const norma_result local = read_groups(call, &back, count, groups);
+        result = norma_mpi_agree(call, local);
+        if (result != NORMA_OK) {
+            norma_core_release(call->core, *groups, count, sizeof **groups);
+            *groups = NULL;
+        }
+    }
+    norma_mpi_lists_close(call, &in);
+    norma_mpi_lists_close(call, &out);
+    norma_mpi_lists_close(call, &answers);
+    norma_mpi_lists_close(call, &back);
+    return result;
+}
+
+/* ---- What must hold of each rank's part and of all together before anything is computed. */
 
 enum { LEAST_BUDGET = 1 << 18, BUDGET_OF_TRIANGLE = 8 };
 
@@ -124,7 +275,7 @@ static norma_result weld_part(mpi_call *call, mpi_part *part, core_mesh *mesh) {
     uint32_t *map = NULL;
     norma_result result = NORMA_OK;
     if (weld == NORMA_WELD_EXACT) return NORMA_OK;
-    if (weld == NORMA_WELD_DISTANCE) result = norma_mpi_weld_gathered(call, mesh, &part->groups);
+    if (weld == NORMA_WELD_DISTANCE) result = mpi_weld_gathered(call, mesh, &part->groups);
     if (result == NORMA_OK)
         result = norma_mpi_weld_numbers(
             core, part->groups ? part->groups : part->vertex_ids, part->positions, &map);

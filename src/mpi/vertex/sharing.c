@@ -3,7 +3,7 @@
  * votes is summed there and lent to its home; all others get a slot at their home. Positions go in
  * rounds by their hash, so that a round holds all of one key and leaves nothing but slots behind.
  */
-#include "mpi/vertex/sharing.h"
+#include "mpi/vertex/vertex.h"
 #include "core/mesh/weld_buckets.h"
 
 enum { MOST_KEY = 24, LEAST_LOANS = 1024 };

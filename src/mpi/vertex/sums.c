@@ -1,11 +1,307 @@
-/* sums.c: each rank goes through its faces in ascending number. Votes for positions of its own are
+/* sums.c: the sum at each position, in ascending number of faces, wherever they are. */
+#include "mpi/vertex/vertex.h"
+#include "core/call/output.h"
+#include "core/call/weight.h"
+#include "core/corner/vertex_star.h"
+
+/* ---- Triangles are measured eight at a time, as the core does; what doubles do not decide,
+ * and polygons, by themselves. */
+
+static norma_weight weight_of(const mpi_visit *visit) {
+    const norma_weight weight = visit->prepared->call->options.weight;
+    return weight == NORMA_WEIGHT_VISIBLE ? NORMA_WEIGHT_UNIFORM : weight;
+}
+
+static void visit_one(const mpi_visit *visit, size_t f) {
+    const core_mesh *mesh = &visit->prepared->mesh;
+    core_face face;
+    norma_core_prepared_mesh_face(visit->prepared, f, &face);
+    if (!(face.flags & CORE_FACE_DIRECTED)) {
+        if (face.flags & CORE_FACE_FINITE) visit->degenerate(visit->context, f);
+        return;
+    }
+    for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) {
+        if (!norma_core_is_kept(mesh, f, c)) continue;
+        visit->vote(visit->context, f, c,
+            norma_core_corner_weight(mesh, weight_of(visit), f, &face, c), face.normal);
+    }
+}
+
+static void visit_lane(const mpi_visit *visit, const core_batch *batch, int lane, size_t f) {
+    const norma_weight weight = weight_of(visit);
+    const int even = core_weighed(weight) == CORE_BY_FACE;
+    const double normal[3] = {
+        batch->normal[0][lane], batch->normal[1][lane], batch->normal[2][lane]};
+    for (size_t k = 0; k < 3; k++)
+        visit->vote(visit->context, f, 3 * f + k,
+            even ? norma_core_weight_of(weight, 0, 0, 0, 0, batch->twice_area[lane])
+                 : batch->weight[k][lane],
+            normal);
+}
+
+static void visit_triangles(const mpi_visit *visit, const size_t *faces, int count) {
+    const core_prepared_mesh *prepared = visit->prepared;
+    const norma_weight weight = weight_of(visit);
+    core_batch batch;
+    int edged[CORE_LANES];
+    for (int i = 0; i < CORE_LANES; i++)
+        edged[i] = norma_core_load_lane(&prepared->mesh, faces[i < count ? i : 0], &batch, i);
+    norma_core_measure(prepared->call->level, &batch, weight,
+        core_weighed(weight) == CORE_BY_FACE ? CORE_NO_CORNER : CORE_ALL_CORNERS);
+    for (int i = 0; i < count; i++) {
+        if (edged[i] && batch.sure[i] != 0)
+            visit_lane(visit, &batch, i, faces[i]);
+        else
+            visit_one(visit, faces[i]);
+    }
+}
+
+/* The votes of the faces that are wanted, in ascending number of faces and corners: the numbers
+ * that norma_vertex_normals adds. For the most visible normal all weigh 1. */
+static void mpi_visit_votes(const mpi_visit *visit) {
+    size_t faces[CORE_LANES];
+    int count = 0;
+    for (size_t i = 0; i < visit->faces->count; i++) {
+        const size_t f = norma_mpi_face(visit->faces, i);
+        if (!visit->wants(visit->context, f)) continue;
+        if (visit->prepared->mesh.face_starts) {
+            visit_one(visit, f);
+            continue;
+        }
+        faces[count++] = f;
+        if (count < CORE_LANES) continue;
+        visit_triangles(visit, faces, count);
+        count = 0;
+    }
+    if (count) visit_triangles(visit, faces, count);
+}
+
+/* ---- The votes that came from all ranks, merged by the numbers of their faces and added
+ * to the sums of their slots; or gathered, slot by slot, for the most visible normal. */
+
+typedef struct slot_vote {
+    uint32_t slot;
+    double row[4];
+} slot_vote;
+
+static void mpi_write_vote(
+    unsigned char *record, int numbered, uint32_t slot, uint64_t face, const double row[4]) {
+    memcpy(record, &slot, sizeof slot);
+    memcpy(record + sizeof slot, row, 4 * sizeof *row);
+    if (numbered) memcpy(record + sizeof slot + 4 * sizeof *row, &face, sizeof face);
+}
+
+static void read_vote(const unsigned char *record, slot_vote *v) {
+    memcpy(&v->slot, record, sizeof v->slot);
+    memcpy(v->row, record + sizeof v->slot, sizeof v->row);
+}
+
+static uint64_t face_of(const unsigned char *record) {
+    uint64_t face;
+    memcpy(&face, record + sizeof(uint32_t) + 4 * sizeof(double), sizeof face);
+    return face;
+}
+
+/* What becomes of a sum. */
+static int mpi_resolve(const vertex_sum *sum, float normal[3]) {
+    const double direction[3] = {sum->x, sum->y, sum->z};
+    if (!norma_core_has_votes(sum)) return NORMA_REASON_UNREFERENCED;
+    if (norma_core_cancels(direction, sum->weight)) return NORMA_REASON_CANCELLED;
+    norma_core_direction(direction, normal);
+    return NORMA_REASON_NONE;
+}
+
+/* ---- in ascending number of faces */
+
+/* The ranks whose next vote waits, in a heap: that of the least face on top, ties the lower rank.
+ */
+typedef struct merge {
+    const mpi_lists *in;
+    int *next;      /* of each rank: its record */
+    int *heap;      /* ranks */
+    uint64_t *face; /* of each rank's next vote */
+    int waiting;
+} merge;
+
+static int comes_first(const merge *m, int a, int b) {
+    return m->face[a] < m->face[b] || (m->face[a] == m->face[b] && a < b);
+}
+
+static void sink(merge *m, int at) {
+    for (int child = 2 * at + 1; child < m->waiting; child = 2 * at + 1) {
+        if (child + 1 < m->waiting && comes_first(m, m->heap[child + 1], m->heap[child])) child++;
+        if (!comes_first(m, m->heap[child], m->heap[at])) return;
+        const int rank = m->heap[at];
+        m->heap[at] = m->heap[child];
+        m->heap[child] = rank;
+        at = child;
+    }
+}
+
+static int is_over(const merge *m, int rank) {
+    return m->next[rank] == m->in->starts[rank] + m->in->counts[rank];
+}
+
+static void look_at_next(merge *m, int rank) {
+    m->face[rank] = face_of(norma_mpi_record(m->in, (size_t)m->next[rank]));
+}
+
+static void begin_merge(merge *m, int ranks) {
+    for (int r = 0; r < ranks; r++) {
+        m->next[r] = m->in->starts[r];
+        if (is_over(m, r)) continue;
+        look_at_next(m, r);
+        m->heap[m->waiting++] = r;
+    }
+    for (int i = m->waiting / 2; i-- > 0;) sink(m, i);
+}
+
+static const unsigned char *take_first(merge *m) {
+    const int rank = m->heap[0];
+    const unsigned char *record = norma_mpi_record(m->in, (size_t)m->next[rank]++);
+    if (is_over(m, rank))
+        m->heap[0] = m->heap[--m->waiting];
+    else
+        look_at_next(m, rank);
+    sink(m, 0);
+    return record;
+}
+
+typedef void vote_taker(void *context, const slot_vote *v);
+
+static void take_in_order(const mpi_lists *in, size_t count, vote_taker *take, void *context) {
+    for (size_t i = 0; i < count; i++) {
+        slot_vote v;
+        read_vote(norma_mpi_record(in, i), &v);
+        take(context, &v);
+    }
+}
+
+static norma_result take_merged(const mpi_home *home, vote_taker *take, void *context) {
+    const core_call *core = home->call->core;
+    const size_t ranks = (size_t)home->call->ranks;
+    merge m = {.in = home->in,
+        .next = norma_core_allocate(core, ranks, sizeof *m.next),
+        .heap = norma_core_allocate(core, ranks, sizeof *m.heap),
+        .face = norma_core_allocate(core, ranks, sizeof *m.face)};
+    const norma_result result = m.next && m.heap && m.face ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (result == NORMA_OK) begin_merge(&m, home->call->ranks);
+    while (m.waiting) {
+        slot_vote v;
+        read_vote(take_first(&m), &v);
+        take(context, &v);
+    }
+    norma_core_release(core, m.next, ranks, sizeof *m.next);
+    norma_core_release(core, m.heap, ranks, sizeof *m.heap);
+    norma_core_release(core, m.face, ranks, sizeof *m.face);
+    return result;
+}
+
+static norma_result take_all(const mpi_home *home, vote_taker *take, void *context) {
+    if (home->numbered) return take_merged(home, take, context);
+    take_in_order(home->in, norma_mpi_lists_total(home->call, home->in), take, context);
+    return NORMA_OK;
+}
+
+/* ---- sums */
+
+typedef struct slot_sums {
+    vertex_sum *sums;
+    uint64_t first;
+} slot_sums;
+
+static void add_vote(void *context, const slot_vote *v) {
+    const slot_sums *s = context;
+    vertex_sum *sum = &s->sums[v->slot - s->first];
+    sum->x += v->row[0];
+    sum->y += v->row[1];
+    sum->z += v->row[2];
+    sum->weight += v->row[3];
+}
+
+static norma_result sum_slots(const mpi_home *home) {
+    const core_call *core = home->call->core;
+    slot_sums s = {norma_core_allocate(core, home->count, sizeof *s.sums), home->first};
+    if (!s.sums) return NORMA_ERROR_MEMORY;
+    norma_core_clear_sums(s.sums, home->count);
+    const norma_result result = take_all(home, add_vote, &s);
+    for (size_t i = 0; i < home->count && result == NORMA_OK; i++) {
+        mpi_outcome outcome = {{0, 0, 0}, 0};
+        outcome.reason = (uint32_t)mpi_resolve(&s.sums[i], outcome.normal);
+        home->outcomes[home->first + i] = outcome;
+    }
+    norma_core_release(core, s.sums, home->count, sizeof *s.sums);
+    return result;
+}
+
+/* ---- the most visible normal */
+
+typedef struct slot_normals {
+    double (*normals)[3]; /* of each slot, one after the other */
+    uint32_t *ends;       /* of each slot, while they come: where the next goes */
+    uint64_t first;
+} slot_normals;
+
+static void keep_normal(void *context, const slot_vote *v) {
+    const slot_normals *s = context;
+    memcpy(s->normals[s->ends[v->slot - s->first]++], v->row, sizeof s->normals[0]);
+}
+
+static void place_slots(const mpi_home *home, slot_normals *s, size_t votes) {
+    uint32_t sum = 0;
+    memset(s->ends, 0, home->count * sizeof *s->ends);
+    for (size_t i = 0; i < votes; i++) {
+        slot_vote v;
+        read_vote(norma_mpi_record(home->in, i), &v);
+        s->ends[v.slot - home->first]++;
+    }
+    for (size_t i = 0; i < home->count; i++) {
+        const uint32_t count = s->ends[i];
+        s->ends[i] = sum;
+        sum += count;
+    }
+}
+
+static mpi_outcome see(const slot_normals *s, size_t slot) {
+    const uint32_t begin = slot ? s->ends[slot - 1] : 0, count = s->ends[slot] - begin;
+    mpi_outcome outcome = {{0, 0, 0}, NORMA_REASON_UNREFERENCED};
+    double axis[3];
+    if (!count) return outcome;
+    outcome.reason = NORMA_REASON_CANCELLED;
+    if (!norma_core_smallest_cone((const double(*)[3])s->normals + begin, count, axis))
+        return outcome;
+    norma_core_direction(axis, outcome.normal);
+    outcome.reason = NORMA_REASON_NONE;
+    return outcome;
+}
+
+static norma_result see_slots(const mpi_home *home) {
+    const core_call *core = home->call->core;
+    const size_t votes = norma_mpi_lists_total(home->call, home->in);
+    slot_normals s = {norma_core_allocate(core, votes, sizeof *s.normals),
+        norma_core_allocate(core, home->count, sizeof *s.ends), home->first};
+    norma_result result = s.normals && s.ends ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (result == NORMA_OK) {
+        place_slots(home, &s, votes);
+        result = take_all(home, keep_normal, &s);
+    }
+    for (size_t i = 0; i < home->count && result == NORMA_OK; i++)
+        home->outcomes[home->first + i] = see(&s, i);
+    norma_core_release(core, s.normals, votes, sizeof *s.normals);
+    norma_core_release(core, s.ends, home->count, sizeof *s.ends);
+    return result;
+}
+
+/* MEMORY, or the outcomes. */
+static norma_result mpi_sum_at_home(const mpi_home *home) {
+    return home->call->core->options.weight == NORMA_WEIGHT_VISIBLE ? see_slots(home)
+                                                                    : sum_slots(home);
+}
+
+/* ---- Each rank goes through its faces in ascending number. Votes for positions of its own are
  * added at once; those for shared ones go to their homes, which add them in ascending number of
  * faces over all ranks. They go in rounds, each for a range of the slots of every home: a round
  * brings all votes for its slots, so that no vote waits for a later one. */
-#include "mpi/vertex/sums.h"
-#include "core/call/output.h"
-#include "mpi/vertex/home_sums.h"
-#include "mpi/vertex/votes.h"
 
 enum { LEAST_VOTES = 1 << 12 };
 
@@ -54,7 +350,7 @@ static int wants_face(const void *context, size_t f) {
 }
 
 static void send_vote(const sum_rounds *r, mpi_place place, uint64_t face, const double vote[4]) {
-    norma_mpi_write_vote(norma_mpi_lists_add(r->out, norma_mpi_home(place)), r->sums->numbered,
+    mpi_write_vote(norma_mpi_lists_add(r->out, norma_mpi_home(place)), r->sums->numbered,
         (uint32_t)norma_mpi_slot(place), face, vote);
 }
 
@@ -138,7 +434,7 @@ static norma_result list_votes(sum_rounds *r, mpi_lists *out) {
     const mpi_visit visit = {
         r->sums->prepared, r->sums->faces, wants_face, take_vote, take_degenerate, r};
     r->out = out;
-    norma_mpi_visit_votes(&visit);
+    mpi_visit_votes(&visit);
     send_loans(r);
     return NORMA_OK;
 }
@@ -156,7 +452,7 @@ static norma_result run_round(sum_rounds *r) {
         .first = r->first[call->rank],
         .count = (size_t)r->count[call->rank],
         .outcomes = r->sums->outcomes};
-    result = norma_mpi_sum_at_home(&home);
+    result = mpi_sum_at_home(&home);
     norma_mpi_lists_close(call, &in);
     return norma_mpi_step(call, (double)(r->round + 1) / (double)r->rounds, result);
 }
@@ -259,7 +555,7 @@ static void receive_one(const hand_out *h, size_t v, const mpi_lists *back, int 
         memcpy(normal, record, sizeof normal);
         reason = record[sizeof normal];
     } else {
-        reason = norma_mpi_resolve(&h->sums->own[norma_mpi_slot(place)], normal);
+        reason = mpi_resolve(&h->sums->own[norma_mpi_slot(place)], normal);
     }
     receive(context, v, reason, normal);
 }
