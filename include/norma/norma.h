@@ -1203,6 +1203,93 @@ NORMA_API norma_result norma_build(const norma_mesh *mesh, const norma_attribute
     float crease_angle_rad, norma_tangent_mode mode, const norma_options *options,
     norma_built *built, norma_report *report);
 
+/* ---- skins: positions, normals and tangents of vertices that several joints move
+ *
+ * Each vertex has a matrix B of its own, blended in double precision from the matrices of its
+ * joints, in ascending order of influence. A joint that weighs 0 is not read.
+ *
+ * - Options. The calls use threads, isa, normal_stride (bytes between vectors of the output),
+ *   fallback (zero or given), reasons, allocator, parallel_for and progress. options may be NULL.
+ * - Output. Each vector is written once; in place is fine, with the same stride. The bits are the
+ *   same for any number of threads and on any machine.
+ * - Errors. NORMA_ERROR_INDEX: a joint number is not below joint_count. NORMA_ERROR_ARGUMENT: a
+ *   weight is not finite, or one of the twelve numbers of a matrix that a vertex uses; fewer
+ * vectors than vertices; NORMA_FALLBACK_NEAREST; a NULL array that has to be read or written. Also
+ *   NORMA_ERROR_CAPACITY, NORMA_ERROR_OVERFLOW, NORMA_ERROR_MEMORY and NORMA_CANCELLED. All but the
+ *   last two are found before anything is written; norma_find_skin_fault names the argument and the
+ *   element.
+ * - Cost. O(vertices * influences + joints); 168 bytes of scratch memory for each joint. */
+
+typedef enum norma_blend {
+    /* B is the weighted sum of the joints' matrices, as in glTF. */
+    NORMA_BLEND_LINEAR = 0,
+    /* Rotations and translations are blended as dual quaternions, the stretch of each matrix (its
+     * right polar factor: scale and shear) linearly before them (Kavan et al. 2008). */
+    NORMA_BLEND_DUAL_QUATERNION
+} norma_blend;
+
+/* Which joints move each vertex, and how much. */
+typedef struct norma_skin {
+    /* Sixteen floats for each joint, column-major: the joint's world matrix times its inverse bind
+     * matrix. The last row is ignored. */
+    const float *matrices;
+    size_t joint_count;
+    const void *joints;   /* for each vertex, influences joint numbers */
+    size_t joint_size;    /* bytes of a joint number: 2 (or 0), 1 or 4 */
+    const float *weights; /* for each vertex, influences weights; neither normalised nor clamped */
+    size_t influences;    /* joints of each vertex, 1 to 64 */
+    size_t vertex_count;
+    norma_blend blend;
+} norma_skin;
+
+/* Moves positions: B p, in double precision, rounded once.
+ *
+ *   skin       the joints of each vertex
+ *   in         a position for each vertex, in the space in which the skin was bound
+ *   options    see above; may be NULL
+ *   out        written: three floats for each vertex
+ *   capacity   positions that fit */
+NORMA_API norma_result norma_skin_positions(const norma_skin *skin, norma_vec3_view in,
+    const norma_options *options, float *out, size_t capacity);
+
+/* Turns normals: sign(det B) cof(B) n, made unit: the normal matrix of the blend, not the blend of
+ * normal matrices. It ignores how the weights differ from vertex to vertex (Tarini et al. 2014).
+ *
+ *   skin       the joints of each vertex
+ *   in         a normal for each vertex, of any length
+ *   options    see above; may be NULL
+ *   out        written: three floats for each vertex, unit, within 2e-7 rad of the exact direction
+ *              for the given floats, or the fallback
+ *   capacity   normals that fit
+ *   report     written; or NULL: cancelled counts zero normals and those of which a singular B
+ *              leaves nothing, non_finite those that are not finite */
+NORMA_API norma_result norma_skin_normals(const norma_skin *skin, norma_vec3_view in,
+    const norma_options *options, float *out, size_t capacity, norma_report *report);
+
+/* Turns tangents: B t, made perpendicular to the skinned normal as norma_transform_tangents does;
+ * the sign is negated if B mirrors.
+ *
+ *   skin              the joints of each vertex
+ *   in                four floats for each vertex, tightly packed: the tangent and its sign
+ *   skinned_normals   the normals that norma_skin_normals wrote
+ *   options           see above; normal_stride 0: 16. May be NULL
+ *   out               written: four floats for each vertex
+ *   capacity          tangents that fit */
+NORMA_API norma_result norma_skin_tangents(const norma_skin *skin, const float *in,
+    norma_vec3_view skinned_normals, const norma_options *options, float *out, size_t capacity);
+
+/* Finds out why a call on a skin returned an error: the argument, and the element in it.
+ *
+ *   skin      as given to the call
+ *   options   as given to the call; may be NULL
+ *   fault     written; or NULL. index: the influence of "skin->joints" or "skin->weights", counted
+ *             over all vertices; the joint of "skin->matrices"
+ *
+ * Returns what the call would return for these arguments. If it returns NORMA_OK and the call
+ * failed, the input or an output buffer was at fault. */
+NORMA_API norma_result norma_find_skin_fault(
+    const norma_skin *skin, const norma_options *options, norma_fault *fault);
+
 /* ---- the library */
 
 /* Returns the version of the linked library as text, "0.1.0". The string is constant and must not

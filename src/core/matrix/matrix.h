@@ -36,6 +36,11 @@ void norma_matrix_describe(
  * orthonormal. The largest entry must be near 1. */
 void norma_singular_values(const double matrix[9], double values[3], double v[9]);
 
+/* A tangent made unit and perpendicular to the normal; the normal may be zero or not finite: then
+ * it asks nothing of the tangent. */
+void norma_core_perpendicular_tangent(
+    const double normal[3], const double tangent[3], double out[3]);
+
 /* The normal matrix of one model; the error is that some entry is not finite, and zeros were
  * written. */
 norma_result norma_core_normal_matrix_of(

@@ -21,8 +21,8 @@ static void any_perpendicular(const double n[3], double out[3]) {
     (void)norma_vec3_unit(out);
 }
 
-/* t made unit and perpendicular to n; n may be zero or not finite: then it asks nothing of t. */
-static void make_perpendicular(const double normal[3], const double tangent[3], double out[3]) {
+void norma_core_perpendicular_tangent(
+    const double normal[3], const double tangent[3], double out[3]) {
     double n[3] = {normal[0], normal[1], normal[2]}, t[3] = {tangent[0], tangent[1], tangent[2]};
     const int has_normal = norma_vec3_unit(n), has_tangent = norma_vec3_unit(t);
     if (!has_normal) {
@@ -68,7 +68,7 @@ static void run(const tangent_stream *s, const double *linear, float sign) {
             moved[r] =
                 linear ? linear[r] * t[0] + linear[3 + r] * t[1] + linear[6 + r] * t[2] : t[r];
         norma_view_read(s->normals, i, normal);
-        make_perpendicular(normal, moved, unit);
+        norma_core_perpendicular_tangent(normal, moved, unit);
         for (int r = 0; r < 3; r++) out[r] = (float)unit[r];
         out[3] = in[3] * sign;
         memcpy((unsigned char *)s->out + i * s->out_stride, out, sizeof out);

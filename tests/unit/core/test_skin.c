@@ -1,0 +1,333 @@
+/* test_skin.c: skinned positions, normals and tangents against whole numbers, in which the blend,
+ * its cofactors and its determinant are exact; against closed forms of screws; against the calls
+ * for one matrix. */
+#include "check.h"
+#include <math.h>
+
+enum { JOINTS = 24, VERTICES = 5000, MOST = 64 };
+
+typedef struct made_skin {
+    norma_skin skin;
+    float matrices[JOINTS][16], vectors[VERTICES][3];
+    uint16_t joints[VERTICES * MOST];
+    float weights[VERTICES * MOST];
+} made_skin;
+
+static uint32_t random_below(uint64_t *seed, uint32_t count) {
+    *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (uint32_t)((*seed >> 33) % count);
+}
+
+static int random_whole(uint64_t *seed, int most) {
+    return (int)random_below(seed, (uint32_t)(2 * most + 1)) - most;
+}
+
+/* Whole numbers: matrices up to 50, weights up to 8, which also cancel; some matrices singular. */
+static made_skin *make_skin(uint64_t seed, size_t influences) {
+    made_skin *m = calloc(1, sizeof *m);
+    for (int j = 0; j < JOINTS; j++)
+        for (int i = 0; i < 16; i++)
+            m->matrices[j][i] = (float)random_whole(&seed, j % 4 == 3 && i < 4 ? 0 : 50);
+    for (size_t v = 0; v < VERTICES; v++)
+        for (int k = 0; k < 3; k++) m->vectors[v][k] = (float)random_whole(&seed, 9);
+    for (size_t i = 0; i < VERTICES * influences; i++) {
+        m->joints[i] = (uint16_t)random_below(&seed, JOINTS);
+        m->weights[i] = (float)random_whole(&seed, 8);
+    }
+    m->skin = (norma_skin){.matrices = m->matrices[0],
+        .joint_count = JOINTS,
+        .joints = m->joints,
+        .weights = m->weights,
+        .influences = influences,
+        .vertex_count = VERTICES};
+    return m;
+}
+
+static norma_vec3_view view_of(float (*vectors)[3]) {
+    return (norma_vec3_view){.data = vectors, .count = VERTICES};
+}
+
+/* B's three columns and translation, in whole numbers. */
+static void whole_blend(const made_skin *m, size_t vertex, long b[4][3]) {
+    memset(b, 0, 12 * sizeof b[0][0]);
+    for (size_t k = 0; k < m->skin.influences; k++) {
+        const size_t i = vertex * m->skin.influences + k;
+        for (int c = 0; c < 4; c++)
+            for (int r = 0; r < 3; r++)
+                b[c][r] += (long)m->weights[i] * (long)m->matrices[m->joints[i]][4 * c + r];
+    }
+}
+
+static void whole_cross(const long a[3], const long b[3], long out[3]) {
+    for (int i = 0; i < 3; i++)
+        out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
+/* sign(det B) cof(B) n; the number: the determinant's sign. */
+static int whole_normal(const made_skin *m, size_t vertex, long out[3]) {
+    long b[4][3], cof[3][3];
+    whole_blend(m, vertex, b);
+    for (int c = 0; c < 3; c++) whole_cross(b[(c + 1) % 3], b[(c + 2) % 3], cof[c]);
+    const long det = b[0][0] * cof[0][0] + b[0][1] * cof[0][1] + b[0][2] * cof[0][2];
+    const int sign = det < 0 ? -1 : 1;
+    for (int r = 0; r < 3; r++) {
+        out[r] = 0;
+        for (int c = 0; c < 3; c++) out[r] += sign * cof[c][r] * (long)m->vectors[vertex][c];
+    }
+    return det < 0 ? -1 : det > 0;
+}
+
+/* sin of the angle between a float vector and a direction. */
+static double angle_to(const float a[3], const long b[3]) {
+    const double x = (double)a[0], y = (double)a[1], z = (double)a[2], p = (double)b[0],
+                 q = (double)b[1], r = (double)b[2];
+    const double cross = hypot(hypot(y * r - z * q, z * p - x * r), x * q - y * p);
+    return atan2(cross, x * p + y * q + z * r);
+}
+
+static void whole_numbers(void **state) {
+    (void)state;
+    static float positions[VERTICES][3], normals[VERTICES][3];
+    static uint8_t reasons[VERTICES];
+    const size_t influences[] = {1, 2, 4, 7, 64};
+    size_t none = 0, mirrored = 0;
+    for (size_t i = 0; i < 5; i++) {
+        made_skin *m = make_skin(i + 1, influences[i]);
+        norma_options options = {.reasons = reasons};
+        norma_report report;
+        assert_ok(
+            norma_skin_positions(&m->skin, view_of(m->vectors), NULL, positions[0], VERTICES));
+        assert_ok(norma_skin_normals(
+            &m->skin, view_of(m->vectors), &options, normals[0], VERTICES, &report));
+        size_t cancelled = 0;
+        for (size_t v = 0; v < VERTICES; v++) {
+            long b[4][3], n[3];
+            whole_blend(m, v, b);
+            for (int r = 0; r < 3; r++) {
+                long p = b[3][r];
+                for (int c = 0; c < 3; c++) p += b[c][r] * (long)m->vectors[v][c];
+                assert_true(positions[v][r] == (float)p);
+            }
+            mirrored += whole_normal(m, v, n) < 0;
+            if (n[0] == 0 && n[1] == 0 && n[2] == 0) {
+                cancelled++;
+                assert_int_equal(reasons[v], NORMA_REASON_CANCELLED);
+                assert_true(normals[v][0] == 0 && normals[v][1] == 0 && normals[v][2] == 0);
+                continue;
+            }
+            assert_int_equal(reasons[v], NORMA_REASON_NONE);
+            assert_true(angle_to(normals[v], n) < 2e-7);
+        }
+        assert_int_equal(report.cancelled.count, cancelled);
+        none += cancelled;
+        free(m);
+    }
+    assert_true(none > 100 && mirrored > 1000);
+}
+
+/* A large joint's part that is taken away again after a small joint's leaves the small one: doubles
+ * have rounded most of it off by then. */
+static void what_is_left_of_a_difference(void **state) {
+    (void)state;
+    float out[3];
+    size_t mirrored = 0;
+    made_skin *m = make_skin(17, 3);
+    m->skin.vertex_count = 1;
+    for (uint64_t seed = 1; seed < 400; seed++) {
+        uint64_t random = seed;
+        for (int i = 0; i < 11; i++) m->matrices[0][i] = (float)random_whole(&random, 1000) / 7;
+        const uint16_t small = (uint16_t)(1 + random_below(&random, JOINTS - 1));
+        const made_skin *alone = m;
+        long n[3];
+        m->joints[0] = small, m->weights[0] = 1;
+        m->skin.influences = 1;
+        mirrored += whole_normal(alone, 0, n) < 0;
+        m->skin.influences = 3;
+        m->joints[0] = m->joints[2] = 0;
+        m->joints[1] = small;
+        m->weights[0] = 0x1.234567p30F, m->weights[1] = 0x1p-20F, m->weights[2] = -m->weights[0];
+        assert_ok(norma_skin_normals(&m->skin, view_of(m->vectors), NULL, out, 1, NULL));
+        if (n[0] || n[1] || n[2])
+            assert_true(angle_to(out, n) < 2e-7);
+        else
+            assert_true(out[0] == 0 && out[1] == 0 && out[2] == 0);
+    }
+    assert_true(mirrored > 50);
+    free(m);
+}
+
+/* One joint is one matrix. */
+static void one_joint_is_a_matrix(void **state) {
+    (void)state;
+    static float skinned[VERTICES][3], moved[VERTICES][3], tangents[VERTICES][4],
+        turned[VERTICES][4], other[VERTICES][4];
+    made_skin *m = make_skin(9, 1);
+    for (size_t v = 0; v < VERTICES; v++) {
+        m->joints[v] = 2;
+        m->weights[v] = 1;
+        for (int k = 0; k < 3; k++) tangents[v][k] = m->vectors[VERTICES - 1 - v][k];
+        tangents[v][3] = v % 2 ? 1 : -1;
+    }
+    float matrix[9];
+    assert_ok(norma_normal_matrix(m->matrices[2], NORMA_WINDING_REVERSED, matrix, NULL));
+    for (int blend = 0; blend < 2; blend++) {
+        m->skin.blend = blend ? NORMA_BLEND_DUAL_QUATERNION : NORMA_BLEND_LINEAR;
+        assert_ok(norma_transform_normals(matrix, view_of(m->vectors), moved[0], 0, VERTICES));
+        assert_ok(
+            norma_skin_normals(&m->skin, view_of(m->vectors), NULL, skinned[0], VERTICES, NULL));
+        for (size_t v = 0; v < VERTICES; v++)
+            for (int k = 0; k < 3; k++)
+                assert_true(fabs((double)(skinned[v][k] - moved[v][k])) < 2e-7);
+        assert_ok(norma_skin_tangents(
+            &m->skin, tangents[0], view_of(skinned), NULL, turned[0], VERTICES));
+        assert_ok(norma_transform_tangents(
+            m->matrices[2], tangents[0], 0, view_of(skinned), VERTICES, other[0], 0, VERTICES));
+        for (size_t v = 0; v < VERTICES; v++) {
+            const float *t = tangents[v], *a = turned[v], *b = other[v];
+            if (t[0] == 0 && t[1] == 0 && t[2] == 0) continue;
+            assert_true(a[3] == b[3]);
+            for (int k = 0; k < 3; k++) assert_true(fabs((double)(a[k] - b[k])) < 1e-4);
+        }
+        assert_ok(norma_skin_positions(&m->skin, view_of(m->vectors), NULL, skinned[0], VERTICES));
+        assert_ok(
+            norma_transform_positions((double[16]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+                view_of(m->vectors), moved[0], 0, VERTICES));
+        for (size_t v = 0; v < VERTICES; v++) {
+            long b[4][3];
+            whole_blend(m, v, b);
+            for (int r = 0; r < 3; r++) {
+                long p = b[3][r];
+                for (int c = 0; c < 3; c++) p += b[c][r] * (long)m->vectors[v][c];
+                assert_true(fabs((double)skinned[v][r] - (double)p) < 2e-3);
+            }
+        }
+    }
+    free(m);
+}
+
+static void make_turn(double degrees, double z, double scale, float m[16]) {
+    const double a = degrees / 57.29577951308232;
+    const float c = (float)(scale * cos(a)), s = (float)(scale * sin(a));
+    const float turn[16] = {c, s, 0, 0, -s, c, 0, 0, 0, 0, (float)scale, 0, 0, 0, (float)z, 1};
+    memcpy(m, turn, sizeof turn);
+}
+
+/* Half of a turn about z and half of none, climbing by 4: half the turn, climbing by 2, without the
+ * shrinking of the linear blend. Stretches of 1 and 3 become 2. */
+static void half_a_screw(void **state) {
+    (void)state;
+    float matrices[2][16], out[3];
+    const uint32_t joints[] = {0, 1};
+    const float weights[] = {0.5F, 0.5F}, point[] = {1, 0, 1};
+    const norma_vec3_view in = {.data = point, .count = 1};
+    const double angles[] = {90, 170, -120};
+    for (int i = 0; i < 3; i++) {
+        make_turn(0, 0, 1, matrices[0]);
+        make_turn(angles[i], 4, 3, matrices[1]);
+        norma_skin skin = {matrices[0], 2, joints, 4, weights, 2, 1, NORMA_BLEND_DUAL_QUATERNION};
+        const double half = angles[i] / 2 / 57.29577951308232;
+        assert_ok(norma_skin_positions(&skin, in, NULL, out, 1));
+        assert_true(fabs((double)out[0] - 2 * cos(half)) < 1e-6);
+        assert_true(fabs((double)out[1] - 2 * sin(half)) < 1e-6);
+        assert_true(fabs((double)out[2] - 4) < 1e-6);
+        assert_ok(norma_skin_normals(&skin, in, NULL, out, 1, NULL));
+        assert_true(fabs((double)out[0] - cos(half) / sqrt(2)) < 1e-7);
+        assert_true(fabs((double)out[1] - sin(half) / sqrt(2)) < 1e-7);
+        assert_true(fabs((double)out[2] - 1 / sqrt(2)) < 1e-7);
+    }
+    /* A mirrored joint: minus a rotation, minus its stretch. */
+    make_turn(0, 0, 1, matrices[0]);
+    for (int i = 0; i < 3; i++) matrices[0][5 * i] = -1;
+    memcpy(matrices[1], matrices[0], sizeof matrices[0]);
+    norma_skin skin = {matrices[0], 2, joints, 4, weights, 2, 1, NORMA_BLEND_DUAL_QUATERNION};
+    assert_ok(norma_skin_positions(&skin, in, NULL, out, 1));
+    assert_true(out[0] == -1 && out[1] == 0 && out[2] == -1);
+}
+
+static void same_bits(void **state) {
+    (void)state;
+    static float first[VERTICES][3], again[VERTICES][3], wide[VERTICES][5];
+    for (int blend = 0; blend < 2; blend++) {
+        made_skin *m = make_skin(5, 4);
+        m->skin.blend = blend ? NORMA_BLEND_DUAL_QUATERNION : NORMA_BLEND_LINEAR;
+        const norma_options portable = {.isa = NORMA_ISA_PORTABLE}, threads = {.threads = 3},
+                            strided = {.normal_stride = 20, .threads = NORMA_ALL_THREADS};
+        const norma_vec3_view in = view_of(m->vectors);
+        assert_ok(norma_skin_normals(&m->skin, in, &portable, first[0], VERTICES, NULL));
+        assert_ok(norma_skin_normals(&m->skin, in, &threads, again[0], VERTICES, NULL));
+        assert_memory_equal(first, again, sizeof first);
+        memset(wide, 1, sizeof wide);
+        assert_ok(norma_skin_normals(&m->skin, in, &strided, wide[0], VERTICES, NULL));
+        for (size_t v = 0; v < VERTICES; v++) {
+            assert_memory_equal(wide[v], first[v], 12);
+            assert_memory_equal(wide[v] + 3, "\1\1\1\1\1\1\1\1", 8);
+        }
+        assert_ok(norma_skin_normals(
+            &m->skin, in, &threads, m->vectors[0], VERTICES, NULL)); /* in place */
+        assert_memory_equal(m->vectors, first, sizeof first);
+        free(m);
+    }
+}
+
+static void refused(void **state) {
+    (void)state;
+    static float out[VERTICES][3];
+    made_skin *m = make_skin(3, 4);
+    norma_fault fault;
+    const norma_vec3_view in = view_of(m->vectors);
+    const norma_options nearest = {.fallback = NORMA_FALLBACK_NEAREST};
+    norma_vec3_view shorter = in;
+    shorter.count--;
+    out[0][0] = 7;
+    m->joints[4001] = JOINTS;
+    assert_int_equal(norma_skin_positions(&m->skin, in, NULL, out[0], VERTICES), NORMA_ERROR_INDEX);
+    assert_int_equal(norma_find_skin_fault(&m->skin, NULL, &fault), NORMA_ERROR_INDEX);
+    assert_string_equal(fault.argument, "skin->joints");
+    assert_int_equal(fault.index, 4001);
+    m->joints[4001] = 0;
+    m->weights[17] = NAN;
+    assert_int_equal(
+        norma_skin_normals(&m->skin, in, NULL, out[0], VERTICES, NULL), NORMA_ERROR_ARGUMENT);
+    norma_find_skin_fault(&m->skin, NULL, &fault);
+    assert_string_equal(fault.argument, "skin->weights");
+    m->weights[17] = 0;
+    m->matrices[5][6] = INFINITY;
+    assert_int_equal(
+        norma_skin_normals(&m->skin, in, NULL, out[0], VERTICES, NULL), NORMA_ERROR_ARGUMENT);
+    norma_find_skin_fault(&m->skin, NULL, &fault);
+    assert_string_equal(fault.argument, "skin->matrices");
+    assert_int_equal(fault.index, 5);
+    for (size_t i = 0; i < (size_t)4 * VERTICES; i++) /* who weighs nothing is not read */
+        if (m->joints[i] == 5) m->weights[i] = 0;
+    assert_true(out[0][0] == 7);
+    assert_int_equal(
+        norma_skin_positions(&m->skin, in, NULL, out[0], VERTICES - 1), NORMA_ERROR_CAPACITY);
+    assert_int_equal(
+        norma_skin_positions(&m->skin, shorter, NULL, out[0], VERTICES), NORMA_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_skin_normals(&m->skin, in, &nearest, out[0], VERTICES, NULL), NORMA_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_skin_normals(NULL, in, NULL, out[0], VERTICES, NULL), NORMA_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_skin_tangents(&m->skin, NULL, in, NULL, out[0], VERTICES), NORMA_ERROR_ARGUMENT);
+    assert_true(out[0][0] == 7);
+    m->skin.influences = 65;
+    assert_int_equal(
+        norma_skin_positions(&m->skin, in, NULL, out[0], VERTICES), NORMA_ERROR_ARGUMENT);
+    m->skin.influences = 4;
+    assert_ok(norma_skin_positions(&m->skin, in, NULL, out[0], VERTICES));
+    for (size_t v = 0; v < VERTICES; v++) assert_true(isfinite(out[v][0] + out[v][1] + out[v][2]));
+    m->vectors[3][1] = NAN;
+    norma_report report;
+    const norma_options given = {.fallback = NORMA_FALLBACK_GIVEN, .fallback_normal = {0, 0, 1}};
+    assert_ok(norma_skin_normals(&m->skin, in, &given, out[0], VERTICES, &report));
+    assert_true(report.non_finite.count == 1 && report.non_finite.first == 3 && out[3][2] == 1);
+    free(m);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(whole_numbers),
+        cmocka_unit_test(what_is_left_of_a_difference), cmocka_unit_test(one_joint_is_a_matrix),
+        cmocka_unit_test(half_a_screw), cmocka_unit_test(same_bits), cmocka_unit_test(refused)};
+    return cmocka_run_group_tests_name("skin", tests, NULL, NULL);
+}
