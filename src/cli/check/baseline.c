@@ -9,9 +9,9 @@
 #include "cli/check/check_command.h"
 #include "cli/files/report_output.h"
 #include "cli/process/errors.h"
+#include "cli/process/worker.h"
 #include <errno.h>
 #include <jansson.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,7 +26,6 @@ struct check_baseline {
     const char *path;
     char *folder;           /* absolute, of the baseline itself; NULL: it does not exist */
     int is_new, incomplete; /* incomplete: memory was out, findings are missing */
-    pthread_mutex_t lock;   /* of a new one, which all threads fill */
     known_finding *known;
     size_t count, capacity;
 };
@@ -141,8 +140,60 @@ check_baseline *check_baseline_new(const char *path) {
     baseline->path = path;
     baseline->folder = real_folder_of(path);
     baseline->is_new = 1;
-    pthread_mutex_init(&baseline->lock, NULL);
     return baseline;
+}
+
+check_baseline *check_baseline_part(const check_baseline *whole) {
+    return check_baseline_new(whole->path);
+}
+
+void check_baseline_join(check_baseline *whole, const check_baseline *part, int forgot) {
+    whole->incomplete |= forgot || (part && part->incomplete);
+    for (size_t i = 0; part && i < part->count; ++i) {
+        const known_finding *known = &part->known[i];
+        whole->incomplete |= !add_known(
+            whole, known->path, known->rule, known->where, known->severity, known->count);
+    }
+}
+
+size_t check_baseline_count(const check_baseline *baseline) { return baseline->count; }
+
+/* ---- between processes: sizes, then what they measure */
+
+typedef struct finding_message {
+    size_t count, path, rule, where;
+    norma_severity severity;
+} finding_message;
+
+void check_baseline_send(const check_baseline *part, const cli_worker *worker) {
+    for (size_t i = 0; i < part->count; ++i) {
+        const known_finding *known = &part->known[i];
+        const finding_message message = {known->count, strlen(known->path) + 1,
+            strlen(known->rule) + 1, strlen(known->where) + 1, known->severity};
+        cli_worker_send(worker, &message, sizeof message);
+        cli_worker_send(worker, known->path, message.path);
+        cli_worker_send(worker, known->rule, message.rule);
+        cli_worker_send(worker, known->where, message.where);
+    }
+}
+
+static int receive_finding(check_baseline *whole, const cli_worker *worker) {
+    finding_message message;
+    if (!cli_worker_receive(worker, &message, sizeof message)) return 0;
+    const size_t size = message.path + message.rule + message.where;
+    char *words = malloc(size);
+    const int fine = words && cli_worker_receive(worker, words, size);
+    if (fine)
+        whole->incomplete |= !add_known(whole, words, words + message.path,
+            words + message.path + message.rule, message.severity, message.count);
+    free(words);
+    return fine;
+}
+
+int check_baseline_receive(check_baseline *whole, size_t count, const cli_worker *worker) {
+    int fine = 1;
+    for (size_t i = 0; i < count && fine; ++i) fine = receive_finding(whole, worker);
+    return fine;
 }
 
 void check_baseline_free(check_baseline *baseline) {
@@ -150,7 +201,6 @@ void check_baseline_free(check_baseline *baseline) {
     for (size_t i = 0; i < baseline->count; ++i) free_known(&baseline->known[i]);
     free(baseline->known);
     free(baseline->folder);
-    pthread_mutex_destroy(&baseline->lock);
     free(baseline);
 }
 
@@ -219,11 +269,9 @@ int check_baseline_knows(const check_baseline *baseline, const char *path,
 int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
     norma_severity severity) {
     char *place = place_of(baseline, path);
-    pthread_mutex_lock(&baseline->lock);
     const int fine = place && add_known(baseline, place, finding->rule->id, finding->where,
                                   severity, finding->count);
     baseline->incomplete |= !fine;
-    pthread_mutex_unlock(&baseline->lock);
     free(place);
     return fine;
 }

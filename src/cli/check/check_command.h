@@ -72,6 +72,7 @@ typedef struct check_settings {
     size_t at_once;    /* files that are checked at the same time */
     int list_infos;    /* else they are only counted, in reports for people */
     check_style style;
+    const char *lost; /* why a file cannot be checked: it ended a worker (worker.h) */
     const char *command_options[COMMAND_OPTIONS]; /* what a fix must be told as well; NULL-ended */
     norma_progress *progress;                     /* of whatever takes long */
     void *progress_user;
@@ -187,7 +188,15 @@ check_baseline *check_baseline_new(
 int check_baseline_knows(const check_baseline *baseline, const char *path,
     const norma_finding *finding, norma_severity severity);
 int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
-    norma_severity severity); /* 0: out of memory. Any thread */
+    norma_severity severity); /* 0: out of memory */
+/* The findings of one file, for a new baseline; NULL: out of memory. */
+check_baseline *check_baseline_part(const check_baseline *whole);
+/* Adds those of a part, which may be NULL; forgot: some are missing there. */
+void check_baseline_join(check_baseline *whole, const check_baseline *part, int forgot);
+size_t check_baseline_count(const check_baseline *baseline);
+/* Through the channel of a worker. 0: it has ended. */
+void check_baseline_send(const check_baseline *part, const struct cli_worker *worker);
+int check_baseline_receive(check_baseline *whole, size_t count, const struct cli_worker *worker);
 int check_baseline_write(check_baseline *baseline, cli_guard *guard); /* a status */
 int check_baseline_is_new(const check_baseline *baseline);
 void check_baseline_free(check_baseline *baseline);

@@ -333,7 +333,10 @@ void check_one_file(const check_settings *settings, const check_config *config,
     const char *path = settings->files->inputs.paths[index];
     file_check check = {.settings = settings, .config = config, .path = path, .index = index};
     if (config->override_count) check.absolute = realpath(path, NULL);
-    norma_document_result result = open_and_judge(&check);
+    if (settings->lost)
+        snprintf(check.error.message, sizeof check.error.message, "%s", settings->lost);
+    norma_document_result result =
+        settings->lost ? NORMA_DOCUMENT_ERROR_FILE : open_and_judge(&check);
     if (result)
         report_unreadable(&check, format, out, totals);
     else

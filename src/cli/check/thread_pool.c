@@ -1,11 +1,13 @@
-/* thread_pool.c: checks several files at once and reports them in their order. A worker takes the
- * next file and writes its part of the report into memory. The worker that finishes the part due
- * next writes it, and all finished parts behind it, to the output. No file is started more than a
- * window ahead of the output, so memory does not grow with the number of files. */
+/* thread_pool.c: checks several files at once and reports them in their order. A thread takes the
+ * next file and writes its part of the report into memory; parts go to the output in the order of
+ * files. No file is started more than a window ahead of the output, so memory does not grow with
+ * the number of files. Several files are checked in a process of their own (worker.h), which sends
+ * the parts: if it ends, the files that were being checked are checked again, each alone. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
+#include "cli/process/worker.h"
 #include "cli/text/memory_stream.h"
 #include <errno.h>
 #include <pthread.h>
@@ -15,26 +17,35 @@
 
 enum { WINDOW = 256, MOST_WORKERS = 64 };
 
+/* ---- the report, in the order of files */
+
 typedef struct file_part {
     char *bytes;
     size_t size;
     int done;
 } file_part;
 
-typedef struct check_pool {
+typedef struct check_collector {
     const check_settings *settings;
-    check_configs *configs;
     const check_format *format;
     const cli_inputs *inputs;
     FILE *out;
-    pthread_mutex_t lock;
-    pthread_cond_t moved;    /* the output went on */
-    size_t next, told;       /* files: to be taken, already told */
+    size_t told;             /* files */
     int told_any;            /* something stands in the report */
     file_part parts[WINDOW]; /* file i at i % WINDOW */
     check_totals totals;
     cli_progress progress;
-} check_pool;
+} check_collector;
+
+/* What one file gave. */
+typedef struct checked_file {
+    size_t file;
+    char *bytes; /* its part of the report */
+    size_t size;
+    check_totals totals;
+    check_baseline *baseline; /* its findings, for a new one; NULL: none is written */
+    int forgot;               /* findings are missing there: memory was out */
+} checked_file;
 
 static void add_totals(check_totals *sum, const check_totals *more) {
     sum->errors += more->errors;
@@ -54,28 +65,83 @@ static void add_totals(check_totals *sum, const check_totals *more) {
     sum->status = cli_worse(sum->status, more->status);
 }
 
-/* Called with the lock. */
-static void tell_what_is_next(check_pool *pool) {
-    cli_progress_hide(&pool->progress); /* a report may go to the same terminal */
-    while (pool->told < pool->inputs->count && pool->parts[pool->told % WINDOW].done) {
-        file_part *part = &pool->parts[pool->told % WINDOW];
-        if (part->size && pool->told_any) fputs(pool->format->between, pool->out);
-        pool->told_any |= part->size != 0;
-        fwrite(part->bytes, 1, part->size, pool->out);
+static void tell_what_is_next(check_collector *all) {
+    cli_progress_hide(&all->progress); /* a report may go to the same terminal */
+    while (all->told < all->inputs->count && all->parts[all->told % WINDOW].done) {
+        file_part *part = &all->parts[all->told % WINDOW];
+        if (part->size && all->told_any) fputs(all->format->between, all->out);
+        all->told_any |= part->size != 0;
+        fwrite(part->bytes, 1, part->size, all->out);
         free(part->bytes);
         *part = (file_part){0};
-        ++pool->told;
+        ++all->told;
     }
-    pthread_cond_broadcast(&pool->moved);
 }
 
-/* A norma_progress of any worker: of one file the seconds, of several how many are done. */
+/* Takes over the bytes and the baseline. */
+static void collect(check_collector *all, const checked_file *checked) {
+    file_part *part = &all->parts[checked->file % WINDOW];
+    part->bytes = checked->bytes;
+    part->size = checked->size;
+    part->done = 1;
+    add_totals(&all->totals, &checked->totals);
+    if (all->settings->baseline)
+        check_baseline_join(all->settings->baseline, checked->baseline, checked->forgot);
+    check_baseline_free(checked->baseline);
+    tell_what_is_next(all);
+}
+
+/* ---- files checked at once, here or in a worker */
+
+typedef struct check_pool {
+    check_settings settings;
+    check_configs *configs;
+    check_collector *all;     /* of this process */
+    const cli_worker *worker; /* NULL: this is none, and parts go to all */
+    size_t sources_sent;
+    pthread_mutex_t lock;
+    pthread_cond_t moved;    /* the output went on */
+    size_t next, told, last; /* files: to be taken, already told, not to be taken any more */
+    unsigned char done[WINDOW];
+    int status;
+} check_pool;
+
+enum { MESSAGE_BEGUN, MESSAGE_DONE, MESSAGE_STATUS };
+
+typedef struct check_message {
+    int kind, status, forgot;
+    size_t file, size, known;
+} check_message;
+
+static void send_message(const check_pool *pool, const check_message *message) {
+    cli_worker_send(pool->worker, message, sizeof *message);
+}
+
+static void send_checked(check_pool *pool, const checked_file *checked) {
+    const check_message message = {.kind = MESSAGE_DONE,
+        .file = checked->file,
+        .size = checked->size,
+        .forgot = checked->forgot,
+        .known = checked->baseline ? check_baseline_count(checked->baseline) : 0};
+    send_message(pool, &message);
+    cli_worker_send(pool->worker, &checked->totals, sizeof checked->totals);
+    cli_worker_send(pool->worker, checked->bytes, checked->size);
+    if (checked->baseline) check_baseline_send(checked->baseline, pool->worker);
+    cli_guard_send(pool->settings.files->guard, &pool->sources_sent, pool->worker);
+    free(checked->bytes);
+    check_baseline_free(checked->baseline);
+}
+
+/* A norma_progress of any thread: of one file the seconds, of several how many are done; a worker's
+ * caller shows that. */
 static int report_progress(void *user, double fraction) {
     check_pool *pool = user;
-    if (pool->inputs->count == 1) return cli_progress_elapsed(&pool->progress, fraction);
-    if (!pool->progress.enabled || pthread_mutex_trylock(&pool->lock)) return cli_interrupted();
+    check_collector *all = pool->all;
+    if (all->inputs->count == 1) return cli_progress_elapsed(&all->progress, fraction);
+    if (pool->worker || !all->progress.enabled || pthread_mutex_trylock(&pool->lock))
+        return cli_interrupted();
     const int stop =
-        cli_progress_report(&pool->progress, (double)pool->told / (double)pool->inputs->count);
+        cli_progress_report(&all->progress, (double)all->told / (double)all->inputs->count);
     pthread_mutex_unlock(&pool->lock);
     return stop;
 }
@@ -83,47 +149,67 @@ static int report_progress(void *user, double fraction) {
 static const check_config *take(check_pool *pool, size_t *file) {
     const check_config *config = NULL;
     pthread_mutex_lock(&pool->lock);
-    while (pool->next < pool->inputs->count && pool->next - pool->told >= WINDOW)
+    while (pool->next < pool->last && pool->next - pool->told >= WINDOW)
         pthread_cond_wait(&pool->moved, &pool->lock);
-    if (pool->next < pool->inputs->count) {
+    if (pool->next < pool->last) {
         *file = pool->next++;
         errno = 0;
-        config = check_config_of(pool->configs, pool->inputs->paths[*file]);
+        config = check_config_of(pool->configs, pool->all->inputs->paths[*file]);
+        const check_message begun = {.kind = MESSAGE_BEGUN, .file = *file};
+        if (config && pool->worker) send_message(pool, &begun);
         if (!config) { /* nothing that is checked by it could be trusted */
-            pool->totals.status =
-                cli_worse(pool->totals.status, errno == ENOMEM ? CLI_FILE : CLI_USAGE);
-            pool->next = pool->inputs->count;
+            pool->status = cli_worse(pool->status, errno == ENOMEM ? CLI_FILE : CLI_USAGE);
+            pool->next = pool->last;
         }
     }
     pthread_mutex_unlock(&pool->lock);
     return config;
 }
 
-static void check_file(check_pool *pool, size_t file, const check_config *config) {
-    file_part part = {.done = 1};
-    check_totals totals = {0};
-    cli_memory_stream gathered;
-    if (cli_memory_open(&gathered))
-        check_one_file(pool->settings, config, pool->format, file, gathered.out, &totals);
-    if (cli_memory_close(&gathered)) {
-        part.bytes = gathered.text;
-        part.size = gathered.size;
-    } else { /* half a report is worse than none */
-        totals.status = cli_worse(totals.status, CLI_FILE);
-        cli_error("%s: not reported: out of memory", cli_input_name(pool->inputs->paths[file]));
-    }
+static void deliver(check_pool *pool, const checked_file *checked) {
     pthread_mutex_lock(&pool->lock);
-    pool->parts[file % WINDOW] = part;
-    add_totals(&pool->totals, &totals);
-    tell_what_is_next(pool);
+    if (pool->worker)
+        send_checked(pool, checked);
+    else
+        collect(pool->all, checked);
+    pool->done[checked->file % WINDOW] = 1;
+    for (; pool->done[pool->told % WINDOW]; ++pool->told) pool->done[pool->told % WINDOW] = 0;
+    pthread_cond_broadcast(&pool->moved);
     pthread_mutex_unlock(&pool->lock);
+}
+
+typedef void write_part(const check_settings *settings, const check_config *config,
+    const check_format *format, size_t file, FILE *out, check_totals *totals);
+
+/* Its part of the report, in memory. */
+static checked_file gather(const check_settings *asked, const check_collector *all,
+    const check_config *config, size_t file, write_part *write) {
+    checked_file checked = {.file = file};
+    check_settings settings = *asked;
+    cli_memory_stream gathered;
+    if (settings.baseline && check_baseline_is_new(settings.baseline))
+        settings.baseline = checked.baseline = check_baseline_part(settings.baseline);
+    checked.forgot = asked->baseline && !settings.baseline;
+    if (cli_memory_open(&gathered))
+        write(&settings, config, all->format, file, gathered.out, &checked.totals);
+    if (cli_memory_close(&gathered)) {
+        checked.bytes = gathered.text;
+        checked.size = gathered.size;
+    } else { /* half a report is worse than none */
+        checked.totals.status = cli_worse(checked.totals.status, CLI_FILE);
+        cli_error("%s: not reported: out of memory", cli_input_name(all->inputs->paths[file]));
+    }
+    return checked;
 }
 
 static void *work(void *user) {
     check_pool *pool = user;
     size_t file;
-    for (const check_config *config; (config = take(pool, &file)) != NULL;)
-        check_file(pool, file, config);
+    for (const check_config *config; (config = take(pool, &file)) != NULL;) {
+        const checked_file checked =
+            gather(&pool->settings, pool->all, config, file, check_one_file);
+        deliver(pool, &checked);
+    }
     pthread_mutex_lock(&pool->lock);
     pthread_cond_broadcast(&pool->moved);
     pthread_mutex_unlock(&pool->lock);
@@ -137,38 +223,143 @@ static size_t worker_count(uint32_t threads, size_t files) {
     return count > files ? files : count;
 }
 
-int check_all_files(const check_settings *asked, check_configs *configs, const check_format *format,
-    FILE *out, check_totals *totals) {
-    const cli_inputs *inputs = &asked->files->inputs;
-    check_settings settings = *asked;
-    check_pool *pool = calloc(1, sizeof *pool);
+/* From first up to last, in this process. A status beside those of the files. */
+static int check_range(check_collector *all, check_configs *configs, const cli_worker *worker,
+    size_t first, size_t last) {
     pthread_t threads[MOST_WORKERS];
-    size_t workers = worker_count(settings.threads, inputs->count), started = 0;
-    if (!pool) {
-        cli_error("out of memory");
-        return CLI_FILE;
-    }
-    if (workers > 1) settings.threads = 1; /* the files share the cores */
-    settings.at_once = workers;
-    *pool = (check_pool){
-        .settings = &settings, .configs = configs, .format = format, .inputs = inputs, .out = out};
-    settings.progress = report_progress;
-    settings.progress_user = pool;
-    cli_progress_start(&pool->progress, "checking",
-        inputs->count == 1 ? cli_input_name(inputs->paths[0]) : "files", settings.quiet, 0);
-    pthread_mutex_init(&pool->lock, NULL);
-    pthread_cond_init(&pool->moved, NULL);
+    const size_t workers = worker_count(all->settings->threads, last - first);
+    size_t started = 0;
+    check_pool pool = {.settings = *all->settings,
+        .configs = configs,
+        .all = all,
+        .worker = worker,
+        .sources_sent = cli_guard_count(all->settings->files->guard),
+        .next = first,
+        .told = first,
+        .last = last};
+    if (workers > 1) pool.settings.threads = 1; /* the files share the cores */
+    pool.settings.at_once = workers;
+    pool.settings.progress = report_progress;
+    pool.settings.progress_user = &pool;
+    pthread_mutex_init(&pool.lock, NULL);
+    pthread_cond_init(&pool.moved, NULL);
     for (size_t i = 1; i < workers; ++i)
-        started += pthread_create(&threads[started], NULL, work, pool) == 0;
-    work(pool);
+        started += pthread_create(&threads[started], NULL, work, &pool) == 0;
+    work(&pool);
     for (size_t i = 0; i < started; ++i) pthread_join(threads[i], NULL);
+    pthread_cond_destroy(&pool.moved);
+    pthread_mutex_destroy(&pool.lock);
+    return pool.status;
+}
+
+static _Noreturn void check_in_worker(check_collector *all, check_configs *configs,
+    const cli_worker *worker, size_t first, size_t last) {
+    const check_message ended = {
+        .kind = MESSAGE_STATUS, .status = check_range(all, configs, worker, first, last)};
+    cli_worker_send(worker, &ended, sizeof ended);
+    cli_worker_finish(worker);
+}
+
+/* ---- what a worker says */
+
+static int receive_checked(
+    check_collector *all, const cli_worker *worker, const check_message *message) {
+    checked_file checked = {.file = message->file,
+        .size = message->size,
+        .bytes = malloc(message->size + 1),
+        .forgot = message->forgot};
+    int fine = checked.bytes &&
+               cli_worker_receive(worker, &checked.totals, sizeof checked.totals) &&
+               cli_worker_receive(worker, checked.bytes, checked.size) &&
+               check_baseline_receive(all->settings->baseline, message->known, worker) &&
+               cli_guard_receive(all->settings->files->guard, worker);
+    if (fine)
+        collect(all, &checked);
+    else
+        free(checked.bytes);
+    return fine;
+}
+
+/* Until it ends. *next: behind the last file that it began. */
+static int listen_to(check_collector *all, const cli_worker *worker, size_t *next) {
+    check_message message;
+    int status = CLI_OK;
+    while (cli_worker_receive(worker, &message, sizeof message)) {
+        if (message.kind == MESSAGE_STATUS) status = message.status;
+        if (message.kind == MESSAGE_BEGUN) *next = message.file + 1;
+        if (message.kind == MESSAGE_DONE && !receive_checked(all, worker, &message)) break;
+        cli_progress_report(&all->progress, (double)all->told / (double)all->inputs->count);
+    }
+    return status;
+}
+
+static void report_lost(
+    check_collector *all, check_configs *configs, size_t file, const char *why) {
+    check_settings settings = *all->settings;
+    settings.lost = why;
+    const check_config *config = check_config_of(configs, all->inputs->paths[file]);
+    const checked_file checked = gather(&settings, all, config, file, check_one_file);
+    collect(all, &checked);
+}
+
+/* One of the files that were being checked when a worker ended: alone, so that it is known which.
+ */
+static int check_alone(check_collector *all, check_configs *configs, size_t file) {
+    char why[CLI_WHY_ROOM];
+    cli_worker worker;
+    size_t next;
+    const int side = cli_worker_start(&worker);
+    if (side < 0) return check_range(all, configs, NULL, file, file + 1);
+    if (side == 0) check_in_worker(all, configs, &worker, file, file + 1);
+    const int status = listen_to(all, &worker, &next);
+    if (!cli_worker_wait(&worker, why) && !all->parts[file % WINDOW].done && all->told <= file)
+        report_lost(all, configs, file, why);
+    return status;
+}
+
+static int check_again(check_collector *all, check_configs *configs, size_t next) {
+    int status = CLI_OK;
+    for (size_t file = all->told; file < next; ++file)
+        if (!all->parts[file % WINDOW].done)
+            status = cli_worse(status, check_alone(all, configs, file));
+    return status;
+}
+
+static int check_in_workers(check_collector *all, check_configs *configs) {
+    const size_t count = all->inputs->count;
+    int status = CLI_OK;
+    for (size_t next = 0; next < count;) {
+        char why[CLI_WHY_ROOM];
+        cli_worker worker;
+        const int side = count > 1 ? cli_worker_start(&worker) : -1;
+        if (side < 0) return cli_worse(status, check_range(all, configs, NULL, next, count));
+        if (side == 0) check_in_worker(all, configs, &worker, next, count);
+        status = cli_worse(status, listen_to(all, &worker, &next));
+        if (cli_worker_wait(&worker, why)) break;
+        if (next == all->told) { /* by none of the files */
+            cli_error("%s", why);
+            return CLI_FILE;
+        }
+        status = cli_worse(status, check_again(all, configs, next));
+    }
+    return status;
+}
+
+int check_all_files(const check_settings *settings, check_configs *configs,
+    const check_format *format, FILE *out, check_totals *totals) {
+    const cli_inputs *inputs = &settings->files->inputs;
+    check_collector *all = calloc(1, sizeof *all);
+    if (!all) return cli_out_of_memory();
+    *all = (check_collector){.settings = settings, .format = format, .inputs = inputs, .out = out};
+    cli_progress_start(&all->progress, "checking",
+        inputs->count == 1 ? cli_input_name(inputs->paths[0]) : "files", settings->quiet, 0);
+    const int status = check_in_workers(all, configs);
     /* After an interruption or a bad configuration, parts may be left behind one that was never
      * begun. */
-    for (size_t i = 0; i < WINDOW; ++i) free(pool->parts[i].bytes);
-    cli_progress_stop(&pool->progress);
-    *totals = pool->totals;
-    pthread_cond_destroy(&pool->moved);
-    pthread_mutex_destroy(&pool->lock);
-    free(pool);
+    for (size_t i = 0; i < WINDOW; ++i) free(all->parts[i].bytes);
+    cli_progress_stop(&all->progress);
+    all->totals.status = cli_worse(all->totals.status, status);
+    *totals = all->totals;
+    free(all);
     return totals->status;
 }

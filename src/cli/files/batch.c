@@ -2,6 +2,7 @@
  * rest, and a line about each. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files/batch.h"
+#include "cli/files/each.h"
 #include "cli/files/find_inputs.h"
 #include "cli/files/in_passes.h"
 #include "cli/files/place_outputs.h"
@@ -341,6 +342,26 @@ static int run_job(file_job *job) {
     return refused ? refused : cli_status_of(result);
 }
 
+static int change_one(void *user, size_t file) {
+    file_job job = *(const file_job *)user;
+    char *output = cli_output_of(job.files, file, NULL);
+    if (!output) return cli_out_of_memory();
+    job.input = job.files->inputs.paths[file];
+    job.output = output;
+    const int status = run_job(&job);
+    free(output);
+    return status;
+}
+
+static void report_lost(void *user, size_t file, const char *why) {
+    file_job job = *(const file_job *)user;
+    norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_FILE};
+    job.input = job.files->inputs.paths[file];
+    snprintf(error.message, sizeof error.message, ": %s", why);
+    cli_name_error(&error, job.input);
+    report(&job, NULL, &error);
+}
+
 static int change_files(const cli_subcommand *command, const cli_common *common, cli_files *files,
     const cli_changer *changer) {
     int status = cli_find_inputs(command, files);
@@ -352,16 +373,9 @@ static int change_files(const cli_subcommand *command, const cli_common *common,
         const cli_all_files all = {command, common, files, changer};
         return cli_finish(cli_worse(status, status ? CLI_OK : changer->all(&all, changer)));
     }
-    for (size_t i = 0; i < files->inputs.count; ++i) {
-        const char *input = files->inputs.paths[i];
-        char *output = cli_output_of(files, i, NULL);
-        if (!output) return cli_out_of_memory();
-        file_job one = {
-            .common = common, .files = files, .changer = changer, .input = input, .output = output};
-        status = cli_worse(status, run_job(&one));
-        free(output);
-    }
-    return cli_finish(status);
+    file_job job = {.common = common, .files = files, .changer = changer};
+    const cli_each each = {files->inputs.count, change_one, report_lost, &job, files->guard};
+    return cli_finish(cli_worse(status, cli_run_each(&each)));
 }
 
 int cli_run_changer(const cli_subcommand *command, const cli_changer *changer, const cli_table *own,

@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files/guard.h"
 #include "cli/files/input.h"
+#include "cli/files/each.h"
 #include "cli/process/errors.h"
 #include <pthread.h>
 #include <stdlib.h>
@@ -128,24 +129,92 @@ void cli_guard_document(cli_guard *guard, norma_document *document, const char *
         guard->incomplete = 1;
 }
 
+/* ---- between processes */
+
+typedef struct sources_message {
+    size_t count;
+    int incomplete;
+} sources_message;
+
+typedef struct source_message {
+    dev_t device;
+    ino_t inode;
+    size_t name; /* bytes of it; 0: none */
+} source_message;
+
+size_t cli_guard_count(cli_guard *guard) { return guard ? guard->count : 0; }
+
+void cli_guard_send(cli_guard *guard, size_t *first, const cli_worker *worker) {
+    if (!guard) return;
+    pthread_mutex_lock(&guard->lock);
+    const sources_message message = {guard->count - *first, guard->incomplete};
+    cli_worker_send(worker, &message, sizeof message);
+    for (; *first < guard->count; ++*first) {
+        const source *from = &guard->sources[*first];
+        const source_message one = {
+            from->device, from->inode, from->named_by ? strlen(from->named_by) + 1 : 0};
+        cli_worker_send(worker, &one, sizeof one);
+        cli_worker_send(worker, from->named_by, one.name);
+    }
+    pthread_mutex_unlock(&guard->lock);
+}
+
+static int receive_source(cli_guard *guard, const cli_worker *worker) {
+    source_message one;
+    if (!cli_worker_receive(worker, &one, sizeof one)) return 0;
+    char *name = one.name ? malloc(one.name) : NULL;
+    const int fine = !one.name || (name && cli_worker_receive(worker, name, one.name));
+    const struct stat status = {.st_dev = one.device, .st_ino = one.inode};
+    if (fine) add(guard, &status, name);
+    free(name);
+    return fine;
+}
+
+int cli_guard_receive(cli_guard *guard, const cli_worker *worker) {
+    sources_message message = {0};
+    int fine = !guard || cli_worker_receive(worker, &message, sizeof message);
+    for (size_t i = 0; i < message.count && fine; ++i) fine = receive_source(guard, worker);
+    if (guard) guard->incomplete |= message.incomplete;
+    return fine;
+}
+
+/* ---- files that are opened later */
+
+typedef struct look_ahead {
+    cli_guard *guard;
+    const cli_inputs *inputs;
+    norma_file_format format;
+} look_ahead;
+
+static int look_into(void *user, size_t file) {
+    const look_ahead *ahead = user;
+    const char *path = ahead->inputs->paths[file];
+    const norma_file_format kind = ahead->format ? ahead->format : norma_file_format_of_path(path);
+    const norma_document_options options = {.struct_size = sizeof options,
+        .format = ahead->format,
+        .depth = NORMA_DOCUMENT_SUMMARY,
+        .lenient = 1};
+    norma_document *document;
+    norma_document_error error; /* reported when the file is read for the work */
+    if (kind < NORMA_FILE_GLTF || strcmp(path, "-") == 0 ||
+        norma_document_open(path, &options, &document, &error))
+        return CLI_OK;
+    cli_guard_document(ahead->guard, document, path);
+    norma_document_close(document);
+    return CLI_OK;
+}
+
+/* So will the work be. */
+static void pass_over(void *user, size_t file, const char *why) {
+    (void)user, (void)file, (void)why;
+}
+
 void cli_guard_look_ahead(
     cli_guard *guard, const struct cli_inputs *inputs, norma_file_format format) {
     if (!guard || !guard->watches) return;
-    for (size_t i = 0; i < inputs->count; ++i) {
-        const char *path = inputs->paths[i];
-        const norma_file_format kind = format ? format : norma_file_format_of_path(path);
-        const norma_document_options options = {.struct_size = sizeof options,
-            .format = format,
-            .depth = NORMA_DOCUMENT_SUMMARY,
-            .lenient = 1};
-        norma_document *document;
-        norma_document_error error; /* reported when the file is read for the work */
-        if (kind < NORMA_FILE_GLTF || strcmp(path, "-") == 0 ||
-            norma_document_open(path, &options, &document, &error))
-            continue;
-        cli_guard_document(guard, document, path);
-        norma_document_close(document);
-    }
+    look_ahead ahead = {guard, inputs, format};
+    const cli_each each = {inputs->count, look_into, pass_over, &ahead, guard};
+    cli_run_each(&each);
 }
 
 static int refuse(const cli_guard *guard, const char *output, const source *found) {

@@ -21,6 +21,13 @@ struct cli_inputs;
 void cli_guard_look_ahead(
     cli_guard *guard, const struct cli_inputs *inputs, norma_file_format format);
 
+/* What was read and named in a worker (worker.h), through its channel: *first is behind what was
+ * sent before. 0: the worker has ended. */
+struct cli_worker;
+size_t cli_guard_count(cli_guard *guard);
+void cli_guard_send(cli_guard *guard, size_t *first, const struct cli_worker *worker);
+int cli_guard_receive(cli_guard *guard, const struct cli_worker *worker);
+
 /* Called for every output before the work, when the inputs are known, and again just before it is
  * written. own: the input that it replaces in place, else NULL. CLI_OK, or the status of the error
  * that was reported. */

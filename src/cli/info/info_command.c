@@ -1,6 +1,7 @@
 /* info_command.c: norma info: what is in a file: meshes, counts, normals, the kinds of the
  * transforms. */
 #include "cli/info/bounds.h"
+#include "cli/files/each.h"
 #include "cli/files/find_inputs.h"
 #include "cli/files/in_passes.h"
 #include "cli/info/describe_large.h"
@@ -547,6 +548,19 @@ static int run_file(const info_work *work, const char *path) {
     return status;
 }
 
+static int run_one(void *user, size_t file) {
+    const info_work *work = user;
+    return run_file(work, work->files.inputs.paths[file]);
+}
+
+static void report_lost(void *user, size_t file, const char *why) {
+    const info_work *work = user;
+    contents none = {.path = work->files.inputs.paths[file]};
+    norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_FILE};
+    snprintf(error.message, sizeof error.message, ": %s", why);
+    finish_file(work, &none, &error);
+}
+
 /* ---- the command */
 
 static int run(const cli_subcommand *command, int count, char **arguments) {
@@ -564,8 +578,8 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
         fputs(help, stdout);
     else if (!status)
         status = cli_find_inputs(command, &work.files);
-    for (size_t i = 0; i < work.files.inputs.count && !wants_help && status != CLI_USAGE; ++i)
-        status = cli_worse(status, run_file(&work, work.files.inputs.paths[i]));
+    const cli_each each = {work.files.inputs.count, run_one, report_lost, &work, work.files.guard};
+    if (!wants_help && status != CLI_USAGE) status = cli_worse(status, cli_run_each(&each));
     cli_files_end(&work.files);
     return cli_finish(status);
 }

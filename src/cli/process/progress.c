@@ -17,20 +17,38 @@
 static volatile sig_atomic_t caught_signal, caught_count, line_shown;
 static atomic_int writers;
 static const char *volatile left_behind;
+static volatile sig_atomic_t worker, is_worker; /* the process of another, or whether this is one */
 
 static _Noreturn void end_now(int number) {
     static const char words[] = "\r\033[Knorma: interrupted\n";
     const size_t clear = line_shown ? 0 : 4;
-    const ssize_t written = write(STDERR_FILENO, words + clear, sizeof words - 1 - clear);
-    (void)written;
+    if (!is_worker) { /* else the caller says so */
+        const ssize_t written = write(STDERR_FILENO, words + clear, sizeof words - 1 - clear);
+        (void)written;
+    }
     if (left_behind) unlink(left_behind);
     _exit(128 + number);
 }
 
+/* Three times: someone insists, while a write does not come back. A worker hears a terminal's
+ * signals twice, once from its caller, which waits for it. */
 static void catch_signal(int number) {
+    enum { INSISTING = 3 };
+    const int insists = ++caught_count >= INSISTING * (is_worker ? 2 : 1);
     caught_signal = number;
-    /* Three times: someone insists, while a write does not come back. */
-    if (atomic_load(&writers) == 0 || ++caught_count >= 3) end_now(number);
+    if (worker) kill((pid_t)worker, insists ? SIGKILL : number);
+    if (insists || (!worker && atomic_load(&writers) == 0)) end_now(number);
+}
+
+void cli_watch_worker(int process) {
+    worker = process;
+    if (!process && caught_signal) end_now(caught_signal);
+}
+
+void cli_be_worker(void) {
+    is_worker = 1;
+    worker = 0;
+    left_behind = NULL;
 }
 
 void cli_tidy_when_ended(const char *path) { left_behind = path; }

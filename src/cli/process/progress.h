@@ -10,6 +10,10 @@ void cli_writing_begin(void);
 void cli_writing_end(void);
 /* A temporary file that a signal removes before it ends the process; NULL: none any more. */
 void cli_tidy_when_ended(const char *path);
+/* A process that is worked in: signals go on to it, and end this one when it has ended; 0: it has.
+ */
+void cli_watch_worker(int process);
+void cli_be_worker(void);  /* this is such a process */
 int cli_interrupted(void); /* whether a signal waits for what is being written */
 
 typedef struct cli_progress {

@@ -1,5 +1,6 @@
 /* render_command.c: norma render: pictures of meshes, drawn without a display. */
 #include "cli/render/render_command.h"
+#include "cli/files/each.h"
 #include "cli/files/find_inputs.h"
 #include "cli/files/place_outputs.h"
 #include "cli/files/report_output.h"
@@ -93,6 +94,7 @@ typedef struct picture_job {
     const cli_subcommand *command;
     const render_settings *settings;
     render_device *device;
+    int has_no_device;               /* it could not be opened */
     const char *input;               /* of a sheet: the first that is drawn */
     size_t index;                    /* of the input */
     const render_scene_file **drawn; /* the files in the picture */
@@ -450,26 +452,44 @@ static int draw_sheet(picture_job *job) {
     return status;
 }
 
+/* Once, in the process that draws. */
+static int open_device(picture_job *job) {
+    render_error error = {.message = "out of memory"};
+    if (job->device) return CLI_OK;
+    if (job->has_no_device) return CLI_FILE;
+    render_watch_driver();
+    if (!render_device_open(job->settings->software, &job->device, &error)) return CLI_OK;
+    char limit[CLI_LIMIT_ROOM]; /* within which a driver may not fit */
+    cli_memory_limit_words(limit);
+    cli_error("%s%s%s", error.message, limit, limit[0] ? RENDER_DRIVER_NEEDS : "");
+    job->has_no_device = 1;
+    return CLI_FILE;
+}
+
+static int draw_one(void *user, size_t file) {
+    picture_job *job = user;
+    job->input = job->settings->files.inputs.paths[file];
+    job->index = file;
+    const int status = open_device(job);
+    return status ? status : draw_file(job);
+}
+
+static void report_lost(void *user, size_t file, const char *why) {
+    const picture_job *job = user;
+    norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_FILE};
+    snprintf(error.message, sizeof error.message, ": %s", why);
+    fail_input(job->settings, job->settings->files.inputs.paths[file], &error);
+}
+
 static int draw_all(const cli_subcommand *command, const render_settings *settings) {
     picture_job *job = calloc(1, sizeof *job);
-    render_error error = {.message = "out of memory"};
-    render_watch_driver();
-    if (!job || render_device_open(settings->software, &job->device, &error)) {
-        char limit[CLI_LIMIT_ROOM]; /* within which a driver may not fit */
-        cli_memory_limit_words(limit);
-        cli_error("%s%s%s", error.message, limit, limit[0] ? RENDER_DRIVER_NEEDS : "");
-        free(job);
-        return CLI_FILE;
-    }
-    int status = CLI_OK;
+    if (!job) return cli_out_of_memory();
     job->command = command;
     job->settings = settings;
-    if (settings->sheet) status = draw_sheet(job);
-    for (size_t i = 0; i < settings->files.inputs.count && !settings->sheet; ++i) {
-        job->input = settings->files.inputs.paths[i];
-        job->index = i;
-        status = cli_worse(status, draw_file(job));
-    }
+    const cli_each each = {
+        settings->files.inputs.count, draw_one, report_lost, job, settings->files.guard};
+    int status = settings->sheet ? open_device(job) : cli_run_each(&each);
+    if (settings->sheet && !status) status = draw_sheet(job);
     render_device_close(job->device);
     free(job);
     return status;

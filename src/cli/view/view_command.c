@@ -1,6 +1,7 @@
 /* view_command.c: norma view: one HTML file with the page and the model in it. The page is the
  * playground that `make web` leaves; the model is packed by model_pack.c. */
 #include "cli/files/batch.h"
+#include "cli/files/each.h"
 #include "cli/files/find_inputs.h"
 #include "cli/files/place_outputs.h"
 #include "cli/files/report_output.h"
@@ -270,36 +271,56 @@ static int has_page(void) {
     return 0;
 }
 
-typedef int each_page(const view_work *work, const char *input, const char *to);
-
 static int guard_page(const view_work *work, const char *input, const char *to) {
     (void)input;
     return cli_guard_output(work->files.guard, to, NULL);
 }
 
-/* The worst status; a usage error ends it. */
-static int for_each(const view_work *work, each_page *call) {
-    int status = CLI_OK;
-    for (size_t i = 0; i < work->files.inputs.count && status != CLI_USAGE; ++i) {
-        char *to = cli_output_of(&work->files, i, ".html");
-        status = cli_worse(
-            status, to ? call(work, work->files.inputs.paths[i], to) : cli_out_of_memory());
-        free(to);
-    }
+typedef struct page_run {
+    const view_work *work;
+    int (*call)(const view_work *work, const char *input, const char *to);
+} page_run;
+
+static int run_page(void *user, size_t file) {
+    const page_run *run = user;
+    const cli_files *files = &run->work->files;
+    char *to = cli_output_of(files, file, ".html");
+    const int status =
+        to ? run->call(run->work, files->inputs.paths[file], to) : cli_out_of_memory();
+    free(to);
     return status;
+}
+
+static void report_lost(void *user, size_t file, const char *why) {
+    const page_run *run = user;
+    cli_error("%s: %s", cli_input_name(run->work->files.inputs.paths[file]), why);
+}
+
+static int guard_pages(const view_work *work) {
+    page_run run = {work, guard_page};
+    int status = CLI_OK;
+    for (size_t i = 0; i < work->files.inputs.count && !status; ++i) status = run_page(&run, i);
+    return status;
+}
+
+static int write_pages(const view_work *work) {
+    page_run run = {work, run_file};
+    const cli_each each = {
+        work->files.inputs.count, run_page, report_lost, &run, work->files.guard};
+    return cli_run_each(&each);
 }
 
 static int make_pages(const cli_subcommand *command, view_work *work) {
     const int found = cli_find_inputs(command, &work->files);
     if (found == CLI_USAGE || work->files.inputs.count == 0) return found;
     int status = check_words(command, work);
-    if (!status) status = for_each(work, guard_page);
+    if (!status) status = guard_pages(work);
     if (!status) {
         cli_guard_look_ahead(work->files.guard, &work->files.inputs, work->files.format);
-        status = for_each(work, guard_page);
+        status = guard_pages(work);
     }
     if (!status) status = has_page() ? cli_make_out_dir(command, &work->files) : CLI_FILE;
-    return status ? status : cli_worse(found, for_each(work, run_file));
+    return status ? status : cli_worse(found, write_pages(work));
 }
 
 static int run(const cli_subcommand *command, int count, char **arguments) {

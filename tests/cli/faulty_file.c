@@ -1,0 +1,35 @@
+/* faulty_file.c: preloaded, it ends a program that opens a file with "faulty" in its name, by the
+ * signal FAULTY_SIGNAL: what a fault of the library would do, without one. */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef int open_call(const char *path, int flags, ...);
+
+static int open_by(const char *name, const char *path, int flags, int mode) {
+    const char *number = getenv("FAULTY_SIGNAL");
+    if (strstr(path, "faulty")) raise(number ? atoi(number) : SIGSEGV);
+    open_call *call;
+    *(void **)&call = dlsym(RTLD_NEXT, name);
+    return call(path, flags, mode);
+}
+
+int open(const char *path, int flags, ...) {
+    va_list more;
+    va_start(more, flags);
+    const int mode = flags & O_CREAT ? va_arg(more, int) : 0;
+    va_end(more);
+    return open_by("open", path, flags, mode);
+}
+
+int open64(const char *path, int flags, ...) {
+    va_list more;
+    va_start(more, flags);
+    const int mode = flags & O_CREAT ? va_arg(more, int) : 0;
+    va_end(more);
+    return open_by("open64", path, flags, mode);
+}
