@@ -5,7 +5,7 @@ CMAKE_FLAGS ?=
 V ?= 0
 export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 
-.PHONY: all help deps demo figures fuzz judges marks firefox dist mpi web test coverage bench asan tsan format lint analyse portable deb install single python python-fuzz blender clean
+.PHONY: all help deps demo figures fuzz judges marks firefox dist mpi web test test-all coverage bench asan tsan format lint analyse portable deb install single python python-fuzz blender clean
 .DEFAULT_GOAL := all
 
 # If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
@@ -26,7 +26,8 @@ help:
 	@echo "make dist      builds what a release consists of into $(BUILD)/dist: source, tools for Linux, npm package, wheel, Blender add-on, single file, checksums"
 	@echo "make deb       builds Debian packages into $(BUILD)/deb and checks them with lintian"
 	@echo
-	@echo "make test      installs what is missing, then runs all tests (two compilers, sanitizers, install, examples, README)"
+	@echo "make test      installs what is missing, then runs what each change must pass (two compilers, sanitizers, README; eight minutes on two cores)"
+	@echo "make test-all  also the rest: page, npm package, Python, MPI, data set, faults, install, fuzzing (35 minutes together); what make test has run is not run again"
 	@echo "make asan      runs the tests with the address and undefined-behaviour sanitizers only (clang)"
 	@echo "make tsan      runs the tests that use threads with the thread sanitizer only (clang)"
 	@echo "make fuzz      runs every fuzz target for MINUTES (15) of processor time (clang)"
@@ -54,16 +55,20 @@ demo:
 
 # What could not be installed is reported, and the tests that need it are skipped or fail with a reason.
 test:
-	@scripts/install-deps.sh || true
+	@scripts/install-deps.sh test || true
 	@tests/run.sh
 
-asan:
+test-all:
 	@scripts/install-deps.sh || true
-	@tests/run.sh asan
+	@tests/run.sh all
+
+asan:
+	@scripts/install-deps.sh test || true
+	@tests/run.sh clang fuzz clang-long
 
 tsan:
-	@scripts/install-deps.sh || true
-	@tests/run.sh tsan
+	@scripts/install-deps.sh test || true
+	@tests/run.sh tsan tsan-long
 
 coverage:
 	@scripts/coverage.sh

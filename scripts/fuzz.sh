@@ -1,16 +1,17 @@
 #!/bin/bash
 # Coverage-guided fuzzing: every target of tests/fuzz, on the cores there are, each for so many minutes of processor time (a busy or stopped machine shortens nothing).
-#   scripts/fuzz.sh build [TREE]              the targets, in build/fuzz (clang with libFuzzer)
+#   scripts/fuzz.sh build                     the targets, in build/test/clang (clang with libFuzzer; scripts/tree.sh)
 #   scripts/fuzz.sh run MINUTES [TARGET...]   runs them; prints executions, coverage and finds of each; exits non-zero where something was found
 #   scripts/fuzz.sh coverage [TARGET...]      of each source file the edges that seeds and working corpora reach (of each function what the best target reaches)
 #   scripts/fuzz.sh seeds MINUTES [TARGET...] makes tests/fuzz/corpus anew: runs without the data set, then keeps the fewest files that reach as much
 # Working corpora stay in build/fuzz/corpus, so that the next run goes on from there; what was found is left in build/fuzz/found. Seeds: tests/fuzz/corpus, and small files of
 # ../shared/data (NORMA_DATA), where that is there: they are read from where they are and end in no seed that is kept.
-# JOBS: how many targets at once (as many as there are cores).  FUZZ_TREE: another tree than build/fuzz.  NORMA_DATA=none: without the data.
+# JOBS: how many targets at once (as many as there are cores).  FUZZ_TREE: another folder than build/fuzz.  NORMA_DATA=none: without the data.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 root=$PWD
-tree=${FUZZ_TREE:-$root/build/fuzz}
+tree=${FUZZ_TREE:-$root/build/fuzz} # what runs leave
+programs=$root/build/test/clang/fuzz
 data=${NORMA_DATA:-$root/../shared/data}
 jobs=${JOBS:-$(nproc)}
 working=$tree/corpus
@@ -18,12 +19,7 @@ export ASAN_OPTIONS=${ASAN_OPTIONS:-allocator_may_return_null=1:handle_abort=2} 
 
 build() {
     command -v clang >/dev/null || { echo "$0: clang is needed; scripts/install-deps.sh installs it" >&2; return 1; }
-    mkdir -p "$tree"
-    if [ ! -f "$tree/build.ninja" ]; then
-        cmake -S "$root" -B "$tree" -G Ninja -DCMAKE_C_COMPILER=clang -DNORMA_FUZZ=ON -DNORMA_WERROR=ON -DNORMA_TESTS=OFF -DNORMA_WEB=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=OFF \
-            -DNORMA_SANITIZE=address,undefined,float-cast-overflow,fuzzer-no-link -DCMAKE_BUILD_TYPE=Fuzz "-DCMAKE_C_FLAGS=-O1 -g1" >"$tree/build.log" 2>&1 || { cat "$tree/build.log"; return 1; }
-    fi
-    cmake --build "$tree" --target fuzzers -j "$jobs" >>"$tree/build.log" 2>&1 || { grep -aE 'error|FAILED' "$tree/build.log" | head -40; return 1; }
+    JOBS=$jobs scripts/tree.sh clang fuzzers
 }
 
 targets() { find "$root/tests/fuzz" -name 'fuzz_*.c' -exec grep -l '^int LLVMFuzzerTestOneInput' {} + | sed 's|.*/fuzz_||; s|\.c$||' | sort; }
@@ -76,7 +72,7 @@ one() {
     while [ "$left" -gt 0 ] && [ "$started" -lt 6 ]; do
         started=$((started + 1))
         # shellcheck disable=SC2046  # no dictionary, no word
-        (ulimit -St "$left"; TIMEFORMAT='processor seconds: %U %S'; time nice -n 19 "$tree/fuzz/fuzz_$target" -max_len=16384 -timeout=1200 -report_slow_units=100000 -rss_limit_mb=3072 -malloc_limit_mb=1024 \
+        (ulimit -St "$left"; TIMEFORMAT='processor seconds: %U %S'; time nice -n 19 "$programs/fuzz_$target" -max_len=16384 -timeout=1200 -report_slow_units=100000 -rss_limit_mb=3072 -malloc_limit_mb=1024 \
             -print_final_stats=1 -artifact_prefix="$found/" $(dictionary "$target") "${folders[@]}") >>"$log" 2>&1
         status=$?
         local spent
@@ -103,7 +99,7 @@ run() {
     names=${*:-$(targets)}
     rm -rf "$tree/data"
     export -f one data_seeds dictionary head_of field
-    export tree data root working
+    export tree programs data root working
     # shellcheck disable=SC2016,SC2086  # what an inner shell expands; a list of words
     printf '%s\n' $names | xargs -P "$jobs" -I{} bash -c 'one "$0" "$1"' {} $((minutes * 60))
     printf '%-12s %12s %9s %9s    %-7s %6s %6s\n' target executions minutes edges all corpus finds
@@ -111,7 +107,7 @@ run() {
         tell "$name"
         found=$((found + $(find "$tree/found/$name" -type f 2>/dev/null | wc -l)))
     done
-    [ $found -eq 0 ] || echo "$found found: in $tree/found; each is run again by build/fuzz/fuzz/fuzz_TARGET FILE"
+    [ $found -eq 0 ] || echo "$found found: in $tree/found; each is run again by build/test/clang/fuzz/fuzz_TARGET FILE"
     [ $found -eq 0 ]
 }
 
@@ -125,7 +121,7 @@ seeds() {
     # shellcheck disable=SC2048  # a list of words
     for name in ${*:-$(targets)}; do
         rm -rf "$tree/merged" && mkdir -p "$tree/merged" "tests/fuzz/corpus/$name"
-        "$tree/fuzz/fuzz_$name" -merge=1 -max_len=4096 "$tree/merged" "tests/fuzz/corpus/$name" "$working/$name" >"$tree/logs/$name.merge" 2>&1 || { tail -5 "$tree/logs/$name.merge"; return 1; }
+        "$programs/fuzz_$name" -merge=1 -max_len=4096 "$tree/merged" "tests/fuzz/corpus/$name" "$working/$name" >"$tree/logs/$name.merge" 2>&1 || { tail -5 "$tree/logs/$name.merge"; return 1; }
         rm -rf "tests/fuzz/corpus/$name"
         mv "$tree/merged" "tests/fuzz/corpus/$name"
         echo "$name: $(find "tests/fuzz/corpus/$name" -type f | wc -l) files, $(du -bs "tests/fuzz/corpus/$name" | cut -f1) bytes"
@@ -140,7 +136,7 @@ coverage() {
         mkdir -p "$tree/corpus/$name"
         folders=("$tree/corpus/$name")
         [ ! -d "tests/fuzz/corpus/$name" ] || folders+=("tests/fuzz/corpus/$name")
-        "$tree/fuzz/fuzz_$name" -runs=0 -max_len=16384 -print_coverage=1 "${folders[@]}" 2>&1 | grep -aE '^(UN)?COVERED_FUNC'
+        "$programs/fuzz_$name" -runs=0 -max_len=16384 -print_coverage=1 "${folders[@]}" 2>&1 | grep -aE '^(UN)?COVERED_FUNC'
     done | awk '{
             place = $NF; split($5, edges, "/")
             if (place !~ /\/src\/(core|check|io)\//) next
@@ -158,7 +154,7 @@ coverage() {
 
 case ${1:-} in
 coverage) shift; coverage "$@" ;;
-build) tree=${2:-$tree}; build ;;
+build) build ;;
 run) shift; run "$@" ;;
 seeds) shift; seeds "$@" ;;
 *) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 2 ;;

@@ -13,7 +13,8 @@
 #   scripts/install-deps.sh mpi     what `make mpi` needs: Open MPI and MPICH
 #   scripts/install-deps.sh firefox     Firefox and a display without a screen, for `make firefox`
 #   scripts/install-deps.sh deb     what `make deb` needs
-#   scripts/install-deps.sh         what building and `make test` need
+#   scripts/install-deps.sh test    what `make test` needs
+#   scripts/install-deps.sh         what building and `make test-all` need
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}

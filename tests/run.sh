@@ -1,17 +1,16 @@
 #!/bin/bash
-# The whole test suite: builds the trees, runs every cmocka program and every script, counts each case that they report (TAP), and closes with one line,
+# The test suite: builds the trees (scripts/tree.sh), runs unit tests and scripts, counts each case that they report (TAP), and closes with one line,
 # "N passed, N failed, N skipped". Exits non-zero when anything failed.
-#   tests/run.sh              everything
-#   tests/run.sh gcc asan     some of: gcc (warnings as errors, all unit tests), scripts, asan, tsan, fuzz
+#   tests/run.sh          what each change must pass (make test)
+#   tests/run.sh all      the rest as well (make test-all). What tests/run.sh found of the same sources is counted, not run again
+#   tests/run.sh PART...  some parts, by name: `tests/run.sh list` prints them
+# Seconds are those of the processor. JOBS: how many at once.  TEST_TIMEOUT: seconds that a script may take.
 # shellcheck disable=SC2016  # single quotes hold what inner shells expand
 set -u
 cd "$(dirname "$0")/.." || exit 1
 root=$PWD
 out=$root/build/test
-results=$out/results
 jobs=${JOBS:-$(nproc)}
-sections=${*:-gcc scripts asan tsan fuzz}
-case " $sections " in *" scripts "*) case " $sections " in *" gcc "*) ;; *) sections="gcc $sections" ;; esac ;; esac
 
 export NORMA_DATA=${NORMA_DATA:-$root/../shared/data}
 export NODE_PATH=$root/build/npm/node_modules
@@ -21,132 +20,165 @@ export TSAN_OPTIONS=${TSAN_OPTIONS:-halt_on_error=1}
 export CMOCKA_MESSAGE_OUTPUT=TAP
 export LC_ALL=C.UTF-8
 
-rm -rf "$results"
-mkdir -p "$results"
+# ---- what is run
+
+quick_parts="gcc scripts clang fuzz tsan"
+other_parts="web long clang-long fuzz-long tsan-long"
+# Scripts of `make test`; all others are of `make test-all`. Long ones first: nothing then waits for a last one.
+quick_scripts="cli/together cli/hostile cli/turn-green cli/report repo/format cli/golden repo/hygiene cli/hostile-names repo/arrows repo/readme repo/headers repo/guide cli/gltf-shared
+    repo/trust repo/names repo/manual repo/packaging repo/examples repo/sbom"
+# Those that need the page, and a tree that has it.
+web_scripts="web/page web/package web/marks web/silhouettes"
+long_scripts() {
+    find tests/cli tests/mpi tests/python tests/repo tests/tangent tests/web -maxdepth 1 -name '*.sh' | sed 's|^tests/||; s|\.sh$||' | sort |
+        grep -vxFf <(printf '%s\n' $quick_scripts $web_scripts cli/threads cli/sweep)
+}
 
 say() { printf '%s  %s\n' "$(date +%H:%M:%S)" "$*"; }
 
-# one RESULT-NAME COMMAND...: runs a program that speaks TAP; its output and exit status go to files. The limit is for what hangs: the longest test takes some two minutes, and
-# a machine may be loaded many times over.
+# one RESULT-NAME COMMAND...: runs a program that speaks TAP; its output, exit status and processor seconds go to files. The limit is for what hangs: a machine may be loaded
+# many times over.
 one() {
-    local name=$1 status=0
+    local name=$1 status=0 scratch
     shift
-    local scratch
     scratch=$(mktemp -d)
-    local start=$SECONDS
-    NORMA_SCRATCH=$scratch timeout --kill-after=10 "${TEST_TIMEOUT:-7200}" "$@" >"$results/$name.tap" 2>"$results/$name.err" </dev/null || status=$?
+    {
+        TIMEFORMAT='%U %S'
+        time NORMA_SCRATCH=$scratch timeout --kill-after=10 "${TEST_TIMEOUT:-7200}" "$@" >"$results/$name.tap" 2>"$results/$name.err" </dev/null || status=$?
+    } 2>"$results/$name.time"
     rm -rf "$scratch"
     echo "$status" >"$results/$name.status"
-    echo $((SECONDS - start)) >"$results/$name.seconds"
 }
-export -f one
-export results
+# script NAME: one of tests/, by its name from there without the ending.
+script() { one "${1/\//.}" "tests/$1.sh"; }
+export -f one script
 
-# left_out NAME REASON: a section that cannot be run here counts as skipped.
+# left_out NAME REASON: a part that cannot be run here counts as skipped.
 left_out() {
     say "$1: skipped, $2"
     printf '1..1\nok 1 # SKIP %s\n' "$2" >"$results/$1.tap"
     echo 0 >"$results/$1.status"
 }
 
-# build TREE FLAGS...: a configured and compiled tree. A failure counts as a failed case.
+# build TREE [TARGET...]: a failure counts as a failed case.
 build() {
-    local tree=$1
-    shift
-    mkdir -p "$out/$tree"
-    if cmake -S . -B "$out/$tree" -G Ninja "$@" >"$out/$tree/build.log" 2>&1 && cmake --build "$out/$tree" -j "$jobs" -- -k 0 >>"$out/$tree/build.log" 2>&1; then
-        printf '1..1\nok 1 - builds without a warning\n' >"$results/$tree.build.tap"
-        echo 0 >"$results/$tree.build.status"
+    local said result=$results/$1${2:+.$2}.build before=$SECONDS
+    if said=$(scripts/tree.sh "$@"); then
+        printf '1..1\nok 1 - builds without a warning\n' >"$result.tap"
+        echo 0 >"$result.status"
+        say "$1: built in $((SECONDS - before)) s"
     else
-        { echo 1..1; echo "not ok 1 - builds without a warning"; grep -E 'error|warning|FAILED|undefined' "$out/$tree/build.log" | head -40 | sed 's/^/# /'; } >"$results/$tree.build.tap"
-        echo 1 >"$results/$tree.build.status"
+        { echo 1..1; echo "not ok 1 - builds without a warning"; sed 's/^/# /' <<<"$said"; } >"$result.tap"
+        echo 1 >"$result.status"
+        say "$1: DOES NOT BUILD"
         return 1
     fi
 }
 
-# units TREE [PATTERN...]: the unit tests of a tree, several at a time.
-units() {
-    local tree=$1
-    shift
-    export NORMA_TREE=$out/$tree
-    export NORMA_BIN=$out/$tree/bin/norma
-    one "$tree.units" "$NORMA_TREE/tests/norma_tests" -j "$jobs" "$@"
-    [ $# -gt 0 ] || one "$tree.wrapped" "$NORMA_TREE/tests/norma_tests_wrapped" -j "$jobs"
-}
+in_tree() { export NORMA_TREE=$out/$1 NORMA_BIN=$out/$1/bin/norma; }
 
-run_gcc() {
+# ---- parts
+
+part_gcc() {
     say "gcc: building with warnings as errors"
-    build gcc -DCMAKE_C_COMPILER=gcc -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=AUTO -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2
+    build gcc
+    in_tree gcc
     say "gcc: unit tests"
-    units gcc
+    one gcc.wrapped "$NORMA_TREE/tests/norma_tests_wrapped" -j "$jobs"
+    one gcc.units "$NORMA_TREE/tests/norma_tests" -j "$jobs"
 }
 
-# Scripts see the gcc tree.
-run_scripts() {
-    say "scripts: the command line, arrows between layers, headers, README, examples, install, single file, manual"
-    export NORMA_TREE=$out/gcc
-    export NORMA_BIN=$out/gcc/bin/norma
-    find tests/cli tests/mpi tests/python tests/repo tests/tangent tests/web -maxdepth 1 -name '*.sh' ! -name threads.sh | sort |
-        xargs -P "$jobs" -I{} bash -c 'name=${0#tests/}; name=${name%.sh}; one "${name/\//.}" "$0"' {}
+part_scripts() {
+    in_tree gcc
+    say "scripts: command line, README, guide, headers, arrows, format, manual"
+    printf '%s\n' $quick_scripts | xargs -P "$jobs" -I{} bash -c 'script "$0"' {}
 }
 
-run_asan() {
-    command -v clang >/dev/null || { left_out asan "clang is not installed"; return; }
-    say "asan: building with clang, address and undefined-behaviour sanitizers"
-    build asan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=OFF -DNORMA_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF
-    say "asan: unit tests"
-    units asan
-    one asan.golden tests/cli/golden.sh
-    NORMA_BITS_WAYS=one one asan.bits tests/repo/portable.sh
+has_clang() { command -v clang >/dev/null; }
+
+part_clang() {
+    has_clang || { left_out clang "clang is not installed"; return; }
+    say "clang: building with address and undefined-behaviour sanitizers, for fuzzing too"
+    build clang norma_tests norma_tests_wrapped fuzzers
+    in_tree clang
+    say "clang: quick unit tests"
+    one clang.wrapped "$NORMA_TREE/tests/norma_tests_wrapped" -j "$jobs" --quick
+    one clang.units "$NORMA_TREE/tests/norma_tests" -j "$jobs" --quick
 }
 
-run_tsan() {
-    command -v clang >/dev/null || { left_out tsan "clang is not installed"; return; }
-    say "tsan: building with clang, thread sanitizer"
-    build tsan -DCMAKE_C_COMPILER=clang -DNORMA_WERROR=ON -DNORMA_TESTS=ON -DNORMA_WEB=OFF -DNORMA_SANITIZE=thread -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE="-O1 -g1" -DNORMA_SHARED=OFF
-    say "tsan: the tests that use threads"
-    units tsan '*thread*'
+fuzz_targets() { find tests/fuzz -name 'fuzz_*.c' -exec grep -l '^int LLVMFuzzerTestOneInput' {} + | sed 's|.*/fuzz_||; s|\.c$||' | sort; }
+has_fuzzers() { [ -d "$out/clang/fuzz" ] || { left_out "$1" "clang with libFuzzer is not installed"; return 1; }; }
+
+part_fuzz() {
+    has_fuzzers fuzz || return
+    in_tree clang
+    say "fuzz: seeds and what was ever found"
+    fuzz_targets | xargs -P "$jobs" -I{} bash -c 'one "fuzz.$0" tests/fuzz/replay.sh "$0"' {}
+}
+
+part_tsan() {
+    has_clang || { left_out tsan "clang is not installed"; return; }
+    say "tsan: building what runs in it with the thread sanitizer"
+    build tsan norma_tests
+    in_tree tsan
+    say "tsan: unit tests that use threads"
+    one tsan.units "$NORMA_TREE/tests/norma_tests" -j "$jobs"
+}
+
+part_web() {
+    say "web: building the page and the npm package into the gcc tree"
+    build web
+    in_tree gcc
+    say "web: the page in a browser, the package, pictures beside three.js"
+    printf '%s\n' $web_scripts | xargs -P "$jobs" -I{} bash -c 'script "$0"' {}
+}
+
+part_long() {
+    in_tree gcc
+    say "long: faults, data set, judges, MPI, Python, install, plain, single, bits"
+    long_scripts | xargs -P "$jobs" -I{} bash -c 'script "$0"' {}
+}
+
+part_clang_long() {
+    has_clang || { left_out clang-long "clang is not installed"; return; }
+    build clang norma-cli norma_bits
+    in_tree clang
+    say "clang: long unit tests, golden cases, bits"
+    one clang.units-long "$NORMA_TREE/tests/norma_tests" -j "$jobs" --long
+    one clang.wrapped-long "$NORMA_TREE/tests/norma_tests_wrapped" -j "$jobs" --long
+    printf '%s\n' "clang.golden tests/cli/golden.sh" "clang.bits env NORMA_BITS_WAYS=one tests/repo/portable.sh" | xargs -P "$jobs" -I{} bash -c 'one $0' {}
+    say "clang: every file of the data set through every verb"
+    one clang.sweep tests/cli/sweep.sh
+}
+
+part_fuzz_long() {
+    has_fuzzers fuzz-long || return
+    in_tree clang
+    say "fuzz: runs from a fixed seed"
+    fuzz_targets | xargs -P "$jobs" -I{} bash -c 'one "fuzz-long.$0" tests/fuzz/replay.sh "$0" runs' {}
+}
+
+part_tsan_long() {
+    has_clang || { left_out tsan-long "clang is not installed"; return; }
+    build tsan norma-cli engine_jobs
+    in_tree tsan
+    say "tsan: whole programs"
     one tsan.programs tests/cli/threads.sh
 }
 
-# The seeds of the fuzz targets, what they ever found, and a fixed number of runs from a fixed seed; `make fuzz` is for the rest.
-run_fuzz() {
-    if ! echo 'int LLVMFuzzerTestOneInput(const unsigned char *b, unsigned long n); int LLVMFuzzerTestOneInput(const unsigned char *b, unsigned long n) { return !b && n; }' |
-        clang -x c -fsanitize=fuzzer - -o "$out/has-fuzzer" 2>/dev/null; then
-        left_out fuzz "clang with libFuzzer is not installed"
-        return
-    fi
-    say "fuzz: building the targets with clang, libFuzzer and the sanitizers"
-    if scripts/fuzz.sh build "$out/fuzz" >"$results/fuzz.build.err" 2>&1; then
-        printf '1..1\nok 1 - builds without a warning\n' >"$results/fuzz.build.tap"
-        echo 0 >"$results/fuzz.build.status"
-    else
-        printf '1..1\nnot ok 1 - builds without a warning\n' >"$results/fuzz.build.tap"
-        echo 1 >"$results/fuzz.build.status"
-        return
-    fi
-    say "fuzz: seeds, what was found, and runs from a fixed seed"
-    export NORMA_TREE=$out/fuzz
-    find tests/fuzz -name 'fuzz_*.c' -exec grep -l '^int LLVMFuzzerTestOneInput' {} + | sed 's|.*/fuzz_||; s|\.c$||' | sort |
-        xargs -P "$jobs" -I{} bash -c 'one "fuzz.$0" tests/fuzz/replay.sh "$0"' {}
-}
+# ---- counting
 
-for section in $sections; do
-    "run_$section"
-done
-
-# Counting: of each program its "ok", "not ok" and "# SKIP" lines. One that promised more cases than it reported, or that ended badly without saying
-# which case failed (a crash, a sanitizer's report, a time-out), has one more failure.
-passed=0 failed=0 skipped=0
-for tap in "$results"/*.tap; do
-    name=$(basename "$tap" .tap)
-    status=$(cat "$results/$name.status" 2>/dev/null || echo "no status")
+# tally RESULT: reads its files into p, f, s (passed, failed, skipped) and trouble. A program that promised more cases than it reported, or that ended badly without saying which
+# case failed (a crash, a sanitizer's report, a time-out), has one more failure.
+tally() {
+    local status planned
+    status=$(cat "$1.status" 2>/dev/null || echo "no status")
     read -r p f s planned < <(awk '
         /^1\.\.[0-9]+/ { planned += substr($1, 4); next }
         /^(not )?ok [0-9]*.*# *SKIP/ { s++; next }
         /^not ok [0-9]/ { f++; next }
         /^ok [0-9]/ { p++ }
-        END { print p + 0, f + 0, s + 0, planned + 0 }' "$tap")
+        END { print p + 0, f + 0, s + 0, planned + 0 }' "$1.tap")
     trouble=""
     if [ $((p + f + s)) -lt "$planned" ] || [ $((p + f + s)) -eq 0 ]; then
         trouble="reported $((p + f + s)) of $planned cases, exit status $status"
@@ -154,21 +186,88 @@ for tap in "$results"/*.tap; do
         trouble="exit status $status"
     fi
     [ -z "$trouble" ] || f=$((f + 1))
-    passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
-    [ "$s" -eq 0 ] || sed -nE "s/^(not )?ok [0-9]*.*# *SKIP *(.*)/    $name: \\2/p" "$tap" >>"$results/skipped"
-    printf '%-44s %5d passed %4d failed %4d skipped %5s s\n' "$name" "$p" "$f" "$s" "$(cat "$results/$name.seconds" 2>/dev/null)"
-    if [ "$f" -gt 0 ]; then
-        awk '/^not ok [0-9]/ && !/# *SKIP/ { print "    " $0; show = 1; next } /^#/ { if (show) print "      " $0; next } { show = 0 }' "$tap" | head -n 60
-        if [ -n "$trouble" ]; then
-            echo "    $name: $trouble"
-            tail -n 25 "$results/$name.err" 2>/dev/null | sed 's/^/      /'
-        fi
-        echo "    output: build/test/results/$name.tap, $name.err"
+}
+
+# seconds RESULT...: "SECONDS NAME" of each script and each file of unit tests.
+seconds() {
+    local result name
+    for result; do
+        name=$(basename "$result" .tap)
+        case $name in
+        *.units* | *.wrapped*) sed -nE "s/^# seconds ([^ ]+) ([0-9.]+)\$/\\2 ${name%%.*}: \\1/p" "$result" ;;
+        *) [ ! -e "${result%.tap}.time" ] || awk -v name="$name" 'END { printf "%.1f %s\n", $1 + $2, name }' "${result%.tap}.time" ;;
+        esac
+    done
+}
+
+# tell RESULT: a line for it, and what failed.
+tell() {
+    local name
+    name=$(basename "$1")
+    printf '%-34s %5d passed %4d failed %4d skipped %7s s\n' "$name" "$p" "$f" "$s" "$(awk 'END { if (NF) printf "%.1f", $1 + $2 }' "$1.time" 2>/dev/null)"
+    [ "$f" -gt 0 ] || return 0
+    awk '/^not ok [0-9]/ && !/# *SKIP/ { print "    " $0; show = 1; next } /^#/ { if (show) print "      " $0; next } { show = 0 }' "$1.tap" | head -n 60
+    if [ -n "$trouble" ]; then
+        echo "    $name: $trouble"
+        tail -n 25 "$1.err" 2>/dev/null | sed 's/^/      /'
     fi
+    echo "    output: ${1#"$root"/}.tap, $name.err"
+}
+
+# The sources, as one number: what was tested of them need not be tested again. (Bytes that Python leaves are none.)
+fingerprint() { find . \( -path ./build -o -path ./.git -o -name __pycache__ \) -prune -o -type f -print0 | sort -z | xargs -0 sha256sum | sha256sum | cut -c1-32; }
+
+# ---- all of it
+
+what=${*:-test}
+folders="$out/results/test"
+case $what in
+list) printf '%s\n' $quick_parts $other_parts; exit ;;
+test) parts=$quick_parts ;;
+all)
+    folders="$out/results/test $out/results/all"
+    parts=$other_parts
+    if [ "$(cat "$out/results/test/sources" 2>/dev/null)" = "$(fingerprint)" ]; then
+        say "make test has been run on these sources: its results are counted, not made again"
+    else
+        parts="$quick_parts $other_parts"
+    fi
+    ;;
+*) parts=$what folders="$out/results/part" ;;
+esac
+
+emptied=""
+for part in $parts; do
+    results=$out/results/part
+    if [ "$what" = test ] || [ "$what" = all ]; then
+        case " $quick_parts " in *" $part "*) results=$out/results/test ;; *) results=$out/results/all ;; esac
+    fi
+    case " $emptied " in *" $results "*) ;; *) rm -rf "$results"; mkdir -p "$results"; emptied="$emptied $results" ;; esac
+    export results
+    "part_${part//-/_}"
+    [ "$results" != "$out/results/test" ] || [ "$part" != "${quick_parts##* }" ] || fingerprint >"$results/sources"
 done
-if [ -s "$results/skipped" ]; then
+
+passed=0 failed=0 skipped=0
+: >"$out/results/skipped"
+# shellcheck disable=SC2086  # a list of folders
+results=$(find $folders -name '*.tap' | sort)
+for tap in $results; do
+    tally "${tap%.tap}"
+    tell "${tap%.tap}"
+    passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
+    [ "$s" -eq 0 ] || sed -nE "s/^(not )?ok [0-9]*.*# *SKIP *(.*)/    $(basename "$tap" .tap): \\2/p" "$tap" >>"$out/results/skipped"
+done
+if [ -s "$out/results/skipped" ]; then
     echo "Skipped:"
-    sort "$results/skipped"
+    sort "$out/results/skipped"
+fi
+echo "The slowest, in seconds of the processor:"
+# shellcheck disable=SC2086  # a list of files
+seconds $results | sort -rn | head -n 8 | sed -E 's/^([^ ]+) /    \1  /'
+if [ "$what" = test ]; then
+    echo "Not run here, but by make test-all: the page, the npm package, Python, MPI; $(long_scripts | tr '\n' ' ')"
+    echo "    with sanitizers: long unit tests, golden cases, bits, each file of the data set through each verb, 15 fuzz targets for some seconds each, the tool with the thread sanitizer"
 fi
 say "done, after $SECONDS s"
 echo "$passed passed, $failed failed, $skipped skipped"

@@ -1,6 +1,7 @@
 #!/bin/bash
-# replay.sh TARGET: every committed seed and every case that was ever found (tests/fuzz/found) once more, and then a fixed number of runs from a fixed seed: no clock and no
-# address takes part, so the same commit always gives the same answer. TAP.
+# What a fuzz target does again, in the same way at each run of the same commit: neither a clock nor an address takes part. TAP.
+#   tests/fuzz/replay.sh TARGET         every committed seed and every case that was ever found (tests/fuzz/found)
+#   tests/fuzz/replay.sh TARGET runs    a fixed number of runs from a fixed seed
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 target=$1
@@ -30,10 +31,14 @@ quietly() {
 
 mapfile -t seeds < <(find "corpus/$target" -type f 2>/dev/null | LC_ALL=C sort)
 [ ${#seeds[@]} -gt 0 ] || { fail "there are seeds"; finish; exit 1; } # without one the program would run for ever
-quietly "${#seeds[@]} seeds" "${seeds[@]}"
-while IFS= read -r file; do
-    quietly "$file" "$file"
-done < <(find "found/$target" -type f 2>/dev/null | LC_ALL=C sort)
+if [ "${2:-}" != runs ]; then
+    quietly "${#seeds[@]} seeds" "${seeds[@]}"
+    while IFS= read -r file; do
+        quietly "$file" "$file"
+    done < <(find "found/$target" -type f 2>/dev/null | LC_ALL=C sort)
+    finish
+    exit
+fi
 # No folder is given, since the order in one is the file system's; what comparisons saw (use_cmp) may be addresses.
 printf '%s,' "${seeds[@]}" | sed 's/,$//' >"$scratch/seeds"
 dictionary=()

@@ -1,0 +1,23 @@
+#!/bin/bash
+# The house becomes smaller, never larger: names that two files of src define as static (scripts/static-names.sh lists them) are at most as many as recorded here. Lower the
+# number when there are fewer. Files, private headers and lines of src are told for information.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+cd "$root" || exit 1
+most=551
+
+scripts/static-names.sh >"$scratch/names"
+now=$(wc -l <"$scratch/names")
+if [ "$now" -le "$most" ]; then
+    pass "$now names are defined static in two files of src; at most $most were before"
+else
+    fail "$now names are defined static in two files of src; at most $most were before (scripts/static-names.sh lists them; these in files that git says are new or changed)" \
+        "$(git status --porcelain src 2>/dev/null | awk '{ sub(/^src\//, "", $NF); print $NF }' | grep -Ff - "$scratch/names")"
+fi
+# The list must see what it is for.
+mkdir -p "$scratch/made/a"
+printf 'static int twice(int a) { return a; }\nstatic int declared(void);\nstatic const char words[] = "a";\n' >"$scratch/made/a/one.c"
+printf 'static unsigned long long\ntwice(int a,\n    int b) {\n    return 0;\n}\nstatic int declared(void);\nCORE_INLINE void once(void) {}\nstatic const int words[2][3] = {{0}};\n' >"$scratch/made/two.c"
+check "a function and a table that two files have are found, a prototype is none" test "$(scripts/static-names.sh "$scratch/made" | tr '\n' ';')" = "twice: a/one.c two.c;words: a/one.c two.c;"
+echo "# src: $(find src -name '*.[ch]' -o -name '*.cpp' -o -name '*.def' | wc -l) files, $(find src -name '*.h' | wc -l) private headers, $(find src -type f \( -name '*.[ch]' -o -name '*.cpp' -o -name '*.def' \) -exec cat {} + | wc -l) lines; core: $(find src/core -name '*.[ch]' | wc -l) files, $(find src/core -name '*.[ch]' -exec cat {} + | wc -l) lines"
+finish
