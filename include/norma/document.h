@@ -642,9 +642,9 @@ typedef struct norma_transform_summary {
  *   error     written on failure; or NULL
  *
  * Errors: an argument error if the matrix is not finite or its last row is not 0 0 0 1;
- * NORMA_DOCUMENT_ERROR_UNSUPPORTED, with the vertex, facet or node, for a number that becomes larger
- * than the file can hold: floats in glTF and STL, doubles in OBJ, whose numbers have no type, and in
- * PLY, whose properties then become doubles. */
+ * NORMA_DOCUMENT_ERROR_UNSUPPORTED, with the vertex, facet or node, for a number that becomes
+ * larger than the file can hold: floats in glTF and STL, doubles in OBJ, whose numbers have no
+ * type, and in PLY, whose properties then become doubles. */
 NORMA_API norma_document_result norma_document_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);

@@ -2,6 +2,7 @@
  * position, normal, texture coordinates and tangent, byte for byte, as vertices. */
 #include "core/corner/index_corners.h"
 #include "core/tangent/tangents.h"
+#include <string.h>
 
 enum {
     STREAMS = 4,
@@ -18,7 +19,7 @@ typedef struct mesh_build {
     norma_built *built;
     float *normals, *tangents;  /* of corners */
     uint32_t *corners, *firsts; /* the position of each corner; the first corner of each vertex */
-    size_t corner_count, first_capacity;
+    size_t corner_count;
     double from, to; /* the part of the progress that the current step covers */
 } mesh_build;
 
@@ -86,7 +87,7 @@ static norma_result find_vertices(mesh_build *b) {
         streams[3] = values_of(b->tangents, b->corner_count, TANGENT_BYTES);
     }
     norma_indexed to = b->built->indexed;
-    if (!to.source_corners && b->firsts) to.source_corners = b->firsts;
+    to.source_corners = b->firsts; /* not read back from the caller's array */
     const norma_result result =
         norma_core_index_corners(&b->call, streams, t ? STREAMS : 2, b->corner_count, &to);
     if (result == NORMA_OK) b->built->indexed.vertex_count = to.vertex_count;
@@ -96,10 +97,12 @@ static norma_result find_vertices(mesh_build *b) {
 static norma_result write_vertices(const mesh_build *b) {
     const norma_built *to = b->built;
     const size_t count = to->indexed.vertex_count;
-    const uint32_t *firsts = to->indexed.source_corners ? to->indexed.source_corners : b->firsts;
+    const uint32_t *firsts = b->firsts;
     const norma_stream normals = values_of(b->normals, b->corner_count, NORMAL_BYTES),
                        tangents = values_of(b->tangents, b->corner_count, TANGENT_BYTES);
     norma_result result = NORMA_OK;
+    if (to->indexed.source_corners)
+        memcpy(to->indexed.source_corners, firsts, count * sizeof *firsts);
     for (size_t v = 0; to->source_vertices && v < count; v++)
         to->source_vertices[v] = b->corners ? b->corners[firsts[v]] : firsts[v];
     if (to->normals)
@@ -123,7 +126,7 @@ static norma_result check_output(const mesh_build *b) {
 static norma_result allocate(mesh_build *b) {
     const norma_built *to = b->built;
     const int needs_firsts =
-        !to->indexed.source_corners && (to->source_vertices || to->normals || to->tangents);
+        to->indexed.source_corners || to->source_vertices || to->normals || to->tangents;
     b->normals = norma_core_allocate(&b->call, b->corner_count, NORMAL_BYTES);
     if (!b->normals) return NORMA_ERROR_MEMORY;
     if (b->texcoords) {
@@ -136,15 +139,14 @@ static norma_result allocate(mesh_build *b) {
         for (size_t c = 0; c < b->corner_count; c++) b->corners[c] = norma_mesh_corner(b->mesh, c);
     }
     if (needs_firsts) {
-        b->first_capacity = to->indexed.vertex_capacity;
-        b->firsts = norma_core_allocate(&b->call, b->first_capacity, sizeof *b->firsts);
+        b->firsts = norma_core_allocate(&b->call, b->corner_count, sizeof *b->firsts);
         if (!b->firsts) return NORMA_ERROR_MEMORY;
     }
     return NORMA_OK;
 }
 
 static void release(const mesh_build *b) {
-    norma_core_release(&b->call, b->firsts, b->first_capacity, sizeof *b->firsts);
+    norma_core_release(&b->call, b->firsts, b->corner_count, sizeof *b->firsts);
     norma_core_release(&b->call, b->corners, b->corner_count, sizeof *b->corners);
     norma_core_release(&b->call, b->tangents, b->corner_count, TANGENT_BYTES);
     norma_core_release(&b->call, b->normals, b->corner_count, NORMAL_BYTES);

@@ -5,7 +5,7 @@
 #include "check.h"
 #include "oracle/shapes.h"
 
-enum { MOST_OUTPUTS = 3, COVER = 0x5a };
+enum { MOST_OUTPUTS = 5, COVER = 0x5a };
 
 typedef struct counted_output {
     const char *name;
@@ -136,6 +136,28 @@ static void plans(const norma_mesh *mesh, norma_options options, norma_element o
     test_free(moved);
 }
 
+static void build(const norma_mesh *mesh, const norma_attribute *texcoords, norma_tangent_mode mode,
+    norma_options options) {
+    const size_t corners = mesh->corner_count;
+    counter c = {.count = 0};
+    norma_options watched = counting(options, &c);
+    norma_built same = {.indexed = {.corner_capacity = corners, .vertex_capacity = corners}},
+                built = same;
+    built.indexed.corners = cover(&c, "corner", corners, 4);
+    built.indexed.source_corners = cover(&c, "source corner", corners, 4);
+    built.source_vertices = cover(&c, "source vertex", corners, 4);
+    built.normals = cover(&c, "normal", corners, 12);
+    built.tangents = cover(&c, "tangent", corners, 16);
+    same.indexed.corners = c.outputs[0].expected;
+    same.indexed.source_corners = (uint32_t *)(void *)c.outputs[1].expected;
+    same.source_vertices = (uint32_t *)(void *)c.outputs[2].expected;
+    same.normals = (float *)(void *)c.outputs[3].expected;
+    same.tangents = (float *)(void *)c.outputs[4].expected;
+    assert_ok(norma_build(mesh, texcoords, 1, mode, &options, &same, NULL));
+    assert_ok(norma_build(mesh, texcoords, 1, mode, &watched, &built, NULL));
+    judge(&c, "build", built.indexed.vertex_count, 1);
+}
+
 static void tangents(const norma_mesh *mesh, norma_options options) {
     const size_t vertices = mesh->positions.count, corners = mesh->corner_count;
     float *normals = test_malloc(12 * vertices), *texcoords = test_malloc(8 * vertices);
@@ -164,6 +186,7 @@ static void tangents(const norma_mesh *mesh, norma_options options) {
         assert_ok(
             norma_split_tangents(mesh, &n, &t, (norma_tangent_mode)mode, &watched, out, &to, NULL));
         judge(&c, "split tangents", to.vertex_count, 1);
+        build(mesh, &t, (norma_tangent_mode)mode, options);
     }
     test_free(normals);
     test_free(texcoords);
