@@ -1,5 +1,5 @@
-/* accountant.h: an allocator that counts its blocks, refuses one of them if asked, and notices a
- * block that comes back with another size. */
+/* accountant.h: an allocator that counts its blocks, fills them with what is no number that anybody
+ * wrote, refuses one of them if asked, and notices a block that comes back with another size. */
 #ifndef NORMA_TEST_ACCOUNTANT_H
 #define NORMA_TEST_ACCOUNTANT_H
 #include <stdlib.h>
@@ -18,6 +18,7 @@ static inline void *accountant_take(void *user, size_t size, size_t alignment) {
     if (++a->calls == a->fail_at) return NULL;
     a->live++;
     unsigned char *block = malloc(size + BEFORE_BLOCK);
+    memset(block, 0xA5, size + BEFORE_BLOCK);
     memcpy(block, &size, sizeof size);
     return block + BEFORE_BLOCK;
 }

@@ -16,9 +16,26 @@ typedef struct comparison {
     long double worst; /* angle, of those judged */
 } comparison;
 
+/* What a call gave, tightly packed. Of options, weight, fallback and fallback_normal count. every:
+ * compares each every-th element only (1: all, and the report as well). */
+typedef struct answer {
+    const float *normals;
+    const uint8_t *reasons;
+    const norma_report *report;
+    const norma_edges *edges; /* of corners; or NULL, where edges are not counted */
+} answer;
+void judge_faces(comparison *total, const char *name, const oracle *o, const norma_options *options,
+    const answer *a);
+void judge_vertices(comparison *total, const char *name, const oracle *o,
+    const norma_options *options, const answer *a, size_t every);
+void judge_corners(comparison *total, const char *name, const oracle *o, const oracle_fans *fans,
+    const norma_options *options, const answer *a);
+/* As a plan gives them: of each vertex, over the fans that its corners lie in. */
+void judge_fans_of_vertices(comparison *total, const char *name, const oracle *o,
+    const oracle_fans *fans, const norma_options *options, const answer *a);
+
 /* Options give weight, weld, non_manifold, threads and so on; the fallback is left as it is there,
- * reasons are the comparison's own. every: compares each every-th element only (1: all, and the
- * report as well). name is for messages. */
+ * reasons are the comparison's own. name is for messages. */
 void compare_faces(comparison *total, const char *name, const oracle *o, const norma_mesh *mesh,
     const norma_options *options);
 void compare_vertices(comparison *total, const char *name, const oracle *o, const norma_mesh *mesh,

@@ -6,9 +6,25 @@
 
 _Static_assert(ULONG_MAX >= UINT64_MAX, "64 bits are taken from a GMP integer at a time");
 
-void exact_init(exact_vec3 *v) { mpz_inits(v->x[0], v->x[1], v->x[2], NULL); }
+/* Numbers that were given back keep their memory for the next. */
+enum { MOST_KEPT = 64 };
+static exact_vec3 kept[MOST_KEPT];
+static size_t kept_count;
 
-void exact_clear(exact_vec3 *v) { mpz_clears(v->x[0], v->x[1], v->x[2], NULL); }
+void exact_init(exact_vec3 *v) {
+    if (kept_count)
+        *v = kept[--kept_count];
+    else
+        mpz_inits(v->x[0], v->x[1], v->x[2], NULL);
+    for (int i = 0; i < 3; ++i) mpz_set_ui(v->x[i], 0);
+}
+
+void exact_clear(exact_vec3 *v) {
+    if (kept_count < MOST_KEPT)
+        kept[kept_count++] = *v;
+    else
+        mpz_clears(v->x[0], v->x[1], v->x[2], NULL);
+}
 
 int exact_exponent(const double *numbers, size_t count) {
     int least = INT_MAX;
@@ -59,13 +75,13 @@ int exact_is_zero(const exact_vec3 *v) {
 
 long double exact_round(const mpz_t n, int exponent) {
     if (mpz_sgn(n) == 0) return 0;
-    mpz_t top;
     const size_t bits = mpz_sizeinbase(n, 2), cut = bits > 64 ? bits - 64 : 0;
-    mpz_init(top);
-    mpz_tdiv_q_2exp(top, n, cut);
-    const long double size =
-        ldexpl((long double)mpz_get_ui(top), (int)cut + exponent); /* mpz_get_ui drops the sign */
-    mpz_clear(top);
+    exact_vec3 top;
+    exact_init(&top);
+    if (cut) mpz_tdiv_q_2exp(top.x[0], n, cut);
+    const long double size = ldexpl((long double)mpz_get_ui(cut ? top.x[0] : n),
+        (int)cut + exponent); /* mpz_get_ui drops the sign */
+    exact_clear(&top);
     return mpz_sgn(n) < 0 ? -size : size;
 }
 

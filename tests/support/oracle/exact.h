@@ -19,6 +19,7 @@ void exact_clear(exact_vec3 *v);
 
 /* The least exponent e such that every one of the count finite doubles is an integer times 2^e. */
 int exact_exponent(const double *numbers, size_t count);
+enum { EXACT_LEAST = -1074 - 52 }; /* serves any doubles */
 /* v = p / 2^exponent, p finite, exponent at most that of p's numbers. */
 void exact_set(exact_vec3 *v, const double p[3], int exponent);
 void exact_sub(exact_vec3 *out, const exact_vec3 *a, const exact_vec3 *b);

@@ -1,26 +1,21 @@
 /* judge.c: see judge.h. Everything is tried against everything, as small meshes allow. */
 #include "oracle/judge.h"
-#include "oracle/compare.h"
+#include "oracle/guarded.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static size_t wrong(const char *name, const char *what, size_t index) {
-    printf("# %s: %s %zu\n", name, what, index);
-    return 1;
+void complain(trial *t, const char *what, size_t index) {
+    if (++t->total.wrong < 10) printf("# %s: %s %zu\n", t->name, what, index);
 }
 
-static norma_options plain(const norma_options *options) {
-    norma_options copy = *options;
-    copy.reasons = NULL;
-    copy.edges = NULL;
-    copy.normal_stride = 0;
-    return copy;
+uint32_t trial_below(trial *t, uint32_t bound) {
+    return (uint32_t)((made_case_random(&t->salt) >> 32) % bound);
 }
 
-static size_t old_vertex(const norma_mesh *mesh, size_t corner) {
-    return mesh->corners ? ((const uint32_t *)mesh->corners)[corner] : corner;
+void *trial_array(trial *t, size_t count, size_t size) {
+    return guarded_take(count * size, (int)trial_below(t, 2));
 }
 
 /* ---- split */
@@ -31,124 +26,175 @@ typedef struct split_mesh {
     size_t count;
 } split_mesh;
 
-static size_t judge_vertices(
-    const char *name, const norma_mesh *mesh, const float *normals, const split_mesh *s) {
-    size_t found = 0, next = 0;
-    for (size_t c = 0; c < mesh->corner_count; ++c) {
+static void judge_new_vertices(trial *t, const split_mesh *s) {
+    size_t next = 0;
+    for (size_t c = 0; c < t->o.corner_count; ++c) {
         const size_t v = s->corners[c];
-        if (v > next || v >= s->count) return wrong(name, "split numbers corner", c);
+        if (v > next || v >= s->count) {
+            complain(t, "split numbers corner", c);
+            return;
+        }
         next += v == next;
-        if (s->sources[v] != old_vertex(mesh, c)) found += wrong(name, "split's source of", c);
-        if (memcmp(s->normals + 3 * v, normals + 3 * c, 12))
-            found += wrong(name, "split's normal of corner", c);
+        if (s->sources[v] != t->o.corners[c]) complain(t, "split's source of corner", c);
+        if (memcmp(s->normals + 3 * v, t->corner_normals + 3 * c, 12))
+            complain(t, "split's normal of corner", c);
     }
-    if (next != s->count) found += wrong(name, "split counts vertices", s->count);
+    if (next != s->count) complain(t, "split counts vertices", s->count);
     for (size_t v = 0; v < s->count; ++v)
         for (size_t w = 0; w < v; ++w)
             if (s->sources[v] == s->sources[w] &&
                 !memcmp(s->normals + 3 * v, s->normals + 3 * w, 12))
-                found += wrong(name, "split gives a vertex twice,", v);
-    return found;
+                complain(t, "split gives a vertex twice,", v);
 }
 
-size_t judge_split(
-    const char *name, const norma_mesh *mesh, float crease_rad, const norma_options *options) {
-    const size_t count = mesh->corner_count;
-    const norma_options bare = plain(options);
-    float *normals = oracle_allocate(count, 3 * sizeof *normals);
-    split_mesh s = {oracle_allocate(count, sizeof *s.corners),
-        oracle_allocate(count, sizeof *s.sources), oracle_allocate(count, 12), 0};
-    size_t found;
-    if (norma_corner_normals(mesh, crease_rad, &bare, normals, count, NULL) ||
-        norma_split(
-            mesh, crease_rad, &bare, s.corners, count, s.sources, s.normals, count, &s.count, NULL))
-        found = wrong(name, "split is refused, corners", count);
+void judge_split(trial *t) {
+    const size_t count = t->o.corner_count;
+    const float crease = t->made->crease;
+    split_mesh s = {0};
+    if (norma_split(&t->mesh, crease, &t->options, NULL, 0, NULL, NULL, 0, &s.count, NULL)) {
+        complain(t, "split is refused, corners", count);
+        return;
+    }
+    const size_t expected = s.count;
+    s.corners = trial_array(t, count, sizeof *s.corners);
+    s.sources = trial_array(t, expected, sizeof *s.sources);
+    s.normals = trial_array(t, expected, 3 * sizeof *s.normals);
+    if (norma_split(&t->mesh, crease, &t->options, s.corners, count, s.sources, s.normals, expected,
+            &s.count, NULL) ||
+        s.count != expected)
+        complain(t, "split says otherwise what there is room for,", expected);
     else
-        found = judge_vertices(name, mesh, normals, &s);
-    free(normals);
-    free(s.corners);
-    free(s.sources);
-    free(s.normals);
-    return found;
+        judge_new_vertices(t, &s);
 }
 
 /* ---- plans */
 
-static size_t update(const char *name, const norma_mesh *mesh, norma_element of, float crease_rad,
-    const norma_options *options, float *normals, uint8_t *reasons) {
-    const size_t count = of == NORMA_PER_VERTEX ? mesh->positions.count : mesh->corner_count;
-    norma_options bare = plain(options);
+typedef struct updated {
+    norma_options options;
+    norma_report report;
+    size_t count;
+    float *normals;
+    uint8_t *reasons;
+} updated;
+
+static int update(trial *t, const norma_plan *plan, const norma_vec3_view *positions,
+    const uint32_t *moved, size_t moved_count, updated *u) {
+    u->options = t->options;
+    u->options.reasons = u->reasons;
+    const norma_result result = norma_plan_update(
+        plan, *positions, moved, moved_count, &u->options, u->normals, u->count, &u->report);
+    if (result) complain(t, "an update gives result", (size_t)-result);
+    return result == NORMA_OK;
+}
+
+static void judge_update(trial *t, norma_element of, const oracle *o, const updated *u) {
+    const answer a = {u->normals, u->reasons, &u->report, NULL};
+    if (of == NORMA_PER_CORNER)
+        judge_corners(&t->total, t->name, o, &t->fans, &u->options, &a);
+    else
+        judge_fans_of_vertices(&t->total, t->name, o, &t->fans, &u->options, &a);
+}
+
+/* Of each element whether a moved vertex can change it: of a face with such a vertex all corners,
+ * and whatever shares their sums. */
+static void find_changing(const trial *t, norma_element of, const unsigned char *moves, char *may) {
+    const oracle *o = &t->o;
+    char *fans = oracle_allocate(t->fans.fan_count, 1);
+    for (size_t f = 0; f < o->face_count; ++f) {
+        int touched = 0;
+        for (size_t c = o->starts[f]; c < o->starts[f + 1]; ++c) touched |= moves[o->corners[c]];
+        for (size_t c = o->starts[f]; c < o->starts[f + 1] && touched; ++c)
+            fans[t->fans.fan[c]] = 1;
+    }
+    for (size_t v = 0; v < o->position_count && of == NORMA_PER_VERTEX; ++v)
+        may[v] = (char)moves[v];
+    for (size_t c = 0; c < o->corner_count; ++c)
+        may[of == NORMA_PER_CORNER ? c : o->corners[c]] |= fans[t->fans.fan[c]];
+    free(fans);
+}
+
+/* Some vertices move. What an update of them leaves is what one of all gives; what cannot change is
+ * not written, which is seen where all was poisoned before. */
+static void judge_moved(
+    trial *t, norma_element of, const norma_plan *plan, norma_vec3_view positions, updated *some) {
+    const oracle *o = &t->o;
+    uint32_t moved[4];
+    const uint32_t count = 1 + trial_below(t, 4), vertices = (uint32_t)o->position_count;
+    unsigned char *moves = oracle_allocate(vertices, 1);
+    char *may = oracle_allocate(some->count, 1);
+    static const size_t sizes[] = {12, 24, 3, 3, 6, 6};
+    const size_t size = sizes[positions.format],
+                 stride = positions.stride ? positions.stride : size;
+    unsigned char *places = trial_array(t, vertices ? (vertices - 1) * stride + size : 0, 1);
+    if (vertices) memcpy(places, positions.data, (vertices - 1) * stride + size);
+    positions.data = places;
+    for (uint32_t i = 0; i < count; ++i) { /* to where another lies, or some bits beside */
+        const uint32_t v = moved[i] = trial_below(t, vertices), from = trial_below(t, vertices);
+        moves[v] = 1;
+        memmove(places + v * stride, places + from * stride, size);
+        unsigned char *number = places + v * stride + trial_below(t, 3) * (size / 3);
+        int zero = 1; /* but for its sign */
+        for (size_t b = 0; b < size / 3; ++b)
+            zero &= (number[b] & (size > 6 && b + 1 == size / 3 ? 0x7f : 0xff)) == 0;
+        if (!zero && trial_below(t, 2)) number[size > 12 ? 5 : size > 6 ? 1 : 0] ^= 4;
+    }
+    find_changing(t, of, moves, may);
+    updated all = {.count = some->count,
+        .normals = trial_array(t, some->count, 12),
+        .reasons = trial_array(t, some->count, 1)};
+    const size_t before = t->total.wrong;
+    oracle there;
+    oracle_create(&there, &t->mesh, t->options.weld, t->options.weld_distance);
+    oracle_move(&there, &positions);
+    if (update(t, plan, &positions, NULL, 0, &all) &&
+        update(t, plan, &positions, moved, count, some)) {
+        judge_update(t, of, &there, &all);
+        if (memcmp(all.normals, some->normals, 12 * all.count) ||
+            memcmp(all.reasons, some->reasons, all.count))
+            complain(t, "an update of some leaves other normals than one of all, moved", count);
+        memset(some->normals, GUARDED_POISON, 12 * some->count);
+        if (update(t, plan, &positions, moved, count, some))
+            for (size_t i = 0; i < some->count; ++i) {
+                const unsigned char *got = (const unsigned char *)(some->normals + 3 * i);
+                int written = 0;
+                for (int k = 0; k < 12; ++k) written |= got[k] != GUARDED_POISON;
+                if (written && !may[i] &&
+                    !(all.reasons[i] && t->options.fallback == NORMA_FALLBACK_NEAREST))
+                    complain(t, "what cannot change is written: element", i);
+            }
+    }
+    for (uint32_t i = 0; i < count && t->total.wrong > before; ++i) {
+        const double *p = there.positions[moved[i]];
+        printf("# with vertex %u at %a %a %a\n", (unsigned)moved[i], p[0], p[1], p[2]);
+    }
+    oracle_destroy(&there);
+    free(moves);
+    free(may);
+}
+
+static void judge_plan(trial *t, norma_element of) {
     norma_plan *plan = NULL;
-    if (norma_plan_create(mesh, of, crease_rad, &bare, &plan))
-        return wrong(name, "no plan of elements", count);
-    bare.reasons = reasons;
-    const norma_result result =
-        norma_plan_update(plan, mesh->positions, NULL, 0, &bare, normals, count, NULL);
+    norma_edges edges;
+    norma_options options = t->options;
+    options.edges = &edges;
+    const size_t count = of == NORMA_PER_CORNER ? t->o.corner_count : t->o.position_count;
+    updated u = {
+        .count = count, .normals = trial_array(t, count, 12), .reasons = trial_array(t, count, 1)};
+    if (norma_plan_create(&t->mesh, of, t->made->crease, &options, &plan)) {
+        complain(t, "no plan is made, of corners", t->o.corner_count);
+        return;
+    }
+    if (update(t, plan, &t->mesh.positions, NULL, 0, &u)) {
+        judge_update(t, of, &t->o, &u);
+        if (of == NORMA_PER_CORNER && memcmp(u.normals, t->corner_normals, 12 * count))
+            complain(t, "a plan gives other corners, of", count);
+        if (t->o.position_count) judge_moved(t, of, plan, t->mesh.positions, &u);
+    }
     norma_plan_destroy(plan);
-    return result ? wrong(name, "no update of elements", count) : 0;
 }
 
-/* The kept corners of all fans in which a corner of the vertex lies; returns how many. */
-static size_t gather(
-    const oracle *o, const oracle_fans *fans, size_t vertex, size_t *corners, int *doubtful) {
-    unsigned char *taken = oracle_allocate(fans->fan_count, 1);
-    size_t count = 0;
-    *doubtful = 0;
-    for (size_t c = 0; c < o->corner_count; ++c) {
-        const size_t fan = fans->fan[c];
-        if (o->corners[c] != vertex || taken[fan]) continue;
-        taken[fan] = 1;
-        *doubtful |= fans->doubtful[fan];
-        for (size_t i = fans->start[fan]; i < fans->start[fan + 1]; ++i)
-            corners[count++] = fans->corners[i];
-    }
-    free(taken);
-    return count;
-}
-
-static size_t judge_per_vertex(const char *name, const oracle *o, const oracle_fans *fans,
-    const norma_options *options, const float *normals, const uint8_t *reasons) {
-    size_t *corners = oracle_allocate(o->corner_count, sizeof *corners), found = 0;
-    for (size_t v = 0; v < o->position_count; ++v) {
-        int doubtful;
-        const size_t count = gather(o, fans, v, corners, &doubtful);
-        const oracle_normal e = oracle_sum(o, corners, count, options->weight);
-        if (doubtful || e.doubtful || !oracle_finite(o->positions[v])) continue;
-        if (e.reason == NORMA_REASON_UNREFERENCED) {
-            if (reasons[v] != NORMA_REASON_UNREFERENCED)
-                found += wrong(name, "a plan gives a normal to vertex", v);
-            continue;
-        }
-        if (e.ratio <= 1e-3L) continue;
-        const long double n[3] = {(long double)normals[3 * v], (long double)normals[3 * v + 1],
-            (long double)normals[3 * v + 2]};
-        if (reasons[v] || !(oracle_angle(n, e.normal) <= COMPARE_SUM_RAD))
-            found += wrong(name, "a plan gives another normal to vertex", v);
-    }
-    free(corners);
-    return found;
-}
-
-size_t judge_plans(const char *name, const oracle *o, const norma_mesh *mesh, float crease_rad,
-    const norma_options *options) {
-    const size_t corners = mesh->corner_count,
-                 most = corners > mesh->positions.count ? corners : mesh->positions.count;
-    const norma_options bare = plain(options);
-    float *normals = oracle_allocate(corners, 12), *given = oracle_allocate(most, 12);
-    uint8_t *reasons = oracle_allocate(most, 1);
-    oracle_fans fans;
-    oracle_fans_create(&fans, o, crease_rad, options->non_manifold, COMPARE_DOUBT_RAD);
-    size_t found = update(name, mesh, NORMA_PER_CORNER, crease_rad, options, given, reasons);
-    if (norma_corner_normals(mesh, crease_rad, &bare, normals, corners, NULL) ||
-        memcmp(given, normals, 12 * corners))
-        found += wrong(name, "a plan gives other corners, of", corners);
-    found += update(name, mesh, NORMA_PER_VERTEX, crease_rad, options, given, reasons);
-    found += judge_per_vertex(name, o, &fans, options, given, reasons);
-    oracle_fans_destroy(&fans);
-    free(normals);
-    free(given);
-    free(reasons);
-    return found;
+void judge_plans(trial *t) {
+    judge_plan(t, trial_below(t, 2) ? NORMA_PER_CORNER : NORMA_PER_VERTEX);
 }
 
 /* ---- orientation */
@@ -207,6 +253,8 @@ static void find_parts(turned_mesh *t) {
     }
     for (size_t i = 0; i < t->edge_count; ++i)
         if (!other_of_two(t, &t->edges[i])) t->open[t->part[t->edges[i].face]] = 1;
+    for (size_t f = 0; f < faces; ++f) /* a face without edges closes nothing */
+        if (t->o->kinds[f] == ORACLE_FEW) t->open[t->part[f]] = 1;
 }
 
 /* Six times the volume of a part of triangles; 0 where it has another face, or a coordinate that is
@@ -255,38 +303,40 @@ static int is_apart(const turned_mesh *t, size_t part) {
     return 1;
 }
 
-static size_t judge_turned(const char *name, const turned_mesh *t, int two_sided) {
-    size_t found = 0;
-    for (size_t i = 0; i < t->edge_count && two_sided; ++i) {
+static void judge_turned(trial *r, const turned_mesh *t) {
+    for (size_t i = 0; i < t->edge_count; ++i) {
         const half_edge *other = other_of_two(t, &t->edges[i]);
         if (other && along(other, &t->edges[i]) > 0 && other->face != t->edges[i].face)
-            found += wrong(name, "turned against a neighbour: face", t->edges[i].face);
+            complain(r, "turned against a neighbour: face", t->edges[i].face);
     }
-    for (size_t f = 0; f < t->o->face_count && two_sided; ++f)
+    for (size_t f = 0; f < t->o->face_count; ++f)
         if (t->part[f] == f && !t->open[f] && is_apart(t, f) && volume(t, f) < 0)
-            found += wrong(name, "inside out: the part of face", f);
-    return found;
+            complain(r, "inside out: the part of face", f);
 }
 
-size_t judge_orientation(
-    const char *name, const oracle *o, const norma_mesh *mesh, const norma_options *options) {
-    uint8_t *reverse = oracle_allocate(o->face_count, 1);
+void judge_orientation(trial *r) {
+    const size_t faces = r->o.face_count;
+    const norma_orient_open open =
+        trial_below(r, 8) ? NORMA_ORIENT_OPEN_KEPT : NORMA_ORIENT_OPEN_BY_RAYS;
+    uint8_t *reverse = trial_array(r, faces, 1);
     norma_orient_report report;
-    const norma_options bare = plain(options);
-    turned_mesh t = {.o = o, .reverse = reverse};
-    size_t found = 0, reversed = 0;
-    if (norma_orient(mesh, NORMA_ORIENT_OPEN_KEPT, &bare, reverse, o->face_count, &report)) {
-        free(reverse);
-        return wrong(name, "not oriented, faces", o->face_count);
+    turned_mesh t = {.o = &r->o, .reverse = reverse};
+    size_t reversed = 0;
+    if (norma_orient(&r->mesh, open, &r->options, reverse, faces, &report)) {
+        complain(r, "not oriented, faces", faces);
+        return;
     }
-    for (size_t f = 0; f < o->face_count; ++f) reversed += reverse[f] != 0;
-    if (reversed != report.reversed_faces) found += wrong(name, "reversed faces", reversed);
+    for (size_t f = 0; f < faces; ++f) {
+        reversed += reverse[f] == 1;
+        if (reverse[f] > 1) complain(r, "neither reversed nor not: face", f);
+    }
+    if (reversed != report.reversed_faces) complain(r, "reversed faces", reversed);
+    if (report.closed + report.open + report.one_sided != report.parts)
+        complain(r, "of three kinds, but for parts", report.parts);
     list_edges(&t);
     find_parts(&t);
-    found += judge_turned(name, &t, !report.one_sided);
+    if (!report.one_sided) judge_turned(r, &t);
     free(t.edges);
     free(t.part);
     free(t.open);
-    free(reverse);
-    return found;
 }

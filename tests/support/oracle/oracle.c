@@ -58,15 +58,18 @@ static size_t size_of(norma_format format) {
     return sizes[format];
 }
 
-static void read_mesh(oracle *o, const norma_mesh *mesh) {
-    const norma_vec3_view *view = &mesh->positions;
+static void read_positions(oracle *o, const norma_vec3_view *view) {
     const size_t size = size_of(view->format), stride = view->stride ? view->stride : 3 * size;
-    o->position_count = view->count;
-    o->positions = oracle_allocate(view->count, sizeof *o->positions);
     for (size_t v = 0; v < view->count; ++v)
         for (size_t i = 0; i < 3; ++i)
             o->positions[v][i] = read_number(
                 (const unsigned char *)view->data + v * stride + i * size, view->format);
+}
+
+static void read_mesh(oracle *o, const norma_mesh *mesh) {
+    o->position_count = mesh->positions.count;
+    o->positions = oracle_allocate(o->position_count, sizeof *o->positions);
+    read_positions(o, &mesh->positions);
 
     o->corner_count = mesh->corner_count;
     o->corners = oracle_allocate(o->corner_count, sizeof *o->corners);
@@ -169,7 +172,7 @@ static void weld_positions(oracle *o, norma_weld weld, double distance) {
 
 /* ---- which corners of a face are left, and the face's vector */
 
-static size_t keep_corners(oracle *o, size_t face) {
+static void keep_corners(oracle *o, size_t face) {
     const size_t start = o->starts[face], end = o->starts[face + 1];
     size_t left = 0;
     for (size_t c = start; c < end; ++c) {
@@ -179,7 +182,7 @@ static size_t keep_corners(oracle *o, size_t face) {
     }
     if (left < 3) {
         for (size_t c = start; c < end; ++c) o->kept[c] = ORACLE_NONE;
-        return left;
+        return;
     }
     for (size_t c = start; c < end;
          ++c) { /* a corner that is not left stands under the next one that is */
@@ -193,7 +196,6 @@ static size_t keep_corners(oracle *o, size_t face) {
     }
     for (size_t c = start; c < end; ++c)
         if (o->kept[c] == c) o->previous[o->next[c]] = c;
-    return left;
 }
 
 /* Twice the vector area, exactly, in units of 2^(2 exponent); returns the exponent. */
@@ -268,16 +270,12 @@ static void face_vector(oracle *o, size_t face) {
     exact_clear(&sum);
 }
 
-static void read_faces(oracle *o) {
-    o->kept = oracle_allocate(o->corner_count, sizeof *o->kept);
-    o->next = oracle_allocate(o->corner_count, sizeof *o->next);
-    o->previous = oracle_allocate(o->corner_count, sizeof *o->previous);
-    o->kinds = oracle_allocate(o->face_count, sizeof *o->kinds);
-    o->directions = oracle_allocate(o->face_count, sizeof *o->directions);
-    o->areas = oracle_allocate(o->face_count, sizeof *o->areas);
+static void measure_faces(oracle *o) {
+    memset(o->directions, 0, o->face_count * sizeof *o->directions);
     for (size_t f = 0; f < o->face_count; ++f) {
         int finite = 1;
-        const size_t left = keep_corners(o, f);
+        size_t left = 0;
+        for (size_t c = o->starts[f]; c < o->starts[f + 1]; ++c) left += o->kept[c] == c;
         for (size_t c = o->starts[f]; c < o->starts[f + 1]; ++c)
             finite &= oracle_finite(o->positions[o->corners[c]]);
         if (!finite)
@@ -287,6 +285,24 @@ static void read_faces(oracle *o) {
         else
             face_vector(o, f);
     }
+}
+
+static void read_faces(oracle *o) {
+    o->kept = oracle_allocate(o->corner_count, sizeof *o->kept);
+    o->next = oracle_allocate(o->corner_count, sizeof *o->next);
+    o->previous = oracle_allocate(o->corner_count, sizeof *o->previous);
+    o->kinds = oracle_allocate(o->face_count, sizeof *o->kinds);
+    o->directions = oracle_allocate(o->face_count, sizeof *o->directions);
+    o->areas = oracle_allocate(o->face_count, sizeof *o->areas);
+    for (size_t f = 0; f < o->face_count; ++f) keep_corners(o, f);
+    measure_faces(o);
+}
+
+void oracle_move(oracle *o, const norma_vec3_view *positions) {
+    read_positions(o, positions);
+    measure_faces(o);
+    free(o->weights);
+    o->weights = NULL;
 }
 
 static void list_corners_by_position(oracle *o) {
@@ -318,41 +334,63 @@ void oracle_destroy(oracle *o) {
 
 /* ---- nearest fallback */
 
-static void square_distance(mpz_t out, const double a[3], const double b[3], int exponent) {
+static long double rough_distance(const double a[3], const double b[3]) {
+    long double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+        const long double d = (long double)a[i] - (long double)b[i];
+        sum += d * d;
+    }
+    return sum;
+}
+
+static void square_distance(mpz_t out, const double a[3], const double b[3]) {
     exact_vec3 p, q;
     exact_init(&p);
     exact_init(&q);
-    exact_set(&p, a, exponent);
-    exact_set(&q, b, exponent);
+    exact_set(&p, a, EXACT_LEAST);
+    exact_set(&q, b, EXACT_LEAST);
     exact_sub(&p, &p, &q);
     exact_dot(out, &p, &p);
     exact_clear(&p);
     exact_clear(&q);
 }
 
+/* The sign of |here - a| - |here - b|; exact numbers are asked where others would not do. */
+static int compare_distances(const double here[3], const double a[3], const double b[3]) {
+    const long double rough_a = rough_distance(here, a), rough_b = rough_distance(here, b);
+    mpz_t x, y;
+    if (!memcmp(a, b, 3 * sizeof *a)) return 0;
+    if (fabsl(rough_a - rough_b) > 0x1p-60L * (rough_a + rough_b))
+        return rough_a < rough_b ? -1 : 1;
+    mpz_inits(x, y, NULL);
+    square_distance(x, here, a);
+    square_distance(y, here, b);
+    const int order = mpz_cmp(x, y);
+    mpz_clears(x, y, NULL);
+    return order;
+}
+
+int oracle_nearly_nearest(const oracle *o, size_t vertex, size_t nearest, size_t other) {
+    const double *here = o->positions[vertex], *a = o->positions[nearest], *b = o->positions[other];
+    return oracle_finite(here) && oracle_finite(b) && compare_distances(here, a, b) < 0 &&
+           rough_distance(here, b) <= rough_distance(here, a) * (1 + 0x1p-48L);
+}
+
 size_t oracle_nearest(
     const oracle *o, const size_t *vertices, const uint8_t *reasons, size_t count, size_t element) {
-    const double *here = o->positions[vertices[element]];
+    const size_t vertex = vertices[element];
+    const double *here = o->positions[vertex];
     size_t best = ORACLE_NONE;
-    const int exponent = -1074;
-    mpz_t least, distance;
-    mpz_inits(least, distance, NULL);
     for (size_t i = 0; i < count; ++i) {
         if (reasons[i] != NORMA_REASON_NONE) continue;
-        if (!oracle_finite(here)) {
+        if (!oracle_finite(here)) return i;
+        if (!oracle_finite(o->positions[vertices[i]])) continue;
+        const int order = best == ORACLE_NONE ? -1
+                                              : compare_distances(here, o->positions[vertices[i]],
+                                                    o->positions[vertices[best]]);
+        if (order < 0 || (order == 0 && vertices[i] == vertex && vertices[best] != vertex))
             best = i;
-            break;
-        }
-        square_distance(distance, here, o->positions[vertices[i]], exponent);
-        const int order = best == ORACLE_NONE ? -1 : mpz_cmp(distance, least);
-        const int same = vertices[i] == vertices[element],
-                  best_same = best != ORACLE_NONE && vertices[best] == vertices[element];
-        if (order < 0 || (order == 0 && same && !best_same)) {
-            best = i;
-            mpz_set(least, distance);
-        }
     }
-    mpz_clears(least, distance, NULL);
     return best;
 }
 

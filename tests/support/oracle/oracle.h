@@ -41,6 +41,8 @@ typedef struct oracle {
  * runs out. */
 void oracle_create(oracle *o, const norma_mesh *mesh, norma_weld weld, double distance);
 void oracle_destroy(oracle *o);
+/* The same faces and shared positions with other positions, as many. */
+void oracle_move(oracle *o, const norma_vec3_view *positions);
 
 /* Whether a kept corner's edges, seen along its face's vector area, turn the other way, exactly. */
 int oracle_turns_back(const oracle *o, size_t corner);
@@ -54,14 +56,14 @@ typedef struct oracle_normal {
     long double normal[3]; /* unit where the reason is NONE */
     long double ratio; /* |sum| / sum of weights; VISIBLE: the cosine of the smallest cone's half
                           angle (<= 0: cancelled) */
-    int own_index; /* the sum over the shared position cancelled, this is that over the vertex's own
-                      corners */
-    int doubtful;  /* no answer: VISIBLE with more normals than brute force likes */
+    int doubtful;      /* no answer: VISIBLE with more normals than brute force likes */
 } oracle_normal;
 
 /* The sum over the given kept corners. NONE, UNREFERENCED or CANCELLED. */
 oracle_normal oracle_sum(const oracle *o, const size_t *corners, size_t count, norma_weight weight);
-oracle_normal oracle_vertex(const oracle *o, size_t vertex, norma_weight weight);
+/* That over those of them that are the vertex's own; without any, it is cancelled. */
+oracle_normal oracle_own_sum(
+    const oracle *o, size_t vertex, const size_t *corners, size_t count, norma_weight weight);
 oracle_normal oracle_face(const oracle *o, size_t face);
 
 typedef struct oracle_fans {
@@ -73,6 +75,7 @@ typedef struct oracle_fans {
                                 answer passes */
     norma_count non_manifold, conflicts;
     norma_edges edges;
+    float crease_rad;
 } oracle_fans;
 
 /* doubt_rad: how near to the threshold a dihedral angle is doubtful. */
@@ -81,11 +84,16 @@ void oracle_fans_create(oracle_fans *fans, const oracle *o, float crease_rad,
 void oracle_fans_destroy(oracle_fans *fans);
 oracle_normal oracle_corner(
     const oracle *o, const oracle_fans *fans, size_t corner, norma_weight weight);
+/* The kept corners of all fans in which a corner of the vertex lies; returns how many. */
+size_t oracle_fans_of(
+    const oracle *o, const oracle_fans *fans, size_t vertex, size_t *corners, int *doubtful);
 
 /* Where each element that has no normal (reasons) gets it from under NORMA_FALLBACK_NEAREST: the
  * element, or NONE. positions: of each element its vertex. */
 size_t oracle_nearest(
     const oracle *o, const size_t *vertices, const uint8_t *reasons, size_t count, size_t element);
+/* Whether another vertex is farther by no more than doubles can miss. */
+int oracle_nearly_nearest(const oracle *o, size_t vertex, size_t nearest, size_t other);
 
 long double oracle_angle(const long double a[3], const long double b[3]);
 int oracle_finite(const double p[3]);

@@ -78,8 +78,9 @@ static int are_twins(const oracle *o, size_t a, size_t b) {
     return read_backwards(o, a, b);
 }
 
-/* A face that runs twice along the edge is two there; they are twins where it is its own reverse.
- */
+/* A face that runs twice along the edge is two there. One that reads the same backwards (a, b, c,
+ * b) is its own reversed twin, so that its two runs are no partners of one another, but of the
+ * faces beside it. */
 static int are_partners(const oracle *o, const half_edge *a, const half_edge *b) {
     return a->upwards != b->upwards && !are_twins(o, a->corner, b->corner);
 }
@@ -143,8 +144,8 @@ static int is_longer(const oracle *o, size_t a, size_t b) {
     exact_init(&q);
     for (int i = 0; i < 2; ++i) {
         const size_t corner = i ? b : a;
-        exact_set(&p, o->positions[o->corners[corner]], -1074);
-        exact_set(&q, o->positions[o->corners[o->next[corner]]], -1074);
+        exact_set(&p, o->positions[o->corners[corner]], EXACT_LEAST);
+        exact_set(&q, o->positions[o->corners[o->next[corner]]], EXACT_LEAST);
         exact_sub(&p, &p, &q);
         exact_dot(length[i], &p, &p);
     }
@@ -305,7 +306,8 @@ void oracle_fans_create(oracle_fans *fans, const oracle *o, float crease_rad,
         .crease = (long double)crease_rad,
         .doubt = doubt_rad,
         .non_manifold = non_manifold};
-    *fans = (oracle_fans){.non_manifold = {0, SIZE_MAX}, .conflicts = {0, SIZE_MAX}};
+    *fans = (oracle_fans){
+        .non_manifold = {0, SIZE_MAX}, .conflicts = {0, SIZE_MAX}, .crease_rad = crease_rad};
     fans->fan = oracle_allocate(o->corner_count, sizeof *fans->fan);
     fans->doubtful = oracle_allocate(o->corner_count, sizeof *fans->doubtful);
     sort_half_edges(&s);
@@ -320,6 +322,23 @@ void oracle_fans_create(oracle_fans *fans, const oracle *o, float crease_rad,
     free(s.lenders);
     free(s.classes);
     free(s.links);
+}
+
+size_t oracle_fans_of(
+    const oracle *o, const oracle_fans *fans, size_t vertex, size_t *corners, int *doubtful) {
+    unsigned char *taken = oracle_allocate(fans->fan_count, 1);
+    size_t count = 0;
+    *doubtful = 0;
+    for (size_t c = 0; c < o->corner_count; ++c) {
+        const size_t fan = fans->fan[c];
+        if (o->corners[c] != vertex || taken[fan]) continue;
+        taken[fan] = 1;
+        *doubtful |= fans->doubtful[fan];
+        for (size_t i = fans->start[fan]; i < fans->start[fan + 1]; ++i)
+            corners[count++] = fans->corners[i];
+    }
+    free(taken);
+    return count;
 }
 
 void oracle_fans_destroy(oracle_fans *fans) {

@@ -23,29 +23,28 @@ static corner_measures measure_corner(const oracle *o, size_t corner) {
     const double numbers[9] = {
         p[0][0], p[0][1], p[0][2], p[1][0], p[1][1], p[1][2], p[2][0], p[2][1], p[2][2]};
     const int exponent = exact_exponent(numbers, 9);
-    exact_vec3 here, a, b, cross;
-    mpz_t dot, aa, bb;
+    exact_vec3 here, a, b, cross, dots;
     long double normal[3];
     corner_measures m;
     exact_init(&here);
     exact_init(&a);
     exact_init(&b);
     exact_init(&cross);
-    mpz_inits(dot, aa, bb, NULL);
+    exact_init(&dots);
     exact_set(&here, p[0], exponent);
     exact_set(&a, p[1], exponent);
     exact_set(&b, p[2], exponent);
     exact_sub(&a, &a, &here);
     exact_sub(&b, &b, &here);
     exact_cross(&cross, &a, &b);
-    exact_dot(dot, &a, &b);
-    exact_dot(aa, &a, &a);
-    exact_dot(bb, &b, &b);
+    exact_dot(dots.x[0], &a, &b);
+    exact_dot(dots.x[1], &a, &a);
+    exact_dot(dots.x[2], &b, &b);
     exact_round_vec3(normal, &cross, 2 * exponent);
     m.sine_lengths = sqrtl(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-    m.angle = atan2l(m.sine_lengths, exact_round(dot, 2 * exponent));
-    m.a_squared = exact_round(aa, 2 * exponent);
-    m.b_squared = exact_round(bb, 2 * exponent);
+    m.angle = atan2l(m.sine_lengths, exact_round(dots.x[0], 2 * exponent));
+    m.a_squared = exact_round(dots.x[1], 2 * exponent);
+    m.b_squared = exact_round(dots.x[2], 2 * exponent);
     const long double *n = o->directions[o->faces[corner]];
     const long double along = normal[0] * n[0] + normal[1] * n[1] + normal[2] * n[2];
     if (fabsl(along) > 1e-12L * m.sine_lengths ? along < 0 : oracle_turns_back(o, corner))
@@ -54,7 +53,7 @@ static corner_measures measure_corner(const oracle *o, size_t corner) {
     exact_clear(&a);
     exact_clear(&b);
     exact_clear(&cross);
-    mpz_clears(dot, aa, bb, NULL);
+    exact_clear(&dots);
     return m;
 }
 
@@ -200,19 +199,12 @@ oracle_normal oracle_sum(
     return result;
 }
 
-oracle_normal oracle_vertex(const oracle *o, size_t vertex, norma_weight weight) {
-    const size_t shared = o->shared[vertex],
-                 count = o->by_shared_start[shared + 1] - o->by_shared_start[shared];
-    const size_t *all = o->by_shared + o->by_shared_start[shared];
-    if (!oracle_finite(o->positions[vertex]))
-        return (oracle_normal){.reason = NORMA_REASON_NON_FINITE};
-    oracle_normal result = oracle_sum(o, all, count, weight);
-    if (result.reason != NORMA_REASON_CANCELLED) return result;
+oracle_normal oracle_own_sum(
+    const oracle *o, size_t vertex, const size_t *corners, size_t count, norma_weight weight) {
     size_t *own = oracle_allocate(count, sizeof *own), own_count = 0;
     for (size_t i = 0; i < count; ++i)
-        if (o->corners[all[i]] == vertex) own[own_count++] = all[i];
-    result = oracle_sum(o, own, own_count, weight);
-    result.own_index = 1;
+        if (o->corners[corners[i]] == vertex) own[own_count++] = corners[i];
+    oracle_normal result = oracle_sum(o, own, own_count, weight);
     if (result.reason == NORMA_REASON_UNREFERENCED) result.reason = NORMA_REASON_CANCELLED;
     free(own);
     return result;
@@ -230,9 +222,8 @@ oracle_normal oracle_face(const oracle *o, size_t face) {
 
 oracle_normal oracle_corner(
     const oracle *o, const oracle_fans *fans, size_t corner, norma_weight weight) {
-    const size_t fan = fans->fan[corner];
+    const size_t *start = fans->start + fans->fan[corner];
     if (!oracle_finite(o->positions[o->corners[corner]]))
         return (oracle_normal){.reason = NORMA_REASON_NON_FINITE};
-    return oracle_sum(
-        o, fans->corners + fans->start[fan], fans->start[fan + 1] - fans->start[fan], weight);
+    return oracle_sum(o, fans->corners + start[0], start[1] - start[0], weight);
 }
