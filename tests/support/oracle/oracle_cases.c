@@ -8,6 +8,7 @@
 #include "oracle/net.h"
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -27,12 +28,17 @@ static int status_of(pid_t child) {
     return status;
 }
 
+static void limit_processor_time(void) {
+    const struct rlimit limit = {20, 25};
+    setrlimit(RLIMIT_CPU, &limit);
+}
+
 static int fails(const made_case *trial) {
     fflush(stdout);
     const pid_t child = fork();
     if (child) return status_of(child) != 0;
     if (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)) _exit(0);
-    alarm(10);
+    limit_processor_time();
     _exit(net_judge("", trial) != 0);
 }
 
@@ -45,7 +51,7 @@ static int judge_seeds(unsigned long long from, unsigned long long to) {
         const pid_t child = fork();
         if (child == 0) {
             guarded_on_crash(keep_case);
-            alarm(20);
+            limit_processor_time();
             path[strlen(path) - 5] = '\0';
             const size_t wrong = net_judge(path, &made);
             path[strlen(path)] = '.';
