@@ -4,7 +4,7 @@
 #define NORMA_CHECK_INTERNAL_H
 #include <norma/check.h>
 #include <stdatomic.h>
-#include "core/orient/orient.h"
+#include "core/topology/topology.h"
 
 typedef enum check_rule {
 #define RULE(id, name, render, print, fix, verb, validator, what, why, how) RULE_##id,

@@ -2,7 +2,7 @@
  * (turn_bodies.c), faces left out that are there twice or have no area. */
 #include "check/fix/fix.h"
 #include "check/fix/edge_parts.h"
-#include "core/orient/orient.h"
+#include "core/topology/topology.h"
 #include <stdlib.h>
 #include <string.h>
 

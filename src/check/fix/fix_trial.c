@@ -1,7 +1,7 @@
 /* fix_trial.c: see fix_trial.h. The copy is the document as it would be written, so that what its
  * format makes of an edit is measured too. */
 #include "check/fix/fix_trial.h"
-#include "core/orient/edge_partners.h"
+#include "core/topology/topology.h"
 #include "io/document/document_copy.h"
 #include <stdlib.h>
 #include <string.h>

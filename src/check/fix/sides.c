@@ -4,7 +4,7 @@
  * are looked at together. */
 #include "check/fix/fix.h"
 #include "check/rules/mesh_rules.h"
-#include "core/orient/orient.h"
+#include "core/topology/topology.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,7 +2,7 @@
  * inward (N302), and, where that is asked for, open ones (N304) as a majority of rays has it. The
  * primitives of a glTF mesh are looked at together, as those rules do. */
 #include "check/fix/fix.h"
-#include "core/orient/components.h"
+#include "core/topology/topology.h"
 #include <stdlib.h>
 #include <string.h>
 

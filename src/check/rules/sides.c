@@ -1,4 +1,4 @@
-/* sides.c: which of the faces that somebody doubts are turned (core/orient/sides.c), with the
+/* sides.c: which of the faces that somebody doubts are turned (core/topology/orient.c), with the
  * primitives of a glTF mesh looked at together. Rays say nothing of a material that is seen from
  * both sides. Where neither volume nor rays say anything, the stored normals of facets do: a
  * program that turns a facet seldom turns its normal. */

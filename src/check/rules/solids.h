@@ -2,7 +2,7 @@
  * mesh together. */
 #ifndef NORMA_CHECK_SOLIDS_H
 #define NORMA_CHECK_SOLIDS_H
-#include "core/orient/components.h"
+#include "core/topology/topology.h"
 #include "check/rules/mesh_rules.h"
 
 typedef struct check_solids {

@@ -2,7 +2,7 @@
  * solids, touching ones, one-sided ones and open ones. What is right is known from how they were
  * built. */
 #include "check.h"
-#include "core/orient/orient.h"
+#include "core/topology/topology.h"
 #include "mesh_files.h"
 
 /* A box wound outward, or inward. */

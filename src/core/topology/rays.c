@@ -6,8 +6,7 @@
  * however densely the n triangles lie, and each part has the same share of them; a part that uses
  * it up is judged by the rays that were cast until then. Where triangles coincide a single ray
  * could use up a share; then the rays of that part end with it. */
-#include "core/orient/orient.h"
-#include "core/orient/box_tree.h"
+#include "core/topology/topology.h"
 #include "core/face/triangle.h"
 #include <float.h>
 #include <stdlib.h>
@@ -184,7 +183,7 @@ static int looks_down(const double normal[3]) {
 }
 
 /* 1: the front sees more of what is outside, -1: the back does, 0: both do, or neither. */
-static int vote(const rays *all, size_t face, uint64_t number, ray *r) {
+static int vote_of_face(const rays *all, size_t face, uint64_t number, ray *r) {
     double place[3], direction[3];
     core_face geometry;
     norma_core_face_geometry(&all->topology->mesh, face, &geometry);
@@ -246,7 +245,7 @@ static void poll_part(void *context, size_t part) {
         const uint64_t share = r.steps + all->budget / LARGE_SHARE;
         r.most = share < all->budget ? share : all->budget;
         const uint32_t number = scramble((uint32_t)p->cast, RAYS);
-        const int says = vote(all, faces[number], number, &r);
+        const int says = vote_of_face(all, faces[number], number, &r);
         if (r.steps >= r.most) break;
         p->votes += says;
         p->cast++;
@@ -257,7 +256,7 @@ static void poll_part(void *context, size_t part) {
 
 /* ---- all parts */
 
-static void widen(core_box *box, const double p[3]) {
+static void widen_box(core_box *box, const double p[3]) {
     for (int k = 0; k < 3; k++) {
         box->low[k] = p[k] < box->low[k] ? p[k] : box->low[k];
         box->high[k] = p[k] > box->high[k] ? p[k] : box->high[k];
@@ -279,7 +278,7 @@ static void add_fan(rays *all, size_t face, core_box *boxes) {
         ray_triangle *to = &all->triangles[all->count];
         core_box *box = &boxes[all->count++];
         *box = (core_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-        for (int i = 0; i < 3; i++) widen(box, p[i]);
+        for (int i = 0; i < 3; i++) widen_box(box, p[i]);
         to->face = (uint32_t)face;
         memcpy(to->corner, p[0], sizeof p[0]);
         norma_core_subtract(p[1], p[0], to->u);
@@ -298,7 +297,7 @@ static norma_result order_triangles(rays *all) {
     return NORMA_OK;
 }
 
-static norma_result build_tree(rays *all) {
+static norma_result build_ray_tree(rays *all) {
     const core_topology *t = all->topology;
     for (size_t f = 0; f < t->mesh.face_count; f++) {
         const size_t corners =
@@ -345,7 +344,7 @@ norma_result norma_core_ray_scene_open(
     if (!all) return NORMA_ERROR_MEMORY;
     *all = (rays){.topology = topology, .components = components};
     all->polls = norma_core_allocate(call, parts, sizeof *all->polls);
-    const norma_result result = all->polls ? build_tree(all) : NORMA_ERROR_MEMORY;
+    const norma_result result = all->polls ? build_ray_tree(all) : NORMA_ERROR_MEMORY;
     for (size_t count = all->count; count > 0; count /= 2)
         all->budget += 2 * RAYS * STEPS_OF_RAY * ((all->count + parts - 1) / parts);
     if (result == NORMA_OK)

@@ -1,7 +1,7 @@
-/* edge_partners.c: edges are paired around each position. Where the corners there form what a whole
+/* topology.c: edges are paired around each position. Where the corners there form what a whole
  * surface has, fans of two faces at each edge, comparing the few of them with one another is
  * enough; all else is sorted. */
-#include "core/orient/edge_partners.h"
+#include "core/topology/topology.h"
 #include "core/call/joined_sets.h"
 #include "core/call/sort.h"
 #include "core/face/twin_key.h"
@@ -19,7 +19,7 @@ typedef struct corner_copy {
     uint32_t *to;
 } corner_copy;
 
-static void copy_corners(void *context, size_t block) {
+static void weld_corners(void *context, size_t block) {
     const corner_copy *copy = context;
     const size_t count = copy->from->corner_count, begin = block * CORNERS_IN_BLOCK,
                  end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
@@ -62,10 +62,10 @@ static void find_polygons(void *context, size_t block) {
 
 /* ---- opening */
 
-static norma_result fill_corners(core_topology *t, const core_mesh *welded) {
+static norma_result fill_topology(core_topology *t, const core_mesh *welded) {
     corner_copy copy = {welded, t->corners};
     norma_result result = norma_core_parallel(
-        t->call, blocks_of(welded->corner_count, CORNERS_IN_BLOCK), copy_corners, &copy);
+        t->call, blocks_of(welded->corner_count, CORNERS_IN_BLOCK), weld_corners, &copy);
     t->mesh = *welded;
     t->mesh.weld = NULL;
     t->mesh.corners = t->corners;
@@ -87,7 +87,7 @@ norma_result norma_core_topology_open(
         topology->polygons =
             norma_core_allocate(call, checked->face_count, sizeof *topology->polygons);
     result = topology->corners && (topology->polygons || !checked->face_starts)
-                 ? fill_corners(topology, &welded)
+                 ? fill_topology(topology, &welded)
                  : NORMA_ERROR_MEMORY;
     norma_core_unweld(call, &welded);
     if (result != NORMA_OK) norma_core_topology_close(topology);
@@ -145,7 +145,7 @@ static int load_triangle(const core_topology *t, uint32_t position, size_t corne
     return s->next != position && s->previous != position && s->next != s->previous;
 }
 
-static int load_polygon(const core_topology *t, size_t corner, star_slot *s) {
+static int load_polygon_slot(const core_topology *t, size_t corner, star_slot *s) {
     const size_t face = t->corners_of.faces[corner];
     if (t->polygons[face].anchor == UINT32_MAX || !norma_core_is_kept(&t->mesh, face, corner))
         return 0;
@@ -163,7 +163,7 @@ static void load_star(const core_topology *t, uint32_t position, star *r) {
         const size_t corner = t->corners_of.corners[i];
         star_slot *s = &r->slots[r->count];
         const int has_edges =
-            t->polygons ? load_polygon(t, corner, s) : load_triangle(t, position, corner, s);
+            t->polygons ? load_polygon_slot(t, corner, s) : load_triangle(t, position, corner, s);
         r->count += has_edges != 0;
         if (!has_edges) t->partners[corner] = CORE_EDGE_NONE;
     }

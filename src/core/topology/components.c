@@ -1,5 +1,5 @@
 /* components.c: faces are visited from edge to edge, each component from its least face on. */
-#include "core/orient/components.h"
+#include "core/topology/topology.h"
 #include "core/face/triangle.h"
 
 typedef struct search {
@@ -11,7 +11,7 @@ typedef struct search {
     size_t found;                 /* faces so far: those before `next` are done */
 } search;
 
-static norma_result grow(const core_call *call, core_components *c) {
+static norma_result grow_components(const core_call *call, core_components *c) {
     if (c->count < c->room) return NORMA_OK;
     const size_t room = 2 * c->room;
     uint32_t *starts = norma_core_allocate(call, room + 1, sizeof *starts);
@@ -32,8 +32,8 @@ static norma_result grow(const core_call *call, core_components *c) {
 }
 
 /* Reaches a face from one whose winding differs from it or does not. */
-static void reach(search *s, core_component *component, uint32_t number, size_t corner, size_t from,
-    int differs) {
+static void reach_partner(search *s, core_component *component, uint32_t number, size_t corner,
+    size_t from, int differs) {
     core_components *c = s->out;
     const size_t face = norma_core_topology_face(s->topology, corner);
     const uint8_t reverse = c->reverse ? (uint8_t)(c->reverse[from] ^ differs) : 0;
@@ -62,22 +62,22 @@ static void visit_edges(search *s, core_component *component, uint32_t number, s
          corner < norma_core_face_end(&t->mesh, face); corner++) {
         const uint32_t partner = t->partners[corner];
         if (partner < CORE_EDGE_SPECIAL) {
-            reach(s, component, number, partner, face, 0);
+            reach_partner(s, component, number, partner, face, 0);
         } else if (partner == CORE_EDGE_OPEN) {
             component->flags |= COMPONENT_OPEN;
         } else if (partner == CORE_EDGE_CONFLICT) {
             component->flags |= COMPONENT_CONFLICT;
             if (s->joining != CORE_JOIN_ALIKE)
-                reach(s, component, number, t->others[corner], face, 1);
+                reach_partner(s, component, number, t->others[corner], face, 1);
         } else if (partner == CORE_EDGE_MANY) {
             component->flags |= COMPONENT_MANY;
             if (joins_many(s, face, t->others[corner]))
-                reach(s, component, number, t->others[corner], face, 0);
+                reach_partner(s, component, number, t->others[corner], face, 0);
         }
     }
 }
 
-static int has_edges(const core_topology *t, size_t face) {
+static int face_has_edges(const core_topology *t, size_t face) {
     if (t->polygons) return t->polygons[face].anchor != UINT32_MAX;
     return t->partners[3 * face] != CORE_EDGE_NONE;
 }
@@ -85,8 +85,8 @@ static int has_edges(const core_topology *t, size_t face) {
 static norma_result find_all(search *s) {
     core_components *c = s->out;
     for (size_t face = 0; face < c->face_count; face++) {
-        if (c->of[face] != UINT32_MAX || !has_edges(s->topology, face)) continue;
-        if (grow(s->topology->call, c) != NORMA_OK) return NORMA_ERROR_MEMORY;
+        if (c->of[face] != UINT32_MAX || !face_has_edges(s->topology, face)) continue;
+        if (grow_components(s->topology->call, c) != NORMA_OK) return NORMA_ERROR_MEMORY;
         const uint32_t number = (uint32_t)c->count;
         core_component component = {.parent = UINT32_MAX};
         size_t next = s->found;
@@ -112,7 +112,7 @@ static int run_way(const core_topology *t, const core_components *c, size_t corn
     return (c->reverse && c->reverse[face]) == ascends ? -1 : 1;
 }
 
-static int is_balanced(const core_topology *t, const core_components *c, size_t corner) {
+static int is_corner_balanced(const core_topology *t, const core_components *c, size_t corner) {
     const uint32_t own = c->of[norma_core_topology_face(t, corner)];
     size_t at = corner;
     int sum = 0, count = 0;
@@ -127,7 +127,7 @@ static void find_unbalanced(const core_topology *t, core_components *c) {
     for (size_t corner = 0; corner < t->mesh.corner_count; corner++) {
         if (t->partners[corner] != CORE_EDGE_MANY) continue;
         core_component *component = &c->each[c->of[norma_core_topology_face(t, corner)]];
-        if (!(component->flags & COMPONENT_UNBALANCED) && !is_balanced(t, c, corner))
+        if (!(component->flags & COMPONENT_UNBALANCED) && !is_corner_balanced(t, c, corner))
             component->flags |= COMPONENT_UNBALANCED;
     }
 }
@@ -200,7 +200,7 @@ void norma_core_release_components(const core_call *call, core_components *c) {
 
 /* ---- boxes and volumes: of parts in blocks of faces, whose sums are added in order */
 
-static void widen(core_component *component, const double p[3]) {
+static void widen_component(core_component *component, const double p[3]) {
     for (int k = 0; k < 3; k++) {
         component->low[k] = p[k] < component->low[k] ? p[k] : component->low[k];
         component->high[k] = p[k] > component->high[k] ? p[k] : component->high[k];
@@ -224,12 +224,12 @@ static void read_corner(const core_topology *t, size_t corner, const double orig
     core_component *box, double from[3]) {
     double p[3];
     norma_core_position(&t->mesh, t->corners[corner], p);
-    widen(box, p);
+    widen_component(box, p);
     norma_core_subtract(p, origin, from);
 }
 
 /* Six times the volume between a face, cut into a fan, and the origin. */
-static void add_face(
+static void add_polygon_volume(
     const core_topology *t, size_t face, const double origin[3], int reversed, extent_sum *sum) {
     const size_t begin = norma_core_face_begin(&t->mesh, face),
                  end = norma_core_face_end(&t->mesh, face);
@@ -252,7 +252,7 @@ static double least(double a, double b) { return a < b ? a : b; }
 static double greatest(double a, double b) { return a > b ? a : b; }
 
 /* The same of a triangle, straight. */
-static void add_triangle(
+static void add_triangle_volume(
     const core_topology *t, size_t face, const double origin[3], int reversed, extent_sum *sum) {
     double p[3][3], cross[3];
     for (size_t k = 0; k < 3; k++) norma_core_position(&t->mesh, t->corners[3 * face + k], p[k]);
@@ -268,7 +268,7 @@ static void add_triangle(
     sum->terms += fabs(term);
 }
 
-static void measure_block(const measuring *m, size_t part, size_t block, extent_sum *sum) {
+static void measure_faces_of_block(const measuring *m, size_t part, size_t block, extent_sum *sum) {
     const core_components *c = m->components;
     const size_t first = c->starts[part], count = c->starts[part + 1] - first,
                  begin = block * FACES_IN_BLOCK;
@@ -281,9 +281,9 @@ static void measure_block(const measuring *m, size_t part, size_t block, extent_
     for (size_t i = first + begin; i < first + end; i++) {
         const int reversed = c->reverse && c->reverse[c->faces[i]];
         if (m->topology->polygons)
-            add_face(m->topology, c->faces[i], origin, reversed, sum);
+            add_polygon_volume(m->topology, c->faces[i], origin, reversed, sum);
         else
-            add_triangle(m->topology, c->faces[i], origin, reversed, sum);
+            add_triangle_volume(m->topology, c->faces[i], origin, reversed, sum);
     }
 }
 
@@ -302,8 +302,8 @@ static void finish_part(core_component *component, const extent_sum *sum, uint8_
 }
 
 static void add_sum(extent_sum *sum, const extent_sum *block) {
-    widen(&sum->box, block->box.low);
-    widen(&sum->box, block->box.high);
+    widen_component(&sum->box, block->box.low);
+    widen_component(&sum->box, block->box.high);
     sum->volume += block->volume;
     sum->terms += block->terms;
 }
@@ -317,13 +317,13 @@ static void measure_small(void *context, size_t part) {
     const measuring *m = context;
     extent_sum sum;
     if (blocks_of_part(m->components, part) > 1) return;
-    measure_block(m, part, 0, &sum);
+    measure_faces_of_block(m, part, 0, &sum);
     finish_part(&m->components->each[part], &sum, m->not_closed);
 }
 
 static void measure_block_of_large(void *context, size_t block) {
     const measuring *m = context;
-    measure_block(m, m->part, block, &m->sums[block]);
+    measure_faces_of_block(m, m->part, block, &m->sums[block]);
 }
 
 static norma_result measure_large(measuring *m, size_t part) {

@@ -1,0 +1,609 @@
+/* nesting.c: trees over boxes and faces, and which components lie in which. */
+#include "core/topology/topology.h"
+#include "core/face/triangle.h"
+
+/* ---- Halves a set along the widest side of its centres, again and again. The order is that
+ * of the centres, then of the numbers, so that the tree is the mesh's own. */
+
+enum { LEAF = 8, FEW_ITEMS = 32 };
+
+typedef struct item {
+    double key;
+    uint32_t number;
+} item;
+
+typedef struct halving {
+    const double (*centres)[3]; /* of each number */
+    item *items;
+} halving;
+
+static int item_is_less(const void *first, const void *second) {
+    const item *a = first, *b = second;
+    return a->key != b->key ? a->key < b->key : a->number < b->number;
+}
+
+static void sort_few(item *items, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        const item moved = items[i];
+        size_t at = i;
+        for (; at > 0 && item_is_less(&moved, &items[at - 1]); at--) items[at] = items[at - 1];
+        items[at] = moved;
+    }
+}
+
+/* Selects the middle (Hoare's quickselect with a fallback to sorting where pivots are bad): smaller
+ * ones before it, larger ones behind. */
+static void halve_items(item *items, size_t count) {
+    size_t low = 0, high = count, middle = count / 2;
+    for (int tries = 0; high - low > FEW_ITEMS; tries++) {
+        if (tries > 64) {
+            norma_core_sort(items + low, high - low, sizeof *items, item_is_less);
+            return;
+        }
+        item pivot = items[low + (high - low) / 2];
+        size_t i = low, k = high - 1;
+        for (;;) {
+            while (item_is_less(&items[i], &pivot)) i++;
+            while (item_is_less(&pivot, &items[k])) k--;
+            if (i >= k) break;
+            const item swap = items[i];
+            items[i] = items[k];
+            items[k] = swap;
+            i++;
+            k--;
+        }
+        /* items before i are not above the pivot, those behind k not below it */
+        if (middle <= k)
+            high = k + 1;
+        else
+            low = k + 1;
+    }
+    sort_few(items + low, high - low);
+}
+
+/* Orders numbers so that the first half lies on one side. */
+static void halve_numbers(const halving *h, uint32_t *numbers, size_t count) {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    int axis = 0;
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++) {
+            const double at = h->centres[numbers[i]][k];
+            low[k] = at < low[k] ? at : low[k];
+            high[k] = at > high[k] ? at : high[k];
+        }
+    for (int k = 1; k < 3; k++)
+        if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
+    for (size_t i = 0; i < count; i++) {
+        const double at = h->centres[numbers[i]][axis];
+        h->items[i] = (item){at == at ? at : 0, numbers[i]};
+    }
+    halve_items(h->items, count);
+    for (size_t i = 0; i < count; i++) numbers[i] = h->items[i].number;
+}
+
+/* ---- the shape of a tree: nodes in the order in which they are made, parents before children */
+
+typedef struct part {
+    uint32_t begin, count, node;
+} part;
+
+static size_t most_nodes(size_t count) { return 4 * (count / LEAF + 1) + 1; }
+
+/* set_node is told each node's range; set_children where its two halves stand. */
+typedef struct shape {
+    void *context;
+    void (*set_node)(void *context, size_t node, size_t begin, size_t count);
+    void (*set_children)(void *context, size_t node, uint32_t left, uint32_t right);
+} shape;
+
+static size_t make_tree(const halving *h, uint32_t *numbers, size_t count, const shape *s) {
+    part stack[128];
+    size_t depth = 0, nodes = 1;
+    stack[depth++] = (part){0, (uint32_t)count, 0};
+    while (depth) {
+        const part p = stack[--depth];
+        s->set_node(s->context, p.node, p.begin, p.count);
+        s->set_children(s->context, p.node, 0, 0);
+        if (p.count <= LEAF) continue;
+        const uint32_t half = p.count / 2, left = (uint32_t)nodes++, right = (uint32_t)nodes++;
+        halve_numbers(h, numbers + p.begin, p.count);
+        s->set_children(s->context, p.node, left, right);
+        stack[depth++] = (part){p.begin, half, left};
+        stack[depth++] = (part){p.begin + half, p.count - half, right};
+    }
+    return nodes;
+}
+
+/* ---- boxes */
+
+static void set_box_node(void *context, size_t node, size_t begin, size_t count) {
+    core_box_tree *tree = context;
+    tree->nodes[node] = (core_box_node){.begin = (uint32_t)begin, .count = (uint32_t)count};
+}
+
+static void set_box_children(void *context, size_t node, uint32_t left, uint32_t right) {
+    core_box_tree *tree = context;
+    tree->nodes[node].left = left;
+    tree->nodes[node].right = right;
+}
+
+static void join_boxes(core_box_node *node, const double low[3], const double high[3]) {
+    for (int k = 0; k < 3; k++) {
+        node->low[k] = low[k] < node->low[k] ? low[k] : node->low[k];
+        node->high[k] = high[k] > node->high[k] ? high[k] : node->high[k];
+    }
+}
+
+/* Children come behind their parents. */
+static void fill_boxes(core_box_tree *tree, const core_box *boxes) {
+    for (size_t i = tree->node_count; i-- > 0;) {
+        core_box_node *node = &tree->nodes[i];
+        for (int k = 0; k < 3; k++) {
+            node->low[k] = INFINITY;
+            node->high[k] = -INFINITY;
+        }
+        for (uint32_t k = 0; !node->right && k < node->count; k++) {
+            const core_box *box = &boxes[tree->numbers[node->begin + k]];
+            join_boxes(node, box->low, box->high);
+        }
+        if (!node->right) continue;
+        join_boxes(node, tree->nodes[node->left].low, tree->nodes[node->left].high);
+        join_boxes(node, tree->nodes[node->right].low, tree->nodes[node->right].high);
+    }
+}
+
+norma_result norma_core_box_tree_build(
+    const core_call *call, const core_box *boxes, size_t count, core_box_tree *tree) {
+    *tree = (core_box_tree){.count = count};
+    double(*centres)[3] = norma_core_allocate(call, count, sizeof *centres);
+    item *items = norma_core_allocate(call, count, sizeof *items);
+    tree->numbers = norma_core_allocate(call, count, sizeof *tree->numbers);
+    tree->nodes = norma_core_allocate(call, most_nodes(count), sizeof *tree->nodes);
+    const int fine = centres && items && tree->numbers && tree->nodes;
+    for (size_t i = 0; fine && i < count; i++) {
+        tree->numbers[i] = (uint32_t)i;
+        for (int k = 0; k < 3; k++) centres[i][k] = boxes[i].low[k] / 2 + boxes[i].high[k] / 2;
+    }
+    if (fine) {
+        const halving h = {(const double(*)[3])centres, items};
+        tree->node_count =
+            make_tree(&h, tree->numbers, count, &(shape){tree, set_box_node, set_box_children});
+        fill_boxes(tree, boxes);
+    }
+    norma_core_release(call, centres, count, sizeof *centres);
+    norma_core_release(call, items, count, sizeof *items);
+    if (!fine) norma_core_box_tree_release(call, tree);
+    return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
+}
+
+void norma_core_box_tree_release(const core_call *call, core_box_tree *tree) {
+    norma_core_release(call, tree->numbers, tree->count, sizeof *tree->numbers);
+    norma_core_release(call, tree->nodes, most_nodes(tree->count), sizeof *tree->nodes);
+    *tree = (core_box_tree){0};
+}
+
+/* Those in nodes whose box holds the point; the caller looks at each one's own. */
+static void core_box_tree_stab(const core_box_tree *tree, const double point[3],
+    void (*visit)(void *context, uint32_t number), void *context) {
+    uint32_t stack[128];
+    size_t depth = 0;
+    stack[depth++] = 0;
+    while (depth) {
+        const core_box_node *node = &tree->nodes[stack[--depth]];
+        int outside = 0;
+        for (int k = 0; k < 3; k++)
+            outside |= !(node->low[k] <= point[k] && node->high[k] >= point[k]);
+        if (outside) continue;
+        if (node->right) {
+            stack[depth++] = node->left;
+            stack[depth++] = node->right;
+        }
+        for (uint32_t i = 0; !node->right && i < node->count; i++)
+            visit(context, tree->numbers[node->begin + i]);
+    }
+}
+
+/* ---- dipoles of faces */
+
+static void set_dipole(void *context, size_t node, size_t begin, size_t count) {
+    core_dipoles *d = context;
+    d->nodes[node] = (core_dipole){.begin = (uint32_t)begin, .count = (uint32_t)count};
+}
+
+static void set_dipole_children(void *context, size_t node, uint32_t left, uint32_t right) {
+    core_dipoles *d = context;
+    d->nodes[node].left = left;
+    d->nodes[node].right = right;
+}
+
+static void middle_of(const core_mesh *mesh, size_t face, double middle[3]) {
+    const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
+    for (int k = 0; k < 3; k++) middle[k] = 0;
+    for (size_t c = begin; c < end; c++) {
+        double p[3];
+        norma_core_position(mesh, norma_core_corner(mesh, c), p);
+        for (int k = 0; k < 3; k++) middle[k] += p[k] / (double)(end - begin);
+    }
+}
+
+/* Area vector and area of one face, and how far its corners are from a centre. */
+static double area_of_face(const core_mesh *mesh, size_t face, double area[3]) {
+    core_face geometry;
+    norma_core_face_geometry(mesh, face, &geometry);
+    for (int k = 0; k < 3; k++) area[k] = geometry.normal[k] * geometry.twice_area / 2;
+    return geometry.twice_area / 2;
+}
+
+static double reach_from(const core_mesh *mesh, size_t face, const double centre[3]) {
+    double most = 0;
+    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
+        double p[3], d[3];
+        norma_core_position(mesh, norma_core_corner(mesh, c), p);
+        norma_core_subtract(p, centre, d);
+        most = fmax(most, norma_core_dot(d, d));
+    }
+    return sqrt(most);
+}
+
+typedef struct dipole_fill {
+    const core_topology *topology;
+    const uint8_t *reverse;
+    const core_dipoles *dipoles;
+    const double (*middles)[3]; /* of each face by its number */
+    const uint32_t *numbers;    /* of each face by its place */
+} dipole_fill;
+
+static void fill_leaf(const dipole_fill *f, core_dipole *node) {
+    const core_dipoles *d = f->dipoles;
+    for (uint32_t i = node->begin; i < node->begin + node->count; i++) {
+        double area[3];
+        const double size = area_of_face(&f->topology->mesh, d->faces[i], area);
+        const int turned = f->reverse && f->reverse[d->faces[i]];
+        for (int k = 0; k < 3; k++) {
+            node->area[k] += turned ? -area[k] : area[k];
+            node->centre[k] += size * f->middles[f->numbers[i]][k];
+        }
+        node->weight += size;
+    }
+    for (int k = 0; k < 3; k++)
+        node->centre[k] = node->weight > 0 ? node->centre[k] / node->weight
+                                           : f->middles[f->numbers[node->begin]][k];
+    for (uint32_t i = node->begin; i < node->begin + node->count; i++)
+        node->radius =
+            fmax(node->radius, reach_from(&f->topology->mesh, d->faces[i], node->centre));
+}
+
+static void fill_from_children(const core_dipoles *d, core_dipole *node) {
+    const core_dipole *half[2] = {&d->nodes[node->left], &d->nodes[node->right]};
+    node->weight = half[0]->weight + half[1]->weight;
+    for (int k = 0; k < 3; k++) {
+        node->area[k] = half[0]->area[k] + half[1]->area[k];
+        node->centre[k] =
+            node->weight > 0
+                ? (half[0]->weight * half[0]->centre[k] + half[1]->weight * half[1]->centre[k]) /
+                      node->weight
+                : half[0]->centre[k];
+    }
+    for (int i = 0; i < 2; i++) {
+        double away[3];
+        norma_core_subtract(half[i]->centre, node->centre, away);
+        node->radius = fmax(node->radius, half[i]->radius + sqrt(norma_core_dot(away, away)));
+    }
+}
+
+/* Children come behind their parents. */
+static void fill_dipoles(const dipole_fill *f) {
+    const core_dipoles *d = f->dipoles;
+    for (size_t i = d->node_count; i-- > 0;) {
+        if (d->nodes[i].right)
+            fill_from_children(d, &d->nodes[i]);
+        else
+            fill_leaf(f, &d->nodes[i]);
+    }
+}
+
+/* Over some faces; reverse: NULL, or those that are taken the other way round. O(n log n). */
+static void core_dipoles_release(const core_call *call, core_dipoles *d) {
+    norma_core_release(call, d->faces, d->count, sizeof *d->faces);
+    norma_core_release(call, d->nodes, most_nodes(d->count), sizeof *d->nodes);
+    *d = (core_dipoles){0};
+}
+
+static norma_result core_dipoles_build(const core_topology *t, const uint8_t *reverse,
+    const uint32_t *faces, size_t count, core_dipoles *d) {
+    *d = (core_dipoles){.count = count};
+    double(*middles)[3] = norma_core_allocate(t->call, count, sizeof *middles);
+    item *items = norma_core_allocate(t->call, count, sizeof *items);
+    uint32_t *numbers = norma_core_allocate(t->call, count, sizeof *numbers);
+    d->faces = norma_core_allocate(t->call, count, sizeof *d->faces);
+    d->nodes = norma_core_allocate(t->call, most_nodes(count), sizeof *d->nodes);
+    norma_result result =
+        middles && items && numbers && d->faces && d->nodes ? NORMA_OK : NORMA_ERROR_MEMORY;
+    for (size_t i = 0; result == NORMA_OK && i < count; i++) {
+        numbers[i] = (uint32_t)i;
+        middle_of(&t->mesh, faces[i], middles[i]);
+    }
+    if (result == NORMA_OK) {
+        const halving h = {(const double(*)[3])middles, items};
+        const dipole_fill fill = {t, reverse, d, (const double(*)[3])middles, numbers};
+        d->node_count = make_tree(&h, numbers, count, &(shape){d, set_dipole, set_dipole_children});
+        for (size_t i = 0; i < count; i++) d->faces[i] = faces[numbers[i]];
+        fill_dipoles(&fill);
+    }
+    norma_core_release(t->call, middles, count, sizeof *middles);
+    norma_core_release(t->call, items, count, sizeof *items);
+    norma_core_release(t->call, numbers, count, sizeof *numbers);
+    if (result != NORMA_OK) core_dipoles_release(t->call, d);
+    return result;
+}
+
+/* ---- Which components lie in which, by winding numbers (solid angle over 4 pi; van Oosterom,
+ * Strackee 1983). Where many points are asked of one large component, faces far away count as one
+ * dipole for each group (Barill, Dickson, Schmidt, Levin, Jacobson 2018), and the sum is trusted
+ * where it is far from 1/2. */
+
+typedef struct nesting {
+    const core_topology *topology;
+    core_components *components;
+    core_box_tree tree; /* of the components' boxes */
+    uint8_t not_closed;
+    float *winding;        /* of each component in its parent */
+    uint32_t *asked;       /* of each component: how many others may lie in it */
+    core_dipoles *dipoles; /* of each component that has them */
+} nesting;
+
+/* ---- boxes in boxes */
+
+static double extent(const core_component *c) {
+    return (c->high[0] - c->low[0]) + (c->high[1] - c->low[1]) + (c->high[2] - c->low[2]);
+}
+
+/* A box of the same size lies in that of the lower number only, so that no two lie in each other.
+ */
+static int may_hold(const nesting *n, uint32_t outer, uint32_t inner) {
+    const core_component *o = &n->components->each[outer], *i = &n->components->each[inner];
+    if (outer == inner) return 0;
+    for (int k = 0; k < 3; k++)
+        if (!(o->low[k] <= i->low[k] && o->high[k] >= i->high[k])) return 0;
+    return extent(o) > extent(i) || (extent(o) == extent(i) && outer < inner);
+}
+
+/* ---- winding numbers */
+
+static void solid_angle(const double a[3], const double b[3], const double c[3], double *sum) {
+    const double la = sqrt(norma_core_dot(a, a)), lb = sqrt(norma_core_dot(b, b)),
+                 lc = sqrt(norma_core_dot(c, c));
+    double cross[3];
+    norma_core_cross(b, c, cross);
+    const double triple = norma_core_dot(a, cross), lengths = la * lb * lc;
+    const double below =
+        lengths + norma_core_dot(a, b) * lc + norma_core_dot(b, c) * la + norma_core_dot(c, a) * lb;
+    if (fabs(triple) <= 1e-13 * lengths)
+        return; /* relative to the box of these lengths: the point lies in the plane of the face,
+                   seen from its edge, or within it, where neither side counts */
+    *sum +=
+        triple > 0 ? 2 * norma_core_angle(triple, below) : -2 * norma_core_angle(-triple, below);
+}
+
+static double face_angle(const core_mesh *mesh, size_t face, const double point[3]) {
+    const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
+    double p[3], first[3], a[3], b[3], sum = 0;
+    norma_core_position(mesh, norma_core_corner(mesh, begin), p);
+    norma_core_subtract(p, point, first);
+    norma_core_position(mesh, norma_core_corner(mesh, begin + 1), p);
+    norma_core_subtract(p, point, a);
+    for (size_t c = begin + 2; c < end; c++) {
+        norma_core_position(mesh, norma_core_corner(mesh, c), p);
+        norma_core_subtract(p, point, b);
+        solid_angle(first, a, b, &sum);
+        memcpy(a, b, sizeof a);
+    }
+    return sum;
+}
+
+static double winding_by_faces(
+    const nesting *n, const uint32_t *faces, size_t count, const double point[3]) {
+    double sum = 0;
+    for (size_t i = 0; i < count; i++) {
+        const double angle = face_angle(&n->topology->mesh, faces[i], point);
+        sum += n->components->reverse && n->components->reverse[faces[i]] ? -angle : angle;
+    }
+    return sum / (4 * NORMA_PI);
+}
+
+static double winding_by_dipoles(
+    const nesting *n, const core_dipoles *d, const double point[3], double opening) {
+    size_t stack[128], depth = 0;
+    double sum = 0;
+    stack[depth++] = 0;
+    while (depth) {
+        const core_dipole *node = &d->nodes[stack[--depth]];
+        double away[3];
+        norma_core_subtract(node->centre, point, away);
+        const double square = norma_core_dot(away, away), reach = opening * node->radius;
+        if (square > reach * reach)
+            sum += norma_core_dot(node->area, away) / (square * sqrt(square)) / (4 * NORMA_PI);
+        else if (!node->right)
+            sum += winding_by_faces(n, &d->faces[node->begin], node->count, point);
+        else {
+            stack[depth++] = node->left;
+            stack[depth++] = node->right;
+        }
+    }
+    return sum;
+}
+
+/* In turn more carefully, until the sum is far enough from one half for what it may err. */
+static double winding_of(const nesting *n, uint32_t outer, const double point[3]) {
+    static const struct { double opening, margin; } tries[] = {{2, .2}, {4, .06}, {8, .02}};
+    const core_components *c = n->components;
+    const core_dipoles *d = &n->dipoles[outer];
+    for (size_t i = 0; d->nodes && i < sizeof tries / sizeof *tries; i++) {
+        const double w = winding_by_dipoles(n, d, point, tries[i].opening);
+        if (fabs(fabs(w) - .5) > tries[i].margin) return w;
+    }
+    return winding_by_faces(
+        n, &c->faces[c->starts[outer]], c->starts[outer + 1] - c->starts[outer], point);
+}
+
+/* ---- the parent of each: the smallest box first */
+
+typedef struct candidates {
+    uint32_t *numbers;
+    size_t count, room;
+    int failed;
+} candidates;
+
+static int is_judged(const nesting *n, uint32_t number) {
+    const core_component *c = &n->components->each[number];
+    return !(c->flags & n->not_closed) && c->volume != 0;
+}
+
+typedef struct ask {
+    nesting *n;
+    uint32_t inner;
+    const double *point;
+    double extent;
+} ask;
+
+static void count_asked(void *context, uint32_t outer) {
+    const ask *a = context;
+    if (may_hold(a->n, outer, a->inner)) a->n->asked[outer]++;
+}
+
+static void try_parent(void *context, uint32_t outer) {
+    ask *a = context;
+    core_component *inner = &a->n->components->each[a->inner];
+    const double size = extent(&a->n->components->each[outer]);
+    if (!may_hold(a->n, outer, a->inner)) return;
+    if (inner->parent != UINT32_MAX &&
+        (size > a->extent || (size == a->extent && outer < inner->parent)))
+        return; /* a smaller one is known */
+    const double winding = winding_of(a->n, outer, a->point);
+    if (!(fabs(winding) > .5 + 1e-9)) return; /* a number of turns, whatever the size */
+    inner->parent = outer;
+    a->n->winding[a->inner] = (float)winding;
+    a->extent = size;
+}
+
+static void find_parent(void *context, size_t index) {
+    nesting *n = context;
+    const core_topology *t = n->topology;
+    const core_components *c = n->components;
+    core_component *inner = &c->each[index];
+    double point[3];
+    if (!is_judged(n, (uint32_t)index)) return;
+    norma_core_position(
+        &t->mesh, t->corners[norma_core_face_begin(&t->mesh, c->faces[c->starts[index]])], point);
+    ask a = {n, (uint32_t)index, point, INFINITY};
+    core_box_tree_stab(&n->tree, inner->low, try_parent, &a);
+}
+
+/* ---- verdicts, from outside in: a parent's box is larger than its child's */
+
+typedef struct ranked {
+    double extent;
+    uint32_t number;
+} ranked;
+
+static int is_larger(const void *first, const void *second) {
+    const ranked *a = first, *b = second;
+    return a->extent != b->extent ? a->extent > b->extent : a->number < b->number;
+}
+
+/* The parent's sense where the child lies: 1 solid, -1 cavity, once what was found inward in it is
+ * put right. */
+static int sense_of_parent(const nesting *n, uint32_t child) {
+    const core_component *c = &n->components->each[child];
+    const int sense = n->winding[child] > 0 ? 1 : -1;
+    return n->components->each[c->parent].verdict == COMPONENT_INWARD ? -sense : sense;
+}
+
+static void judge_component(const nesting *n, uint32_t number) {
+    core_component *c = &n->components->each[number];
+    const int sense = c->parent == UINT32_MAX ? 0 : sense_of_parent(n, number);
+    if (c->volume < 0)
+        c->verdict = sense > 0 ? COMPONENT_FINE : COMPONENT_INWARD;
+    else
+        c->verdict = sense > 0 ? COMPONENT_NESTED : COMPONENT_FINE;
+}
+
+static norma_result judge_components(const nesting *n) {
+    const core_components *c = n->components;
+    ranked *order = norma_core_allocate(n->topology->call, c->count, sizeof *order);
+    size_t count = 0;
+    if (!order) return NORMA_ERROR_MEMORY;
+    for (uint32_t i = 0; i < c->count; i++)
+        if (is_judged(n, i)) order[count++] = (ranked){extent(&c->each[i]), i};
+    norma_core_sort(order, count, sizeof *order, is_larger);
+    for (size_t i = 0; i < count; i++) judge_component(n, order[i].number);
+    norma_core_release(n->topology->call, order, c->count, sizeof *order);
+    return NORMA_OK;
+}
+
+/* ---- all */
+
+enum { FACES_WORTH_DIPOLES = 64, WORK_WORTH_DIPOLES = 1 << 11 };
+
+static norma_result prepare_dipoles(nesting *n) {
+    const core_components *c = n->components;
+    for (uint32_t i = 0; i < c->count; i++) {
+        const size_t faces = c->starts[i + 1] - c->starts[i];
+        if (faces < FACES_WORTH_DIPOLES || faces * n->asked[i] < WORK_WORTH_DIPOLES) continue;
+        const norma_result result = core_dipoles_build(
+            n->topology, c->reverse, &c->faces[c->starts[i]], faces, &n->dipoles[i]);
+        if (result != NORMA_OK) return result;
+    }
+    return NORMA_OK;
+}
+
+static norma_result find_parents(nesting *n) {
+    const core_components *c = n->components;
+    for (uint32_t i = 0; i < c->count; i++)
+        if (is_judged(n, i))
+            core_box_tree_stab(&n->tree, c->each[i].low, count_asked, &(ask){n, i, NULL, 0});
+    norma_result result = prepare_dipoles(n);
+    if (result == NORMA_OK)
+        result = norma_core_parallel(n->topology->call, c->count, find_parent, n);
+    return result == NORMA_OK ? judge_components(n) : result;
+}
+
+static norma_result build_component_tree(nesting *n) {
+    const core_call *call = n->topology->call;
+    const core_components *c = n->components;
+    core_box *boxes = norma_core_allocate(call, c->count, sizeof *boxes);
+    if (!boxes) return NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < c->count; i++) {
+        memcpy(boxes[i].low, c->each[i].low, sizeof boxes[i].low);
+        memcpy(boxes[i].high, c->each[i].high, sizeof boxes[i].high);
+    }
+    const norma_result result = norma_core_box_tree_build(call, boxes, c->count, &n->tree);
+    norma_core_release(call, boxes, c->count, sizeof *boxes);
+    return result;
+}
+
+norma_result norma_core_judge_nesting(
+    const core_topology *topology, core_components *components, uint8_t not_closed) {
+    const core_call *call = topology->call;
+    const size_t count = components->count;
+    nesting n = {.topology = topology, .components = components, .not_closed = not_closed};
+    if (!count) return NORMA_OK;
+    n.winding = norma_core_allocate(call, count, sizeof *n.winding);
+    n.asked = norma_core_allocate(call, count, sizeof *n.asked);
+    n.dipoles = norma_core_allocate(call, count, sizeof *n.dipoles);
+    norma_result result = n.winding && n.asked && n.dipoles ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (result == NORMA_OK) {
+        memset(n.winding, 0, count * sizeof *n.winding);
+        memset(n.asked, 0, count * sizeof *n.asked);
+        memset(n.dipoles, 0, count * sizeof *n.dipoles);
+        result = build_component_tree(&n);
+    }
+    if (result == NORMA_OK) result = find_parents(&n);
+    for (size_t i = 0; n.dipoles && n.tree.nodes && i < count; i++)
+        core_dipoles_release(call, &n.dipoles[i]);
+    norma_core_box_tree_release(call, &n.tree);
+    norma_core_release(call, n.winding, count, sizeof *n.winding);
+    norma_core_release(call, n.asked, count, sizeof *n.asked);
+    norma_core_release(call, n.dipoles, count, sizeof *n.dipoles);
+    return result;
+}

@@ -1,0 +1,237 @@
+/* topology.h: which faces lie side by side, the parts that edges hold together, how these lie in
+ * one another, and which way they face. */
+#ifndef NORMA_CORE_TOPOLOGY_H
+#define NORMA_CORE_TOPOLOGY_H
+#include "core/mesh/corners_of_position.h"
+#include "core/face/face_geometry.h"
+#include "core/mesh/kdtree.h"
+#include "core/call/sort.h"
+
+/* ---- Which faces lie side by side: the faces along each edge of (welded) positions,
+ * and what is out of the ordinary there. */
+
+/* What is at the other side of the edge that runs from a kept corner to the face's next kept
+ * corner. */
+#define CORE_EDGE_NONE                                                                             \
+    UINT32_MAX /* no edge begins at this corner: it is one with the next, or its face has fewer    \
+                  than three left */
+#define CORE_EDGE_OPEN     (UINT32_MAX - 1) /* an edge of one face */
+#define CORE_EDGE_CONFLICT (UINT32_MAX - 2) /* of exactly two, which run along it the same way */
+#define CORE_EDGE_MANY     (UINT32_MAX - 3) /* of more than two */
+#define CORE_EDGE_SPECIAL                                                                          \
+    (UINT32_MAX - 3) /* from here on; below: the corner at which the other face's edge begins,     \
+                        which runs the other way */
+
+typedef struct core_polygon {
+    uint64_t key; /* by twin_key.h */
+    uint32_t
+        anchor; /* the corner at its least position, the first of several; UINT32_MAX: no edges */
+    uint32_t kept; /* corners that are left */
+} core_polygon;
+
+typedef struct core_topology {
+    core_call *call;
+    core_mesh mesh; /* its corners are welded positions: the least of those that are one; no weld of
+                       its own */
+    uint32_t *corners; /* those, owned */
+    core_corners_of_position corners_of;
+    core_polygon *polygons; /* of each face; NULL for triangles */
+    uint32_t *partners;     /* of each corner: see above. NULL before norma_core_pair_edges */
+    uint32_t *others; /* at corners with CORE_EDGE_CONFLICT or _MANY, and there only: the corner of
+                         the edge's next face, round about */
+} core_topology;
+
+typedef struct core_edge_run { /* a face runs along an edge between the star's position and another
+                                  one */
+    uint64_t key;              /* by twin_key.h */
+    uint32_t other;            /* position */
+    uint32_t corner;           /* at which the run begins */
+    uint32_t slot;             /* of the star */
+    uint32_t out;              /* nonzero: from the star's position to the other */
+} core_edge_run;
+
+typedef struct core_twin {
+    uint64_t key; /* the same for a face and its twins */
+    uint32_t face, way;
+} core_twin; /* way: 0 or 1; faces of one group with the same way are wound alike */
+
+/* Told of what is not two faces that run opposite ways. Any may be NULL. Called by several threads,
+ * each with a block of its own; positions ascend in a block; positions with very many corners come
+ * last, in the block numbered norma_core_topology_blocks() - 1. */
+typedef struct core_topology_visitor {
+    void *context;
+    void (*edge)(void *context, size_t block, uint32_t position, const core_edge_run *runs,
+        size_t count); /* open, conflict, many; each once, at its lower position */
+    void (*bow_tie)(void *context, size_t block, uint32_t position,
+        size_t fans); /* two fans or more meet in nothing but the position */
+    void (*twins)(void *context, size_t block, const core_twin *twins,
+        size_t count); /* faces with the same edges, ascending */
+} core_topology_visitor;
+
+/* checked: as norma_core_mesh_content left it. Welds as call's options say. What it returns but
+ * NORMA_OK leaves nothing to close. O(positions + corners). */
+norma_result norma_core_topology_open(
+    core_call *call, const core_mesh *checked, core_topology *topology);
+void norma_core_topology_close(core_topology *topology);
+
+/* Sorts the corners around each position and pairs the edges. O(corners log of the valence). */
+size_t norma_core_topology_blocks(const core_topology *topology);
+norma_result norma_core_pair_edges(core_topology *topology, const core_topology_visitor *visitor);
+
+/* The kept corner behind a kept corner, and the one before it. */
+static inline size_t norma_core_topology_next(const core_topology *t, size_t face, size_t corner) {
+    return t->polygons       ? norma_core_next_kept(&t->mesh, face, corner)
+           : corner % 3 == 2 ? corner - 2
+                             : corner + 1;
+}
+/* Of a corner of any mesh. */
+static inline size_t norma_core_topology_face(const core_topology *t, size_t corner) {
+    return t->polygons ? t->corners_of.faces[corner] : corner / 3;
+}
+
+/* ---- The parts that edges hold together, which of them are closed, and how they lie in
+ * one another. */
+
+enum {
+    COMPONENT_OPEN = 1,
+    COMPONENT_CONFLICT = 2,
+    COMPONENT_MANY = 4,
+    COMPONENT_ONE_SIDED = 8,
+    COMPONENT_UNBALANCED = 16,
+    COMPONENT_UNDECIDED = 32
+};
+/* It has an edge of one face; one of two that run the same way; one of more than two; no winding of
+ * its faces agrees with itself (only where conflicts were followed); an edge of more than two along
+ * which its own faces do not run as often one way as the other; rays do not say which side of it is
+ * outward. */
+
+typedef enum component_verdict {
+    COMPONENT_FINE = 0,
+    COMPONENT_INWARD,
+    COMPONENT_NESTED
+} component_verdict;
+/* Nothing is wrong, or nothing can be known; of negative volume that nothing encloses or that lies
+ * right inside a cavity; a solid right inside a solid. */
+
+typedef struct core_component {
+    double low[3], high[3];
+    double volume;   /* times six; 0 where it is within rounding. Only of those without flags that
+                        matter */
+    uint32_t parent; /* the smallest component that it lies in, UINT32_MAX: none. Set by
+                        norma_core_judge_nesting */
+    uint8_t flags, verdict;
+} core_component;
+
+typedef struct core_components {
+    uint32_t *of;     /* of each face; UINT32_MAX: it has no edges */
+    uint32_t *faces;  /* by component: faces[starts[i]] is the least face of component i */
+    uint32_t *starts; /* count + 1 */
+    core_component *each;
+    uint8_t *reverse; /* NULL, or nonzero: the face is to be taken the other way round */
+    size_t count;
+    size_t face_count, room; /* of faces; of starts and each */
+} core_components;
+
+typedef enum core_joining {
+    CORE_JOIN_BODIES = 0, /* an edge joins its faces, and each keeps its winding; one of more than
+                             two joins only parts that do not balance there by themselves: closed
+                             bodies that touch along it stay two */
+    CORE_JOIN_CUT,  /* edges of more than two faces join none; across conflicts one of the two is
+                       reversed, so that reverse is made */
+    CORE_JOIN_ALIKE /* neither those nor conflicts join; reverse is made, all zero */
+} core_joining;
+
+/* In order of their least faces. O(corners). MEMORY leaves nothing to release. topology: its edges
+ * are paired. */
+norma_result norma_core_find_components(
+    const core_topology *topology, core_joining joining, core_components *components);
+void norma_core_release_components(const core_call *call, core_components *components);
+
+/* Boxes of all; volumes of those that have none of the flags in not_closed, with reverse where
+ * there is one. */
+norma_result norma_core_measure_components(
+    const core_topology *topology, core_components *components, uint8_t not_closed);
+
+/* nesting.c: parent and verdict of each component without the flags, from outside in: one that is
+ * found inward counts as put right for those in it. */
+norma_result norma_core_judge_nesting(
+    const core_topology *topology, core_components *components, uint8_t not_closed);
+
+/* ---- Trees over boxes: which of them hold a point, which a ray meets; groups of faces seen
+ * from afar. */
+
+typedef struct core_box_node {
+    double low[3], high[3]; /* of all boxes below */
+    uint32_t begin, count;  /* of numbers */
+    uint32_t left, right;   /* nodes; right 0: a leaf */
+} core_box_node;
+
+typedef struct core_box_tree {
+    core_box_node *nodes;
+    uint32_t *numbers;
+    size_t node_count, count;
+} core_box_tree;
+
+/* O(n log n). */
+norma_result norma_core_box_tree_build(
+    const core_call *call, const core_box *boxes, size_t count, core_box_tree *tree);
+void norma_core_box_tree_release(const core_call *call, core_box_tree *tree);
+
+typedef struct core_dipole {
+    double centre[3], area[3],
+        radius;    /* the sum of the faces' area vectors stands for them outside of some radii */
+    double weight; /* the sum of their areas */
+    uint32_t begin, count, left, right; /* of faces; nodes; right 0: a leaf */
+} core_dipole;
+
+typedef struct core_dipoles {
+    core_dipole *nodes; /* NULL: there are none */
+    uint32_t *faces;
+    size_t node_count, count;
+} core_dipoles;
+
+/* ---- Which way an open part is seen most from outside. */
+
+/* rays.c: of each open part whether most rays say that it should be reversed, as
+ * components->reverse now has it. Parts of no opinion keep what they have. */
+typedef struct core_ray_votes {
+    size_t decided, undecided, reversed;
+    double least_confidence;
+    uint64_t steps; /* nodes and corners that rays looked at: O(parts log faces) */
+} core_ray_votes;
+norma_result norma_core_orient_by_rays(const core_topology *topology, core_components *components,
+    uint8_t open_flags, core_ray_votes *votes);
+
+/* The same in steps: a scene is built once, and votes may be asked for again after the parts' flags
+ * have changed. What it says of a part does not depend on what else was asked. */
+typedef struct core_ray_scene core_ray_scene;
+norma_result norma_core_ray_scene_open(
+    const core_topology *topology, core_components *components, core_ray_scene **scene);
+norma_result norma_core_ray_scene_vote(
+    core_ray_scene *scene, uint8_t open_flags, core_ray_votes *votes);
+void norma_core_ray_scene_close(core_ray_scene *scene); /* NULL is fine */
+
+/* orient.c: which faces are turned. A closed part, once its faces agree, shows it by its volume and
+ * what it lies in. In an open one each piece whose faces agree is judged by rays for itself, as two
+ * pieces that touch may both be right. What is one-sided, or what rays do not decide on, shows
+ * nothing, and there the bit of what is turned means the faces that differ from most of their part.
+ */
+enum { CORE_SIDE_TURNED = 1, CORE_SIDE_UNDECIDED = 2, CORE_SIDE_BY_RAYS = 4 };
+
+/* mesh: stays as it is until the judge is released. The judge is kept by address. */
+typedef struct core_side_judge {
+    core_call call;
+    core_topology topology;
+    core_components parts, pieces;
+    core_ray_scene *rays; /* NULL: nothing was asked yet that rays must say */
+    uint8_t *known;       /* of each piece: what rays said */
+    size_t room;
+} core_side_judge;
+norma_result norma_core_side_judge_open(
+    const norma_mesh *mesh, const norma_options *options, core_side_judge *judge);
+/* sides: of count faces from first on. asked: NULL, or a mark of each of them: rays are cast only
+ * from pieces in which one is marked. */
+norma_result norma_core_side_judge_ask(
+    core_side_judge *judge, size_t first, size_t count, const uint8_t *asked, uint8_t *sides);
+void norma_core_side_judge_close(core_side_judge *judge);
+#endif
