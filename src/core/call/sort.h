@@ -13,4 +13,21 @@ void norma_core_sort(
 
 /* Ascending, without further memory, O(n). */
 void norma_core_sort_numbers(uint64_t *numbers, size_t count);
+
+/* Bisection: of 0 to count, of which those at the beginning come before, the first that does not.
+ */
+typedef int core_comes_before(const void *context, size_t i);
+
+static inline size_t norma_core_bisect(
+    size_t count, core_comes_before *comes_before, const void *context) {
+    size_t low = 0, high = count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (comes_before(context, middle))
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
 #endif

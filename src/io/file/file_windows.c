@@ -1,4 +1,4 @@
-/* file_windows.c: read_file.c, window.c, atomic_write.c and folder.c for Windows. Paths are UTF-8.
+/* file_windows.c: file_read.c and file_write.c for Windows. Paths are UTF-8.
  *
  * Files are read whole, never mapped: a mapped file could not be replaced. Writing goes to a
  * temporary file beside the target, which is flushed (FlushFileBuffers) and moved over it

@@ -1,4 +1,4 @@
-/* image_left_out.c: stands in for read_image.c where the library is built without libpng and
+/* image_left_out.c: stands in for image.c where the library is built without libpng and
  * libjpeg: no image is read, and norma check says so (N002). */
 #include "io/image/image.h"
 

@@ -1,4 +1,4 @@
-/* large_file.c: A file that is read through a window, in order or by place; memory that counts
+/* large_file.c: a file that is read through a window, in order or by place; memory that counts
  * against a limit; and what the file becomes. */
 #include "io/large/large.h"
 #include <math.h>

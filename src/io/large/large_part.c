@@ -1,4 +1,4 @@
-/* large_part.c: A range of a large PLY's vertices as a mesh of its own. */
+/* large_part.c: a range of a large PLY's vertices as a mesh of its own. */
 #include "io/large/large.h"
 
 /* ---- Vertices that share their position with another one. Positions are hashed, and

@@ -1,4 +1,4 @@
-/* large_ply.c: A binary PLY read through windows, and its faces gone through once. */
+/* large_ply.c: a binary PLY read through windows, and its faces gone through once. */
 #include "io/large/large.h"
 #include <stdlib.h>
 

@@ -1,6 +1,7 @@
 /* obj.c: OBJ as a document: one mesh, its positions as doubles, a normal for each corner that names
  * one. */
 #include "io/obj/obj.h"
+#include "core/call/table.h"
 #include "io/format/edit.h"
 #include "io/format/scene.h"
 #include "io/stream/sink.h"
@@ -68,20 +69,22 @@ typedef struct walk {
 
 /* ---- names */
 
-static size_t hash_of(const char *text, size_t length) {
-    uint64_t hash = UINT64_C(14695981039346656037);
-    for (size_t i = 0; i < length; ++i)
-        hash = (hash ^ (unsigned char)text[i]) * UINT64_C(1099511628211);
-    return (size_t)(hash ^ hash >> 29);
+typedef struct name_search {
+    const char *const *names;
+    const char *text;
+    size_t length;
+} name_search;
+
+static int has_name(const void *context, uint32_t number) {
+    const name_search *search = context;
+    const char *name = search->names[number];
+    return strlen(name) == search->length && memcmp(name, search->text, search->length) == 0;
 }
 
 static uint32_t *slot_of(const walk *w, const char *text, size_t length) {
-    size_t at = hash_of(text, length) & (w->table_size - 1);
-    for (; w->table[at]; at = (at + 1) & (w->table_size - 1)) {
-        const char *name = w->names[w->table[at] - 1];
-        if (strlen(name) == length && memcmp(name, text, length) == 0) break;
-    }
-    return &w->table[at];
+    const name_search search = {w->names, text, length};
+    return norma_core_table_find(
+        w->table, w->table_size, norma_core_hash(text, length), has_name, &search);
 }
 
 static int grow_table(walk *w) {

@@ -6,6 +6,7 @@
  * Errors are not reported from here: the text is then read once more, as one part from its
  * beginning, so that the message knows what stands before each statement. */
 #include "io/obj/obj.h"
+#include "core/call/joined_sets.h"
 #include "core/call/call.h"
 #include "core/mesh/weld.h"
 #include "io/file/large_memory.h"
@@ -622,11 +623,6 @@ static void list_sides(patches *p, const core_mesh *mesh) {
     qsort(p->sides, p->side_count, sizeof *p->sides, compare_sides);
 }
 
-static uint32_t root_of(patches *p, uint32_t face) {
-    while (p->root[face] != face) face = p->root[face] = p->root[p->root[face]];
-    return face;
-}
-
 static size_t edge_end(const patches *p, size_t begin) {
     size_t end = begin + 1;
     while (end < p->side_count && p->sides[end].low == p->sides[begin].low &&
@@ -639,8 +635,7 @@ static void join_patches(patches *p) {
     for (size_t i = 1; i < p->side_count; ++i) {
         const side *a = &p->sides[i - 1], *b = &p->sides[i];
         if (a->low != b->low || a->high != b->high || a->group != b->group) continue;
-        uint32_t x = root_of(p, a->face), y = root_of(p, b->face);
-        p->root[x < y ? y : x] = x < y ? x : y;
+        norma_core_join_sets(p->root, a->face, b->face);
     }
 }
 
@@ -673,9 +668,9 @@ static int list_pairs(patches *p) {
         for (size_t i = 0; i < count; ++i)
             for (size_t k = 0; k < count; ++k)
                 if (i != k)
-                    p->pairs[p->pair_count++] = (uint64_t)root_of(p, p->sides[first[i]].face)
-                                                    << 32 |
-                                                root_of(p, p->sides[first[k]].face);
+                    p->pairs[p->pair_count++] =
+                        (uint64_t)norma_core_set_of(p->root, p->sides[first[i]].face) << 32 |
+                        norma_core_set_of(p->root, p->sides[first[k]].face);
     }
     return 1;
 }
@@ -702,7 +697,8 @@ static void mark_borders(patches *p) {
         end = edge_end(p, begin);
         if (p->sides[begin].group == p->sides[end - 1].group) continue;
         for (size_t i = begin; i < end; ++i)
-            if (p->colour[root_of(p, p->sides[i].face)] == COLOURS) p->hard[p->sides[i].corner] = 1;
+            if (p->colour[norma_core_set_of(p->root, p->sides[i].face)] == COLOURS)
+                p->hard[p->sides[i].corner] = 1;
     }
 }
 
@@ -720,7 +716,8 @@ static norma_result colour_groups(patches *p, const core_mesh *mesh) {
     mark_borders(p);
     for (size_t face = 0; face < faces; ++face)
         p->numbers[face] =
-            p->numbers[face] ? UINT32_C(1) << p->colour[root_of(p, (uint32_t)face)] : 0;
+            p->numbers[face] ? UINT32_C(1) << p->colour[norma_core_set_of(p->root, (uint32_t)face)]
+                             : 0;
     return NORMA_OK;
 }
 

@@ -1,5 +1,4 @@
-/* ply_compute.c: normals as whole numbers: in which types they are stored, and the codes for unit
- * vectors. */
+/* ply_compute.c: a PLY with new normals, and under a matrix. */
 #include "io/ply/ply.h"
 #include "io/file/large_memory.h"
 #include "io/format/compute_policy.h"
@@ -8,6 +7,8 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+
+/* ---- Normals as whole numbers: in which types they are stored, and the codes for unit vectors. */
 
 double norma_ply_normal_scale(
     const ply_header *header, const ply_element *element, const int properties[3]) {

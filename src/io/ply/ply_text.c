@@ -1,4 +1,4 @@
-/* ply_text.c: the rows of an ascii PLY. Each row is a line of words; a row may run on over
+/* ply_text.c: the rows of an ASCII PLY. Each row is a line of words; a row may run on over
  * several lines, but two rows never share one: words that the header does not declare are passed
  * over to the end of the line. */
 #include "io/ply/ply.h"

@@ -1,4 +1,4 @@
-/* ply_write.c: A changed PLY: the header with single words replaced and lines put in, then each
+/* ply_write.c: a changed PLY: the header with single words replaced and lines put in, then each
  * element by its plan. */
 #include "io/ply/ply.h"
 #include "io/text/number.h"

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "io/stream/tasks.h"
 #include "core/call/call.h"
+#include "core/call/table.h"
 #include "io/file/memory.h"
 #include "io/stream/equal_rows.h"
 #include "io/stream/ordered.h"
@@ -291,34 +292,32 @@ norma_ordered_result norma_write_ordered(norma_ordered_how how, size_t count,
 
 /* ---- Rows of bytes in a table by their hash; what is told is by comparing all bytes. */
 
-static uint64_t hash_row(const unsigned char *bytes, size_t length) {
-    const uint64_t prime = UINT64_C(0x9E3779B97F4A7C15);
-    uint64_t hash = length * prime;
-    for (size_t i = 0; i < length; i += 8) {
-        uint64_t word = 0;
-        memcpy(&word, bytes + i, length - i < 8 ? length - i : 8);
-        hash = (hash ^ word) * prime;
-        hash ^= hash >> 29;
-    }
-    return hash;
+typedef struct row_search {
+    norma_row_of *row_of;
+    const void *context;
+    const unsigned char *bytes;
+    size_t length;
+} row_search;
+
+static int is_equal_row(const void *context, uint32_t row) {
+    const row_search *search = context;
+    size_t length;
+    const unsigned char *bytes = search->row_of(search->context, row, &length);
+    return length == search->length && memcmp(bytes, search->bytes, length) == 0;
 }
 
 int norma_equal_rows(norma_row_of *row_of, const void *context, size_t count, uint32_t *first) {
-    size_t capacity = 16;
     if (count > UINT32_MAX - 1 || count > SIZE_MAX / 16) return 0;
-    while (capacity / 2 < count) capacity *= 2;
-    uint32_t *table = calloc(capacity, sizeof *table); /* 0: free, else a row's number and 1 */
+    const size_t size = norma_core_table_size(count);
+    uint32_t *table = calloc(size, sizeof *table);
+    row_search search = {.row_of = row_of, .context = context};
     if (!table) return 0;
     for (size_t row = 0; row < count; ++row) {
-        size_t length, other_length;
-        const unsigned char *bytes = row_of(context, row, &length);
-        size_t at = (size_t)hash_row(bytes, length) & (capacity - 1);
-        for (; table[at]; at = (at + 1) & (capacity - 1)) {
-            const unsigned char *other = row_of(context, table[at] - 1, &other_length);
-            if (other_length == length && memcmp(other, bytes, length) == 0) break;
-        }
-        if (!table[at]) table[at] = (uint32_t)row + 1;
-        first[row] = table[at] - 1;
+        search.bytes = row_of(context, row, &search.length);
+        uint32_t *slot = norma_core_table_find(
+            table, size, norma_core_hash(search.bytes, search.length), is_equal_row, &search);
+        if (!*slot) *slot = (uint32_t)row + 1;
+        first[row] = *slot - 1;
     }
     free(table);
     return 1;

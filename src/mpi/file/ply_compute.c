@@ -1,4 +1,4 @@
-/* ply_compute.c: A binary PLY with a normal for each vertex. Each rank reads a range of faces and
+/* ply_compute.c: a binary PLY with a normal for each vertex. Each rank reads a range of faces and
  * one of vertices, with the reader of files larger than memory; positions of other vertices that
  * its faces name come from the ranks that read them. The output's rows have one size, so each rank
  * writes those of its own vertices where they belong. */
@@ -214,18 +214,20 @@ static int list_vertices(mpi_ply *p) {
     return p->own + count > UINT32_MAX - 1 ? fail_memory(p->job) : 0;
 }
 
+typedef struct vertex_search {
+    const uint64_t *others;
+    uint32_t vertex;
+} vertex_search;
+
+static int is_lower(const void *context, size_t i) {
+    const vertex_search *search = context;
+    return search->others[i] < search->vertex;
+}
+
 static uint32_t place_of(const mpi_ply *p, uint32_t vertex) {
-    const uint64_t *others = p->vertex_ids + p->own;
-    size_t low = 0, high = p->others;
-    if (is_own(p, vertex)) return (uint32_t)(vertex - p->first);
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        if (others[middle] <= vertex)
-            low = middle;
-        else
-            high = middle;
-    }
-    return (uint32_t)(p->own + low);
+    const vertex_search search = {p->vertex_ids + p->own, vertex};
+    return (uint32_t)(is_own(p, vertex) ? vertex - p->first
+                                        : p->own + norma_core_bisect(p->others, is_lower, &search));
 }
 
 static size_t block_before(size_t v, size_t end) {

@@ -4,7 +4,7 @@
  * rounds by their hash, so that a round holds all of one key and leaves nothing but slots behind.
  */
 #include "mpi/vertex/vertex.h"
-#include "core/mesh/weld_buckets.h"
+#include "core/call/table.h"
 
 enum { MOST_KEY = 24, LEAST_LOANS = 1024 };
 static const uint64_t MOST_SLOTS = UINT64_C(1) << MPI_HOME_AT; /* an answer has room for it */
@@ -43,16 +43,6 @@ static void write_key(const mpi_keys *keys, size_t v, unsigned char *key) {
     }
 }
 
-static uint64_t hash_bytes(const unsigned char *key, size_t size) {
-    uint64_t sum = 0;
-    for (size_t i = 0; i < size; i += 4) {
-        uint32_t part;
-        memcpy(&part, key + i, sizeof part);
-        sum = norma_core_weld_mix((sum + part) * UINT64_C(0x9e3779b97f4a7c15));
-    }
-    return sum;
-}
-
 /* The highest bits choose the home, lower ones the round, the lowest the place in a table. */
 static int home_of(const mpi_call *call, uint64_t hash) {
     return (int)((hash >> 32) * (uint64_t)call->ranks >> 32);
@@ -64,7 +54,7 @@ static uint64_t round_of(const share_work *work, uint64_t hash) {
 int norma_mpi_home_of_number(const mpi_call *call, uint64_t number) {
     unsigned char key[sizeof number];
     memcpy(key, &number, sizeof number);
-    return home_of(call, hash_bytes(key, sizeof key));
+    return home_of(call, norma_core_hash(key, sizeof key));
 }
 
 /* ---- sending */
@@ -78,7 +68,7 @@ static void for_round(share_work *work, share_see *see, void *context) {
     for (size_t v = 0; v < work->sharing->count; v++) {
         if (work->part[v] == MPI_ABSENT) continue;
         write_key(work->keys, v, key);
-        const uint64_t hash = hash_bytes(key, work->key_size);
+        const uint64_t hash = norma_core_hash(key, work->key_size);
         if (round_of(work, hash) == work->round)
             see(work, v, home_of(work->call, hash), key, context);
     }
@@ -143,19 +133,29 @@ static void close_table(const mpi_call *call, key_table *table) {
     norma_core_release(call->core, table->groups, table->count, sizeof *table->groups);
 }
 
+typedef struct key_search {
+    const key_table *table;
+    const unsigned char *key;
+} key_search;
+
+static int has_key(const void *context, uint32_t group) {
+    const key_search *search = context;
+    const key_table *table = search->table;
+    return memcmp(norma_mpi_record(table->in, table->groups[group].first), search->key,
+               table->key_size) == 0;
+}
+
 static void group_record(key_table *table, size_t record) {
     const unsigned char *key = norma_mpi_record(table->in, record);
-    size_t at = (size_t)hash_bytes(key, table->key_size) & (table->slots - 1);
-    while (table->slot[at] &&
-           memcmp(norma_mpi_record(table->in, table->groups[table->slot[at] - 1].first), key,
-               table->key_size) != 0)
-        at = (at + 1) & (table->slots - 1);
-    if (!table->slot[at]) {
+    const key_search search = {table, key};
+    uint32_t *slot = norma_core_table_find(
+        table->slot, table->slots, norma_core_hash(key, table->key_size), has_key, &search);
+    if (!*slot) {
         table->groups[table->group_count] = (key_group){.first = (uint32_t)record};
-        table->slot[at] = ++table->group_count;
+        *slot = ++table->group_count;
     }
-    key_group *group = &table->groups[table->slot[at] - 1];
-    table->group_of[record] = table->slot[at] - 1;
+    key_group *group = &table->groups[*slot - 1];
+    table->group_of[record] = *slot - 1;
     group->ranks++;
     group->voters += key[table->key_size] == MPI_VOTES;
 }
