@@ -135,7 +135,7 @@ typedef struct two_steps {
     double base;
 } two_steps;
 
-static int pass_on(void *user, double fraction) {
+static int pass_on_progress(void *user, double fraction) {
     const two_steps *steps = user;
     return steps->progress(steps->user, steps->base + fraction / 2);
 }
@@ -168,7 +168,7 @@ static norma_document_result compute_with_tangents(norma_document *document,
     norma_document_error *error) {
     two_steps steps = {given->progress, given->progress_user, 0};
     norma_compute_options options = *given;
-    options.progress = given->progress ? pass_on : NULL;
+    options.progress = given->progress ? pass_on_progress : NULL;
     options.progress_user = &steps;
     norma_document_result result = document->functions->compute(document, &options, summary, error);
     steps.base = .5;

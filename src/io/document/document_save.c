@@ -111,7 +111,7 @@ norma_document_result norma_document_prepare(norma_document *document, const cha
                : norma_document_fail_memory(document, error);
 }
 
-static norma_document_result save(norma_document *document, const char *path,
+static norma_document_result save_document(norma_document *document, const char *path,
     const norma_save_options *options, companion_writers *writers, norma_document_error *error) {
     size_t at;
     const norma_document_result result =
@@ -135,7 +135,7 @@ norma_document_result norma_document_save(norma_document *document, const char *
     if (!result) result = norma_document_check_target(document, path, options.in_place, error);
     if (result) return result;
     companion_writers writers = {0};
-    result = save(document, path, &options, &writers, error);
+    result = save_document(document, path, &options, &writers, error);
     if (!result && options.size) *options.size = writers.size;
     norma_document_free_writers(&writers, result != NORMA_DOCUMENT_OK);
     return result;

@@ -17,7 +17,7 @@ static norma_document_result take_source(
 }
 
 /* The document is the one that was made, but for its place in memory, its name and its notes. */
-static void swap(norma_document *document, norma_document *made) {
+static void swap_documents(norma_document *document, norma_document *made) {
     const norma_document old = *document;
     document->source = made->source;
     document->stamp = made->stamp;
@@ -50,7 +50,7 @@ norma_document_result norma_document_flush(norma_document *document, norma_docum
         made ? take_source(document, made, error) : norma_document_fail_memory(document, error);
     if (!result && norma_document_changed(document, error)) result = NORMA_DOCUMENT_ERROR_FILE;
     if (!result) result = norma_document_read(made, error);
-    if (!result) swap(document, made);
+    if (!result) swap_documents(document, made);
     norma_document_close(made);
     return result;
 }

@@ -17,7 +17,7 @@ void norma_document_copy_options(void *copy, size_t size, size_t first_size, con
 
 /* ---- opening and closing */
 
-static const format_functions *functions_of(norma_file_format format) {
+static const format_functions *format_functions_of(norma_file_format format) {
     switch (format) {
     case NORMA_FILE_OBJ:
         return &norma_obj_functions;
@@ -54,7 +54,7 @@ norma_document *norma_document_make(
 }
 
 norma_document_result norma_document_read(norma_document *document, norma_document_error *error) {
-    const format_functions *functions = functions_of(document->format);
+    const format_functions *functions = format_functions_of(document->format);
     if (!functions)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "unknown kind of file; the name should end in .obj, .ply, .stl, .gltf or .glb, or the "

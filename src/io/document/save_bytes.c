@@ -8,7 +8,8 @@ struct norma_saving {
     char path[]; /* for messages */
 };
 
-static norma_document_result fail(const char *path, norma_document_error *error, int failed) {
+static norma_document_result fail_save_bytes(
+    const char *path, norma_document_error *error, int failed) {
     return norma_document_fail_file(path, error, "cannot be written", failed);
 }
 
@@ -26,7 +27,7 @@ norma_document_result norma_save_begin(
     const int failed = norma_file_writer_open(path, &made->writer);
     if (failed) {
         free(made);
-        return fail(path, error, failed);
+        return fail_save_bytes(path, error, failed);
     }
     *saving = made;
     return NORMA_DOCUMENT_OK;
@@ -39,7 +40,7 @@ norma_document_result norma_save_piece(
         return norma_document_fail(
             NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no file or no bytes were given");
     const int failed = norma_file_writer_write(saving->writer, bytes, size);
-    return failed ? fail(saving->path, error, failed) : NORMA_DOCUMENT_OK;
+    return failed ? fail_save_bytes(saving->path, error, failed) : NORMA_DOCUMENT_OK;
 }
 
 const char *norma_save_temporary(const norma_saving *saving) {
@@ -53,7 +54,7 @@ norma_document_result norma_save_end(norma_saving *saving, norma_document_error 
             NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no file was given");
     const int failed = norma_file_writer_commit(saving->writer);
     const norma_document_result result =
-        failed ? fail(saving->path, error, failed) : NORMA_DOCUMENT_OK;
+        failed ? fail_save_bytes(saving->path, error, failed) : NORMA_DOCUMENT_OK;
     free(saving);
     return result;
 }

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const scene_functions *functions_of(const norma_document *document) {
+static const scene_functions *scene_of(const norma_document *document) {
     static const scene_functions nothing = {0};
     return document->functions->scene ? document->functions->scene : &nothing;
 }
@@ -22,8 +22,8 @@ static norma_document_result check_mesh(
 }
 
 static norma_document_result need_materials(norma_document *document) {
-    if (document->scene->materials || !functions_of(document)->materials) return NORMA_DOCUMENT_OK;
-    return functions_of(document)->materials(document, NULL);
+    if (document->scene->materials || !scene_of(document)->materials) return NORMA_DOCUMENT_OK;
+    return scene_of(document)->materials(document, NULL);
 }
 
 size_t norma_document_material_count(norma_document *document) {
@@ -66,8 +66,8 @@ static norma_document_result make_attributes(
     if (!made) return norma_document_fail_memory(document, error);
     *made = no_attributes;
     norma_document_result result =
-        functions_of(document)->attributes
-            ? functions_of(document)->attributes(document, index, made, error)
+        scene_of(document)->attributes
+            ? scene_of(document)->attributes(document, index, made, error)
             : NORMA_DOCUMENT_OK;
     if (!result) scene->attributes[index] = made;
     return result;
@@ -99,17 +99,16 @@ norma_document_result norma_document_morph_data(norma_document *document, size_t
     result = check_mesh(document, mesh, error);
     if (result) return result;
     norma_document_mesh_info(document, mesh, &info);
-    if (target >= info.morph_targets || !functions_of(document)->morph)
+    if (target >= info.morph_targets || !scene_of(document)->morph)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "there is no morph target %zu; the mesh has %zu, numbered from 0", target,
             info.morph_targets);
-    return functions_of(document)->morph(document, mesh, target, data, error);
+    return scene_of(document)->morph(document, mesh, target, data, error);
 }
 
 size_t norma_document_skin_count(norma_document *document) {
-    return document && functions_of(document)->skin_count
-               ? functions_of(document)->skin_count(document)
-               : 0;
+    return document && scene_of(document)->skin_count ? scene_of(document)->skin_count(document)
+                                                      : 0;
 }
 
 norma_document_result norma_document_skin_info(
@@ -121,12 +120,12 @@ norma_document_result norma_document_skin_info(
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "there is no skin %zu; the document has %zu, numbered from 0", index, count);
     *info = (norma_skin_info){.name = "", .where = "", .ignore = "", .joint = SIZE_MAX};
-    return functions_of(document)->skin(document, index, info, error);
+    return scene_of(document)->skin(document, index, info, error);
 }
 
 static norma_document_result need_unread(norma_document *document) {
-    if (document->scene->unread || !functions_of(document)->unread) return NORMA_DOCUMENT_OK;
-    return functions_of(document)->unread(document, NULL);
+    if (document->scene->unread || !scene_of(document)->unread) return NORMA_DOCUMENT_OK;
+    return scene_of(document)->unread(document, NULL);
 }
 
 size_t norma_document_unread_count(norma_document *document) {
@@ -155,18 +154,18 @@ norma_document_result norma_document_instance_world(norma_document *document, si
     norma_document_result result = norma_document_node_info(document, index, &info);
     if (result) { /* its instances cannot be read; who reads them says why */
         norma_document_result why =
-            functions_of(document)->instance_world
-                ? functions_of(document)->instance_world(document, index, 0, world, error)
+            scene_of(document)->instance_world
+                ? scene_of(document)->instance_world(document, index, 0, world, error)
                 : NORMA_DOCUMENT_OK;
         return why ? why
                    : norma_document_fail(
                          document, error, result, NULL, "node %zu cannot be described", index);
     }
-    if (instance >= info.instances || !functions_of(document)->instance_world)
+    if (instance >= info.instances || !scene_of(document)->instance_world)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, info.where,
             "there is no instance %zu; the node has %zu, numbered from 0", instance,
             info.instances);
-    return functions_of(document)->instance_world(document, index, instance, world, error);
+    return scene_of(document)->instance_world(document, index, instance, world, error);
 }
 
 norma_document_result norma_document_drawn_mesh(norma_document *document, size_t node,
@@ -186,8 +185,8 @@ norma_document_result norma_document_drawn_mesh(norma_document *document, size_t
     drawn->positions = data.mesh.positions;
     drawn->normals = data.normals;
     drawn->tangents = attributes.tangents;
-    return functions_of(document)->move_drawn
-               ? functions_of(document)->move_drawn(document, node, mesh, drawn, error)
+    return scene_of(document)->move_drawn
+               ? scene_of(document)->move_drawn(document, node, mesh, drawn, error)
                : NORMA_DOCUMENT_OK;
 }
 
@@ -208,8 +207,8 @@ norma_document_result norma_document_normal_map(
     const norma_document_result result = check_material(document, index, map, error);
     if (result) return result;
     *map = no_texture;
-    return functions_of(document)->normal_map
-               ? functions_of(document)->normal_map(document, index, map, error)
+    return scene_of(document)->normal_map
+               ? scene_of(document)->normal_map(document, index, map, error)
                : NORMA_DOCUMENT_OK;
 }
 
@@ -219,8 +218,8 @@ norma_document_result norma_document_material_maps(norma_document *document, siz
     if (result) return result;
     *maps =
         (norma_material_maps){.alpha_cutoff = 0.5F, .base_color = no_texture, .normal = no_texture};
-    return functions_of(document)->material_maps
-               ? functions_of(document)->material_maps(document, index, maps, error)
+    return scene_of(document)->material_maps
+               ? scene_of(document)->material_maps(document, index, maps, error)
                : NORMA_DOCUMENT_OK;
 }
 
@@ -234,7 +233,7 @@ norma_document_result norma_document_texcoords(norma_document *document, size_t 
     if (result) return result;
     *texcoords = NULL;
     *count = 0;
-    return functions_of(document)->texcoords
-               ? functions_of(document)->texcoords(document, mesh, set, texcoords, count, error)
+    return scene_of(document)->texcoords
+               ? scene_of(document)->texcoords(document, mesh, set, texcoords, count, error)
                : NORMA_DOCUMENT_OK;
 }

@@ -74,7 +74,7 @@ void norma_computed_normals_free(computed_normals *made) {
 }
 
 /* Of points many may not come to be; their room is never touched. */
-static int make_room(const norma_mesh *mesh, computed_normals *made) {
+static int make_policy_room(const norma_mesh *mesh, computed_normals *made) {
     const int points = made->elements == NORMALS_OF_POINTS;
     const size_t faces = mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
     made->count = made->elements == NORMALS_OF_POSITIONS ? mesh->positions.count
@@ -89,8 +89,8 @@ static int make_room(const norma_mesh *mesh, computed_normals *made) {
            (made->sources || !made->with_reasons || !points);
 }
 
-static norma_result run(const norma_options *core, const norma_mesh *mesh, computed_normals *made,
-    norma_report *report) {
+static norma_result run_policy(const norma_options *core, const norma_mesh *mesh,
+    computed_normals *made, norma_report *report) {
     const size_t most = made->count;
     const float crease = (float)made->crease_angle_rad;
     switch (made->elements) {
@@ -130,7 +130,7 @@ typedef struct corner_points {
 } corner_points;
 
 /* The point of the position that has these bits, or a new one. */
-static uint32_t point_of(
+static uint32_t policy_point_of(
     const corner_points *from, size_t corner, uint32_t position, computed_normals *made) {
     const float *normal = from->normals + 3 * corner;
     uint32_t point = from->first[position];
@@ -147,20 +147,20 @@ static uint32_t point_of(
     return point;
 }
 
-static int find_points(const norma_mesh *mesh, corner_points *from, computed_normals *made) {
+static int find_policy_points(const norma_mesh *mesh, corner_points *from, computed_normals *made) {
     from->first = norma_io_block(mesh->positions.count, sizeof *from->first);
     from->next = norma_io_block(mesh->corner_count, sizeof *from->next);
     const int ok = from->first && from->next;
     for (size_t i = 0; ok && i < mesh->positions.count; ++i) from->first[i] = UINT32_MAX;
     made->count = 0;
     for (size_t c = 0; ok && c < mesh->corner_count; ++c)
-        made->points[c] = point_of(from, c, norma_mesh_corner(mesh, c), made);
+        made->points[c] = policy_point_of(from, c, norma_mesh_corner(mesh, c), made);
     free(from->first);
     free(from->next);
     return ok;
 }
 
-static norma_result take_points(
+static norma_result take_policy_points(
     compute_policy *policy, const norma_mesh *mesh, computed_normals *made) {
     const shared_normals *shared = policy->shared;
     float *normals = norma_io_block(mesh->corner_count, 3 * sizeof *normals);
@@ -169,25 +169,25 @@ static norma_result take_points(
     norma_result result = normals && reasons
                               ? shared->take(shared->user, policy->surface, mesh, normals, reasons)
                               : NORMA_ERROR_MEMORY;
-    if (!result && !find_points(mesh, &from, made)) result = NORMA_ERROR_MEMORY;
+    if (!result && !find_policy_points(mesh, &from, made)) result = NORMA_ERROR_MEMORY;
     free(normals);
     free(reasons);
     return result;
 }
 
-static int is_shared(const compute_policy *policy, normal_elements elements) {
+static int is_policy_shared(const compute_policy *policy, normal_elements elements) {
     if (!policy->shared) return 0;
     return policy->shared->of_corners
                ? elements == NORMALS_OF_CORNERS || elements == NORMALS_OF_POINTS
                : elements == NORMALS_OF_POSITIONS;
 }
 
-static norma_result take_shared(
+static norma_result take_given_normals(
     compute_policy *policy, const norma_mesh *mesh, computed_normals *made, norma_report *report) {
     const shared_normals *shared = policy->shared;
     const norma_result result =
         made->elements == NORMALS_OF_POINTS
-            ? take_points(policy, mesh, made)
+            ? take_policy_points(policy, mesh, made)
             : shared->take(shared->user, policy->surface, mesh, made->normals, made->reasons);
     if (!result && made->reasons)
         norma_policy_report(report, made->reasons, made->count, NULL, 0, 0);
@@ -201,12 +201,12 @@ norma_result norma_policy_compute(
     norma_edges edges = {0};
     norma_report report = {NONE, NONE, NONE, NONE, NONE, NONE};
     const int creased = made->elements == NORMALS_OF_CORNERS || made->elements == NORMALS_OF_POINTS;
-    if (!make_room(mesh, made)) return NORMA_ERROR_MEMORY;
+    if (!make_policy_room(mesh, made)) return NORMA_ERROR_MEMORY;
     core.reasons = made->reasons;
     if (creased) core.edges = &edges;
-    const int shared = is_shared(policy, made->elements);
-    const norma_result result =
-        shared ? take_shared(policy, mesh, made, &report) : run(&core, mesh, made, &report);
+    const int shared = is_policy_shared(policy, made->elements);
+    const norma_result result = shared ? take_given_normals(policy, mesh, made, &report)
+                                       : run_policy(&core, mesh, made, &report);
     if (result) return result;
     norma_policy_add_report(&summary->report, &report, policy->meshes++);
     summary->edges_counted |= creased && !shared;

@@ -21,7 +21,7 @@ static void make_one_line(char *message, size_t capacity) {
         if ((unsigned char)*at < 0x20 || *at == 0x7F) *at = '?';
 }
 
-static size_t append(char *message, size_t capacity, size_t length, const char *text) {
+static size_t append_text(char *message, size_t capacity, size_t length, const char *text) {
     size_t size = strlen(text);
     if (size > capacity - 1 - length) size = capacity - 1 - length;
     memcpy(message + length, text, size);
@@ -38,12 +38,12 @@ norma_document_result norma_document_fail(const norma_document *document,
     error->result = result;
     error->message[0] = '\0';
     if (document && document->path)
-        length = append(error->message, capacity, length, document->path);
+        length = append_text(error->message, capacity, length, document->path);
     if (place) {
-        length = append(error->message, capacity, length, length ? ":" : "");
-        length = append(error->message, capacity, length, place);
+        length = append_text(error->message, capacity, length, length ? ":" : "");
+        length = append_text(error->message, capacity, length, place);
     }
-    length = append(error->message, capacity, length, length ? ": " : "");
+    length = append_text(error->message, capacity, length, length ? ": " : "");
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(error->message + length, capacity - length, format, arguments);

@@ -18,7 +18,7 @@ norma_document_result norma_stored_normals_progress(const norma_document *docume
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result prepare(const norma_document *document, const double model[16],
+static norma_document_result prepare_map(const norma_document *document, const double model[16],
     normal_carrier *carrier, norma_document_error *error) {
     double exact[9], greatest = 0, squares[3] = {0};
     norma_matrix_info info;
@@ -44,7 +44,7 @@ static norma_document_result prepare(const norma_document *document, const doubl
 norma_document_result norma_stored_normals_begin(const norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     normal_carrier *carrier, norma_document_error *error) {
-    norma_document_result result = prepare(document, options->matrix, carrier, error);
+    norma_document_result result = prepare_map(document, options->matrix, carrier, error);
     if (result) return result;
     summary->mirrored = carrier->mirrored;
     return norma_stored_normals_progress(document, options, 0, error);

@@ -27,7 +27,7 @@ static norma_document_result fail_glb(
 
 /* Chunks behind the JSON: the first BIN is the buffer without a uri; all others are kept as they
  * are. */
-static norma_document_result read_chunks(gltf *g, size_t end, norma_document_error *error) {
+static norma_document_result read_glb_chunks(gltf *g, size_t end, norma_document_error *error) {
     const unsigned char *bytes = g->document->source.data;
     size_t at = GLB_HEADER;
     for (uint32_t i = 0; at < end; ++i) {
@@ -71,7 +71,7 @@ static norma_document_result read_glb(gltf *g, norma_document_error *error) {
             "%zu bytes follow the %u that the header declares; they are kept, not read",
             source->size - length, (unsigned)length);
     g->container_size = length;
-    return read_chunks(g, length, error);
+    return read_glb_chunks(g, length, error);
 }
 
 static norma_document_result parse_text(gltf *g, norma_document_error *error) {
@@ -115,7 +115,7 @@ static norma_document_result check_version(const gltf *g, norma_document_error *
 }
 
 /* A compression that a file requires and that cannot be read here; NULL for other extensions. */
-static const char *why_not_decoded(const char *name) {
+static const char *why_not_required(const char *name) {
     if (!norma_draco_reads() && strcmp(name, "KHR_draco_mesh_compression") == 0)
         return norma_draco_missing(0);
     if (!norma_gltf_reads_meshopt() && (strcmp(name, "EXT_meshopt_compression") == 0 ||
@@ -136,7 +136,7 @@ static norma_document_result check_required(const gltf *g, norma_document_error 
             return norma_gltf_malformed(g, error, item, "the name of an extension");
         char *name = norma_json_string(j, item);
         if (!name) return norma_document_fail_memory(g->document, error);
-        const char *why = why_not_decoded(name);
+        const char *why = why_not_required(name);
         int known = why ? g->document->depth == NORMA_DOCUMENT_SUMMARY : norma_gltf_is_known(name);
         norma_document_result result = NORMA_DOCUMENT_OK;
         if (!known && !g->document->lenient)
@@ -204,7 +204,7 @@ void norma_gltf_close(norma_document *document) {
 
 /* ---- what is in it */
 
-static size_t mesh_count(const norma_document *document) {
+static size_t gltf_mesh_count(const norma_document *document) {
     return norma_gltf_of(document)->primitive_count;
 }
 
@@ -226,7 +226,7 @@ static const char *compression_of(const gltf *g, const gltf_primitive *p) {
     return name;
 }
 
-static norma_document_result mesh_info(
+static norma_document_result gltf_mesh_info(
     const norma_document *document, size_t index, norma_mesh_info *info) {
     const gltf *g = norma_gltf_of(document);
     const gltf_primitive *p = &g->primitives[index];
@@ -267,8 +267,8 @@ static norma_document_result node_info(
 const format_functions norma_gltf_functions = {
     .open = norma_gltf_open,
     .close = norma_gltf_close,
-    .mesh_count = mesh_count,
-    .mesh_info = mesh_info,
+    .mesh_count = gltf_mesh_count,
+    .mesh_info = gltf_mesh_info,
     .mesh_data = norma_gltf_mesh_data,
     .node_count = node_count,
     .node_info = node_info,

@@ -30,7 +30,7 @@ struct creases {
     size_t next_corner; /* of the surface that is asked for next */
 };
 
-static norma_document_result fail_memory(const together_run *run) {
+static norma_document_result fail_creases(const together_run *run) {
     return norma_document_fail_memory(NULL, run->error);
 }
 
@@ -43,7 +43,7 @@ void norma_creases_free(creases *c) {
 
 /* ---- gathering */
 
-static int make_room(creases *c, const norma_mesh *mesh, size_t faces) {
+static int make_crease_room(creases *c, const norma_mesh *mesh, size_t faces) {
     double(*positions)[3] = norma_io_grow(c->positions, &c->position_room,
         c->position_count + mesh->positions.count, sizeof *positions);
     if (positions) c->positions = positions;
@@ -59,7 +59,7 @@ static int make_room(creases *c, const norma_mesh *mesh, size_t faces) {
 }
 
 /* Faces without a group of their own are smooth with all others that have one. */
-static void take_faces(
+static void take_soup_faces(
     creases *c, const norma_mesh *mesh, size_t faces, const placement *place, size_t file) {
     const uint32_t base = (uint32_t)c->position_count;
     for (size_t f = 0; f < faces; ++f) {
@@ -82,7 +82,7 @@ typedef struct gathering {
     member *m;
 } gathering;
 
-static norma_document_result take_surface(void *user, const document_surface *surface) {
+static norma_document_result take_creased_surface(void *user, const document_surface *surface) {
     const gathering *g = user;
     creases *c = g->run->creases;
     const norma_mesh *mesh = surface->mesh;
@@ -97,9 +97,9 @@ static norma_document_result take_surface(void *user, const document_surface *su
                 NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
                 "a level of detail takes the normals of a finer one, which creases do not allow; "
                 "compute it without a crease, or the levels one by one");
-        if (!result && !make_room(c, mesh, faces)) result = fail_memory(g->run);
+        if (!result && !make_crease_room(c, mesh, faces)) result = fail_creases(g->run);
         if (result) break;
-        take_faces(c, mesh, faces, &places[i], i ? UINT32_MAX : g->run->number);
+        take_soup_faces(c, mesh, faces, &places[i], i ? UINT32_MAX : g->run->number);
         for (size_t v = 0; v < mesh->positions.count; ++v)
             norma_together_position(surface, &places[i], v, c->positions[c->position_count++]);
     }
@@ -110,7 +110,8 @@ static norma_document_result take_surface(void *user, const document_surface *su
 norma_document_result norma_creases_take(together_run *run, member *m) {
     gathering g = {run, m};
     if (!run->creases) run->creases = calloc(1, sizeof *run->creases);
-    return run->creases ? norma_member_visit(m, take_surface, &g, run->error) : fail_memory(run);
+    return run->creases ? norma_member_visit(m, take_creased_surface, &g, run->error)
+                        : fail_creases(run);
 }
 
 /* ---- positions in their order */
@@ -121,7 +122,7 @@ typedef struct ordered_position {
 } ordered_position;
 
 /* Numbers that are none come last, all alike. */
-static int compare_numbers(const double *a, const double *b) {
+static int compare_vertex_numbers(const double *a, const double *b) {
     for (int k = 0; k < 3; ++k) {
         const int none_a = isnan(a[k]) != 0, none_b = isnan(b[k]) != 0;
         if (none_a != none_b) return none_a - none_b;
@@ -132,8 +133,8 @@ static int compare_numbers(const double *a, const double *b) {
 
 static int compare_positions(const void *a, const void *b) {
     const ordered_position *p = a, *q = b;
-    const int order = compare_numbers(p->at, q->at);
-    return order ? order : compare_numbers(p->position, q->position);
+    const int order = compare_vertex_numbers(p->at, q->at);
+    return order ? order : compare_vertex_numbers(p->position, q->position);
 }
 
 /* The distinct positions in their order, and of each gathered one its number. Where rounding makes
@@ -150,7 +151,7 @@ static double *number_positions(const together_run *run, uint32_t *numbers, size
     }
     if (all && positions) qsort(all, c->position_count, sizeof *all, compare_positions);
     for (size_t i = 0; all && positions && i < c->position_count; ++i) {
-        if (i == 0 || compare_numbers(all[i].at, all[i - 1].at) != 0)
+        if (i == 0 || compare_vertex_numbers(all[i].at, all[i - 1].at) != 0)
             memcpy(positions + 3 * (*distinct)++, all[i].position, sizeof(double[3]));
         numbers[(size_t)(all[i].position - c->positions[0]) / 3] = (uint32_t)(*distinct - 1);
     }
@@ -191,7 +192,7 @@ static int compare_faces(const void *a, const void *b) {
     return p->group < q->group ? -1 : p->group > q->group;
 }
 
-static int turn_faces(creases *c, const uint32_t *numbers) {
+static int turn_mirrored_faces(creases *c, const uint32_t *numbers) {
     uint32_t most = 0;
     for (size_t f = 0; f < c->face_count; ++f)
         most = c->faces[f].count > most ? c->faces[f].count : most;
@@ -218,7 +219,7 @@ static void free_joint(joint_mesh *j) {
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i) free(blocks[i]);
 }
 
-static int order_faces(creases *c, joint_mesh *j) {
+static int order_soup_faces(creases *c, joint_mesh *j) {
     j->corners = norma_io_block(c->corner_count, sizeof *j->corners);
     j->starts = norma_io_block(c->face_count + 1, sizeof *j->starts);
     j->groups = c->grouped ? norma_io_block(c->face_count, sizeof *j->groups) : NULL;
@@ -239,12 +240,12 @@ static int order_faces(creases *c, joint_mesh *j) {
     return 1;
 }
 
-static int stop(void *user, double share) {
+static int stop_creases(void *user, double share) {
     (void)share;
     return norma_together_tell(user, 0);
 }
 
-static norma_result count_degenerate(
+static norma_result count_degenerate_faces(
     together_run *run, const norma_mesh *mesh, const norma_options *given) {
     const creases *c = run->creases;
     norma_options options = *given;
@@ -263,7 +264,7 @@ static norma_result count_degenerate(
     return result;
 }
 
-static norma_result run_core(together_run *run, const joint_mesh *j) {
+static norma_result run_creases(together_run *run, const joint_mesh *j) {
     const creases *c = run->creases;
     const norma_compute_options *o = &run->compute;
     const norma_mesh mesh = {.positions = {.data = j->positions,
@@ -283,11 +284,11 @@ static norma_result run_core(together_run *run, const joint_mesh *j) {
         .fallback = NORMA_FALLBACK_NEAREST,
         .threads = o->threads,
         .reasons = j->reasons,
-        .progress = stop,
+        .progress = stop_creases,
         .progress_user = run};
     const norma_result result = norma_corner_normals(
         &mesh, (float)o->crease_angle_rad, &options, j->normals, c->corner_count, NULL);
-    return result ? result : count_degenerate(run, &mesh, &options);
+    return result ? result : count_degenerate_faces(run, &mesh, &options);
 }
 
 /* Back to the corners as they were gathered. */
@@ -315,13 +316,13 @@ norma_document_result norma_creases_compute(together_run *run) {
     if (numbers) j.positions = number_positions(run, numbers, &j.position_count);
     free(c->positions);
     c->positions = NULL;
-    int made = numbers && j.positions && turn_faces(c, numbers) && order_faces(c, &j);
+    int made = numbers && j.positions && turn_mirrored_faces(c, numbers) && order_soup_faces(c, &j);
     free(numbers);
-    const norma_result failed = made && c->corner_count ? run_core(run, &j) : NORMA_OK;
+    const norma_result failed = made && c->corner_count ? run_creases(run, &j) : NORMA_OK;
     if (!failed && made) made = hand_back(c, &j);
     free_joint(&j);
     if (failed) return norma_document_fail_core(NULL, run->error, failed);
-    return made ? NORMA_DOCUMENT_OK : fail_memory(run);
+    return made ? NORMA_DOCUMENT_OK : fail_creases(run);
 }
 
 /* ---- of one surface */
@@ -337,7 +338,7 @@ static void take_place(creases *c, const placement *place, surface_normals *made
     }
 }
 
-static int make_normals(surface_normals *made, size_t count) {
+static int make_creased_normals(surface_normals *made, size_t count) {
     made->count = count;
     made->normals = norma_io_block(count, 3 * sizeof *made->normals);
     made->reasons = norma_io_allocate(count, 1);
@@ -345,7 +346,7 @@ static int make_normals(surface_normals *made, size_t count) {
 }
 
 /* Of a mesh that nothing draws: by itself. */
-static norma_document_result compute_alone(
+static norma_document_result compute_alone_creased(
     const together_run *run, const document_surface *surface, surface_normals *made) {
     const norma_compute_options *o = &run->compute;
     const norma_options options = {.struct_size = sizeof options,
@@ -366,9 +367,9 @@ norma_document_result norma_creases_surface(
     placement *places;
     size_t count;
     norma_document_result result = norma_member_places(m, surface, &places, &count, run->error);
-    if (!result && !make_normals(made, corners)) result = fail_memory(run);
-    if (!result && count > 1 && !make_normals(&other, corners)) result = fail_memory(run);
-    if (!result && !count) result = compute_alone(run, surface, made);
+    if (!result && !make_creased_normals(made, corners)) result = fail_creases(run);
+    if (!result && count > 1 && !make_creased_normals(&other, corners)) result = fail_creases(run);
+    if (!result && !count) result = compute_alone_creased(run, surface, made);
     for (size_t i = 0; i < count && !result; ++i) {
         take_place(run->creases, &places[i], i ? &other : made);
         for (size_t c = 0; i && c < corners && !result; ++c)

@@ -25,7 +25,7 @@ typedef struct joining {
 } joining;
 
 /* Steele, Lea, Flood 2014, splitmix64. */
-static uint64_t mixed(uint64_t z) {
+static uint64_t mixed_position(uint64_t z) {
     z = (z + 0x9E3779B97F4A7C15u) * 0xBF58476D1CE4E5B9u;
     z = (z ^ z >> 27) * 0x94D049BB133111EBu;
     return z ^ z >> 31;
@@ -34,7 +34,7 @@ static uint64_t mixed(uint64_t z) {
 uint64_t norma_together_hash(const double at[3]) {
     uint64_t bits[3];
     memcpy(bits, at, sizeof bits);
-    return mixed(mixed(mixed(bits[0]) ^ bits[1]) ^ bits[2]);
+    return mixed_position(mixed_position(mixed_position(bits[0]) ^ bits[1]) ^ bits[2]);
 }
 
 size_t norma_together_partition(const double at[3]) {
@@ -43,7 +43,7 @@ size_t norma_together_partition(const double at[3]) {
 
 /* ---- the table */
 
-static int grow_table(joining *j) {
+static int grow_positions(joining *j) {
     const size_t size = j->table_size ? 2 * j->table_size : 1024;
     uint32_t *table = norma_io_allocate(size, sizeof *table);
     if (!table) return ENOMEM;
@@ -59,7 +59,7 @@ static int grow_table(joining *j) {
 }
 
 /* The place in the table of this position, or the free one for it. */
-static uint32_t *find(const joining *j, const double at[3], uint64_t hash) {
+static uint32_t *find_position(const joining *j, const double at[3], uint64_t hash) {
     size_t place = (size_t)(hash >> 20) & (j->table_size - 1);
     while (j->table[place] &&
            memcmp(j->entries[j->table[place] - 1].votes.at, at, sizeof j->entries->votes.at) != 0)
@@ -67,7 +67,7 @@ static uint32_t *find(const joining *j, const double at[3], uint64_t hash) {
     return &j->table[place];
 }
 
-static void add_votes(entry *e, const position_votes *votes) {
+static void add_position_votes(entry *e, const position_votes *votes) {
     if (!votes->sum.votes) return;
     e->others += e->votes.sum.votes != 0;
     if (!e->votes.sum.votes || votes->rank < e->votes.rank)
@@ -76,11 +76,11 @@ static void add_votes(entry *e, const position_votes *votes) {
         norma_core_open_sum_join(&e->votes.sum, &votes->sum);
 }
 
-static int add_record(joining *j, const position_votes *votes, uint64_t hash) {
-    if (2 * j->entry_count >= j->table_size && grow_table(j)) return ENOMEM;
-    uint32_t *place = find(j, votes->at, hash);
+static int add_joined_position(joining *j, const position_votes *votes, uint64_t hash) {
+    if (2 * j->entry_count >= j->table_size && grow_positions(j)) return ENOMEM;
+    uint32_t *place = find_position(j, votes->at, hash);
     if (*place) {
-        add_votes(&j->entries[*place - 1], votes);
+        add_position_votes(&j->entries[*place - 1], votes);
         return 0;
     }
     entry *entries = norma_io_grow(j->entries, &j->entry_room, j->entry_count + 1, sizeof *entries);
@@ -101,7 +101,7 @@ static int take_some(joining *j, size_t first, size_t count) {
     int error = norma_spill_read(j->votes, j->partition, first, count, j->some);
     for (size_t i = 0; i < count && !error; ++i) {
         const uint64_t hash = norma_together_hash(j->some[i].at);
-        if (is_of_round(j, hash)) error = add_record(j, &j->some[i], hash);
+        if (is_of_round(j, hash)) error = add_joined_position(j, &j->some[i], hash);
     }
     return error;
 }
@@ -129,7 +129,7 @@ static int answer_some(joining *j, size_t first, size_t count) {
     for (size_t i = 0; i < count && !error; ++i) {
         const uint64_t hash = norma_together_hash(j->some[i].at);
         if (is_of_round(j, hash))
-            j->answers[i] = normal_of(&j->entries[*find(j, j->some[i].at, hash) - 1]);
+            j->answers[i] = normal_of(&j->entries[*find_position(j, j->some[i].at, hash) - 1]);
         if (!j->round) error = norma_spill_add(j->normals, j->partition, &j->answers[i]);
     }
     return error || !j->round

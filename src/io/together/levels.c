@@ -6,7 +6,7 @@
 
 enum { MOST_DIGITS = 4 };
 
-static int is_digit(char c) { return c >= '0' && c <= '9'; }
+static int is_level_digit(char c) { return c >= '0' && c <= '9'; }
 static int is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 static int is_divider(char c) { return c == '_' || c == '-' || c == '.' || c == ' '; }
 
@@ -24,7 +24,7 @@ int norma_level_of_name(const char *name, int with_ending, uint32_t *level) {
     const char *dot = with_ending ? strrchr(name, '.') : NULL;
     const size_t end = dot ? (size_t)(dot - name) : strlen(name);
     size_t at = end;
-    while (at > 0 && is_digit(name[at - 1])) --at;
+    while (at > 0 && is_level_digit(name[at - 1])) --at;
     const size_t digits = at;
     if (at == end || end - at > MOST_DIGITS) return 0;
     if (at > 0 && is_divider(name[at - 1])) --at;

@@ -47,7 +47,7 @@ static int keeps_mesh(member *m, size_t mesh, void *options) {
     return asked && !info.not_read && info.normals != NORMA_NORMALS_NONE;
 }
 
-static int keeps_file(member *m, const char *path, void *options) {
+static int keeps_whole_file(member *m, const char *path, void *options) {
     norma_mesh_info info;
     const char *slash = strrchr(path, '/');
     const int asked = is_asked_for(options, slash ? slash + 1 : path);
@@ -68,7 +68,7 @@ static norma_document_result find_locked(
     if (ok && is_obj)
         ok = norma_obj_mark_faces(m->document, is_asked_for, options, m->locked);
     else if (ok && m->document->format == NORMA_FILE_PLY)
-        m->locked[0] = (uint8_t)keeps_file(m, path, options);
+        m->locked[0] = (uint8_t)keeps_whole_file(m, path, options);
     else
         for (size_t i = 0; ok && i < meshes; ++i) m->locked[i] = (uint8_t)keeps_mesh(m, i, options);
     return ok ? NORMA_DOCUMENT_OK : norma_document_fail_memory(m->document, error);

@@ -31,7 +31,7 @@ int norma_near_add(near_positions *near, const double at[3]) {
     return 1;
 }
 
-static int compare(const void *a, const void *b) {
+static int compare_near(const void *a, const void *b) {
     const double *p = a, *q = b;
     for (int k = 0; k < 3; ++k)
         if (p[k] != q[k]) return p[k] < q[k] ? -1 : 1;
@@ -40,9 +40,9 @@ static int compare(const void *a, const void *b) {
 
 static void sort_distinct(near_positions *near) {
     size_t kept = 0;
-    qsort(near->at, near->count, sizeof near->at[0], compare);
+    qsort(near->at, near->count, sizeof near->at[0], compare_near);
     for (size_t i = 0; i < near->count; ++i)
-        if (i == 0 || compare(near->at[i], near->at[kept - 1]) != 0)
+        if (i == 0 || compare_near(near->at[i], near->at[kept - 1]) != 0)
             memmove(near->at[kept++], near->at[i], sizeof near->at[0]);
     near->count = kept;
 }
@@ -74,6 +74,6 @@ norma_result norma_near_end(near_positions *near, double distance, uint32_t thre
 
 void norma_near_find(const near_positions *near, double at[3]) {
     double(*found)[3] =
-        near->stands ? bsearch(at, near->at, near->count, sizeof near->at[0], compare) : NULL;
+        near->stands ? bsearch(at, near->at, near->count, sizeof near->at[0], compare_near) : NULL;
     if (found) memcpy(at, near->at[near->stands[found - near->at]], sizeof near->at[0]);
 }

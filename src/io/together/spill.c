@@ -46,7 +46,7 @@ void norma_spill_close(spill *s) {
 /* ---- blocks */
 
 /* A file that is never put in place. */
-static int open_file(spill *s) {
+static int open_spill(spill *s) {
     char *path = norma_io_join(s->folder, "/.norma-records");
     const int error = path ? norma_file_writer_open(path, &s->file) : ENOMEM;
     free(path);
@@ -74,7 +74,7 @@ static int keep_open_block(spill *s, partition *p) {
         s->memory[number] = p->open;
         p->open = NULL;
     } else {
-        if (!s->file) error = open_file(s);
+        if (!s->file) error = open_spill(s);
         if (!error) error = norma_file_writer_write(s->file, p->open, BLOCK);
     }
     if (error) return error;

@@ -24,7 +24,7 @@ typedef struct taking_back {
     uint8_t *seen; /* of each position: SHARED, ALONE */
 } taking_back;
 
-static norma_document_result fail_memory(const taking_back *t) {
+static norma_document_result fail_normals(const taking_back *t) {
     return norma_document_fail_memory(t->m->document, t->run->error);
 }
 
@@ -80,7 +80,7 @@ static norma_document_result resolve_cancelled(taking_back *t, const placement *
     for (size_t i = 0; i < count; ++i) cancelled += t->found[i].reason == NORMA_REASON_CANCELLED;
     if (!cancelled) return NORMA_DOCUMENT_OK;
     open_sum *own = norma_io_allocate(count, sizeof *own);
-    if (!own) return fail_memory(t);
+    if (!own) return fail_normals(t);
     core_mesh apart = t->world.mesh;
     apart.weld = NULL;
     const open_voting voting = {&apart, t->run->compute.weight, NULL, place->mirrored};
@@ -121,7 +121,7 @@ static norma_document_result fail_places(const taking_back *t) {
 
 /* Of several places those decide where others meet the mesh. Elsewhere it has the normals that it
  * has alone. */
-static norma_document_result take_shared(taking_back *t, const placement *place) {
+static norma_document_result take_shared_normals(taking_back *t, const placement *place) {
     for (size_t i = 0; i < t->surface->mesh->positions.count; ++i) {
         float normal[3];
         uint8_t reason;
@@ -167,7 +167,7 @@ static norma_document_result take_one_place(taking_back *t) {
 }
 
 /* As the mesh has them alone, in its own space. */
-static norma_document_result compute_alone(taking_back *t, const equality *equal) {
+static norma_document_result compute_alone_smooth(taking_back *t, const equality *equal) {
     static const placement own = {
         .world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, .plain = 1};
     const size_t count = t->made->count;
@@ -176,7 +176,7 @@ static norma_document_result compute_alone(taking_back *t, const equality *equal
     const norma_result placed = norma_together_place(t->surface, &own, equal, &t->world);
     if (placed) return norma_document_fail_core(t->m->document, t->run->error, placed);
     open_sum *sums = norma_io_allocate(count, sizeof *sums);
-    if (!sums) return fail_memory(t);
+    if (!sums) return fail_normals(t);
     const open_voting voting = {&t->world.mesh, t->run->compute.weight, NULL, 0};
     norma_core_open_votes(&voting, sums, &unused);
     for (size_t i = 0; i < count; ++i) {
@@ -194,15 +194,15 @@ static norma_document_result compute_alone(taking_back *t, const equality *equal
 
 static norma_document_result take_many_places(taking_back *t) {
     const equality exact = {0, NULL};
-    norma_document_result result = compute_alone(t, &exact);
+    norma_document_result result = compute_alone_smooth(t, &exact);
     float *alone = norma_io_block(t->made->count, 3 * sizeof *alone);
-    if (!result && !alone) result = fail_memory(t);
+    if (!result && !alone) result = fail_normals(t);
     if (!result) memcpy(alone, t->made->normals, 3 * t->made->count * sizeof *alone);
     t->seen = norma_io_allocate(t->made->count, 1);
-    if (!result && !t->seen) result = fail_memory(t);
+    if (!result && !t->seen) result = fail_normals(t);
     for (size_t k = 0; k < t->place_count && !result; ++k) {
         result = read_place(t, &t->places[k]);
-        if (!result) result = take_shared(t, &t->places[k]);
+        if (!result) result = take_shared_normals(t, &t->places[k]);
     }
     if (!result) result = compare_alone(t, alone);
     free(alone);
@@ -211,7 +211,7 @@ static norma_document_result take_many_places(taking_back *t) {
 
 /* ---- what has none gets the nearest */
 
-static norma_document_result fill_nearest(taking_back *t, size_t missing) {
+static norma_document_result fill_joined_nearest(taking_back *t, size_t missing) {
     const norma_options options = {.struct_size = sizeof options};
     surface_normals *made = t->made;
     core_call call;
@@ -233,10 +233,10 @@ static norma_document_result fill_nearest(taking_back *t, size_t missing) {
     return norma_document_fail_core(t->m->document, t->run->error, failed);
 }
 
-static norma_document_result fill(taking_back *t) {
+static norma_document_result fill_missing_normals(taking_back *t) {
     size_t missing = 0;
     for (size_t i = 0; i < t->made->count; ++i) missing += t->made->reasons[i] != NORMA_REASON_NONE;
-    return missing ? fill_nearest(t, missing) : NORMA_DOCUMENT_OK;
+    return missing ? fill_joined_nearest(t, missing) : NORMA_DOCUMENT_OK;
 }
 
 norma_document_result norma_together_surface_normals(
@@ -252,12 +252,12 @@ norma_document_result norma_together_surface_normals(
     made->normals = norma_io_allocate(count, 3 * sizeof *made->normals);
     made->reasons = norma_io_allocate(count, 1);
     t.found = norma_io_allocate(count, sizeof *t.found);
-    if (!result && (!made->normals || !made->reasons || !t.found)) result = fail_memory(&t);
+    if (!result && (!made->normals || !made->reasons || !t.found)) result = fail_normals(&t);
     if (!result)
         result = t.place_count == 1 ? take_one_place(&t)
                  : t.place_count    ? take_many_places(&t)
-                                    : compute_alone(&t, &exact);
-    if (!result) result = fill(&t);
+                                    : compute_alone_smooth(&t, &exact);
+    if (!result) result = fill_missing_normals(&t);
     norma_together_free_world(&t.world);
     free(t.found);
     free(t.seen);

@@ -18,25 +18,25 @@ typedef struct taking {
     uint8_t *silent;       /* of each face; NULL */
 } taking;
 
-static norma_document_result fail_memory(const taking *t) {
+static norma_document_result fail_votes(const taking *t) {
     return norma_document_fail_memory(t->m->document, t->run->error);
 }
 
 /* ---- locked parts */
 
-static int is_locked(const taking *t, const surface_part *part) {
+static int is_locked_corner(const taking *t, const surface_part *part) {
     return t->m->document->format != NORMA_FILE_OBJ && t->m->locked && t->m->locked[part->mesh];
 }
 
 static int any_locked(const taking *t) {
     if (t->m->document->format == NORMA_FILE_OBJ) return t->m->locked != NULL;
     for (size_t i = 0; i < t->surface->part_count; ++i)
-        if (is_locked(t, &t->surface->parts[i])) return 1;
+        if (is_locked_corner(t, &t->surface->parts[i])) return 1;
     return 0;
 }
 
 /* In the world, of unit length; the length of one that is stored as unit stays. */
-static void keep_normal(taking *t, size_t position, const double stored[3]) {
+static void keep_locked_normal(taking *t, size_t position, const double stored[3]) {
     const double *m = t->place->world;
     double normal[3] = {stored[0], stored[1], stored[2]}, length = norma_core_length(stored);
     if (!norma_core_finite(stored) || !(length > 0)) return;
@@ -66,7 +66,7 @@ static norma_document_result keep_part(taking *t, const surface_part *part) {
     for (size_t v = 0; !result && v < data.normals.count && v < data.mesh.positions.count; ++v) {
         double normal[3];
         norma_view_read(&data.normals, v, normal);
-        keep_normal(t, part->first_position + v, normal);
+        keep_locked_normal(t, part->first_position + v, normal);
     }
     if (result || part->first_corner == SIZE_MAX) return result;
     for (size_t c = 0; c < data.mesh.corner_count; c += 3)
@@ -76,7 +76,7 @@ static norma_document_result keep_part(taking *t, const surface_part *part) {
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result keep_faces(taking *t) {
+static norma_document_result keep_locked_faces(taking *t) {
     norma_mesh_data data;
     const norma_document_result result =
         norma_document_mesh_data(t->m->document, 0, &data, t->run->error);
@@ -90,7 +90,7 @@ static norma_document_result keep_faces(taking *t) {
         for (size_t c = begin; c < end && all; ++c) {
             double normal[3];
             norma_view_read(&data.normals, data.corner_normals[c], normal);
-            keep_normal(t, norma_mesh_corner(mesh, c), normal);
+            keep_locked_normal(t, norma_mesh_corner(mesh, c), normal);
         }
         t->silent[f] = (uint8_t)all;
     }
@@ -103,16 +103,17 @@ static norma_document_result keep_locked(taking *t) {
     if (!any_locked(t)) return result;
     t->kept = norma_io_allocate(positions, sizeof *t->kept);
     t->silent = norma_io_allocate(t->world.mesh.face_count, 1);
-    if (!t->kept || !t->silent) return fail_memory(t);
-    if (t->m->document->format == NORMA_FILE_OBJ) return keep_faces(t);
+    if (!t->kept || !t->silent) return fail_votes(t);
+    if (t->m->document->format == NORMA_FILE_OBJ) return keep_locked_faces(t);
     for (size_t i = 0; i < t->surface->part_count && !result; ++i)
-        if (is_locked(t, &t->surface->parts[i])) result = keep_part(t, &t->surface->parts[i]);
+        if (is_locked_corner(t, &t->surface->parts[i]))
+            result = keep_part(t, &t->surface->parts[i]);
     return result;
 }
 
 /* ---- records */
 
-static norma_document_result add_record(taking *t, uint32_t position) {
+static norma_document_result add_corner_vote(taking *t, uint32_t position) {
     const int keeps = t->kept && t->kept[position].votes;
     position_votes votes;
     memset(&votes, 0, sizeof votes);
@@ -126,7 +127,7 @@ static norma_document_result add_record(taking *t, uint32_t position) {
 static norma_document_result take_placed(taking *t, int count_faces) {
     norma_count degenerate = {0, 0};
     t->sums = norma_io_allocate(t->surface->mesh->positions.count, sizeof *t->sums);
-    if (!t->sums) return fail_memory(t);
+    if (!t->sums) return fail_votes(t);
     norma_document_result result = keep_locked(t);
     if (result) return result;
     const open_voting voting = {
@@ -134,7 +135,7 @@ static norma_document_result take_placed(taking *t, int count_faces) {
     norma_core_open_votes(&voting, t->sums, &degenerate);
     if (count_faces) t->run->degenerate[t->run->number] += degenerate.count;
     for (size_t i = 0; i < t->world.first_count && !result; ++i)
-        result = add_record(t, t->world.firsts[i]);
+        result = add_corner_vote(t, t->world.firsts[i]);
     return result;
 }
 
@@ -153,7 +154,7 @@ static norma_document_result take_at(taking *t, int first) {
     return result;
 }
 
-static norma_document_result take_surface(void *user, const document_surface *surface) {
+static norma_document_result take_surface_votes(void *user, const document_surface *surface) {
     taking *t = user;
     placement *places;
     size_t count;
@@ -170,12 +171,12 @@ static norma_document_result take_surface(void *user, const document_surface *su
 
 norma_document_result norma_together_take_votes(together_run *run, member *m) {
     taking t = {.run = run, .m = m};
-    return norma_member_visit(m, take_surface, &t, run->error);
+    return norma_member_visit(m, take_surface_votes, &t, run->error);
 }
 
 /* ---- positions alone, to find those that are near each other */
 
-static norma_document_result take_positions(void *user, const document_surface *surface) {
+static norma_document_result take_near_positions(void *user, const document_surface *surface) {
     taking *t = user;
     placement *places;
     size_t count;
@@ -186,7 +187,7 @@ static norma_document_result take_positions(void *user, const document_surface *
             double position[3], at[3];
             norma_together_position(surface, &places[i], v, position);
             norma_together_at(&t->run->equal, position, at);
-            if (!norma_near_add(t->run->near, at)) result = fail_memory(t);
+            if (!norma_near_add(t->run->near, at)) result = fail_votes(t);
         }
     free(places);
     return result;
@@ -194,5 +195,5 @@ static norma_document_result take_positions(void *user, const document_surface *
 
 norma_document_result norma_together_take_positions(together_run *run, member *m) {
     taking t = {.run = run, .m = m};
-    return norma_member_visit(m, take_positions, &t, run->error);
+    return norma_member_visit(m, take_near_positions, &t, run->error);
 }

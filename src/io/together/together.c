@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const uint64_t USUAL_MEMORY = (uint64_t)1 << 29;
+static const uint64_t JOINING_MEMORY = (uint64_t)1 << 29;
 
 /* ---- options */
 
-static norma_document_result fail_argument(norma_document_error *error, const char *what) {
+static norma_document_result fail_option(norma_document_error *error, const char *what) {
     return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", what);
 }
 
@@ -90,7 +90,7 @@ static norma_document_result run_creased(together_run *run) {
     return result ? result : norma_together_commit(run);
 }
 
-static norma_document_result run_all(together_run *run) {
+static norma_document_result join_all(together_run *run) {
     if (run->compute.shading == NORMA_SHADING_CREASE) return run_creased(run);
     run->votes = norma_spill_open(run->folder, sizeof(position_votes));
     run->normals = norma_spill_open(run->folder, sizeof(position_normal));
@@ -109,7 +109,7 @@ static norma_document_result run_all(together_run *run) {
     return result ? result : norma_together_commit(run);
 }
 
-static void end(together_run *run) {
+static void end_run(together_run *run) {
     norma_spill_close(run->votes);
     norma_spill_close(run->normals);
     norma_near_free(run->near);
@@ -132,11 +132,11 @@ norma_document_result norma_together_compute(const norma_together_file *files, s
     if (!bad) bad = norma_document_bad_compute_option(&run.compute);
     if (!bad) bad = bad_choice(&run.compute);
     if (!bad) bad = bad_crease(&run);
-    if (bad) return fail_argument(error, bad);
+    if (bad) return fail_option(error, bad);
     for (size_t i = 0; run.options.lock_matches && i < run.options.lock_count; ++i)
         run.options.lock_matches[i] = 0;
     if (!count) return NORMA_DOCUMENT_OK;
-    if (!run.options.max_memory) run.options.max_memory = USUAL_MEMORY;
+    if (!run.options.max_memory) run.options.max_memory = JOINING_MEMORY;
     if (run.compute.shading == NORMA_SHADING_DEFAULT) run.compute.shading = NORMA_SHADING_SMOOTH;
     run.equal.rounded = rounds(files, count);
     const int creased = run.compute.shading == NORMA_SHADING_CREASE;
@@ -144,7 +144,7 @@ norma_document_result norma_together_compute(const norma_together_file *files, s
     run.folder = run.options.temporary_folder;
     if (!run.folder) run.folder = run.own_folder = norma_together_folder_of(files[0].output);
     norma_document_result result =
-        run.folder ? run_all(&run) : norma_document_fail_memory(NULL, error);
-    end(&run);
+        run.folder ? join_all(&run) : norma_document_fail_memory(NULL, error);
+    end_run(&run);
     return result;
 }

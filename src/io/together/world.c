@@ -51,7 +51,7 @@ static int place_positions(
 
 /* ---- which are one */
 
-static int weld(world_mesh *w, size_t count) {
+static int weld_placed(world_mesh *w, size_t count) {
     size_t size = 16;
     while (size / 2 < count) size *= 2;
     uint32_t *table = norma_io_allocate(size, sizeof *table);
@@ -81,7 +81,7 @@ static int lies_before(const double a[3], const double b[3]) {
 
 /* From the corner that lies first, so that what a face adds does not depend on the corner that its
  * file begins with. */
-static void turn_faces(world_mesh *w) {
+static void turn_placed_faces(world_mesh *w) {
     for (size_t f = 0; f < w->mesh.face_count; ++f) {
         const size_t begin = norma_core_face_begin(&w->mesh, f),
                      count = norma_core_face_end(&w->mesh, f) - begin;
@@ -97,7 +97,7 @@ static void turn_faces(world_mesh *w) {
     }
 }
 
-static int take_corners(const document_surface *surface, world_mesh *w) {
+static int take_placed_corners(const document_surface *surface, world_mesh *w) {
     const size_t count = surface->mesh->corner_count;
     w->corners = norma_io_block(count, sizeof *w->corners);
     for (size_t c = 0; w->corners && c < count; ++c)
@@ -109,7 +109,8 @@ norma_result norma_together_place(
     const document_surface *surface, const placement *place, const equality *equal, world_mesh *w) {
     const size_t count = surface->mesh->positions.count;
     *w = (world_mesh){0};
-    if (!place_positions(surface, place, equal, w) || !weld(w, count) || !take_corners(surface, w))
+    if (!place_positions(surface, place, equal, w) || !weld_placed(w, count) ||
+        !take_placed_corners(surface, w))
         return NORMA_ERROR_MEMORY;
     const norma_mesh moved = {
         .positions = {.data = w->positions, .count = count, .format = NORMA_FORMAT_DOUBLE},
@@ -121,6 +122,6 @@ norma_result norma_together_place(
     if (result) return result;
     w->mesh.scale = 1;
     w->mesh.weld = w->weld;
-    turn_faces(w);
+    turn_placed_faces(w);
     return NORMA_OK;
 }

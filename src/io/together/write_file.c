@@ -12,7 +12,7 @@ typedef struct writing {
 
 /* ---- normals */
 
-static norma_document_result make_normals(void *user, const document_surface *surface) {
+static norma_document_result make_shared_normals(void *user, const document_surface *surface) {
     writing *w = user;
     surface_normals *grown =
         norma_io_grow(w->surfaces, &w->room, surface->number + 1, sizeof *grown);
@@ -24,7 +24,7 @@ static norma_document_result make_normals(void *user, const document_surface *su
                            : norma_together_surface_normals(w->run, w->m, surface, made);
 }
 
-static norma_result take(
+static norma_result take_summary(
     void *user, size_t surface, const norma_mesh *mesh, float *normals, uint8_t *reasons) {
     const writing *w = user;
     const size_t count = w->run->creases ? mesh->corner_count : mesh->positions.count;
@@ -35,16 +35,16 @@ static norma_result take(
     return NORMA_OK;
 }
 
-static int tell(void *user, double share) { return norma_together_tell(user, 0.8 * share); }
+static int tell_written(void *user, double share) { return norma_together_tell(user, 0.8 * share); }
 
-static norma_document_result compute(writing *w) {
+static norma_document_result compute_member(writing *w) {
     together_run *run = w->run;
     norma_document *document = w->m->document;
     norma_compute_summary summary;
     norma_compute_options options = run->compute;
-    const shared_normals shared = {w, take, w->m->locked, run->creases != NULL};
+    const shared_normals shared = {w, take_summary, w->m->locked, run->creases != NULL};
     options.weld = NORMA_WELD_EXACT;
-    options.progress = tell;
+    options.progress = tell_written;
     options.progress_user = run;
     document->shared = &shared;
     const norma_document_result result =
@@ -58,17 +58,17 @@ static norma_document_result compute(writing *w) {
 
 /* ---- the output */
 
-static int is_cancelled(void *user, double share) {
+static int is_writing_cancelled(void *user, double share) {
     (void)share;
     return norma_together_tell(user, 0.9);
 }
 
-static norma_document_result prepare(writing *w) {
+static norma_document_result prepare_output(writing *w) {
     together_run *run = w->run;
     const norma_together_file *file = &run->files[run->number];
     const norma_save_options options = {.struct_size = sizeof options,
         .in_place = run->options.in_place,
-        .progress = is_cancelled,
+        .progress = is_writing_cancelled,
         .progress_user = run};
     run->writers.size = 0;
     norma_document_result result = norma_document_check_target(
@@ -85,9 +85,9 @@ static norma_document_result prepare(writing *w) {
 
 norma_document_result norma_together_write_file(together_run *run, member *m) {
     writing w = {.run = run, .m = m};
-    norma_document_result result = norma_member_visit(m, make_normals, &w, run->error);
-    if (!result) result = compute(&w);
-    if (!result) result = prepare(&w);
+    norma_document_result result = norma_member_visit(m, make_shared_normals, &w, run->error);
+    if (!result) result = compute_member(&w);
+    if (!result) result = prepare_output(&w);
     for (size_t i = 0; i < w.count; ++i) {
         free(w.surfaces[i].normals);
         free(w.surfaces[i].reasons);
@@ -110,7 +110,7 @@ static int compare_outputs(const void *a, const void *b) {
     return order ? order : p->number < q->number ? -1 : p->number > q->number;
 }
 
-static void drop(together_run *run, size_t number) {
+static void drop_output(together_run *run, size_t number) {
     norma_file_writer_abandon(run->writers.list[number]);
     run->writers.list[number] = NULL;
 }
@@ -130,7 +130,7 @@ static norma_document_result join_equal_outputs(together_run *run) {
                              ? norma_file_writers_meet(all[kept].writer, all[i].writer)
                              : 0;
         if (meet == 0) kept = i;
-        if (meet == 1) drop(run, all[i].number);
+        if (meet == 1) drop_output(run, all[i].number);
         if (meet == 2) {
             const norma_document named = {.path = run->writers.paths[all[i].number]};
             result = norma_document_fail(&named, run->error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,

@@ -27,7 +27,7 @@ static norma_document_result too_large(
         (unsigned)b->node);
 }
 
-static norma_document_result check_shape(const mesh_baker *b, const bake_entry *entry,
+static norma_document_result check_vector_shape(const mesh_baker *b, const bake_entry *entry,
     const gltf_array *array, const gltf_array *base, norma_document_error *error) {
     if (array->width != (entry->role == BAKE_TANGENTS ? 4u : 3u))
         return malformed(b, entry->a,
@@ -55,7 +55,7 @@ static norma_document_result make_data(
     norma_document_result result = norma_gltf_array(b->g, entry->a, &array, error);
     if (!result && entry->b != GLTF_NONE) result = norma_gltf_array(b->g, entry->b, &base, error);
     if (!result)
-        result = check_shape(b, entry, &array, entry->b == GLTF_NONE ? NULL : &base, error);
+        result = check_vector_shape(b, entry, &array, entry->b == GLTF_NONE ? NULL : &base, error);
     if (result) return result;
     double *values = norma_io_allocate(array.count + 1, array.width * sizeof *values);
     if (!values) return norma_document_fail_memory(b->g->document, error);

@@ -12,14 +12,14 @@ typedef struct corner_list {
     uint32_t mode;
 } corner_list;
 
-static void swap(uint32_t *a, uint32_t *b) {
+static void swap_corners(uint32_t *a, uint32_t *b) {
     const uint32_t kept = *a;
     *a = *b;
     *b = kept;
 }
 
 static void reverse_order(uint32_t *corners, size_t count) {
-    for (size_t i = 0; i < count / 2; i++) swap(&corners[i], &corners[count - 1 - i]);
+    for (size_t i = 0; i < count / 2; i++) swap_corners(&corners[i], &corners[count - 1 - i]);
 }
 
 /* FB_ngon_encoding: triangles that follow one another with one first corner are one polygon, a fan;
@@ -30,7 +30,7 @@ static void reverse_polygons(uint32_t *corners, size_t triangles) {
             after++;
         for (size_t i = 0; i < (after - first) / 2; i++)
             for (size_t k = 0; k < 3; k++)
-                swap(&corners[3 * (first + i) + k], &corners[3 * (after - 1 - i) + k]);
+                swap_corners(&corners[3 * (first + i) + k], &corners[3 * (after - 1 - i) + k]);
     }
 }
 
@@ -51,7 +51,7 @@ static size_t unroll_strip(const uint32_t *strip, size_t count, uint32_t *list) 
 static int reverse(corner_list *list, int polygons) {
     if (list->mode == GLTF_TRIANGLES) {
         for (size_t i = 0; i + 2 < list->count; i += 3)
-            swap(&list->corners[i + 1], &list->corners[i + 2]);
+            swap_corners(&list->corners[i + 1], &list->corners[i + 2]);
         if (polygons) reverse_polygons(list->corners, list->count / 3);
     } else if (list->mode == GLTF_FAN) {
         reverse_order(list->corners + 1, list->count - 1);
@@ -67,7 +67,7 @@ static int reverse(corner_list *list, int polygons) {
     return 1;
 }
 
-static norma_document_result read_corners(
+static norma_document_result read_winding(
     gltf *g, const gltf_primitive *primitive, corner_list *list, norma_document_error *error) {
     gltf_array array = {.count = primitive->vertices};
     if (primitive->indices != GLTF_NONE) {
@@ -85,7 +85,7 @@ static norma_document_result read_corners(
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result add_corners(gltf *g, const gltf_primitive *primitive,
+static norma_document_result add_turned_corners(gltf *g, const gltf_primitive *primitive,
     const corner_list *list, uint32_t *number, norma_document_error *error) {
     gltf_data data = {.component = primitive->vertices <= 65535 ? GLTF_USHORT : GLTF_UINT,
         .width = 1,
@@ -113,13 +113,13 @@ static norma_document_result add_corners(gltf *g, const gltf_primitive *primitiv
 static norma_document_result make_corners(gltf *g, const gltf_primitive *primitive, int polygons,
     bake_entry *entry, norma_document_error *error) {
     corner_list list = {NULL, 0, 0};
-    norma_document_result result = read_corners(g, primitive, &list, error);
+    norma_document_result result = read_winding(g, primitive, &list, error);
     if (!result && list.count >= 3 && !reverse(&list, polygons))
         result = norma_document_fail_memory(g->document, error);
     if (!result && list.count < 3) /* nothing to turn */
         entry->data = BAKE_UNCHANGED;
     else if (!result)
-        result = add_corners(g, primitive, &list, &entry->data, error);
+        result = add_turned_corners(g, primitive, &list, &entry->data, error);
     free(list.corners);
     return result;
 }

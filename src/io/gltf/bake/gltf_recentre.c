@@ -38,7 +38,7 @@ static int is_float(const gltf *g, uint32_t accessor) {
            g->accessors[accessor].width == 3;
 }
 
-static norma_document_result measure(
+static norma_document_result measure_offset(
     recentring *r, uint32_t mesh, int *fits, norma_document_error *error) {
     gltf *g = r->g;
     recentre_box box = norma_recentre_empty();
@@ -63,7 +63,7 @@ static norma_document_result measure(
 
 /* ---- moving one */
 
-static norma_document_result move_positions(
+static norma_document_result move_mesh_positions(
     recentring *r, uint32_t primitive, const double step[3], norma_document_error *error) {
     gltf *g = r->g;
     gltf_array array;
@@ -106,7 +106,7 @@ static norma_document_result move_mesh(recentring *r, uint32_t mesh, norma_docum
     gltf *g = r->g;
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t i = 0; i < g->meshes[mesh].primitive_count && !result; ++i)
-        result = move_positions(r, g->meshes[mesh].first_primitive + i, r->steps[mesh], error);
+        result = move_mesh_positions(r, g->meshes[mesh].first_primitive + i, r->steps[mesh], error);
     for (uint32_t i = 0; i < g->drawing_count && !result; ++i)
         if (g->nodes[g->drawing[i]].mesh == mesh)
             move_node(&r->tree, g->drawing[i], r->steps[mesh]);
@@ -125,7 +125,7 @@ static norma_document_result move_meshes(recentring *r, int *changed, norma_docu
             norma_document_add_note(
                 g->document, "mesh %u %s: its origin stays where it is", mesh, obstacle);
         else if (r->moved[mesh])
-            result = measure(r, mesh, &fits, error);
+            result = measure_offset(r, mesh, &fits, error);
         if (!result && fits) result = move_mesh(r, mesh, error);
         *changed |= fits;
     }

@@ -107,7 +107,7 @@ static int edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number) 
     return done;
 }
 
-static void add_member(json_text *text, const char *key, const json_text *value) {
+static void add_node_member(json_text *text, const char *key, const json_text *value) {
     text->failed |= value->failed;
     if (value->size == 0) return;
     norma_json_add_text(text, text->size > 1 ? ",\"" : "\"");
@@ -117,38 +117,38 @@ static void add_member(json_text *text, const char *key, const json_text *value)
     text->failed |= value->failed;
 }
 
-static void copy_member(const gltf *g, json_text *text, uint32_t object, const char *key) {
+static void copy_node_member(const gltf *g, json_text *text, uint32_t object, const char *key) {
     const uint32_t value = norma_json_member(&g->json, object, key);
     if (value == JSON_NONE) return;
     json_text bytes = {0};
     norma_json_add(&bytes, g->json.text + g->json.tokens[value].start,
         g->json.tokens[value].end - g->json.tokens[value].start);
-    add_member(text, key, &bytes);
+    add_node_member(text, key, &bytes);
     free(bytes.data);
 }
 
 static void add_node_text(const gltf_tree *tree, const tree_node *node, json_text *text) {
     norma_json_add_text(text, "{");
     if (node->like != GLTF_NONE)
-        copy_member(tree->g, text, tree->g->nodes[node->like].token, "name");
+        copy_node_member(tree->g, text, tree->g->nodes[node->like].token, "name");
     json_text value = {0};
     if (node->mesh != GLTF_NONE) {
         norma_json_add_uint(&value, node->mesh);
-        add_member(text, "mesh", &value);
+        add_node_member(text, "mesh", &value);
         if (node->takes_weights)
-            copy_member(tree->g, text, tree->g->nodes[node->like].token, "weights");
+            copy_node_member(tree->g, text, tree->g->nodes[node->like].token, "weights");
     }
     value.size = 0;
     add_children(tree, node, &value);
-    add_member(text, "children", &value);
+    add_node_member(text, "children", &value);
     free(value.data);
     if (node->local_changed) {
         local_text local;
         write_local(node, &local);
-        add_member(text, "matrix", &local.matrix);
-        add_member(text, "translation", &local.translation);
-        add_member(text, "rotation", &local.rotation);
-        add_member(text, "scale", &local.scale);
+        add_node_member(text, "matrix", &local.matrix);
+        add_node_member(text, "translation", &local.translation);
+        add_node_member(text, "rotation", &local.rotation);
+        add_node_member(text, "scale", &local.scale);
         free_local(&local);
     }
     norma_json_add_text(text, "}");

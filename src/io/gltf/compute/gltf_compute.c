@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int is_wanted(const gltf_job *job, uint32_t mesh) {
+static int is_mesh_wanted(const gltf_job *job, uint32_t mesh) {
     const gltf_mesh *m = &job->g->meshes[mesh];
     for (uint32_t i = m->first_primitive; i < m->first_primitive + m->primitive_count; ++i)
         if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted) return 1;
@@ -12,7 +12,7 @@ static int is_wanted(const gltf_job *job, uint32_t mesh) {
 }
 
 /* The core's progress over one mesh as that over all of them. */
-static int pass_on(void *user, double fraction) {
+static int pass_on_mesh(void *user, double fraction) {
     const gltf_job *job = user;
     return job->options->progress(
         job->options->progress_user, job->progress_base + fraction * job->progress_scale);
@@ -34,11 +34,11 @@ static norma_document_result compute_meshes(gltf_job *job) {
     const gltf *g = job->g;
     norma_document_result result = NORMA_DOCUMENT_OK;
     size_t wanted = 0;
-    for (uint32_t m = 0; m < g->mesh_count; ++m) wanted += (size_t)is_wanted(job, m);
+    for (uint32_t m = 0; m < g->mesh_count; ++m) wanted += (size_t)is_mesh_wanted(job, m);
     job->progress_scale = wanted ? 1 / (double)wanted : 0;
     for (uint32_t m = 0; !result && m < g->mesh_count; ++m) {
-        if (!is_wanted(job, m)) continue;
-        job->policy.core.progress = job->options->progress ? pass_on : NULL;
+        if (!is_mesh_wanted(job, m)) continue;
+        job->policy.core.progress = job->options->progress ? pass_on_mesh : NULL;
         job->policy.core.progress_user = job;
         result = compute_mesh(job, m);
         job->progress_base += job->progress_scale;
@@ -47,7 +47,7 @@ static norma_document_result compute_meshes(gltf_job *job) {
 }
 
 /* Between one step and the next, once the core has told that it is done. */
-static norma_document_result look_up(const gltf_job *job) {
+static norma_document_result look_for_cancel(const gltf_job *job) {
     const norma_compute_options *options = job->options;
     if (options->progress && options->progress(options->progress_user, 1))
         return norma_document_fail_core(job->g->document, job->error, NORMA_CANCELLED);
@@ -59,7 +59,7 @@ static norma_document_result put_all(gltf_job *job) {
     norma_policy_forget(&job->policy.summary->report);
     for (uint32_t s = 0; !result && s < job->set_count; ++s) {
         if (!job->sets[s].wanted) continue;
-        result = look_up(job);
+        result = look_for_cancel(job);
         if (!result) result = norma_gltf_fill_unreferenced(job, &job->sets[s]);
         if (!result) result = norma_gltf_put_set(job, s);
     }
@@ -67,10 +67,10 @@ static norma_document_result put_all(gltf_job *job) {
         if (job->set_of[i] != GLTF_NONE && job->sets[job->set_of[i]].wanted)
             result = norma_gltf_put_indices(job, i);
     if (!result) result = norma_gltf_account_tangents(job);
-    return result ? result : look_up(job);
+    return result ? result : look_for_cancel(job);
 }
 
-static void count_vertices(const gltf_job *job) {
+static void count_computed_vertices(const gltf_job *job) {
     norma_compute_summary *summary = job->policy.summary;
     for (uint32_t i = 0; i < job->g->primitive_count; ++i) {
         const gltf_primitive *p = &job->g->primitives[i];
@@ -112,7 +112,7 @@ norma_document_result norma_gltf_compute(norma_document *document,
     if (!result) result = compute_meshes(&job);
     if (!result) result = put_all(&job);
     if (!result) {
-        count_vertices(&job);
+        count_computed_vertices(&job);
         result = norma_gltf_finish(g, error);
         summary->changed = g->changed;
     }

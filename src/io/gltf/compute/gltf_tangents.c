@@ -42,7 +42,7 @@ static norma_document_result compute_sets(tangent_job *job) {
     return result;
 }
 
-static void count(const tangent_job *job) {
+static void count_tangents(const tangent_job *job) {
     for (uint32_t i = 0; i < job->sets.g->primitive_count; ++i) {
         const gltf_primitive *p = &job->sets.g->primitives[i];
         const gltf_set *set =
@@ -70,7 +70,7 @@ norma_document_result norma_gltf_tangents(norma_document *document,
     if (!result) result = norma_gltf_find_vertex_sharing(&job.sets);
     if (!result) result = compute_sets(&job);
     if (!result) {
-        count(&job);
+        count_tangents(&job);
         result = norma_gltf_finish(g, error);
         summary->changed = g->changed;
     }

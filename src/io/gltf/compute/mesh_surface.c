@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static norma_document_result out_of_memory(const gltf_job *job) {
+static norma_document_result fail_surface(const gltf_job *job) {
     return norma_document_fail_memory(job->g->document, job->error);
 }
 
@@ -33,7 +33,7 @@ typedef struct sharers {
     size_t *first, size;
 } sharers;
 
-static size_t hash_positions(const gltf *g, const gltf_primitive *p) {
+static size_t hash_surface_positions(const gltf *g, const gltf_primitive *p) {
     uint64_t hash = p->base.position;
     for (uint32_t t = 0; t < p->target_count; ++t)
         hash = (hash ^ hash >> 29 ^ g->targets[p->first_target + t].position) * 0x9E3779B97F4A7C15u;
@@ -44,7 +44,7 @@ static size_t hash_positions(const gltf *g, const gltf_primitive *p) {
  * else i itself, which is put in. */
 static size_t first_like(
     const gltf *g, const gltf_primitive *list, sharers *table, size_t i, int corners) {
-    uint64_t hash = hash_positions(g, &list[i]);
+    uint64_t hash = hash_surface_positions(g, &list[i]);
     if (corners)
         hash = (hash ^ ((uint64_t)list[i].indices << 8 | list[i].mode)) * 0xD6E8FEB86659FD93u;
     size_t at = (size_t)(hash ^ hash >> 32) & (table->size - 1);
@@ -59,7 +59,7 @@ static size_t first_like(
 
 /* Where each primitive's positions and corners begin; an exact repetition of a primitive (another
  * material over the same triangles) is taken once. 0: out of memory. */
-static int lay_out(const gltf *g, gltf_surface *s, size_t *positions, size_t *corners) {
+static int lay_out_surface(const gltf *g, gltf_surface *s, size_t *positions, size_t *corners) {
     const gltf_mesh *mesh = &g->meshes[s->mesh];
     const gltf_primitive *list = g->primitives + mesh->first_primitive;
     size_t size = 2;
@@ -90,7 +90,7 @@ typedef struct encoding {
     int component, normalized, mixed, count;
 } encoding;
 
-static encoding encoding_of(const gltf *g, const gltf_mesh *mesh) {
+static encoding surface_encoding(const gltf *g, const gltf_mesh *mesh) {
     encoding e = {.count = 0};
     for (uint32_t i = 0; i < mesh->primitive_count; ++i) {
         const gltf_primitive *p = &g->primitives[mesh->first_primitive + i];
@@ -113,7 +113,7 @@ static void clamp_signed(unsigned char *at, int component) {
     }
 }
 
-static void copy_positions(
+static void copy_surface_positions(
     const gltf_array *array, const encoding *e, unsigned char *to, size_t size) {
     for (size_t i = 0; i < array->count; ++i, to += size) {
         if (e->mixed) {
@@ -127,10 +127,11 @@ static void copy_positions(
     }
 }
 
-static norma_document_result gather_positions(gltf_job *job, gltf_surface *s, size_t count) {
+static norma_document_result gather_surface_positions(
+    gltf_job *job, gltf_surface *s, size_t count) {
     gltf *g = job->g;
     const gltf_mesh *mesh = &g->meshes[s->mesh];
-    encoding e = encoding_of(g, mesh);
+    encoding e = surface_encoding(g, mesh);
     size_t size = e.mixed ? 3 * sizeof(float) : 3 * norma_gltf_component_size(e.component);
     gltf_array shape = {.component = e.mixed ? GLTF_FLOAT : e.component}, array;
     size_t next = 0;
@@ -150,8 +151,8 @@ static norma_document_result gather_positions(gltf_job *job, gltf_surface *s, si
             return NORMA_DOCUMENT_OK;
         }
         if (!s->positions && !(s->positions = norma_io_block(count, size)))
-            return out_of_memory(job);
-        copy_positions(&array, &e, (unsigned char *)s->positions + next * size, size);
+            return fail_surface(job);
+        copy_surface_positions(&array, &e, (unsigned char *)s->positions + next * size, size);
         next += array.count;
     }
     s->core.positions.data = s->positions;
@@ -175,7 +176,7 @@ static norma_document_result gather_corners(gltf_job *job, gltf_surface *s, size
             return NORMA_DOCUMENT_OK;
         }
         if (!s->corners && !(s->corners = norma_io_block(count, sizeof *s->corners)))
-            return out_of_memory(job);
+            return fail_surface(job);
         for (size_t k = 0; k < 3 * p->faces; ++k)
             s->corners[next + k] = corners[k] + (uint32_t)s->position_start[i];
         next += 3 * p->faces;
@@ -189,13 +190,13 @@ norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surfa
     *s = (gltf_surface){.mesh = mesh};
     s->corner_start = norma_io_allocate(count, sizeof *s->corner_start);
     s->position_start = norma_io_allocate(count, sizeof *s->position_start);
-    if (!s->corner_start || !s->position_start || !lay_out(job->g, s, &positions, &corners))
-        return out_of_memory(job);
+    if (!s->corner_start || !s->position_start || !lay_out_surface(job->g, s, &positions, &corners))
+        return fail_surface(job);
     if (positions > UINT32_MAX || corners > UINT32_MAX)
         return norma_document_fail(job->g->document, job->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
             job->g->primitives[job->g->meshes[mesh].first_primitive].where,
             "a mesh of more than 4294967295 vertices or corners");
-    norma_document_result result = gather_positions(job, s, positions);
+    norma_document_result result = gather_surface_positions(job, s, positions);
     return result ? result : gather_corners(job, s, corners);
 }
 
@@ -242,13 +243,13 @@ static int join_faces(gltf_surface *s, const float *faces, const uint8_t *reason
 }
 
 /* Each position is one point. */
-static int take_positions(gltf_surface *s) {
+static int take_surface_positions(gltf_surface *s) {
     s->sources = norma_io_block(s->point_count, sizeof *s->sources);
     for (size_t i = 0; s->sources && i < s->point_count; ++i) s->sources[i] = (uint32_t)i;
     return s->sources != NULL;
 }
 
-static void take_points(gltf_surface *s, computed_normals *made) {
+static void take_surface_points(gltf_surface *s, computed_normals *made) {
     s->points = made->points;
     s->sources = made->sources;
     s->normals = made->normals;
@@ -269,10 +270,10 @@ norma_document_result norma_gltf_find_points(gltf_job *job, gltf_surface *s) {
     if (!result && made.elements == NORMALS_OF_FACES)
         ok = join_faces(s, made.normals, made.reasons);
     else if (!result)
-        take_points(s, &made);
-    if (!result && made.elements == NORMALS_OF_POSITIONS) ok = take_positions(s);
+        take_surface_points(s, &made);
+    if (!result && made.elements == NORMALS_OF_POSITIONS) ok = take_surface_positions(s);
     for (size_t i = 0; !result && ok && i < s->point_count; ++i)
         norma_policy_point_up(s->normals + 3 * i);
     norma_computed_normals_free(&made);
-    return ok ? result : out_of_memory(job);
+    return ok ? result : fail_surface(job);
 }

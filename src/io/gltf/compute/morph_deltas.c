@@ -19,7 +19,7 @@ typedef struct morph {
     size_t target_count;
 } morph;
 
-static norma_document_result out_of_memory(const morph *m) {
+static norma_document_result fail_morph(const morph *m) {
     return norma_document_fail_memory(m->job->g->document, m->job->error);
 }
 
@@ -44,12 +44,12 @@ static norma_document_result decode_positions(morph *m) {
     return NORMA_DOCUMENT_OK;
 }
 
-static void take_points(const morph *m, const float *of_surface, float *points) {
+static void take_morph_points(const morph *m, const float *of_surface, float *points) {
     for (size_t p = 0; p < m->s->point_count; ++p)
         memcpy(points + 3 * p, of_surface + 3 * (size_t)m->s->sources[p], 3 * sizeof(float));
 }
 
-static norma_document_result begin(morph *m) {
+static norma_document_result begin_morph(morph *m) {
     const size_t positions = m->s->core.positions.count, points = m->s->point_count;
     m->positions = norma_io_allocate(positions, 3 * sizeof *m->positions);
     m->displaced = norma_io_allocate(positions, 3 * sizeof *m->displaced);
@@ -60,9 +60,9 @@ static norma_document_result begin(morph *m) {
     m->deltas = norma_io_allocate(points, 3 * sizeof *m->deltas);
     if (!m->positions || !m->displaced || !m->base || !m->moved || !m->vertices || !m->sparse ||
         !m->deltas)
-        return out_of_memory(m);
+        return fail_morph(m);
     norma_document_result result = decode_positions(m);
-    if (!result) take_points(m, m->positions, m->base);
+    if (!result) take_morph_points(m, m->positions, m->base);
     return result;
 }
 
@@ -106,14 +106,14 @@ static norma_document_result add_displacements(morph *m, uint32_t target, float 
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result store(const morph *m, gltf_set *set, uint32_t target) {
+static norma_document_result store_deltas(const morph *m, gltf_set *set, uint32_t target) {
     size_t count = set->vertices + set->added_count;
     if (!set->deltas && !(set->deltas = norma_io_allocate(
                               m->job->g->primitives[set->lead].target_count, sizeof *set->deltas)))
-        return out_of_memory(m);
+        return fail_morph(m);
     if (set->deltas[target]) return NORMA_DOCUMENT_OK;
     float *deltas = set->deltas[target] = norma_io_allocate(count, 3 * sizeof *deltas);
-    if (!deltas) return out_of_memory(m);
+    if (!deltas) return fail_morph(m);
     for (size_t v = 0; v < count; ++v)
         if (set->point_of[v] != GLTF_NONE)
             memcpy(deltas + 3 * v, m->deltas + 3 * (size_t)set->point_of[v], 3 * sizeof *deltas);
@@ -128,7 +128,7 @@ static norma_document_result store_target(const morph *m, size_t number, const s
         memcpy(m->deltas + 3 * (size_t)m->vertices[i], m->sparse + 3 * i, 3 * sizeof *m->deltas);
     for (uint32_t i = 0; !result && i < mesh->primitive_count; ++i)
         if (wants(m->job, mesh->first_primitive + i, m->targets[number]))
-            result = store(
+            result = store_deltas(
                 m, &m->job->sets[m->job->set_of[mesh->first_primitive + i]], m->targets[number]);
     return result;
 }
@@ -166,10 +166,10 @@ static norma_document_result gather_target(morph *m, uint32_t target) {
     for (uint32_t i = 0; i < mesh->primitive_count; ++i)
         wanted |= wants(m->job, mesh->first_primitive + i, target);
     if (!wanted) return NORMA_DOCUMENT_OK;
-    norma_document_result result = m->positions ? NORMA_DOCUMENT_OK : begin(m);
+    norma_document_result result = m->positions ? NORMA_DOCUMENT_OK : begin_morph(m);
     if (!result) result = add_displacements(m, target, m->displaced);
     if (result) return result;
-    take_points(m, m->displaced, m->moved + 3 * m->s->point_count * m->target_count);
+    take_morph_points(m, m->displaced, m->moved + 3 * m->s->point_count * m->target_count);
     m->targets[m->target_count++] = target;
     return m->target_count == TARGETS_AT_A_TIME ? finish_targets(m) : NORMA_DOCUMENT_OK;
 }

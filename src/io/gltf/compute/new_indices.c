@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static norma_document_result out_of_memory(const gltf_job *job) {
+static norma_document_result fail_indices(const gltf_job *job) {
     return norma_document_fail_memory(job->g->document, job->error);
 }
 
-static void write_index(unsigned char *at, int component, uint32_t value) {
+static void write_new_index(unsigned char *at, int component, uint32_t value) {
     at[0] = (unsigned char)value;
     if (component != GLTF_UBYTE) at[1] = (unsigned char)(value >> 8);
     if (component == GLTF_UINT) {
@@ -19,7 +19,7 @@ static void write_index(unsigned char *at, int component, uint32_t value) {
     }
 }
 
-static int component_for(const gltf *g, const gltf_primitive *p, uint32_t largest) {
+static int index_component_for(const gltf *g, const gltf_primitive *p, uint32_t largest) {
     int component = p->indices == GLTF_NONE ? GLTF_USHORT : g->accessors[p->indices].component;
     if (component == GLTF_UBYTE && largest >= UINT8_MAX) component = GLTF_USHORT;
     if (component == GLTF_USHORT && largest >= UINT16_MAX) component = GLTF_UINT;
@@ -46,22 +46,22 @@ static size_t drop_stitches(const uint32_t *old, uint32_t *corners, size_t faces
 }
 
 /* As the file is to have them, where that is not what they are in memory already. */
-static norma_document_result encode_indices(
+static norma_document_result encode_new_indices(
     gltf_job *job, gltf_data *data, const uint32_t *corners, size_t count, const gltf_array *old) {
     const size_t size = norma_gltf_data_size(data);
     data->bytes = norma_io_block(data->count, size);
-    if (!data->bytes) return out_of_memory(job);
+    if (!data->bytes) return fail_indices(job);
     for (size_t i = 0; i < count; ++i)
-        write_index(data->bytes + i * size, data->component, corners[i]);
+        write_new_index(data->bytes + i * size, data->component, corners[i]);
     for (size_t i = count; i < data->count; ++i) {
         uint32_t index = (uint32_t)i;
         if (old->data) norma_gltf_uints(old, i, &index);
-        write_index(data->bytes + i * size, data->component, index);
+        write_new_index(data->bytes + i * size, data->component, index);
     }
     return NORMA_DOCUMENT_OK;
 }
 
-static int is_little_endian(void) {
+static int stores_low_byte_first(void) {
     const uint32_t probe = 1;
     unsigned char first;
     memcpy(&first, &probe, 1);
@@ -69,7 +69,7 @@ static int is_little_endian(void) {
 }
 
 /* Takes the corners, which it frees or hands on. */
-static norma_document_result put_list(
+static norma_document_result put_index_list(
     gltf_job *job, uint32_t number, uint32_t *corners, size_t count, size_t extra) {
     gltf *g = job->g;
     const gltf_primitive *p = &g->primitives[number];
@@ -83,30 +83,30 @@ static norma_document_result put_list(
         return result;
     }
     for (size_t i = 0; i < count; ++i) largest = corners[i] > largest ? corners[i] : largest;
-    gltf_data data = {.component = component_for(g, p, largest),
+    gltf_data data = {.component = index_component_for(g, p, largest),
         .width = 1,
         .count = count + extra,
         .is_indices = 1};
-    if (data.component == GLTF_UINT && extra == 0 && is_little_endian()) {
+    if (data.component == GLTF_UINT && extra == 0 && stores_low_byte_first()) {
         data.bytes = (unsigned char *)corners;
     } else {
-        result = encode_indices(job, &data, corners, count, &old);
+        result = encode_new_indices(job, &data, corners, count, &old);
         free(corners);
     }
     if (result) return result;
     const gltf_slot slot = {.primitive = number, .target = GLTF_SLOT_INDICES};
     uint32_t added = norma_gltf_add_data(g, &data);
     return added != GLTF_NONE && norma_gltf_put(g, &slot, added) ? NORMA_DOCUMENT_OK
-                                                                 : out_of_memory(job);
+                                                                 : fail_indices(job);
 }
 
 /* 0, 1, 2, ...: for a primitive without indices whose vertices became more than it draws. */
 static norma_document_result put_sequence(gltf_job *job, uint32_t number) {
     const gltf_primitive *p = &job->g->primitives[number];
     uint32_t *corners = norma_io_allocate(p->vertices, sizeof *corners);
-    if (!corners) return out_of_memory(job);
+    if (!corners) return fail_indices(job);
     for (size_t i = 0; i < p->vertices; ++i) corners[i] = (uint32_t)i;
-    return put_list(job, number, corners, p->vertices, 0);
+    return put_index_list(job, number, corners, p->vertices, 0);
 }
 
 norma_document_result norma_gltf_put_indices(gltf_job *job, uint32_t number) {
@@ -125,5 +125,5 @@ norma_document_result norma_gltf_put_indices(gltf_job *job, uint32_t number) {
     }
     uint32_t *corners = job->corners[number];
     job->corners[number] = NULL;
-    return put_list(job, number, corners, count, left_over(g, p));
+    return put_index_list(job, number, corners, count, left_over(g, p));
 }

@@ -15,7 +15,7 @@ static int can_renew(const tangent_job *job, const gltf_job *computed, const glt
 }
 
 /* Vertices count once for each primitive, as those of the summary do. */
-static void count_set(const gltf_job *job, const gltf_set *set) {
+static void count_set_tangents(const gltf_job *job, const gltf_set *set) {
     norma_compute_summary *summary = job->policy.summary;
     uint8_t *renew = job->g->document->renew;
     for (uint32_t i = set->lead; i != GLTF_NONE; i = job->next_in_set[i]) {
@@ -48,6 +48,6 @@ norma_document_result norma_gltf_account_tangents(gltf_job *job) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (job->options->tangents == NORMA_STORED_TANGENTS_REGENERATE) result = mark_renewed(job);
     for (uint32_t s = 0; !result && s < job->set_count; ++s)
-        if (job->sets[s].wanted) count_set(job, &job->sets[s]);
+        if (job->sets[s].wanted) count_set_tangents(job, &job->sets[s]);
     return result;
 }

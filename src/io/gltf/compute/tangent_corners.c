@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static norma_document_result out_of_memory(const tangent_job *job) {
+static norma_document_result fail_tangent_corners(const tangent_job *job) {
     return norma_document_fail_memory(job->sets.g->document, job->sets.error);
 }
 
@@ -17,7 +17,7 @@ norma_document_result norma_gltf_encode_tangents(
     *data = (gltf_data){.component = GLTF_FLOAT, .width = 4, .count = count};
     if (of->encoding.component == GLTF_FLOAT) {
         data->bytes = norma_io_block(count, 16);
-        if (!data->bytes) return out_of_memory(job);
+        if (!data->bytes) return fail_tangent_corners(job);
         memcpy(data->bytes, tangents, count * 16);
         return NORMA_DOCUMENT_OK;
     }
@@ -28,10 +28,10 @@ norma_document_result norma_gltf_encode_tangents(
     const bake_encoded encoded =
         values ? norma_gltf_encode(BAKE_TANGENTS, &shape, values, data) : BAKE_NO_MEMORY;
     free(values);
-    return encoded ? out_of_memory(job) : NORMA_DOCUMENT_OK;
+    return encoded ? fail_tangent_corners(job) : NORMA_DOCUMENT_OK;
 }
 
-static int pass_on(void *user, double fraction) {
+static int pass_on_tangents(void *user, double fraction) {
     const tangent_job *job = user;
     return job->options->progress(
         job->options->progress_user, job->progress_base + fraction * job->progress_scale);
@@ -43,14 +43,14 @@ typedef struct tangent_shape { /* of a primitive, at rest or in a morph target *
     size_t vertices, corner_count;
 } tangent_shape;
 
-static norma_document_result compute(
+static norma_document_result compute_shape_tangents(
     tangent_job *job, const tangent_shape *shape, float *tangents, norma_report *report) {
     const norma_mesh mesh = {.positions = {.data = shape->positions, .count = shape->vertices},
         .corners = shape->corners,
         .corner_count = shape->corner_count};
     const norma_attribute normals = {.data = shape->normals, .count = shape->vertices},
                           texcoords = {.data = shape->texcoords, .count = shape->vertices};
-    job->core.progress = job->options->progress ? pass_on : NULL;
+    job->core.progress = job->options->progress ? pass_on_tangents : NULL;
     job->core.progress_user = job;
     const norma_result result = norma_corner_tangents(&mesh, &normals, &texcoords,
         job->options->mode, &job->core, tangents, shape->corner_count, report);
@@ -91,14 +91,14 @@ static norma_document_result morph(tangent_job *job, const gltf_attributes *targ
           *moved = norma_io_block(rest->corner_count, 16);
     *deltas = norma_io_block(rest->corner_count, 12);
     norma_document_result result =
-        positions && unit && moved && *deltas ? NORMA_DOCUMENT_OK : out_of_memory(job);
+        positions && unit && moved && *deltas ? NORMA_DOCUMENT_OK : fail_tangent_corners(job);
     if (!result)
         result = displace(job, target->position, rest->positions, rest->vertices, 0, positions);
     if (!result) result = displace(job, target->normal, rest->normals, rest->vertices, 1, unit);
     tangent_shape shape = *rest;
     shape.positions = positions;
     shape.normals = unit;
-    if (!result) result = compute(job, &shape, moved, NULL);
+    if (!result) result = compute_shape_tangents(job, &shape, moved, NULL);
     for (size_t c = 0; !result && c < rest->corner_count; ++c)
         for (size_t k = 0; k < 3; ++k)
             (*deltas)[3 * c + k] = moved[4 * c + k] - tangents[4 * c + k];
@@ -112,7 +112,7 @@ static norma_document_result morph_all(tangent_job *job, const gltf_primitive *p
     const tangent_shape *rest, const float *tangents, tangent_corners *made) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     made->deltas = norma_io_allocate((size_t)p->target_count + 1, sizeof *made->deltas);
-    if (!made->deltas) return out_of_memory(job);
+    if (!made->deltas) return fail_tangent_corners(job);
     for (uint32_t t = 0; !result && t < p->target_count; ++t) {
         const gltf_attributes *target = &job->sets.g->targets[p->first_target + t];
         if (target->normal != GLTF_NONE)
@@ -129,7 +129,7 @@ static void count_reasons(norma_tangent_summary *summary, const norma_report *re
     summary->cancelled += report->cancelled.count;
 }
 
-static norma_document_result gather(
+static norma_document_result gather_shape(
     tangent_job *job, uint32_t primitive, tangent_shape *shape, float **owned) {
     gltf *g = job->sets.g;
     const gltf_primitive *p = &g->primitives[primitive];
@@ -152,8 +152,8 @@ norma_document_result norma_gltf_corner_tangents(
     float *owned = NULL, *tangents = norma_io_block(3 * p->faces, 16);
     *made = (tangent_corners){.count = 3 * p->faces};
     norma_document_result result =
-        tangents ? gather(job, primitive, &shape, &owned) : out_of_memory(job);
-    if (!result) result = compute(job, &shape, tangents, &report);
+        tangents ? gather_shape(job, primitive, &shape, &owned) : fail_tangent_corners(job);
+    if (!result) result = compute_shape_tangents(job, &shape, tangents, &report);
     if (!result) {
         made->corners = shape.corners;
         count_reasons(job->summary, &report);

@@ -19,7 +19,7 @@ norma_document_result norma_gltf_find_materials(tangent_job *job) {
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_texture_info place_of(const tangent_job *job, const gltf_primitive *p) {
+static norma_texture_info placement_of_map(const tangent_job *job, const gltf_primitive *p) {
     const gltf *g = job->sets.g;
     norma_texture_info place = {.scale = {1, 1}};
     if (p->material < g->material_count)
@@ -41,7 +41,7 @@ static uint32_t texcoord_accessor(const gltf *g, const gltf_primitive *p, size_t
 }
 
 int norma_gltf_has_map_texcoords(const tangent_job *job, const gltf_primitive *p) {
-    return texcoord_accessor(job->sets.g, p, place_of(job, p).texcoord) != GLTF_NONE;
+    return texcoord_accessor(job->sets.g, p, placement_of_map(job, p).texcoord) != GLTF_NONE;
 }
 
 int norma_gltf_takes_tangents(const tangent_job *job, const gltf_primitive *p) {
@@ -55,7 +55,7 @@ int norma_gltf_takes_tangents(const tangent_job *job, const gltf_primitive *p) {
 norma_document_result norma_gltf_tangent_texcoords(
     tangent_job *job, const gltf_primitive *p, const float **texcoords, float **owned) {
     gltf *g = job->sets.g;
-    const norma_texture_info place = place_of(job, p);
+    const norma_texture_info place = placement_of_map(job, p);
     *owned = NULL;
     norma_document_result result = norma_gltf_decode(
         g, texcoord_accessor(g, p, place.texcoord), 2, texcoords, job->sets.error);

@@ -7,27 +7,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-static norma_document_result out_of_memory(const tangent_job *job) {
+static norma_document_result fail_tangent_vertices(const tangent_job *job) {
     return norma_document_fail_memory(job->sets.g->document, job->sets.error);
 }
 
 /* ---- which old tangents stay */
 
 /* Rules N801 and N802, as norma check measures them: not of unit length, or a sign that is none. */
-static int is_broken(const float tangent[4], int bits) {
+static int is_broken_tangent(const float tangent[4], int bits) {
     const double vector[3] = {(double)tangent[0], (double)tangent[1], (double)tangent[2]};
     return norma_normal_is_broken(vector, bits) || (tangent[3] != 1 && tangent[3] != -1);
 }
 
-static norma_document_result find_broken(tangent_job *job, tangent_set *of) {
+static norma_document_result find_broken_tangents(tangent_job *job, tangent_set *of) {
     gltf_set *set = of->set;
     set->broken = norma_io_allocate(set->vertices, 1);
-    if (!set->broken) return out_of_memory(job);
+    if (!set->broken) return fail_tangent_vertices(job);
     set->wanted = 0;
     for (size_t v = 0; v < set->vertices; ++v) {
         float tangent[16];
         norma_gltf_floats(&of->encoding, v, tangent);
-        set->broken[v] = (uint8_t)is_broken(tangent, of->encoding.component == GLTF_BYTE ? 8 : 32);
+        set->broken[v] =
+            (uint8_t)is_broken_tangent(tangent, of->encoding.component == GLTF_BYTE ? 8 : 32);
         set->wanted |= set->broken[v];
     }
     return NORMA_DOCUMENT_OK;
@@ -54,12 +55,13 @@ norma_document_result norma_gltf_begin_tangents(tangent_job *job, gltf_set *set,
     result = norma_gltf_array(g, accessor, &array, job->sets.error);
     if (result || !keeps_encoding(&array, set->vertices)) return result;
     of->encoding = array;
-    return job->options->only == NORMA_ONLY_BROKEN ? find_broken(job, of) : NORMA_DOCUMENT_OK;
+    return job->options->only == NORMA_ONLY_BROKEN ? find_broken_tangents(job, of)
+                                                   : NORMA_DOCUMENT_OK;
 }
 
 /* ---- vertices by old vertex and code */
 
-static size_t hash_vertex(uint32_t vertex, const unsigned char *code, size_t size) {
+static size_t hash_tangent_vertex(uint32_t vertex, const unsigned char *code, size_t size) {
     uint64_t hash = (uint64_t)vertex + 1;
     for (size_t k = 0; k < size; k += 4) {
         uint32_t word;
@@ -70,8 +72,9 @@ static size_t hash_vertex(uint32_t vertex, const unsigned char *code, size_t siz
 }
 
 /* The place of a vertex with this code in the table, or a free one. */
-static uint32_t *find(const tangent_set *of, uint32_t vertex, const unsigned char *code) {
-    size_t at = hash_vertex(vertex, code, of->size) & (of->table_size - 1);
+static uint32_t *find_tangent_vertex(
+    const tangent_set *of, uint32_t vertex, const unsigned char *code) {
+    size_t at = hash_tangent_vertex(vertex, code, of->size) & (of->table_size - 1);
     while (of->table[at]) {
         const size_t found = of->table[at] - 1;
         if (norma_gltf_old_vertex(of->set, found) == vertex &&
@@ -82,7 +85,7 @@ static uint32_t *find(const tangent_set *of, uint32_t vertex, const unsigned cha
     return &of->table[at];
 }
 
-static int grow_table(tangent_set *of, size_t used) {
+static int grow_tangent_table(tangent_set *of, size_t used) {
     uint32_t *old = of->table;
     const size_t old_size = of->table_size;
     if (old_size / 2 > used) return 1;
@@ -91,7 +94,8 @@ static int grow_table(tangent_set *of, size_t used) {
     for (size_t i = 0; of->table && i < old_size; ++i) {
         if (!old[i]) continue;
         const size_t vertex = old[i] - 1;
-        *find(of, norma_gltf_old_vertex(of->set, vertex), of->codes + vertex * of->size) = old[i];
+        *find_tangent_vertex(
+            of, norma_gltf_old_vertex(of->set, vertex), of->codes + vertex * of->size) = old[i];
     }
     free(old);
     return of->table != NULL;
@@ -117,24 +121,24 @@ static int grow_vertices(tangent_set *of, uint32_t targets, float *const *like, 
     return 1;
 }
 
-static int begin_vertices(tangent_set *of, const gltf_primitive *p, float *const *like) {
+static int begin_tangent_vertices(tangent_set *of, const gltf_primitive *p, float *const *like) {
     gltf_set *set = of->set;
     if (set->taken) return 1;
     set->taken = norma_io_allocate(set->vertices, 1);
     of->deltas = norma_io_allocate((size_t)p->target_count + 1, sizeof *of->deltas);
     return set->taken && of->deltas && grow_vertices(of, p->target_count, like, set->vertices) &&
-           grow_table(of, set->vertices);
+           grow_tangent_table(of, set->vertices);
 }
 
 /* The number of the vertex that a corner's becomes; GLTF_NONE: out of memory, or of numbers. */
-static uint32_t take_vertex(tangent_set *of, const gltf_primitive *p, uint32_t vertex,
+static uint32_t take_tangent_vertex(tangent_set *of, const gltf_primitive *p, uint32_t vertex,
     const tangent_corners *made, size_t corner) {
     gltf_set *set = of->set;
     const unsigned char *code = made->codes + corner * of->size;
     size_t number = vertex;
     if (set->broken && !set->broken[vertex]) return vertex;
-    if (!grow_table(of, set->vertices + set->added_count)) return GLTF_NONE;
-    uint32_t *place = find(of, vertex, code);
+    if (!grow_tangent_table(of, set->vertices + set->added_count)) return GLTF_NONE;
+    uint32_t *place = find_tangent_vertex(of, vertex, code);
     if (*place) return *place - 1;
     if (set->taken[vertex]) {
         number = norma_gltf_add_vertex(set, vertex);
@@ -155,10 +159,10 @@ norma_document_result norma_gltf_take_tangents(
     of->size = 4 * norma_gltf_component_size(of->encoding.component);
     uint32_t *corners = norma_io_block(made->count, sizeof *corners);
     job->sets.corners[primitive] = corners;
-    if (!corners || !begin_vertices(of, p, made->deltas)) return out_of_memory(job);
+    if (!corners || !begin_tangent_vertices(of, p, made->deltas)) return fail_tangent_vertices(job);
     for (size_t c = 0; c < made->count; ++c) {
-        corners[c] = take_vertex(of, p, made->corners[c], made, c);
-        if (corners[c] == GLTF_NONE) return out_of_memory(job);
+        corners[c] = take_tangent_vertex(of, p, made->corners[c], made, c);
+        if (corners[c] == GLTF_NONE) return fail_tangent_vertices(job);
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -178,7 +182,7 @@ static norma_document_result fill_others(tangent_job *job, tangent_set *of) {
     const norma_vec3_view view = {.data = normals, .count = set->vertices};
     if (!tangents || norma_orthogonalise_tangents(
                          tangents, 0, view, set->vertices, tangents, 0, set->vertices) != NORMA_OK)
-        result = out_of_memory(job);
+        result = fail_tangent_vertices(job);
     for (size_t v = 0; !result && v < set->vertices; ++v) tangents[4 * v + 3] = 1;
     if (!result) result = norma_gltf_encode_tangents(job, of, tangents, set->vertices, &data);
     free(tangents);
@@ -207,7 +211,7 @@ static norma_document_result put_copies(tangent_job *job, tangent_set *of, int32
     return result;
 }
 
-static norma_document_result put_targets(tangent_job *job, tangent_set *of) {
+static norma_document_result put_tangent_targets(tangent_job *job, tangent_set *of) {
     gltf *g = job->sets.g;
     const gltf_primitive *lead = &g->primitives[of->set->lead];
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -241,7 +245,7 @@ norma_document_result norma_gltf_put_tangents(tangent_job *job, tangent_set *of)
         of->codes = NULL;
         result = norma_gltf_put_in_set(&job->sets, set, GLTF_SLOT_BASE, "TANGENT", &data);
     }
-    return result ? result : put_targets(job, of);
+    return result ? result : put_tangent_targets(job, of);
 }
 
 void norma_gltf_tangent_set_free(const gltf *g, tangent_set *of) {

@@ -15,7 +15,7 @@ typedef struct contents {
     uint8_t *changed; /* a vertex whose normal's code is not the old one's */
 } contents;
 
-static norma_document_result out_of_memory(const contents *c) {
+static norma_document_result fail_contents(const contents *c) {
     return norma_document_fail_memory(c->job->g->document, c->job->error);
 }
 
@@ -23,7 +23,7 @@ static int is_new(const gltf_set *set, size_t vertex) {
     return vertex >= set->vertices || !set->broken || set->broken[vertex];
 }
 
-static norma_document_result put(
+static norma_document_result put_contents(
     const contents *c, int32_t target, const char *attribute, gltf_data *data) {
     return norma_gltf_put_in_set(c->job, c->set, target, attribute, data);
 }
@@ -32,7 +32,7 @@ static norma_document_result put(
 
 typedef enum vector_encoding { VECTOR_FLOAT, VECTOR_SNORM8, VECTOR_SNORM16 } vector_encoding;
 
-static vector_encoding encoding_of(const gltf *g, uint32_t accessor, uint32_t width) {
+static vector_encoding vector_encoding_of(const gltf *g, uint32_t accessor, uint32_t width) {
     const gltf_accessor *a = accessor == GLTF_NONE ? NULL : &g->accessors[accessor];
     if (!a || !a->normalized || a->width != width) return VECTOR_FLOAT;
     return a->component == GLTF_BYTE    ? VECTOR_SNORM8
@@ -51,7 +51,7 @@ static int encode_units(
     return 1;
 }
 
-static void keep_zero_signs(const unsigned char *old, unsigned char *new_bytes) {
+static void keep_float_zero_signs(const unsigned char *old, unsigned char *new_bytes) {
     for (int k = 0; k < 3; ++k) {
         float a, b;
         memcpy(&a, old + 4 * k, sizeof a);
@@ -81,7 +81,7 @@ static norma_document_result merge_old(
             norma_gltf_floats(&old, v, element);
             memcpy(now, element, 3 * sizeof *element);
         } else if (same && encoding == VECTOR_FLOAT) {
-            keep_zero_signs(before, now);
+            keep_float_zero_signs(before, now);
         }
         if (c->changed) c->changed[v] = !same || memcmp(now, before, size) != 0;
     }
@@ -111,7 +111,7 @@ static gltf_data vector_data(vector_encoding encoding, uint32_t width, size_t co
 
 static norma_document_result put_normals(const contents *c) {
     uint32_t old = c->job->g->primitives[c->set->lead].base.normal;
-    vector_encoding encoding = encoding_of(c->job->g, old, 3);
+    vector_encoding encoding = vector_encoding_of(c->job->g, old, 3);
     gltf_data data = {.component = GLTF_FLOAT, .width = 3, .count = c->count};
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (encoding == VECTOR_FLOAT) { /* as they are */
@@ -121,7 +121,7 @@ static norma_document_result put_normals(const contents *c) {
         data = vector_data(encoding, 3, c->count);
         if (!data.bytes || !encode_units(encoding, c->set->normals, c->count, data.bytes,
                                norma_gltf_data_size(&data)))
-            result = out_of_memory(c);
+            result = fail_contents(c);
     }
     if (old == GLTF_NONE)
         memset(c->changed, 1, c->count);
@@ -132,7 +132,7 @@ static norma_document_result put_normals(const contents *c) {
         return result;
     }
     if (c->stored) decode_stored(c, &data);
-    return put(c, GLTF_SLOT_BASE, "NORMAL", &data);
+    return put_contents(c, GLTF_SLOT_BASE, "NORMAL", &data);
 }
 
 /* ---- tangents */
@@ -149,7 +149,7 @@ static int leans(const float tangent[3], const float normal[3], vector_encoding 
 }
 
 static norma_document_result turn_tangents(const contents *c, uint32_t accessor, gltf_data *data) {
-    vector_encoding encoding = encoding_of(c->job->g, accessor, 4);
+    vector_encoding encoding = vector_encoding_of(c->job->g, accessor, 4);
     size_t size = norma_gltf_data_size(data);
     gltf_array array = {.data = data->bytes,
         .count = c->count,
@@ -185,7 +185,7 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
     free(units);
     free(codes);
     free(turned);
-    return ok ? NORMA_DOCUMENT_OK : out_of_memory(c);
+    return ok ? NORMA_DOCUMENT_OK : fail_contents(c);
 }
 
 /* Tangents that are all zeros, for want of any bytes, are none. */
@@ -196,7 +196,7 @@ static int can_turn(const gltf_accessor *a) {
                (a->normalized && (a->component == GLTF_BYTE || a->component == GLTF_SHORT)));
 }
 
-static int is_turned(const contents *c, const gltf_attribute *attribute, int32_t target) {
+static int is_tangent_turned(const contents *c, const gltf_attribute *attribute, int32_t target) {
     if (target != GLTF_SLOT_BASE || strcmp(attribute->name, "TANGENT") != 0) return 0;
     if (c->job->options->tangents != NORMA_STORED_TANGENTS_KEEP)
         return can_turn(&c->job->g->accessors[attribute->accessor]);
@@ -207,19 +207,19 @@ static int is_turned(const contents *c, const gltf_attribute *attribute, int32_t
 static norma_document_result put_attribute(
     const contents *c, const gltf_attribute *attribute, int32_t target) {
     gltf_data data;
-    const int tangent = is_turned(c, attribute, target);
+    const int tangent = is_tangent_turned(c, attribute, target);
     if (!tangent && c->set->added_count == 0) return NORMA_DOCUMENT_OK;
     norma_document_result result =
         norma_gltf_copy_elements(c->job, c->set, attribute->accessor, &data);
     if (!result && tangent && (result = turn_tangents(c, attribute->accessor, &data)))
         free(data.bytes);
-    return result ? result : put(c, target, attribute->name, &data);
+    return result ? result : put_contents(c, target, attribute->name, &data);
 }
 
 /* ---- morph targets */
 
 /* Up to half a code beyond the last one is still that, to the encoding's own rounding. */
-static int fits(vector_encoding encoding, const float *deltas, size_t count) {
+static int fits_encoding(vector_encoding encoding, const float *deltas, size_t count) {
     const double last = encoding == VECTOR_SNORM8 ? 127 : 32767;
     for (size_t i = 0; i < 3 * count && encoding != VECTOR_FLOAT; ++i)
         if (!(fabs((double)deltas[i]) * last < last + .5)) return 0;
@@ -250,10 +250,10 @@ norma_document_result norma_gltf_put_deltas(
     const gltf *g = job->g;
     const gltf_attributes *of = &g->targets[g->primitives[set->lead].first_target + target];
     const uint32_t old = strcmp(attribute, "NORMAL") == 0 ? of->normal : of->tangent;
-    vector_encoding encoding = encoding_of(g, old, 3);
-    if (!fits(encoding, deltas, c.count)) encoding = VECTOR_FLOAT;
+    vector_encoding encoding = vector_encoding_of(g, old, 3);
+    if (!fits_encoding(encoding, deltas, c.count)) encoding = VECTOR_FLOAT;
     gltf_data data = vector_data(encoding, 3, c.count);
-    if (!data.bytes) return out_of_memory(&c);
+    if (!data.bytes) return fail_contents(&c);
     encode_deltas(encoding, deltas, c.count, data.bytes);
     norma_document_result result =
         old == GLTF_NONE ? NORMA_DOCUMENT_OK : merge_old(&c, old, encoding, &data);
@@ -261,10 +261,10 @@ norma_document_result norma_gltf_put_deltas(
         free(data.bytes);
         return result;
     }
-    return put(&c, (int32_t)target, attribute, &data);
+    return put_contents(&c, (int32_t)target, attribute, &data);
 }
 
-static norma_document_result put_targets(const contents *c) {
+static norma_document_result put_contents_of_targets(const contents *c) {
     const gltf *g = c->job->g;
     const gltf_primitive *lead = &g->primitives[c->set->lead];
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -295,7 +295,7 @@ norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number) {
     if (result) return result;
     c.stored = tangents ? norma_io_allocate(c.count, 3 * sizeof *c.stored) : NULL;
     c.changed = norma_io_allocate(c.count, 1);
-    if ((!c.stored && tangents) || !c.changed) result = out_of_memory(&c);
+    if ((!c.stored && tangents) || !c.changed) result = fail_contents(&c);
     if (!result) {
         norma_policy_fill(
             &job->policy, set->normals, set->reasons, c.count, set->broken, set->vertices);
@@ -306,7 +306,7 @@ norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number) {
     for (uint32_t i = base->first; !result && i < base->first + base->count; ++i)
         if (strcmp(g->attributes[i].name, "NORMAL") != 0)
             result = put_attribute(&c, &g->attributes[i], GLTF_SLOT_BASE);
-    if (!result) result = put_targets(&c);
+    if (!result) result = put_contents_of_targets(&c);
     free(c.stored);
     free(c.changed);
     return result;

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static norma_document_result out_of_memory(const gltf_job *job) {
+static norma_document_result fail_sharing(const gltf_job *job) {
     return norma_document_fail_memory(job->g->document, job->error);
 }
 
@@ -36,7 +36,7 @@ static int has_morphs(const gltf_job *job, const gltf_primitive *p) {
 
 /* Deltas hang on what surrounds the vertex in its own mesh: with them a set does not reach over
  * several meshes. */
-static int same_set(const gltf_job *job, const gltf_set *set, const gltf_primitive *p) {
+static int is_same_set(const gltf_job *job, const gltf_set *set, const gltf_primitive *p) {
     const gltf *g = job->g;
     const gltf_primitive *lead = &g->primitives[set->lead];
     if (p->target_count != lead->target_count || !same_attributes(g, &p->base, &lead->base) ||
@@ -49,12 +49,12 @@ static int same_set(const gltf_job *job, const gltf_set *set, const gltf_primiti
     return 1;
 }
 
-static norma_document_result find_broken(gltf_job *job, gltf_set *set, uint32_t normal) {
+static norma_document_result find_broken_normals(gltf_job *job, gltf_set *set, uint32_t normal) {
     gltf_array array;
     norma_document_result result = norma_gltf_array(job->g, normal, &array, job->error);
     if (result) return result;
     set->broken = norma_io_allocate(set->vertices, 1);
-    if (!set->broken) return out_of_memory(job);
+    if (!set->broken) return fail_sharing(job);
     set->wanted = 0;
     for (size_t i = 0; i < set->vertices; ++i) {
         float n[16];
@@ -83,7 +83,7 @@ static int lacks_deltas(const gltf_job *job, const gltf_primitive *p) {
 
 static norma_document_result find_missing(const gltf_job *job, gltf_set *set, uint32_t normal) {
     set->broken = norma_io_allocate(set->vertices, 1);
-    if (!set->broken) return out_of_memory(job);
+    if (!set->broken) return fail_sharing(job);
     for (size_t i = job->g->accessors[normal].count; i < set->vertices; ++i) set->broken[i] = 1;
     return NORMA_DOCUMENT_OK;
 }
@@ -99,7 +99,7 @@ static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t pr
     if (job->options->only == NORMA_ONLY_ALL || p->base.normal == GLTF_NONE)
         return NORMA_DOCUMENT_OK;
     norma_document_result result = job->options->only == NORMA_ONLY_BROKEN
-                                       ? find_broken(job, set, p->base.normal)
+                                       ? find_broken_normals(job, set, p->base.normal)
                                        : find_missing(job, set, p->base.normal);
     if (job->options->only == NORMA_ONLY_MISSING) set->wanted = lacks_deltas(job, p);
     set->wanted |= counts_differ(job, p);
@@ -107,7 +107,7 @@ static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t pr
 }
 
 /* Steele, Lea, Flood 2014, splitmix64. */
-static uint64_t mixed(uint64_t z) {
+static uint64_t mixed_accessors(uint64_t z) {
     z = (z + 0x9E3779B97F4A7C15u) * 0xBF58476D1CE4E5B9u;
     z = (z ^ z >> 27) * 0x94D049BB133111EBu;
     return z ^ z >> 31;
@@ -116,13 +116,13 @@ static uint64_t mixed(uint64_t z) {
 /* Primitives of one set have the same one; attributes may stand in any order. */
 static uint64_t hash_primitive(const gltf_job *job, const gltf_primitive *p) {
     const gltf *g = job->g;
-    uint64_t hash = mixed(has_morphs(job, p) ? (uint64_t)p->mesh + 1 : 0);
+    uint64_t hash = mixed_accessors(has_morphs(job, p) ? (uint64_t)p->mesh + 1 : 0);
     for (uint32_t t = 0; t <= p->target_count; ++t) {
         const gltf_attributes *set = t ? &g->targets[p->first_target + t - 1] : &p->base;
         uint64_t sum = 0;
         for (uint32_t i = set->first; i < set->first + set->count; ++i)
-            sum += mixed(g->attributes[i].accessor);
-        hash = mixed(hash ^ sum);
+            sum += mixed_accessors(g->attributes[i].accessor);
+        hash = mixed_accessors(hash ^ sum);
     }
     return hash;
 }
@@ -133,7 +133,7 @@ static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_
     const gltf_primitive *p = &job->g->primitives[primitive];
     const uint32_t slot = (uint32_t)(hash_primitive(job, p) % job->g->primitive_count);
     uint32_t s = sets_at[slot];
-    while (s != GLTF_NONE && !same_set(job, &job->sets[s], p)) s = job->sets[s].next_at;
+    while (s != GLTF_NONE && !is_same_set(job, &job->sets[s], p)) s = job->sets[s].next_at;
     if (s != GLTF_NONE) {
         gltf_set *set = &job->sets[s];
         set->mesh = set->mesh == p->mesh ? p->mesh : GLTF_NONE;
@@ -151,7 +151,7 @@ static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_
 }
 
 /* Vertices that a locked primitive draws keep their normals, whoever else draws them. */
-static int is_locked(const gltf_job *job, uint32_t primitive) {
+static int is_locked_set(const gltf_job *job, uint32_t primitive) {
     const shared_normals *shared = job->g->document->shared;
     return shared && shared->locked && shared->locked[primitive] &&
            job->set_of[primitive] != GLTF_NONE;
@@ -166,12 +166,12 @@ norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job) {
     job->next_in_set = norma_io_allocate(g->primitive_count, sizeof *job->next_in_set);
     job->corners = norma_io_allocate(g->primitive_count, sizeof *job->corners);
     if (!sets_at || !job->sets || !job->set_of || !job->next_in_set || !job->corners)
-        result = out_of_memory(job);
+        result = fail_sharing(job);
     for (uint32_t slot = 0; !result && slot < g->primitive_count; ++slot) sets_at[slot] = GLTF_NONE;
     for (uint32_t i = 0; !result && i < g->primitive_count; ++i) {
         job->set_of[i] = job->next_in_set[i] = GLTF_NONE;
         if (!g->primitives[i].not_read) result = join_set(job, i, sets_at);
-        if (!result && is_locked(job, i)) job->sets[job->set_of[i]].wanted = 0;
+        if (!result && is_locked_set(job, i)) job->sets[job->set_of[i]].wanted = 0;
     }
     free(sets_at);
     return result;
@@ -195,7 +195,7 @@ void norma_gltf_vertex_sharing_free(gltf_job *job) {
 
 /* ---- points become vertices */
 
-static int make_room(gltf_set *set, size_t needed) {
+static int make_set_room(gltf_set *set, size_t needed) {
     if (needed <= set->capacity) return 1;
     size_t larger = set->capacity + set->capacity / 2;
     larger = larger < needed ? needed : larger;
@@ -215,13 +215,13 @@ static int make_room(gltf_set *set, size_t needed) {
     return 1;
 }
 
-static int begin_vertices(gltf_set *set) {
+static int begin_set_vertices(gltf_set *set) {
     if (set->taken) return 1;
     set->taken = norma_io_allocate(set->vertices, 1);
-    return set->taken && make_room(set, set->vertices);
+    return set->taken && make_set_room(set, set->vertices);
 }
 
-static size_t hash_vertex(uint32_t vertex, const float normal[3]) {
+static size_t hash_set_vertex(uint32_t vertex, const float normal[3]) {
     uint32_t bits[3];
     memcpy(bits, normal, sizeof bits);
     uint64_t hash = ((uint64_t)vertex << 32 | bits[0]) * 0x9E3779B97F4A7C15u;
@@ -229,14 +229,14 @@ static size_t hash_vertex(uint32_t vertex, const float normal[3]) {
     return (size_t)(hash ^ hash >> 32);
 }
 
-static int grow_table(gltf_set *set, size_t used) {
+static int grow_set_table(gltf_set *set, size_t used) {
     size_t size = 64;
     while (size / 4 < used) size *= 2;
     uint32_t *table = norma_io_allocate(size, sizeof *table);
     for (size_t i = 0; table && i < set->table_size; ++i) {
         if (!set->table[i]) continue;
         size_t vertex = set->table[i] - 1,
-               at = hash_vertex(norma_gltf_old_vertex(set, vertex), set->normals + 3 * vertex) &
+               at = hash_set_vertex(norma_gltf_old_vertex(set, vertex), set->normals + 3 * vertex) &
                     (size - 1);
         while (table[at]) at = (at + 1) & (size - 1);
         table[at] = set->table[i];
@@ -251,7 +251,7 @@ static int grow_table(gltf_set *set, size_t used) {
 /* The place in the table of a vertex with this normal, or a free one. Only for sets that several
  * meshes draw: within one mesh points differ anyway. */
 static uint32_t *find_in_table(const gltf_set *set, uint32_t vertex, const float normal[3]) {
-    size_t at = hash_vertex(vertex, normal) & (set->table_size - 1);
+    size_t at = hash_set_vertex(vertex, normal) & (set->table_size - 1);
     while (set->table[at]) {
         size_t found = set->table[at] - 1;
         if (norma_gltf_old_vertex(set, found) == vertex &&
@@ -264,20 +264,21 @@ static uint32_t *find_in_table(const gltf_set *set, uint32_t vertex, const float
 
 /* The number of the vertex that an old vertex with this normal becomes; GLTF_NONE: out of memory,
  * or of numbers. */
-static uint32_t take_vertex(gltf_set *set, uint32_t vertex, const float normal[3], uint8_t reason) {
+static uint32_t take_set_vertex(
+    gltf_set *set, uint32_t vertex, const float normal[3], uint8_t reason) {
     size_t number = vertex;
     uint32_t *place = NULL;
     if (set->broken && !set->broken[vertex]) return vertex;
     if (set->mesh == GLTF_NONE) {
         if (set->table_size / 4 <= set->vertices + set->added_count &&
-            !grow_table(set, (set->vertices + set->added_count + 1) * 2))
+            !grow_set_table(set, (set->vertices + set->added_count + 1) * 2))
             return GLTF_NONE;
         place = find_in_table(set, vertex, normal);
         if (*place) return *place - 1;
     }
     if (set->taken[vertex]) {
         number = norma_gltf_add_vertex(set, vertex);
-        if (number == SIZE_MAX || !make_room(set, number + 1)) return GLTF_NONE;
+        if (number == SIZE_MAX || !make_set_room(set, number + 1)) return GLTF_NONE;
     }
     set->taken[vertex] = 1;
     memcpy(set->normals + 3 * number, normal, 3 * sizeof *normal);
@@ -291,8 +292,8 @@ static uint32_t take_vertex(gltf_set *set, uint32_t vertex, const float normal[3
 static int take_all_points(gltf_set *set, const gltf_surface *s, uint32_t *places) {
     const uint32_t first = (uint32_t)s->position_start[0];
     for (size_t point = 0; point < s->point_count; ++point) {
-        places[point] =
-            take_vertex(set, s->sources[point] - first, s->normals + 3 * point, s->reasons[point]);
+        places[point] = take_set_vertex(
+            set, s->sources[point] - first, s->normals + 3 * point, s->reasons[point]);
         if (places[point] == GLTF_NONE) return 0;
     }
     return 1;
@@ -307,7 +308,8 @@ static int take_points_of(gltf_set *set, uint32_t set_number, const gltf_surface
         const uint32_t point = points[c];
         if (stamps[point] == set_number + 1) continue;
         uint32_t vertex = s->sources[point] - (uint32_t)s->position_start[local];
-        places[point] = take_vertex(set, vertex, s->normals + 3 * (size_t)point, s->reasons[point]);
+        places[point] =
+            take_set_vertex(set, vertex, s->normals + 3 * (size_t)point, s->reasons[point]);
         stamps[point] = set_number + 1;
         if (places[point] == GLTF_NONE) return 0;
         if (set->has_morphs) set->point_of[places[point]] = point;
@@ -323,7 +325,7 @@ typedef struct placing {
     size_t count, slices;
 } placing;
 
-static void place_slice(void *context, size_t slice) {
+static void place_point_slice(void *context, size_t slice) {
     const placing *p = context;
     const size_t end = norma_io_slice(p->count, p->slices, slice + 1);
     for (size_t c = norma_io_slice(p->count, p->slices, slice); c < end; ++c)
@@ -331,7 +333,7 @@ static void place_slice(void *context, size_t slice) {
 }
 
 /* Whether the mesh is one primitive whose points nobody needs once it has its corners. */
-static int is_alone(const gltf_job *job, const gltf_surface *s, uint32_t number) {
+static int is_alone_in_set(const gltf_job *job, const gltf_surface *s, uint32_t number) {
     return job->g->meshes[s->mesh].primitive_count == 1 && s->in_order &&
            job->set_of[number] != GLTF_NONE && !job->sets[job->set_of[number]].has_morphs;
 }
@@ -345,8 +347,8 @@ static int take_primitive(
     const gltf_primitive *p = &g->primitives[number];
     uint32_t local = p->number, set_number = job->set_of[number];
     gltf_set *set = &job->sets[set_number];
-    const int alone = is_alone(job, s, number);
-    if (!begin_vertices(set)) return 0;
+    const int alone = is_alone_in_set(job, s, number);
+    if (!begin_set_vertices(set)) return 0;
     if (!(alone ? take_all_points(set, s, places)
                 : take_points_of(set, set_number, s, local, 3 * p->faces, places, stamps)))
         return 0;
@@ -356,7 +358,7 @@ static int take_primitive(
     placed.corners = alone ? s->points : norma_io_block(placed.count, sizeof *placed.corners);
     if (!placed.corners) return 0;
     placed.slices = norma_io_slices(placed.count, LEAST_SLICE);
-    norma_io_tasks(job->policy.core.threads, placed.slices, place_slice, &placed);
+    norma_io_tasks(job->policy.core.threads, placed.slices, place_point_slice, &placed);
     if (alone) s->points = NULL;
     job->corners[number] = placed.corners;
     return 1;
@@ -364,7 +366,7 @@ static int take_primitive(
 
 norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s) {
     const gltf_mesh *mesh = &job->g->meshes[s->mesh];
-    const int alone = is_alone(job, s, mesh->first_primitive);
+    const int alone = is_alone_in_set(job, s, mesh->first_primitive);
     uint32_t *places = alone ? s->sources : norma_io_block(s->point_count, sizeof *places),
              *stamps = norma_io_allocate(s->point_count, sizeof *stamps);
     unsigned char *done = norma_io_allocate(mesh->primitive_count, 1);
@@ -382,7 +384,7 @@ norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s) {
     if (!alone) free(places);
     free(stamps);
     free(done);
-    return ok ? NORMA_DOCUMENT_OK : out_of_memory(job);
+    return ok ? NORMA_DOCUMENT_OK : fail_sharing(job);
 }
 
 /* ---- vertices that no triangle uses */
@@ -403,7 +405,7 @@ static norma_document_result own_corners(
         memcpy(*corners + at, own, 3 * g->primitives[i].faces * sizeof *own);
         at += 3 * g->primitives[i].faces;
     }
-    return *corners ? NORMA_DOCUMENT_OK : out_of_memory(job);
+    return *corners ? NORMA_DOCUMENT_OK : fail_sharing(job);
 }
 
 static void take_nearest(gltf_set *set, const float *normals, const uint8_t *reasons) {
@@ -421,7 +423,7 @@ norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set)
     size_t missing = 0, count;
     gltf_array positions;
     uint32_t *corners = NULL;
-    if (!begin_vertices(set)) return out_of_memory(job);
+    if (!begin_set_vertices(set)) return fail_sharing(job);
     for (size_t v = 0; v < set->vertices; ++v)
         missing += !set->taken[v] && (!set->broken || set->broken[v]);
     if (!missing) return NORMA_DOCUMENT_OK;

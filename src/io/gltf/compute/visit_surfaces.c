@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 /* Integers that stand for numbers from -1 to 1; mixed ones were made floats already. */
-static double unit_of(const gltf *g, const gltf_mesh *mesh, norma_format format) {
+static double surface_unit_of(const gltf *g, const gltf_mesh *mesh, norma_format format) {
     for (uint32_t i = mesh->first_primitive; i < mesh->first_primitive + mesh->primitive_count;
          ++i) {
         if (g->primitives[i].not_read) continue;
@@ -18,7 +18,7 @@ static double unit_of(const gltf *g, const gltf_mesh *mesh, norma_format format)
     return 1;
 }
 
-static size_t find_parts(const gltf *g, const gltf_surface *s, surface_part *parts) {
+static size_t find_surface_parts(const gltf *g, const gltf_surface *s, surface_part *parts) {
     const gltf_mesh *mesh = &g->meshes[s->mesh];
     size_t count = 0;
     for (uint32_t i = 0; i < mesh->primitive_count; ++i) {
@@ -41,8 +41,8 @@ static norma_document_result visit_mesh(
     if (!result && !parts) result = norma_document_fail_memory(job->g->document, job->error);
     if (!result) {
         document_surface seen = {.number = mesh, .mesh = &surface.core, .parts = parts};
-        seen.unit = unit_of(job->g, &job->g->meshes[mesh], surface.core.positions.format);
-        seen.part_count = find_parts(job->g, &surface, parts);
+        seen.unit = surface_unit_of(job->g, &job->g->meshes[mesh], surface.core.positions.format);
+        seen.part_count = find_surface_parts(job->g, &surface, parts);
         if (seen.part_count) result = visit(user, &seen);
     }
     free(parts);

@@ -106,7 +106,7 @@ norma_document_result norma_gltf_read_accessors(gltf *g, norma_document_error *e
 
 /* ---- elements */
 
-static norma_document_result locate(gltf *g, const gltf_elements *elements, size_t *stride,
+static norma_document_result locate_elements(gltf *g, const gltf_elements *elements, size_t *stride,
     const unsigned char **data, norma_document_error *error) {
     norma_document_result result = norma_gltf_view_bytes(g, elements->view, data, error);
     if (!result) result = norma_gltf_measure_elements(g, elements, stride, error);
@@ -126,7 +126,7 @@ norma_document_result norma_gltf_sparse_indices(
     const gltf_accessor *a = &g->accessors[accessor];
     const unsigned char *indices;
     size_t stride, size = norma_gltf_component_size(a->sparse.indices_component);
-    norma_document_result result = locate(g,
+    norma_document_result result = locate_elements(g,
         &(gltf_elements){
             a->token, a->sparse.indices_view, a->sparse.indices_offset, a->sparse.count, size},
         &stride, &indices, error);
@@ -141,7 +141,7 @@ norma_document_result norma_gltf_sparse_indices(
 static norma_document_result apply_sparse(gltf *g, gltf_accessor *a, norma_document_error *error) {
     const unsigned char *values;
     size_t stride;
-    norma_document_result result = locate(g,
+    norma_document_result result = locate_elements(g,
         &(gltf_elements){a->token, a->sparse.values_view, a->sparse.values_offset, a->sparse.count,
             a->element_size},
         &stride, &values, error);
@@ -188,9 +188,9 @@ norma_document_result norma_gltf_array(
             .width = a->width,
             .normalized = a->normalized};
         if (a->view != GLTF_NONE)
-            result =
-                locate(g, &(gltf_elements){a->token, a->view, a->offset, a->count, a->element_size},
-                    &a->array.stride, &a->array.data, error);
+            result = locate_elements(g,
+                &(gltf_elements){a->token, a->view, a->offset, a->count, a->element_size},
+                &a->array.stride, &a->array.data, error);
         if (!result && (a->view == GLTF_NONE || a->sparse.count)) result = make_dense(g, a, error);
         a->resolved = !result;
     }

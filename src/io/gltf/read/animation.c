@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-static norma_document_result read_sampler(
+static norma_document_result read_animation_sampler(
     gltf *g, uint32_t sampler, gltf_channel *channel, norma_document_error *error) {
     const json *j = &g->json;
     uint32_t input = GLTF_NONE, output = GLTF_NONE,
@@ -29,7 +29,7 @@ static norma_document_result read_sampler(
 }
 
 /* 0: a channel of no matter here. */
-static int is_wanted(const gltf *g, uint32_t target, gltf_channel *channel) {
+static int is_channel_wanted(const gltf *g, uint32_t target, gltf_channel *channel) {
     const json *j = &g->json;
     uint32_t path = norma_json_member(j, target, "path");
     channel->node = GLTF_NONE;
@@ -57,11 +57,11 @@ static norma_document_result read_animation(
          item = norma_json_next(j, channels, item)) {
         gltf_channel *channel = &animation->channels[animation->count];
         uint32_t sampler = GLTF_NONE;
-        if (!is_wanted(g, norma_json_member(j, item, "target"), channel)) continue;
+        if (!is_channel_wanted(g, norma_json_member(j, item, "target"), channel)) continue;
         if (!norma_gltf_index_member(g, item, "sampler", sampler_count, &sampler) ||
             sampler == GLTF_NONE)
             return norma_gltf_malformed(g, error, item, "the number of an existing sampler");
-        norma_document_result result = read_sampler(g, tokens[sampler], channel, error);
+        norma_document_result result = read_animation_sampler(g, tokens[sampler], channel, error);
         if (result) return result;
         ++animation->count;
     }
@@ -101,7 +101,7 @@ norma_document_result norma_gltf_animations(
 
 /* ---- between keys */
 
-static void normalise(double q[4]) {
+static void normalise_rotation(double q[4]) {
     double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     for (int k = 0; k < 4 && length > 0; ++k) q[k] /= length;
 }
@@ -154,5 +154,5 @@ void norma_gltf_channel_at(const gltf_channel *c, double time, double out[4]) {
         for (size_t k = 0; k < width; ++k) out[k] += t * ((double)at[width + k] - out[k]);
     else if (t > 0 && c->interpolation == GLTF_LINEAR)
         slerp(at, at + width, t, out);
-    if (!c->scales) normalise(out);
+    if (!c->scales) normalise_rotation(out);
 }

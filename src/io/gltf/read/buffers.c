@@ -23,7 +23,7 @@ static norma_document_result read_list(
     return NORMA_DOCUMENT_OK;
 }
 
-static char *name_of(const gltf *g, uint32_t token) {
+static char *file_name_of(const gltf *g, uint32_t token) {
     char *uri = norma_json_string(&g->json, token), *name = uri ? norma_gltf_uri_decode(uri) : NULL;
     free(uri);
     return name;
@@ -44,7 +44,7 @@ static norma_document_result read_uri(gltf *g, uint32_t number, norma_document_e
     buffer->storage = norma_gltf_uri_is_data(uri.text) ? GLTF_STORED_DATA : GLTF_STORED_FILE;
     free(uri.owned);
     errno = 0;
-    if (buffer->storage == GLTF_STORED_FILE) buffer->name = name_of(g, token);
+    if (buffer->storage == GLTF_STORED_FILE) buffer->name = file_name_of(g, token);
     if (buffer->storage == GLTF_STORED_FILE && !buffer->name && errno == ENOMEM)
         return norma_document_fail_memory(g->document, error);
     return buffer->storage == GLTF_STORED_FILE && !buffer->name
@@ -86,7 +86,8 @@ static norma_document_result read_meshopt(gltf *g, gltf_view *view, norma_docume
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_view(gltf *g, gltf_view *view, norma_document_error *error) {
+static norma_document_result read_view_object(
+    gltf *g, gltf_view *view, norma_document_error *error) {
     size_t missing = SIZE_MAX;
     view->buffer = GLTF_NONE;
     view->length = missing;
@@ -149,7 +150,7 @@ norma_document_result norma_gltf_read_buffers(gltf *g, norma_document_error *err
     for (uint32_t item = norma_json_first(&g->json, views); item != JSON_NONE;
          item = norma_json_next(&g->json, views, item), ++number) {
         g->views[number].token = item;
-        result = read_view(g, &g->views[number], error);
+        result = read_view_object(g, &g->views[number], error);
         if (result) return result;
     }
     note_overruns(g);
@@ -170,7 +171,8 @@ static int take_given(const gltf *g, gltf_buffer *buffer) {
     return 1;
 }
 
-static norma_document_result load_file(gltf *g, gltf_buffer *buffer, norma_document_error *error) {
+static norma_document_result load_buffer_file(
+    gltf *g, gltf_buffer *buffer, norma_document_error *error) {
     if (take_given(g, buffer)) return NORMA_DOCUMENT_OK;
     char place[200], *path = NULL;
     norma_gltf_pointer(g, buffer->token, place, sizeof place);
@@ -202,7 +204,8 @@ static norma_document_result load_file(gltf *g, gltf_buffer *buffer, norma_docum
         buffer->length);
 }
 
-static norma_document_result load_data(gltf *g, gltf_buffer *buffer, norma_document_error *error) {
+static norma_document_result load_buffer_data(
+    gltf *g, gltf_buffer *buffer, norma_document_error *error) {
     uint32_t token = norma_json_member(&g->json, buffer->token, "uri");
     json_span uri;
     if (!norma_json_span(&g->json, token, &uri))
@@ -235,10 +238,10 @@ norma_document_result norma_gltf_load_buffer(
         buffer->bytes = g->bin;
         break;
     case GLTF_STORED_FILE:
-        result = load_file(g, buffer, error);
+        result = load_buffer_file(g, buffer, error);
         break;
     case GLTF_STORED_DATA:
-        result = load_data(g, buffer, error);
+        result = load_buffer_data(g, buffer, error);
         break;
     case GLTF_STORED_NOWHERE:
         result =

@@ -1,7 +1,7 @@
 /* decoded.c: accessors as floats, decoded once. */
 #include "io/gltf/read/gltf_scene.h"
 
-static int is_plain(const gltf_array *array, uint32_t width) {
+static int is_plain_array(const gltf_array *array, uint32_t width) {
     return array->component == GLTF_FLOAT && array->stride == width * sizeof(float) &&
            (uintptr_t)array->data % sizeof(float) == 0;
 }
@@ -19,7 +19,7 @@ norma_document_result norma_gltf_decode(
             width == 2   ? "pairs of numbers"
             : width == 3 ? "vectors of three numbers"
                          : "vectors of four numbers");
-    if (is_plain(&array, width)) {
+    if (is_plain_array(&array, width)) {
         *floats = (const float *)(const void *)array.data;
         return NORMA_DOCUMENT_OK;
     }

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const char name[] = "KHR_draco_mesh_compression";
+static const char DRACO_NAME[] = "KHR_draco_mesh_compression";
 
 /* They are looked for by their names, one after the other. */
 enum { MOST_ATTRIBUTES = 1024 };
@@ -78,7 +78,7 @@ static norma_document_result claim_accessors(
     return NORMA_DOCUMENT_OK;
 }
 
-static const char *why_not_decoded(const gltf_primitive *p) {
+static const char *why_stream_not_decoded(const gltf_primitive *p) {
     if (!norma_draco_reads()) return norma_draco_missing(1);
     if (p->mode != GLTF_TRIANGLES)
         return p->mode == GLTF_STRIP
@@ -96,8 +96,8 @@ norma_document_result norma_gltf_read_draco(
     const json *j = &g->json;
     uint32_t view = GLTF_NONE;
     p->draco = (gltf_draco){
-        norma_json_member(j, norma_json_member(j, p->token, "extensions"), name), GLTF_NONE};
-    if (p->draco.token == GLTF_NONE || *why || (*why = why_not_decoded(p)))
+        norma_json_member(j, norma_json_member(j, p->token, "extensions"), DRACO_NAME), GLTF_NONE};
+    if (p->draco.token == GLTF_NONE || *why || (*why = why_stream_not_decoded(p)))
         return NORMA_DOCUMENT_OK;
     if (!norma_gltf_index_member(g, p->draco.token, "bufferView", g->view_count, &view) ||
         view == GLTF_NONE || !norma_json_is(j, attribute_list(g, p), JSON_OBJECT) ||
@@ -126,7 +126,7 @@ typedef struct unpacking {
 } unpacking;
 
 /* Those that this primitive's stream is to fill, the indices first. */
-static int gather(const gltf *g, uint32_t number, unpacking *u) {
+static int gather_streams(const gltf *g, uint32_t number, unpacking *u) {
     const gltf_primitive *p = &g->primitives[number];
     u->values = norma_io_allocate((size_t)p->base.count + 1, sizeof *u->values);
     u->accessors = norma_io_allocate((size_t)p->base.count + 1, sizeof *u->accessors);
@@ -157,7 +157,7 @@ static int is_matrix(const gltf *g, const gltf_accessor *a) {
  * meshes have far fewer. Attributes that nobody asks for are passed over, within measure. */
 enum { FACES_A_BYTE = 8, BYTES_A_BYTE = 64, FREE_FACES = 1 << 12, FREE_BYTES = 1 << 16 };
 
-static norma_document_result measure(
+static norma_document_result measure_stream(
     const gltf *g, const gltf_primitive *p, unpacking *u, norma_document_error *error) {
     const size_t size = u->stream.size;
     size_t sum = 0;
@@ -201,10 +201,10 @@ static norma_document_result declare(
         result = measure_fallback(g, a, error);
         if (!result) result = norma_gltf_spend(g, a->token, a->count, a->element_size, error);
     }
-    return result ? result : measure(g, p, u, error);
+    return result ? result : measure_stream(g, p, u, error);
 }
 
-static norma_document_result allocate(gltf *g, unpacking *u, norma_document_error *error) {
+static norma_document_result allocate_stream(gltf *g, unpacking *u, norma_document_error *error) {
     for (size_t i = 0; i < u->count; ++i) {
         const gltf_accessor *a = &g->accessors[u->accessors[i]];
         u->values[i].out = norma_io_allocate(a->count, a->element_size);
@@ -277,9 +277,10 @@ norma_document_result norma_gltf_decode_draco(
     size_t found = 0;
     norma_document_result result = norma_gltf_view_bytes(g, p->draco.view, &u.stream.bytes, error);
     u.stream.size = g->views[p->draco.view].length;
-    if (!result && !gather(g, number, &u)) result = norma_document_fail_memory(g->document, error);
+    if (!result && !gather_streams(g, number, &u))
+        result = norma_document_fail_memory(g->document, error);
     if (!result) result = declare(g, p, &u, error);
-    if (!result) result = allocate(g, &u, error);
+    if (!result) result = allocate_stream(g, &u, error);
     if (!result) {
         const size_t skipped = g->accessors[u.accessors[0]].draco_id == INDICES;
         u.stream.indices = skipped ? u.values : NULL;

@@ -27,7 +27,7 @@ typedef struct mover {
     int turned; /* the x axis is reversed: most vertices lie in matrices that mirror */
 } mover;
 
-static norma_document_result out_of_memory(const gltf *g, norma_document_error *error) {
+static norma_document_result fail_drawn(const gltf *g, norma_document_error *error) {
     return norma_document_fail_memory(g->document, error);
 }
 
@@ -95,7 +95,7 @@ static norma_document_result read_moves(gltf *g, uint32_t accessor, size_t most,
     return norma_gltf_decode(g, accessor, 3, moves, error);
 }
 
-static norma_document_result add_target(
+static norma_document_result add_weighted_target(
     mover *m, const gltf_attributes *target, double weight, norma_document_error *error) {
     const float *moves = NULL;
     size_t count;
@@ -121,7 +121,8 @@ static norma_document_result add_targets(mover *m, norma_document_error *error) 
          item = norma_json_next(j, list, item), ++target) {
         double weight;
         if (norma_json_number(j, item, &weight) && weight != 0 && isfinite(weight))
-            result = add_target(m, &m->g->targets[m->p->first_target + target], weight, error);
+            result =
+                add_weighted_target(m, &m->g->targets[m->p->first_target + target], weight, error);
     }
     return result;
 }
@@ -181,12 +182,12 @@ static norma_document_result make_joints(gltf *g, uint32_t skin, uint32_t list, 
     if (!result) result = norma_gltf_spend(g, skin, count, 16 * sizeof **made, error);
     if (result) return result;
     *made = norma_scene_allocate(g->document->scene, count, 16 * sizeof **made);
-    if (!*made) return out_of_memory(g, error);
+    if (!*made) return fail_drawn(g, error);
     return fill_joints(g, list, there ? &inverse : NULL, *made, error);
 }
 
 /* A skin's matrices are the same for every node that it moves: they are made once. */
-static norma_document_result read_joints(mover *m, norma_document_error *error) {
+static norma_document_result read_drawn_joints(mover *m, norma_document_error *error) {
     gltf *g = m->g;
     gltf_scene *scene = norma_gltf_scene_of(g);
     uint32_t skin;
@@ -197,7 +198,7 @@ static norma_document_result read_joints(mover *m, norma_document_error *error) 
         norma_json_is(&g->json, list, JSON_ARRAY) ? norma_json_size(&g->json, list) : 0;
     if (!scene->joints && !(scene->joints = norma_scene_allocate(
                                 g->document->scene, g->skin_count, sizeof *scene->joints)))
-        return out_of_memory(g, error);
+        return fail_drawn(g, error);
     if (!scene->joints[m->node->skin]) {
         double *made = NULL;
         result = make_joints(g, skin, list, m->joint_count, &made, error);
@@ -238,8 +239,8 @@ static norma_document_result read_influences(
 
 /* The mean of the matrices of a vertex's joints by their weights, whose sum need not be 1; without
  * weights, its first joint's. */
-static norma_document_result blend(const mover *m, const influences *sets, int count, size_t vertex,
-    double matrix[16], norma_document_error *error) {
+static norma_document_result blend_joints(const mover *m, const influences *sets, int count,
+    size_t vertex, double matrix[16], norma_document_error *error) {
     double sum = 0;
     uint32_t first = 0;
     memset(matrix, 0, 16 * sizeof *matrix);
@@ -309,7 +310,7 @@ static int move_vertex(mover *m, size_t vertex, const double matrix[16]) {
 
 /* Faces whose joints mirror face the other way: the mesh is reversed along x, and placed by a
  * matrix that mirrors, as under a node that does. */
-static void turn(mover *m) {
+static void turn_vertex(mover *m) {
     m->turned = 1;
     for (size_t i = 0; i < m->count; ++i) m->positions[3 * i] *= -1;
     for (size_t i = 0; i < m->normal_count; ++i) m->normals[3 * i] *= -1;
@@ -323,14 +324,14 @@ static norma_document_result apply_skin(mover *m, norma_document_error *error) {
     influences sets[MOST_SETS];
     int count = 0;
     size_t mirrored = 0;
-    norma_document_result result = read_joints(m, error);
+    norma_document_result result = read_drawn_joints(m, error);
     if (!result) result = read_influences(m, sets, &count, error);
     for (size_t i = 0; i < m->count && !result; ++i) {
         double matrix[16];
-        result = blend(m, sets, count, i, matrix, error);
+        result = blend_joints(m, sets, count, i, matrix, error);
         if (!result) mirrored += (size_t)move_vertex(m, i, matrix);
     }
-    if (!result && mirrored > m->count / 2) turn(m);
+    if (!result && mirrored > m->count / 2) turn_vertex(m);
     return result;
 }
 
@@ -344,7 +345,7 @@ static norma_document_result copy_floats(gltf *g, uint32_t accessor, uint32_t wi
     if (result) return result;
     *count = g->accessors[accessor].count;
     *copy = norma_scene_allocate(g->document->scene, *count, width * sizeof **copy);
-    if (!*copy) return out_of_memory(g, error);
+    if (!*copy) return fail_drawn(g, error);
     memcpy(*copy, floats, *count * width * sizeof **copy);
     return NORMA_DOCUMENT_OK;
 }
@@ -358,7 +359,7 @@ static norma_document_result copy_vertices(mover *m, norma_document_error *error
     if (!result) result = norma_gltf_array(g, m->p->base.position, &array, error);
     if (result) return result;
     m->positions = norma_scene_allocate(g->document->scene, m->count, 3 * sizeof *m->positions);
-    if (!m->positions) return out_of_memory(g, error);
+    if (!m->positions) return fail_drawn(g, error);
     for (size_t i = 0; i < m->count; ++i) {
         float p[3];
         norma_gltf_floats(&array, i, p);
@@ -395,14 +396,14 @@ static norma_document_result find_moved(gltf *g, size_t index, size_t mesh, int 
     gltf_scene *scene = norma_gltf_scene_of(g);
     if (!scene->moved && !(scene->moved = norma_scene_allocate(
                                g->document->scene, g->drawing_count, sizeof(gltf_moved *))))
-        return out_of_memory(g, error);
+        return fail_drawn(g, error);
     gltf_moved *found = scene->moved[index];
     while (found && found->mesh != mesh) found = found->next;
     if (!found) {
         found = norma_scene_allocate(g->document->scene, 1, sizeof *found);
         norma_document_result result =
             found ? make_moved(g, g->drawing[index], mesh, skinned, found, error)
-                  : out_of_memory(g, error);
+                  : fail_drawn(g, error);
         if (result) return result;
         found->next = scene->moved[index];
         scene->moved[index] = found;
@@ -419,7 +420,7 @@ static norma_document_result find_moved(gltf *g, size_t index, size_t mesh, int 
 /* ---- a mesh at a place */
 
 /* Positions that are normalised integers are given as the integers that they are. */
-static double unit_of(const gltf *g, const gltf_primitive *p) {
+static double unit_or_self(const gltf *g, const gltf_primitive *p) {
     const gltf_accessor *a = &g->accessors[p->base.position];
     if (!a->normalized) return 1;
     return a->component == GLTF_BYTE     ? 1.0 / 127
@@ -436,13 +437,13 @@ norma_document_result norma_gltf_move_drawn(norma_document *document, size_t nod
     const gltf_primitive *p = &g->primitives[mesh];
     gltf_scene *scene = norma_gltf_scene_of(g);
     const uint8_t *shown = scene ? nodes_shown(g, scene) : NULL;
-    if (!shown) return out_of_memory(g, error);
+    if (!shown) return fail_drawn(g, error);
     if (p->mesh != at->mesh)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, p->where,
             "node %zu does not draw this mesh", node);
     const int skinned = has_skin(g, at, p);
     drawn->shown = shown[g->drawing[node]] == 1;
     if (skinned || has_weights(g, at, p)) return find_moved(g, node, mesh, skinned, drawn, error);
-    for (int i = 0; i < 12; ++i) drawn->world[i] *= unit_of(g, p);
+    for (int i = 0; i < 12; ++i) drawn->world[i] *= unit_or_self(g, p);
     return NORMA_DOCUMENT_OK;
 }

@@ -28,7 +28,7 @@ const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor) {
 
 /* A set of UVs that is there and is one; what is not, this library has no use for, and others will
  * say. */
-static norma_document_result read_texcoords(gltf *g, const gltf_primitive *p, size_t set,
+static norma_document_result read_vertex_texcoords(gltf *g, const gltf_primitive *p, size_t set,
     norma_mesh_attributes *attributes, norma_document_error *error) {
     char name[40];
     snprintf(name, sizeof name, "TEXCOORD_%zu", set);
@@ -45,7 +45,8 @@ static norma_document_result texcoords(norma_document *document, size_t mesh, si
     const float **coordinates, size_t *count, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_mesh_attributes found = {0};
-    norma_document_result result = read_texcoords(g, &g->primitives[mesh], set, &found, error);
+    norma_document_result result =
+        read_vertex_texcoords(g, &g->primitives[mesh], set, &found, error);
     *coordinates = found.texcoords;
     *count = found.texcoord_count;
     return result;
@@ -74,7 +75,7 @@ static norma_document_result widen_colors(
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_colors(gltf *g, const gltf_primitive *p,
+static norma_document_result read_vertex_colors(gltf *g, const gltf_primitive *p,
     norma_mesh_attributes *attributes, norma_document_error *error) {
     uint32_t found = norma_gltf_find(g, &p->base, "COLOR_0"),
              accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
@@ -95,7 +96,7 @@ static norma_document_result read_tangents(gltf *g, const gltf_primitive *p,
     return norma_gltf_decode(g, p->base.tangent, 4, &attributes->tangents, error);
 }
 
-static void count_normals(
+static void count_stored_normals(
     const gltf *g, const gltf_primitive *p, norma_mesh_attributes *attributes) {
     size_t count = p->base.normal == GLTF_NONE ? p->vertices : g->accessors[p->base.normal].count;
     attributes->normals_missing = count < p->vertices ? p->vertices - count : 0;
@@ -111,7 +112,7 @@ static const char *ignored_by_primitive(gltf *g, const gltf_primitive *p) {
     return norma_gltf_ignored_with(g, scene->mesh_ignore[p->mesh], p->token);
 }
 
-static norma_document_result read_attributes(norma_document *document, size_t index,
+static norma_document_result read_vertex_attributes(norma_document *document, size_t index,
     norma_mesh_attributes *attributes, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     const gltf_primitive *p = &g->primitives[index];
@@ -122,11 +123,11 @@ static norma_document_result read_attributes(norma_document *document, size_t in
         if (material->normal_map) set = material->normal_texcoord;
         memcpy(attributes->texcoord_turn, material->normal_turn, sizeof material->normal_turn);
     }
-    count_normals(g, p, attributes);
+    count_stored_normals(g, p, attributes);
     attributes->ignore = ignored_by_primitive(g, p);
     if (!attributes->ignore) return norma_document_fail_memory(document, error);
-    norma_document_result result = read_texcoords(g, p, set, attributes, error);
-    if (!result) result = read_colors(g, p, attributes, error);
+    norma_document_result result = read_vertex_texcoords(g, p, set, attributes, error);
+    if (!result) result = read_vertex_colors(g, p, attributes, error);
     return result ? result : read_tangents(g, p, attributes, error);
 }
 
@@ -291,8 +292,8 @@ norma_document_result norma_gltf_describe_node(
     return result;
 }
 
-static norma_document_result instance_world(norma_document *document, size_t index, size_t instance,
-    double world[16], norma_document_error *error) {
+static norma_document_result gltf_instance_world(norma_document *document, size_t index,
+    size_t instance, double world[16], norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     uint32_t node = g->drawing[index];
     gltf_instances instances;
@@ -344,7 +345,8 @@ static int add_tail(gltf *g, norma_unread *unread, size_t *count) {
     return 1;
 }
 
-static norma_document_result read_unread(norma_document *document, norma_document_error *error) {
+static norma_document_result read_unread_part(
+    norma_document *document, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     uint32_t list = norma_json_member(&g->json, 0, "extensionsRequired"), number = 0;
@@ -373,12 +375,12 @@ static norma_document_result read_unread(norma_document *document, norma_documen
 
 const scene_functions norma_gltf_scene = {
     .materials = norma_gltf_materials,
-    .attributes = read_attributes,
+    .attributes = read_vertex_attributes,
     .morph = read_morph,
     .skin_count = norma_gltf_skin_count,
     .skin = norma_gltf_skin,
-    .unread = read_unread,
-    .instance_world = instance_world,
+    .unread = read_unread_part,
+    .instance_world = gltf_instance_world,
     .move_drawn = norma_gltf_move_drawn,
     .material_maps = norma_gltf_material_maps,
     .normal_map = norma_gltf_normal_texture,

@@ -37,7 +37,7 @@ enum {
 }; /* bytes of a list: some hundred ids; a file that wants more means all */
 
 /* 0: the list is full, or memory is out. */
-static int add_rule(const gltf *g, uint32_t token, json_text *list) {
+static int add_ignored_rule(const gltf *g, uint32_t token, json_text *list) {
     char *rule = norma_json_string(&g->json, token);
     size_t length = rule ? strlen(rule) : 0;
     int fits = rule && length < MOST_IGNORED && list->size + length + 1 < MOST_IGNORED;
@@ -54,11 +54,11 @@ const char *norma_gltf_ignore(gltf *g, uint32_t token) {
         j, norma_json_member(j, norma_json_member(j, token, "extras"), "norma"), "ignore");
     json_text list = {0};
     if (norma_json_is(j, ignore, JSON_STRING))
-        add_rule(g, ignore, &list);
+        add_ignored_rule(g, ignore, &list);
     else if (norma_json_is(j, ignore, JSON_ARRAY))
         for (uint32_t item = norma_json_first(j, ignore); item != JSON_NONE;
              item = norma_json_next(j, ignore, item))
-            if (norma_json_is(j, item, JSON_STRING) && !add_rule(g, item, &list)) break;
+            if (norma_json_is(j, item, JSON_STRING) && !add_ignored_rule(g, item, &list)) break;
     if (!list.size && !list.failed) return "";
     norma_json_add(&list, "", 1);
     const char *kept = list.failed ? NULL : norma_scene_text(g->document->scene, list.data);

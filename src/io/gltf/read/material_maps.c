@@ -30,7 +30,7 @@ static int keep_bytes(gltf *g, gltf_image *image, const unsigned char *bytes, si
     return 1;
 }
 
-static int load_data(gltf *g, gltf_image *image, const char *uri) {
+static int load_image_data(gltf *g, gltf_image *image, const char *uri) {
     size_t size = 0;
     errno = 0;
     unsigned char *bytes =
@@ -56,7 +56,7 @@ static int share_file(gltf *g, gltf_image *image, const struct stat *status) {
     return 0;
 }
 
-static int load_file(gltf *g, gltf_image *image, const char *uri) {
+static int load_image_file(gltf *g, gltf_image *image, const char *uri) {
     file_bytes file;
     struct stat status;
     errno = 0;
@@ -97,8 +97,8 @@ static int load_image(gltf *g, gltf_image *image, uint32_t token) {
     if (!norma_json_is(&g->json, uri, JSON_STRING)) return fail_image(image, "it names no image");
     char *text = norma_json_string(&g->json, uri);
     if (!text) return 0;
-    const int good =
-        norma_gltf_uri_is_data(text) ? load_data(g, image, text) : load_file(g, image, text);
+    const int good = norma_gltf_uri_is_data(text) ? load_image_data(g, image, text)
+                                                  : load_image_file(g, image, text);
     free(text);
     return good;
 }
@@ -124,7 +124,7 @@ static void read_int(const gltf *g, uint32_t object, const char *key, int *value
         *value = (int)number;
 }
 
-static void read_sampler(const gltf *g, uint32_t texture, norma_texture_info *info) {
+static void read_texture_sampler(const gltf *g, uint32_t texture, norma_texture_info *info) {
     const uint32_t sampler =
         element(g, "samplers", norma_json_member(&g->json, texture, "sampler"));
     read_int(g, sampler, "wrapS", &info->wrap_s);
@@ -171,7 +171,7 @@ static int read_texture(gltf *g, uint32_t use, norma_texture_info *info) {
     double number;
     if (strength != JSON_NONE && norma_json_number(j, strength, &number))
         info->strength = (float)number;
-    read_sampler(g, texture, info);
+    read_texture_sampler(g, texture, info);
     return read_image(g, texture, info);
 }
 

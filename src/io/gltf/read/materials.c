@@ -5,7 +5,7 @@
 #include "io/gltf/read/sine.h"
 #include <string.h>
 
-static void read_floats(const gltf *g, uint32_t list, size_t count, float *out) {
+static void read_material_floats(const gltf *g, uint32_t list, size_t count, float *out) {
     const json *j = &g->json;
     size_t i = 0;
     double number;
@@ -26,11 +26,11 @@ static void read_color(
     uint32_t metallic = norma_json_member(j, material, "pbrMetallicRoughness");
     uint32_t glossy = norma_json_member(j, extensions, "KHR_materials_pbrSpecularGlossiness");
     float glossiness = 1;
-    read_floats(g, norma_json_member(j, metallic, "baseColorFactor"), 4, info->base_color);
+    read_material_floats(g, norma_json_member(j, metallic, "baseColorFactor"), 4, info->base_color);
     read_float(g, norma_json_member(j, metallic, "metallicFactor"), &info->metallic);
     read_float(g, norma_json_member(j, metallic, "roughnessFactor"), &info->roughness);
     if (glossy == JSON_NONE) return;
-    read_floats(g, norma_json_member(j, glossy, "diffuseFactor"), 4, info->base_color);
+    read_material_floats(g, norma_json_member(j, glossy, "diffuseFactor"), 4, info->base_color);
     read_float(g, norma_json_member(j, glossy, "glossinessFactor"), &glossiness);
     info->metallic = 0;
     info->roughness = 1 - glossiness;
@@ -53,7 +53,7 @@ static int lets_light_through(const gltf *g, uint32_t material, uint32_t extensi
 }
 
 /* Of a texture's info; KHR_texture_transform may name another set. */
-static size_t texcoord_of(const gltf *g, uint32_t texture) {
+static size_t map_texcoord_of(const gltf *g, uint32_t texture) {
     const json *j = &g->json;
     uint32_t transform =
         norma_json_member(j, norma_json_member(j, texture, "extensions"), "KHR_texture_transform");
@@ -88,11 +88,11 @@ norma_texture_info norma_gltf_texture_place(const gltf *g, uint32_t texture) {
         .image = SIZE_MAX,
         .there = norma_json_is(j, texture, JSON_OBJECT)};
     if (!place.there) return place;
-    place.texcoord = texcoord_of(g, texture);
+    place.texcoord = map_texcoord_of(g, texture);
     const uint32_t transform =
         norma_json_member(j, norma_json_member(j, texture, "extensions"), "KHR_texture_transform");
-    read_floats(g, norma_json_member(j, transform, "offset"), 2, place.offset);
-    read_floats(g, norma_json_member(j, transform, "scale"), 2, place.scale);
+    read_material_floats(g, norma_json_member(j, transform, "offset"), 2, place.offset);
+    read_material_floats(g, norma_json_member(j, transform, "scale"), 2, place.scale);
     read_float(g, norma_json_member(j, transform, "rotation"), &place.rotation);
     return place;
 }
@@ -137,7 +137,7 @@ static int is_unlit(const gltf *g, uint32_t extensions, uint32_t avatar) {
 }
 
 /* avatar: what VRM says of it, or JSON_NONE. */
-static int read_material(
+static int read_gltf_material(
     gltf *g, uint32_t token, uint32_t avatar, size_t number, norma_material_info *info) {
     const json *j = &g->json;
     uint32_t extensions = norma_json_member(j, token, "extensions");
@@ -168,7 +168,7 @@ norma_document_result norma_gltf_materials(norma_document *document, norma_docum
                           : JSON_NONE;
     for (uint32_t item = norma_json_first(&g->json, list); number < count;
          item = norma_json_next(&g->json, list, item), ++number) {
-        if (!read_material(g, item, avatar, number, &materials[number]))
+        if (!read_gltf_material(g, item, avatar, number, &materials[number]))
             return norma_document_fail_memory(document, error);
         avatar = avatar == JSON_NONE ? JSON_NONE : norma_json_next(&g->json, avatars, avatar);
     }

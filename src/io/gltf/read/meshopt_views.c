@@ -69,7 +69,7 @@ static void decode_octahedral(const gltf_meshopt *m, unsigned char *out) {
     }
 }
 
-static int decode(const gltf_meshopt *m, const unsigned char *bytes, unsigned char *out) {
+static int decode_view(const gltf_meshopt *m, const unsigned char *bytes, unsigned char *out) {
     int failed;
     switch (m->mode) {
     case GLTF_MODE_ATTRIBUTES:
@@ -118,7 +118,7 @@ norma_document_result norma_gltf_decode_meshopt(
         return norma_gltf_malformed(g, error, m->token, "a byteLength of count times byteStride");
     unsigned char *out = norma_io_allocate(view->length, 1);
     if (!out) return norma_document_fail_memory(g->document, error);
-    if (!decode(m, g->buffers[m->buffer].bytes + m->offset, out)) {
+    if (!decode_view(m, g->buffers[m->buffer].bytes + m->offset, out)) {
         free(out);
         return norma_gltf_malformed(
             g, error, m->token, "bytes that meshoptimizer's decoder accepts");
@@ -136,7 +136,7 @@ static size_t encode_rows(const gltf_meshopt *m, const void *rows, unsigned char
 }
 
 /* The extension has version 1 of the codec for indices, which is not the library's default. */
-static size_t encode_indices(
+static size_t encode_index_view(
     const gltf_meshopt *m, const unsigned char *bytes, unsigned char **out) {
     uint32_t *wide = norma_io_allocate(m->count, sizeof *wide), most = 0;
     for (size_t i = 0; wide && i < m->count; ++i) {
@@ -196,7 +196,7 @@ static int gives_back(
     const gltf_meshopt *m, const unsigned char *packed, const unsigned char *bytes) {
     const size_t size = m->count * m->stride;
     unsigned char *again = norma_io_allocate(size, 1);
-    const int same = again ? decode(m, packed, again) && memcmp(again, bytes, size) == 0 : -1;
+    const int same = again ? decode_view(m, packed, again) && memcmp(again, bytes, size) == 0 : -1;
     free(again);
     return same;
 }
@@ -207,7 +207,7 @@ unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *b
               filtered = rows && (m->filter == GLTF_FILTER_OCTAHEDRAL ||
                                      m->filter == GLTF_FILTER_EXPONENTIAL);
     if (filtered || m->mode == GLTF_MODE_TRIANGLES) {
-        m->length = filtered ? encode_filtered(m, bytes, &out) : encode_indices(m, bytes, &out);
+        m->length = filtered ? encode_filtered(m, bytes, &out) : encode_index_view(m, bytes, &out);
         const int same = m->length ? gives_back(m, out, bytes) : -1;
         if (same > 0) return out;
         free(out);
@@ -216,7 +216,7 @@ unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *b
     }
     m->mode = rows ? GLTF_MODE_ATTRIBUTES : GLTF_MODE_INDICES;
     m->filter = GLTF_FILTER_NONE;
-    m->length = rows ? encode_rows(m, bytes, &out) : encode_indices(m, bytes, &out);
+    m->length = rows ? encode_rows(m, bytes, &out) : encode_index_view(m, bytes, &out);
     if (m->length) return out;
     free(out);
     return NULL;

@@ -42,11 +42,11 @@ void norma_gltf_matrix_compose(const gltf_trs *trs, double m[16]) {
     m[15] = 1;
 }
 
-static double dot(const double a[3], const double b[3]) {
+static double matrix_dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void cross(const double a[3], const double b[3], double c[3]) {
+static void matrix_cross(const double a[3], const double b[3], double c[3]) {
     c[0] = a[1] * b[2] - a[2] * b[1];
     c[1] = a[2] * b[0] - a[0] * b[2];
     c[2] = a[0] * b[1] - a[1] * b[0];
@@ -69,10 +69,10 @@ static int scaled_columns(const double m[16], double columns[9]) {
 int norma_gltf_matrix_invert(const double m[16], double inverse[16]) {
     double c[9], cofactor[9];
     const int exponent = scaled_columns(m, c);
-    cross(c + 3, c + 6, cofactor);
-    cross(c + 6, c, cofactor + 3);
-    cross(c, c + 3, cofactor + 6);
-    const double determinant = dot(c, cofactor);
+    matrix_cross(c + 3, c + 6, cofactor);
+    matrix_cross(c + 6, c, cofactor + 3);
+    matrix_cross(c, c + 3, cofactor + 6);
+    const double determinant = matrix_dot(c, cofactor);
     if (determinant == 0) return 0;
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 3; column++)
@@ -100,11 +100,11 @@ void norma_gltf_complete_basis(double columns[9], int count) {
             if (fabs(a[i]) < fabs(a[axis])) axis = i;
         double e[3] = {0, 0, 0};
         e[axis] = 1;
-        cross(a, e, columns + 3);
-        const double length = sqrt(dot(columns + 3, columns + 3));
+        matrix_cross(a, e, columns + 3);
+        const double length = sqrt(matrix_dot(columns + 3, columns + 3));
         for (int i = 3; i < 6; i++) columns[i] /= length;
     }
-    if (count < 3) cross(columns, columns + 3, columns + 6);
+    if (count < 3) matrix_cross(columns, columns + 3, columns + 6);
 }
 
 /* Unit columns in place, their lengths into lengths; what is zero is filled with what completes the
@@ -112,7 +112,7 @@ void norma_gltf_complete_basis(double columns[9], int count) {
 static void normalise_columns(double columns[9], double lengths[3]) {
     int order[3] = {0, 1, 2}, whole = 0;
     for (int i = 0; i < 3; i++) {
-        lengths[i] = sqrt(dot(columns + 3 * i, columns + 3 * i));
+        lengths[i] = sqrt(matrix_dot(columns + 3 * i, columns + 3 * i));
         if (lengths[i] > 0) order[whole++] = i;
     }
     int at = whole;
@@ -143,7 +143,7 @@ static void quaternion_of(const double r[9], double q[4]) {
             q[i] = (r[3 * i + largest] + r[3 * largest + i]) * quarter;
     }
     if (largest != 3) q[3] = skew[largest] * quarter;
-    double length = sqrt(dot(q, q) + q[3] * q[3]);
+    double length = sqrt(matrix_dot(q, q) + q[3] * q[3]);
     if (q[3] < 0) length = -length;
     for (int i = 0; i < 4; i++) q[i] = q[i] / length + 0.0; /* no negative zeros in files */
 }
@@ -153,8 +153,8 @@ static void quaternion_of(const double r[9], double q[4]) {
 static void rotation_and_scale(
     double columns[9], const double lengths[3], int exponent, gltf_trs *trs) {
     double normal[3];
-    cross(columns, columns + 3, normal);
-    const int mirrored = dot(normal, columns + 6) < 0;
+    matrix_cross(columns, columns + 3, normal);
+    const int mirrored = matrix_dot(normal, columns + 6) < 0;
     int flip = 0;
     for (int i = 0; i < 3; i++) {
         trs->scale[i] = ldexp(lengths[i], exponent);
@@ -172,8 +172,8 @@ double norma_gltf_matrix_decompose(const double m[16], gltf_trs *trs) {
     const int exponent = scaled_columns(m, columns);
     for (int i = 0; i < 3; i++) {
         const double *a = columns + 3 * i, *b = columns + 3 * ((i + 1) % 3);
-        const double product = sqrt(dot(a, a)) * sqrt(dot(b, b));
-        if (product > 0) worst = fmax(worst, fabs(dot(a, b)) / product);
+        const double product = sqrt(matrix_dot(a, a)) * sqrt(matrix_dot(b, b));
+        if (product > 0) worst = fmax(worst, fabs(matrix_dot(a, b)) / product);
     }
     memcpy(trs->translation, m + 12, sizeof trs->translation);
     if (worst < 1e-3) {
@@ -185,9 +185,9 @@ double norma_gltf_matrix_decompose(const double m[16], gltf_trs *trs) {
 
 /* Rotates columns p and q of a, and of v with them, so that those of a become perpendicular.
  * Returns whether they were not. */
-static int rotate_pair(double a[9], double v[9], int p, int q) {
+static int rotate_column_pair(double a[9], double v[9], int p, int q) {
     double *x = a + 3 * p, *y = a + 3 * q;
-    const double xx = dot(x, x), yy = dot(y, y), xy = dot(x, y);
+    const double xx = matrix_dot(x, x), yy = matrix_dot(y, y), xy = matrix_dot(x, y);
     if (fabs(xy) <= 1e-16 * sqrt(xx) * sqrt(yy)) return 0;
     const double zeta = (yy - xx) / (2 * xy);
     const double t = (zeta < 0 ? -1 : 1) / (fabs(zeta) + sqrt(1 + zeta * zeta)),
@@ -206,9 +206,9 @@ void norma_gltf_matrix_split(const double m[16], gltf_trs *outer, gltf_trs *inne
     double a[9], lengths[3], v[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     const int exponent = scaled_columns(m, a);
     for (int sweep = 0, turned = 1; turned && sweep < 60; sweep++) { /* converges in about six */
-        turned = rotate_pair(a, v, 0, 1);
-        turned |= rotate_pair(a, v, 0, 2); /* in this order, which no compiler may change */
-        turned |= rotate_pair(a, v, 1, 2);
+        turned = rotate_column_pair(a, v, 0, 1);
+        turned |= rotate_column_pair(a, v, 0, 2); /* in this order, which no compiler may change */
+        turned |= rotate_column_pair(a, v, 1, 2);
     }
     normalise_columns(a, lengths);
     memcpy(outer->translation, m + 12, sizeof outer->translation);

@@ -15,7 +15,7 @@ void norma_gltf_multiply(const double a[16], const double b[16], double out[16])
 
 /* Reads up to count numbers of a member; *there tells whether it is there. 0: of another type or
  * length. */
-static int read_numbers(
+static int read_node_numbers(
     const gltf *g, uint32_t object, const char *key, uint32_t count, double *out, int *there) {
     const json *j = &g->json;
     uint32_t list = norma_json_member(j, object, key), i = 0;
@@ -28,7 +28,7 @@ static int read_numbers(
     return 1;
 }
 
-static void compose(const double t[3], const double q[4], const double s[3], double out[16]) {
+static void compose_local(const double t[3], const double q[4], const double s[3], double out[16]) {
     const double x = q[0], y = q[1], z = q[2], w = q[3];
     const double rotation[9] = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w),
         2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 2 * (x * z + y * w),
@@ -45,15 +45,15 @@ static norma_document_result read_local(
     const gltf *g, gltf_node *node, norma_document_error *error) {
     double t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
     int there;
-    if (!read_numbers(g, node->token, "matrix", 16, node->local, &node->has_matrix))
+    if (!read_node_numbers(g, node->token, "matrix", 16, node->local, &node->has_matrix))
         return norma_gltf_malformed(g, error, node->token, "16 numbers in \"matrix\"");
     if (node->has_matrix) return NORMA_DOCUMENT_OK;
-    if (!read_numbers(g, node->token, "translation", 3, t, &there) ||
-        !read_numbers(g, node->token, "rotation", 4, q, &there) ||
-        !read_numbers(g, node->token, "scale", 3, s, &there))
+    if (!read_node_numbers(g, node->token, "translation", 3, t, &there) ||
+        !read_node_numbers(g, node->token, "rotation", 4, q, &there) ||
+        !read_node_numbers(g, node->token, "scale", 3, s, &there))
         return norma_gltf_malformed(
             g, error, node->token, "3 numbers in \"translation\" and \"scale\", 4 in \"rotation\"");
-    compose(t, q, s, node->local);
+    compose_local(t, q, s, node->local);
     return NORMA_DOCUMENT_OK;
 }
 
@@ -132,7 +132,7 @@ static norma_document_result place_nodes(
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_all(gltf *g, uint32_t list, norma_document_error *error) {
+static norma_document_result read_all_nodes(gltf *g, uint32_t list, norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     uint32_t number = 0;
     for (uint32_t item = norma_json_first(&g->json, list); !result && item != JSON_NONE;
@@ -162,7 +162,7 @@ norma_document_result norma_gltf_read_nodes(gltf *g, norma_document_error *error
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!g->nodes || !g->drawing || !path || !done)
         result = norma_document_fail_memory(g->document, error);
-    if (!result) result = read_all(g, list, error);
+    if (!result) result = read_all_nodes(g, list, error);
     if (!result) result = place_nodes(g, path, done, error);
     for (uint32_t i = 0; !result && i < g->node_count; ++i) {
         if (g->nodes[i].mesh == GLTF_NONE) continue;

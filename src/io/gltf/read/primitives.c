@@ -12,7 +12,7 @@ typedef struct counts {
     uint32_t primitives, targets, attributes;
 } counts;
 
-static char *name_of(const gltf *g, uint32_t token) {
+static char *mesh_name_of(const gltf *g, uint32_t token) {
     uint32_t name = norma_json_member(&g->json, token, "name");
     return norma_json_is(&g->json, name, JSON_STRING) ? norma_json_string(&g->json, name)
                                                       : norma_io_allocate(1, 1);
@@ -64,7 +64,7 @@ static norma_document_result count_all(
 /* They are looked for by their names, one after the other. */
 enum { MOST_ATTRIBUTES = 1024 };
 
-static norma_document_result read_attributes(
+static norma_document_result read_primitive_attributes(
     gltf *g, uint32_t token, gltf_attributes *set, norma_document_error *error) {
     const json *j = &g->json;
     if (norma_json_size(j, token) > MOST_ATTRIBUTES) {
@@ -166,7 +166,7 @@ static const char *why_without_bytes(const gltf *g, const gltf_primitive *p) {
                                            : NULL;
 }
 
-static void count_faces(const gltf *g, gltf_primitive *p) {
+static void count_primitive_faces(const gltf *g, gltf_primitive *p) {
     size_t corners = p->indices == GLTF_NONE ? p->vertices : g->accessors[p->indices].count;
     if (p->mode == GLTF_TRIANGLES)
         p->faces = corners / 3;
@@ -185,16 +185,16 @@ static norma_document_result read_primitive(
         return norma_gltf_malformed(
             g, error, p->token, "a mode that glTF has, and indices and a material that exist");
     norma_document_result result =
-        read_attributes(g, norma_json_member(j, p->token, "attributes"), &p->base, error);
+        read_primitive_attributes(g, norma_json_member(j, p->token, "attributes"), &p->base, error);
     uint32_t targets = norma_json_member(j, p->token, "targets");
     p->first_target = g->target_count;
     p->target_count = norma_json_size(j, targets);
     for (uint32_t target = norma_json_first(j, targets); !result && target != JSON_NONE;
          target = norma_json_next(j, targets, target))
-        result = read_attributes(g, target, &g->targets[g->target_count++], error);
+        result = read_primitive_attributes(g, target, &g->targets[g->target_count++], error);
     if (result) return result;
     p->vertices = p->base.position == GLTF_NONE ? 0 : g->accessors[p->base.position].count;
-    count_faces(g, p);
+    count_primitive_faces(g, p);
     p->not_read = why_not_read(g, p);
     if (!p->not_read) p->not_read = why_without_bytes(g, p);
     return norma_gltf_read_draco(g, (uint32_t)(p - g->primitives), &p->not_read, error);
@@ -238,7 +238,8 @@ static norma_document_result pad_normals(
 
 /* What computing will trust: as many elements in each attribute, positions inside their buffer,
  * indices below the number of vertices. */
-static norma_document_result check_whole(gltf *g, uint32_t number, norma_document_error *error) {
+static norma_document_result check_primitive_elements(
+    gltf *g, uint32_t number, norma_document_error *error) {
     gltf_primitive *p = &g->primitives[number];
     const uint32_t *corners;
     gltf_array elements;
@@ -255,10 +256,11 @@ static norma_document_result check_whole(gltf *g, uint32_t number, norma_documen
     return result ? result : norma_gltf_corners(g, number, &corners, error);
 }
 
-static norma_document_result read_mesh(gltf *g, uint32_t number, norma_document_error *error) {
+static norma_document_result read_mesh_object(
+    gltf *g, uint32_t number, norma_document_error *error) {
     gltf_mesh *mesh = &g->meshes[number];
     uint32_t primitives = norma_json_member(&g->json, mesh->token, "primitives");
-    mesh->name = name_of(g, mesh->token);
+    mesh->name = mesh_name_of(g, mesh->token);
     if (!mesh->name) return norma_document_fail_memory(g->document, error);
     mesh->first_primitive = g->primitive_count;
     for (uint32_t token = norma_json_first(&g->json, primitives); token != JSON_NONE;
@@ -274,11 +276,11 @@ static norma_document_result read_mesh(gltf *g, uint32_t number, norma_document_
 }
 
 /* After all of them are read: only then is it known which accessors' elements Draco holds. */
-static norma_document_result check_all(gltf *g, norma_document_error *error) {
+static norma_document_result check_primitives(gltf *g, norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t i = 0; !result && i < g->primitive_count; ++i) {
         const gltf_primitive *p = &g->primitives[i];
-        result = check_whole(g, i, error);
+        result = check_primitive_elements(g, i, error);
         if (!result && p->not_read && p->mode >= GLTF_TRIANGLES)
             norma_document_add_note(g->document, "%s of mesh \"%s\" was skipped: %s", p->where,
                 g->meshes[p->mesh].name, p->not_read);
@@ -302,15 +304,16 @@ norma_document_result norma_gltf_read_meshes(gltf *g, norma_document_error *erro
          token = norma_json_next(&g->json, meshes, token)) {
         g->meshes[number].token = token;
         ++g->mesh_count;
-        result = read_mesh(g, number++, error);
+        result = read_mesh_object(g, number++, error);
     }
-    return result || g->document->depth != NORMA_DOCUMENT_WHOLE ? result : check_all(g, error);
+    return result || g->document->depth != NORMA_DOCUMENT_WHOLE ? result
+                                                                : check_primitives(g, error);
 }
 
 /* ---- corners */
 
 /* Corners of triangle i among those of a strip or a fan (glTF 2.0, 3.7.2.1). */
-static void unroll(uint32_t mode, size_t i, size_t out[3]) {
+static void unroll_primitive(uint32_t mode, size_t i, size_t out[3]) {
     if (mode == GLTF_TRIANGLES) {
         out[0] = 3 * i;
         out[1] = 3 * i + 1;
@@ -326,7 +329,7 @@ static void unroll(uint32_t mode, size_t i, size_t out[3]) {
     }
 }
 
-static norma_document_result fail_index(const gltf *g, const gltf_primitive *p, size_t at,
+static norma_document_result fail_corner(const gltf *g, const gltf_primitive *p, size_t at,
     uint32_t index, norma_document_error *error) {
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, p->where,
         "index %zu (accessor %u) names vertex %u, but there are only %zu vertices", at,
@@ -335,7 +338,7 @@ static norma_document_result fail_index(const gltf *g, const gltf_primitive *p, 
 
 /* The first count indices; one loop for each width, since this is read for every corner of a file.
  */
-static void widen(const gltf_array *indices, size_t count, uint32_t *out) {
+static void widen_indices(const gltf_array *indices, size_t count, uint32_t *out) {
     const unsigned char *at = indices->data;
     const size_t stride = indices->stride;
     if (indices->component == GLTF_UINT && stride == sizeof *out)
@@ -351,14 +354,14 @@ static void widen(const gltf_array *indices, size_t count, uint32_t *out) {
 
 /* list: the indices in order; NULL: 0, 1, 2, ... It may be the corners themselves, of a triangle
  * list. */
-static norma_document_result fill_corners(
+static norma_document_result fill_primitive_corners(
     gltf *g, gltf_primitive *p, const uint32_t *list, norma_document_error *error) {
     for (size_t face = 0; face < p->faces; ++face) {
         size_t at[3];
-        unroll(p->mode, face, at);
+        unroll_primitive(p->mode, face, at);
         for (size_t k = 0; k < 3; ++k) {
             uint32_t index = list ? list[at[k]] : (uint32_t)at[k];
-            if (index >= p->vertices) return fail_index(g, p, at[k], index, error);
+            if (index >= p->vertices) return fail_corner(g, p, at[k], index, error);
             p->corners[3 * face + k] = index;
         }
     }
@@ -410,15 +413,15 @@ static const uint32_t *corners_in_place(
     return all_below(g, corners, 3 * p->faces, p->vertices) ? corners : NULL;
 }
 
-static norma_document_result read_corners(
+static norma_document_result read_primitive_corners(
     gltf *g, gltf_primitive *p, const gltf_array *indices, norma_document_error *error) {
     size_t count = p->mode == GLTF_TRIANGLES ? 3 * p->faces : p->faces + 2;
-    if (p->indices == GLTF_NONE || p->faces == 0) return fill_corners(g, p, NULL, error);
+    if (p->indices == GLTF_NONE || p->faces == 0) return fill_primitive_corners(g, p, NULL, error);
     uint32_t *list =
         p->mode == GLTF_TRIANGLES ? p->corners : norma_io_allocate(count, sizeof *list);
     if (!list) return norma_document_fail_memory(g->document, error);
-    widen(indices, count, list);
-    norma_document_result result = fill_corners(g, p, list, error);
+    widen_indices(indices, count, list);
+    norma_document_result result = fill_primitive_corners(g, p, list, error);
     if (list != p->corners) free(list);
     return result;
 }
@@ -446,7 +449,7 @@ norma_document_result norma_gltf_corners(
     if (p->vertices > UINT32_MAX || p->faces > SIZE_MAX / (3 * sizeof(uint32_t)) ||
         !(p->corners = norma_io_block(p->faces, 3 * sizeof(uint32_t))))
         return norma_document_fail_memory(g->document, error);
-    result = read_corners(g, p, &indices, error);
+    result = read_primitive_corners(g, p, &indices, error);
     if (result) {
         free(p->corners);
         p->corners = NULL;

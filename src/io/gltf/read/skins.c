@@ -23,13 +23,13 @@ typedef struct pose {
     double *times;
 } pose;
 
-static norma_document_result out_of_memory(const pose *p, norma_document_error *error) {
+static norma_document_result fail_skin(const pose *p, norma_document_error *error) {
     return norma_document_fail_memory(p->g->document, error);
 }
 
 /* ---- anisotropy */
 
-static void judge(pose *p, const double upper[9], uint32_t joint) {
+static void judge_joint(pose *p, const double upper[9], uint32_t joint) {
     double scaled[9], values[3], vectors[9], largest = 0, anisotropy = INFINITY;
     for (int i = 0; i < 9; ++i) largest = fmax(largest, fabs(upper[i]));
     if (largest > 0 && isfinite(largest)) {
@@ -50,7 +50,7 @@ static void judge_rest(pose *p) {
         const double *world = p->g->nodes[p->joints[i]].world;
         const double upper[9] = {world[0], world[1], world[2], world[4], world[5], world[6],
             world[8], world[9], world[10]};
-        judge(p, upper, p->joints[i]);
+        judge_joint(p, upper, p->joints[i]);
     }
 }
 
@@ -84,7 +84,7 @@ static void local_at(const pose *p, uint32_t node, double time, double upper[9])
     for (int i = 0; i < 9; ++i) upper[i] = m[4 * (i / 3) + i % 3];
 }
 
-static void multiply(const double a[9], const double b[9], double out[9]) {
+static void multiply_pose(const double a[9], const double b[9], double out[9]) {
     for (int column = 0; column < 3; ++column)
         for (int row = 0; row < 3; ++row)
             out[3 * column + row] = a[row] * b[3 * column] + a[3 + row] * b[3 * column + 1] +
@@ -107,10 +107,10 @@ static size_t play(pose *p, double time, size_t stamp) {
             if (parent == GLTF_NONE)
                 memcpy(p->world + 9 * (size_t)node, local, sizeof local);
             else
-                multiply(p->world + 9 * (size_t)parent, local, p->world + 9 * (size_t)node);
+                multiply_pose(p->world + 9 * (size_t)parent, local, p->world + 9 * (size_t)node);
             p->stamp[node] = stamp;
         }
-        judge(p, p->world + 9 * (size_t)p->joints[i], p->joints[i]);
+        judge_joint(p, p->world + 9 * (size_t)p->joints[i], p->joints[i]);
     }
     return visited;
 }
@@ -186,7 +186,7 @@ static norma_document_result judge_animation(
     norma_document_result result = take_channels(p, animation, &uneven, &times, error);
     if (result || !uneven) return result;
     p->times = norma_io_allocate(times, sizeof *p->times);
-    if (!p->times) return out_of_memory(p, error);
+    if (!p->times) return fail_skin(p, error);
     times = collect_times(p, animation);
     memset(p->stamp, 0, p->g->node_count * sizeof *p->stamp);
     for (size_t i = 0; !result && i < times; ++i) {
@@ -198,7 +198,7 @@ static norma_document_result judge_animation(
 }
 
 /* What playing takes, for the first animation. */
-static norma_document_result allocate(pose *p, norma_document_error *error) {
+static norma_document_result allocate_pose(pose *p, norma_document_error *error) {
     size_t count = p->g->node_count;
     if (p->rotation) return NORMA_DOCUMENT_OK;
     p->rotation = norma_io_allocate(count, sizeof *p->rotation);
@@ -207,7 +207,7 @@ static norma_document_result allocate(pose *p, norma_document_error *error) {
     p->stamp = norma_io_allocate(count, sizeof *p->stamp);
     p->chain = norma_io_allocate(count, sizeof *p->chain);
     return p->rotation && p->scale && p->world && p->stamp && p->chain ? NORMA_DOCUMENT_OK
-                                                                       : out_of_memory(p, error);
+                                                                       : fail_skin(p, error);
 }
 
 /* Marks each joint and all nodes above it. */
@@ -223,7 +223,7 @@ static norma_document_result judge_animations(pose *p, norma_document_error *err
     norma_document_result result = norma_gltf_animations(p->g, p->scene, error);
     for (uint32_t i = 0; !result && i < p->scene->animation_count; ++i) {
         result = spend(p, p->g->node_count + p->joint_count, error);
-        if (!result) result = allocate(p, error);
+        if (!result) result = allocate_pose(p, error);
         if (!result) {
             mark_chains(p);
             result = judge_animation(p, &p->scene->animations[i], error);
@@ -234,13 +234,14 @@ static norma_document_result judge_animations(pose *p, norma_document_error *err
 
 /* ---- a skin */
 
-static norma_document_result read_joints(pose *p, uint32_t token, norma_document_error *error) {
+static norma_document_result read_skin_joints(
+    pose *p, uint32_t token, norma_document_error *error) {
     const json *j = &p->g->json;
     uint32_t list = norma_json_member(j, token, "joints");
     if (list != JSON_NONE && !norma_json_is(j, list, JSON_ARRAY))
         return norma_gltf_malformed(p->g, error, list, "an array");
     p->joints = norma_io_allocate(norma_json_size(j, list), sizeof *p->joints);
-    if (!p->joints) return out_of_memory(p, error);
+    if (!p->joints) return fail_skin(p, error);
     for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
          item = norma_json_next(j, list, item)) {
         uint64_t node;
@@ -260,8 +261,8 @@ static norma_document_result make_skin(
     info->where = norma_gltf_where(g, "skins", index);
     info->ignore = norma_gltf_root_ignore(g);
     norma_document_result result = p.scene && info->name && info->where && info->ignore
-                                       ? read_joints(&p, token, error)
-                                       : out_of_memory(&p, error);
+                                       ? read_skin_joints(&p, token, error)
+                                       : fail_skin(&p, error);
     if (!result) {
         judge_rest(&p);
         result = judge_animations(&p, error);

@@ -19,7 +19,7 @@ static char *realpath(const char *path, char *resolved) {
 }
 #endif
 
-static int hex_value(char c) {
+static int uri_hex_value(char c) {
     if (c >= '0' && c <= '9') return c - '0';
     if (c >= 'a' && c <= 'f') return c - 'a' + 10;
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
@@ -31,9 +31,9 @@ static size_t unescape(const char *text, size_t length, char *out) {
     for (size_t i = 0; i < length; ++i) {
         char c = text[i];
         if (c == '%') {
-            if (length - i < 3 || hex_value(text[i + 1]) < 0 || hex_value(text[i + 2]) < 0)
+            if (length - i < 3 || uri_hex_value(text[i + 1]) < 0 || uri_hex_value(text[i + 2]) < 0)
                 return SIZE_MAX;
-            c = (char)(hex_value(text[i + 1]) * 16 + hex_value(text[i + 2]));
+            c = (char)(uri_hex_value(text[i + 1]) * 16 + uri_hex_value(text[i + 2]));
             i += 2;
         }
         out[size++] = c;

@@ -72,7 +72,7 @@ static int find_equal_datas(gltf_patch *patch) {
 
 /* ---- users */
 
-static void count_set(const gltf *g, const gltf_attributes *set, uint32_t *uses) {
+static void count_attribute_uses(const gltf *g, const gltf_attributes *set, uint32_t *uses) {
     for (uint32_t i = set->first; i < set->first + set->count; ++i)
         ++uses[g->attributes[i].accessor];
 }
@@ -81,9 +81,9 @@ static void count_mesh(const gltf *g, const gltf_mesh *mesh, uint32_t *uses) {
     for (uint32_t i = mesh->first_primitive; i < mesh->first_primitive + mesh->primitive_count;
          ++i) {
         const gltf_primitive *p = &g->primitives[i];
-        count_set(g, &p->base, uses);
+        count_attribute_uses(g, &p->base, uses);
         for (uint32_t t = 0; t < p->target_count; ++t)
-            count_set(g, &g->targets[p->first_target + t], uses);
+            count_attribute_uses(g, &g->targets[p->first_target + t], uses);
         if (p->indices != GLTF_NONE) ++uses[p->indices];
     }
 }
@@ -109,7 +109,7 @@ static void count_others(const gltf *g, uint32_t *uses) {
     }
 }
 
-static uint32_t *count_uses(const gltf *g) {
+static uint32_t *count_accessor_uses(const gltf *g) {
     uint32_t *uses = norma_io_allocate(g->accessor_count, sizeof *uses);
     for (uint32_t i = 0; uses && i < g->mesh_count; ++i) count_mesh(g, &g->meshes[i], uses);
     for (size_t i = 0; uses && i < g->patch->copy_count; ++i)
@@ -226,7 +226,7 @@ norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error 
     norma_document_result result = drop_unchanged(g, error);
     if (!result) result = norma_gltf_unpack_changed(g, error);
     if (result) return result;
-    uint32_t *stays = count_uses(g),
+    uint32_t *stays = count_accessor_uses(g),
              *of_data = norma_io_allocate(patch->data_count, sizeof *of_data);
     patch->replaced = norma_io_allocate(g->accessor_count, sizeof *patch->replaced);
     if (stays && of_data && patch->replaced && find_equal_datas(patch)) {

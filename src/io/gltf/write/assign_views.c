@@ -77,7 +77,7 @@ static void count_stays(placer *p) {
 }
 
 /* Whether the piece can be written over its old bytes without harm to others. */
-static int fits(const placer *p, uint32_t number) {
+static int fits_old_bytes(const placer *p, uint32_t number) {
     const data_run *piece = &p->patch->pieces[number];
     const run own = run_of_run(piece);
     const uint32_t pins = p->patch->pins[piece->old_view];
@@ -104,11 +104,11 @@ static int fits(const placer *p, uint32_t number) {
 
 /* ---- contents of views */
 
-static norma_document_result out_of_memory(const placer *p) {
+static norma_document_result fail_views(const placer *p) {
     return norma_document_fail_memory(p->g->document, p->error);
 }
 
-static void write_rows(unsigned char *to, size_t stride, const data_run *piece) {
+static void write_run_rows(unsigned char *to, size_t stride, const data_run *piece) {
     for (size_t i = 0; i < piece->count; ++i)
         memcpy(to + i * stride, piece->bytes + i * piece->size, piece->size);
 }
@@ -122,7 +122,7 @@ static norma_document_result own_view(placer *p, uint32_t view) {
     norma_document_result result = norma_gltf_view_bytes(p->g, view, &bytes, p->error);
     if (result) return result;
     to->plain.bytes = to->owned = norma_io_block(old->length, 1);
-    if (!to->owned) return out_of_memory(p);
+    if (!to->owned) return fail_views(p);
     memcpy(to->owned, bytes, old->length);
     return NORMA_DOCUMENT_OK;
 }
@@ -145,14 +145,14 @@ static norma_document_result take_view(placer *p, uint32_t view, data_run *piece
     size_t stride = stride_for(piece);
     if (piece->count > SIZE_MAX / stride ||
         (stride != piece->size && !(to->owned = norma_io_allocate(piece->count, stride))))
-        return out_of_memory(p);
+        return fail_views(p);
     to->plain.bytes = to->owned ? to->owned : piece->bytes;
     to->plain.length = piece->count * stride;
     to->element = stride;
     int said = view < p->g->view_count && p->g->views[view].stride == stride;
     to->stride = stride != piece->size || said ? stride : 0;
     to->target = piece->target;
-    if (to->owned) write_rows(to->owned, stride, piece);
+    if (to->owned) write_run_rows(to->owned, stride, piece);
     norma_gltf_point_data_run(p->g, piece, view, 0);
     piece->placed = 1;
     return NORMA_DOCUMENT_OK;
@@ -181,10 +181,10 @@ static norma_document_result grow_interleaved(placer *p, uint32_t view) {
     patch_view *to = &p->patch->views[view];
     size_t stride = p->g->views[view].stride, count = p->patch->pieces[p->first[view]].count;
     to->plain.bytes = to->owned = norma_io_allocate(count, stride);
-    if (!to->owned) return out_of_memory(p);
+    if (!to->owned) return fail_views(p);
     to->plain.length = count * stride;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
-        write_rows(to->owned + p->patch->pieces[i].old_offset, stride, &p->patch->pieces[i]);
+        write_run_rows(to->owned + p->patch->pieces[i].old_offset, stride, &p->patch->pieces[i]);
         p->patch->pieces[i].placed = 1;
     }
     return NORMA_DOCUMENT_OK;
@@ -195,7 +195,7 @@ static norma_document_result place_in_view(placer *p, uint32_t view) {
     uint32_t leaver = GLTF_NONE;
     int fitting = 0;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
-        p->patch->pieces[i].fits = fits(p, i);
+        p->patch->pieces[i].fits = fits_old_bytes(p, i);
         fitting |= p->patch->pieces[i].fits;
         if (!p->patch->pieces[i].fits && leaver == GLTF_NONE) leaver = i;
     }
@@ -208,7 +208,8 @@ static norma_document_result place_in_view(placer *p, uint32_t view) {
         else
             result = own_view(p, view);
         if (!result && p->patch->views[view].owned)
-            write_rows(p->patch->views[view].owned + piece->old_offset, piece->old_stride, piece);
+            write_run_rows(
+                p->patch->views[view].owned + piece->old_offset, piece->old_stride, piece);
         piece->placed = 1;
     }
     if (!result && leaver != GLTF_NONE && !fitting && p->stays[view] == 0)
@@ -271,7 +272,7 @@ static int add_view(gltf_patch *patch) {
     return 1;
 }
 
-static norma_document_result add_views(placer *p) {
+static norma_document_result add_new_views(placer *p) {
     gltf_patch *patch = p->patch;
     norma_document_result result = NORMA_DOCUMENT_OK;
     uint32_t compressed = 0; /* the first such view: what is quite new is compressed like it */
@@ -281,7 +282,7 @@ static norma_document_result add_views(placer *p) {
     for (size_t i = 0; !result && i < patch->run_count; ++i) {
         data_run *piece = &patch->pieces[i];
         if (piece->placed) continue;
-        if (!add_view(patch)) return out_of_memory(p);
+        if (!add_view(patch)) return fail_views(p);
         const uint32_t view = (uint32_t)patch->view_count - 1;
         choose_places(
             p, &patch->views[view], piece->old_view == GLTF_NONE ? compressed : piece->old_view);
@@ -296,7 +297,7 @@ static norma_document_result place_images(placer *p) {
     for (size_t i = 0; i < patch->image_count; ++i) {
         patch_image *image = &patch->images[i];
         const int new = image->view == GLTF_NONE;
-        if (new && !add_view(patch)) return out_of_memory(p);
+        if (new && !add_view(patch)) return fail_views(p);
         patch_view *to = &patch->views[new ? patch->view_count - 1 : image->view];
         if (new) choose_places(p, to, GLTF_NONE);
         to->plain.bytes = to->owned = image->bytes;
@@ -306,7 +307,7 @@ static norma_document_result place_images(placer *p) {
     return NORMA_DOCUMENT_OK;
 }
 
-static int prepare(placer *p) {
+static int prepare_views(placer *p) {
     const gltf *g = p->g;
     gltf_patch *patch = p->patch;
     if (!find_growing(p)) return 0;
@@ -338,11 +339,11 @@ static int prepare(placer *p) {
 norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error) {
     placer p = {.g = g, .patch = g->patch, .error = error};
     norma_document_result result = norma_gltf_make_data_runs(g, error);
-    if (!result && !prepare(&p)) result = out_of_memory(&p);
+    if (!result && !prepare_views(&p)) result = fail_views(&p);
     if (!result) result = place_images(&p);
     for (uint32_t v = 0; !result && v < g->view_count; ++v)
         if (p.first[v] != GLTF_NONE) result = place_in_view(&p, v);
-    if (!result) result = add_views(&p);
+    if (!result) result = add_new_views(&p);
     if (!result) result = norma_gltf_pack_views(g, error);
     if (!result) result = norma_gltf_append_accessors(g, error);
     free(p.stays);

@@ -45,7 +45,7 @@ static char *name_after(const char *path, uint32_t number, int several, unsigned
 
 typedef enum found { FOUND_NOTHING, FOUND_SAME, FOUND_OTHER, FOUND_UNKNOWN } found;
 
-static found look(const gltf *g, uint32_t buffer, const char *file) {
+static found look_for_file(const gltf *g, uint32_t buffer, const char *file) {
     const patch_buffer *b = &g->patch->buffers[buffer];
     file_bytes bytes;
     int failed = norma_file_open(file, NULL, &bytes);
@@ -92,22 +92,23 @@ static int replaces_own(const char *path, uint32_t number, int several) {
     return belongs;
 }
 
-static norma_document_result refuse(const gltf *g, const char *file, norma_document_error *error) {
+static norma_document_result refuse_name(
+    const gltf *g, const char *file, norma_document_error *error) {
     const norma_document target = {.path = (char *)(uintptr_t)file};
     return norma_document_fail(&target, error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,
         "exists with other content and is not overwritten; the buffer of %s would be written there",
         g->document->path);
 }
 
-static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, const char *path,
-    int free_only, norma_document_error *error) {
+static norma_document_result choose_buffer_name(gltf *g, uint32_t buffer, int several,
+    const char *path, int free_only, norma_document_error *error) {
     char *folder = norma_gltf_folder_of(path);
     norma_document_result result = NORMA_DOCUMENT_OK;
     int try_more = free_only, chosen = 0;
     for (unsigned attempt = 0; !chosen && !result; ++attempt) {
         char *name = name_after(path, buffer, several, attempt),
              *file = name && folder ? norma_io_join(folder, name) : NULL;
-        found there = file ? look(g, buffer, file) : FOUND_NOTHING;
+        found there = file ? look_for_file(g, buffer, file) : FOUND_NOTHING;
         chosen = file && (there == FOUND_NOTHING || (there == FOUND_SAME && !free_only));
         if (there == FOUND_UNKNOWN)
             result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_FILE, NULL,
@@ -115,7 +116,7 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
                 file);
         if (!result && file && !chosen && !try_more &&
             !(try_more = replaces_own(path, buffer, several)))
-            result = refuse(g, file, error);
+            result = refuse_name(g, file, error);
         if (!file || attempt == 100000) result = norma_document_fail_memory(g->document, error);
         free(file);
         if (chosen && attempt && !free_only)
@@ -132,7 +133,7 @@ static norma_document_result choose_name(gltf *g, uint32_t buffer, int several, 
 }
 
 /* A buffer that no view needs may be out of reach; then its name stays as it is. */
-static norma_document_result reach(
+static norma_document_result reach_buffer(
     gltf *g, uint32_t buffer, int *reached, norma_document_error *error) {
     int needed = 0;
     for (uint32_t v = 0; v < g->view_count; ++v)
@@ -155,7 +156,7 @@ norma_document_result norma_gltf_name_buffers(
         int old = b < g->buffer_count, reached = 1;
         if (norma_gltf_storage_of(g, b) != GLTF_STORED_FILE || (!old && !patch->buffers[b].changed))
             continue;
-        if (old) result = reach(g, b, &reached, error);
+        if (old) result = reach_buffer(g, b, &reached, error);
         if (result || !reached || destination == GLTF_TO_STREAM || destination == GLTF_TO_MEMORY)
             continue;
         const int twice = destination == GLTF_IN_PLACE && old && patch->buffers[b].changed
@@ -168,7 +169,7 @@ norma_document_result norma_gltf_name_buffers(
             result = patch->buffers[b].name ? NORMA_DOCUMENT_OK
                                             : norma_document_fail_memory(g->document, error);
         } else {
-            result = choose_name(g, b, files > 1, path, destination == GLTF_IN_PLACE, error);
+            result = choose_buffer_name(g, b, files > 1, path, destination == GLTF_IN_PLACE, error);
         }
     }
     return result;

@@ -38,7 +38,7 @@ int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer) {
 }
 
 /* Whether the buffer's file is replaced by itself with more in it; -1: out of memory. */
-static int keeps_file(const gltf *g, uint32_t buffer, gltf_destination destination) {
+static int keeps_buffer_file(const gltf *g, uint32_t buffer, gltf_destination destination) {
     if (buffer >= g->buffer_count || g->buffers[buffer].storage != GLTF_STORED_FILE) return 0;
     if (destination != GLTF_IN_PLACE) return destination == GLTF_TO_MEMORY;
     const int twice = norma_gltf_is_named_twice(g, buffer);
@@ -56,7 +56,7 @@ typedef struct spot {
 
 static size_t spot_count(const gltf *g) { return 2 * g->patch->view_count; }
 
-static spot spot_of(const gltf *g, size_t number) {
+static spot byte_spot_of(const gltf *g, size_t number) {
     patch_view *view = &g->patch->views[number / 2];
     spot s = {.place = number % 2 ? &view->packed : &view->plain, .buffer = GLTF_NONE};
     if (number / 2 >= g->view_count) return s;
@@ -101,7 +101,7 @@ static int add_new(gltf *g, uint32_t buffer, range gap, const unsigned char *old
     size_t at = align(gap.start);
     int ok = 1;
     for (size_t i = 0; ok && i < spot_count(g); ++i) {
-        patch_place *place = spot_of(g, i).place;
+        patch_place *place = byte_spot_of(g, i).place;
         if (!place->bytes || place->buffer != buffer || place->placed || at > gap.end ||
             place->length > gap.end - at)
             continue;
@@ -141,7 +141,7 @@ static void count_other_names(const gltf *g) {
     patch_buffer *buffers = g->patch->buffers;
     uint64_t number;
     for (size_t i = 0; i < 2 * (size_t)g->view_count; ++i) {
-        const uint32_t buffer = spot_of(g, i).buffer;
+        const uint32_t buffer = byte_spot_of(g, i).buffer;
         if (buffer != GLTF_NONE) --buffers[buffer].other_names;
     }
     for (uint32_t token = 2; token < j->count; ++token)
@@ -156,7 +156,7 @@ static int find_spans(const gltf *g, uint32_t buffer, size_t length, spans *s) {
     const int whole = buffer == g->buffer_count || g->patch->buffers[buffer].other_names != 0;
     int ok = !whole || add_span(s, 0, length, NULL);
     for (size_t i = 0; ok && i < 2 * (size_t)g->view_count; ++i) {
-        const spot one = spot_of(g, i);
+        const spot one = byte_spot_of(g, i);
         if (one.buffer != buffer || one.start >= length || one.length == 0) continue;
         const int same = one.place->buffer == buffer && one.place->length == one.length;
         if (!one.place->bytes || same)
@@ -241,7 +241,7 @@ static norma_document_result compact(gltf *g, uint32_t buffer, norma_document_er
     separate_spans(&s);
     ok = ok && add_spans(&s, to, old, length);
     for (size_t i = 0; ok && i < 2 * (size_t)g->view_count; ++i) {
-        const spot one = spot_of(g, i);
+        const spot one = byte_spot_of(g, i);
         if (one.buffer == buffer && !one.place->bytes) one.place->offset = moved_to(&s, one.start);
     }
     ok = ok && add_new(g, buffer, (range){to->length, SIZE_MAX}, NULL, 0);
@@ -262,7 +262,7 @@ static size_t size_on_disk(const gltf_buffer *b) {
  * well. */
 static void gather_new(gltf *g, uint32_t buffer, size_t disk) {
     for (size_t i = 0; i < spot_count(g); ++i) {
-        const spot one = spot_of(g, i);
+        const spot one = byte_spot_of(g, i);
         const gltf_buffer *old = &g->buffers[buffer];
         if (one.buffer == buffer && !one.place->bytes && one.start >= disk &&
             one.start <= old->length && one.length <= old->length - one.start)
@@ -273,14 +273,14 @@ static void gather_new(gltf *g, uint32_t buffer, size_t disk) {
 /* Up to where views reach, and no less than before. What lies behind is kept, and not named. */
 static size_t end_of_views(const gltf *g, uint32_t buffer, size_t end) {
     for (size_t i = 0; i < spot_count(g); ++i) {
-        const patch_place *place = spot_of(g, i).place;
+        const patch_place *place = byte_spot_of(g, i).place;
         if (place->bytes && place->buffer == buffer && place->offset + place->length > end)
             end = place->offset + place->length;
     }
     return end;
 }
 
-static norma_document_result append(
+static norma_document_result append_to_file(
     gltf *g, uint32_t buffer, gltf_destination destination, norma_document_error *error) {
     const gltf_buffer *b = &g->buffers[buffer];
     patch_buffer *to = &g->patch->buffers[buffer];
@@ -311,16 +311,16 @@ static int was_changed(const gltf *g, uint32_t buffer) {
 }
 
 /* What came to it since is our own, and not looked at. */
-static norma_document_result check_file(
+static norma_document_result check_buffer_file(
     const gltf *g, uint32_t buffer, norma_document_error *error) {
     const gltf_buffer *b = &g->buffers[buffer];
     const file_bytes file = {.data = b->bytes, .size = size_on_disk(b)};
     return norma_gltf_check_own_data(g, buffer, &file, error);
 }
 
-static void begin(gltf *g) {
+static void begin_layout(gltf *g) {
     for (size_t i = 0; i < spot_count(g); ++i) {
-        const spot one = spot_of(g, i);
+        const spot one = byte_spot_of(g, i);
         one.place->placed = 0;
         one.place->offset = one.start;
         if (one.place->bytes) g->patch->buffers[one.place->buffer].changed = 1;
@@ -330,7 +330,7 @@ static void begin(gltf *g) {
 norma_document_result norma_gltf_fill_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
-    begin(g);
+    begin_layout(g);
     count_other_names(g);
     for (uint32_t b = 0; !result && b <= g->buffer_count; ++b) {
         patch_buffer *buffer = &g->patch->buffers[b];
@@ -338,12 +338,12 @@ norma_document_result norma_gltf_fill_buffers(
         if (!buffer->changed) continue;
         if (b < g->buffer_count && g->buffers[b].storage != GLTF_STORED_NOWHERE)
             result = norma_gltf_load_buffer(g, b, error);
-        const int keeps = result ? 0 : keeps_file(g, b, destination);
+        const int keeps = result ? 0 : keeps_buffer_file(g, b, destination);
         if (keeps < 0) {
             result = norma_document_fail_memory(g->document, error);
         } else if (keeps) {
-            if (destination == GLTF_IN_PLACE) result = check_file(g, b, error);
-            if (!result) result = append(g, b, destination, error);
+            if (destination == GLTF_IN_PLACE) result = check_buffer_file(g, b, error);
+            if (!result) result = append_to_file(g, b, destination, error);
         } else if (!result) {
             result = compact(g, b, error);
         }

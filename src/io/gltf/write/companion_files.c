@@ -36,7 +36,7 @@ typedef struct file_name {
     uint32_t buffer;    /* GLTF_NONE: an image */
 } file_name;
 
-static norma_document_result out_of_memory(const companions *c) {
+static norma_document_result fail_companions(const companions *c) {
     return norma_document_fail_memory(c->document, c->error);
 }
 
@@ -45,7 +45,8 @@ static int has_content(const companion *one, const file_bytes *file) {
     return file->size == one->size && memcmp(file->data, one->bytes, one->size) == 0;
 }
 
-static norma_document_result refuse(const companions *c, const char *path, const char *why) {
+static norma_document_result refuse_companion(
+    const companions *c, const char *path, const char *why) {
     const norma_document target = {.path = (char *)(uintptr_t)path};
     return norma_document_fail(&target, c->error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,
         "is %s; %s needs a file of this name beside it", why, c->document->path);
@@ -54,7 +55,7 @@ static norma_document_result refuse(const companions *c, const char *path, const
 /* ---- writing */
 
 /* Folders below the output's for names like "textures/wood.png". */
-static int make_folders(companion_writers *writers, char *path, size_t known) {
+static int make_companion_folders(companion_writers *writers, char *path, size_t known) {
     for (char *slash = strchr(path + known, '/'); slash; slash = strchr(slash + 1, '/')) {
         *slash = '\0';
         int failed = norma_document_add_folder(writers, path);
@@ -65,7 +66,7 @@ static int make_folders(companion_writers *writers, char *path, size_t known) {
 }
 
 /* In slices, so that a cancel is noticed soon. */
-static int write_bytes(
+static int write_companion_slices(
     const companions *c, file_writer *writer, const unsigned char *bytes, size_t size) {
     const size_t slice = (size_t)1 << 23;
     int failed = 0;
@@ -83,10 +84,10 @@ static int write_bytes(
 static int write_content(const companions *c, const companion *one, file_writer *writer) {
     static const unsigned char zeros[256];
     int failed = 0;
-    if (!one->buffer) return write_bytes(c, writer, one->bytes, one->size);
+    if (!one->buffer) return write_companion_slices(c, writer, one->bytes, one->size);
     for (size_t i = 0; !failed && i < one->buffer->segment_count; ++i) {
         const patch_segment *s = &one->buffer->segments[i];
-        if (s->bytes) failed = write_bytes(c, writer, s->bytes, s->length);
+        if (s->bytes) failed = write_companion_slices(c, writer, s->bytes, s->length);
         for (size_t left = s->bytes ? 0 : s->length; !failed && left > 0;
              left -= left < sizeof zeros ? left : sizeof zeros)
             failed =
@@ -95,16 +96,16 @@ static int write_content(const companions *c, const companion *one, file_writer 
     return failed;
 }
 
-static norma_document_result write_one(companions *c, const companion *one) {
+static norma_document_result write_companion(companions *c, const companion *one) {
     file_writer *writer = NULL;
-    int failed = make_folders(c->writers, one->path, strlen(c->folder));
+    int failed = make_companion_folders(c->writers, one->path, strlen(c->folder));
     if (!failed) failed = norma_file_writer_open(one->path, &writer);
     if (!failed && one->replaces) norma_document_expect(c->writers, writer, one->replaces);
     if (!failed) failed = write_content(c, one, writer);
     if (!failed) failed = norma_file_writer_prepare(writer);
     if (!failed)
         return norma_document_add_writer(c->writers, writer, one->path) ? NORMA_DOCUMENT_OK
-                                                                        : out_of_memory(c);
+                                                                        : fail_companions(c);
     norma_file_writer_abandon(writer);
     return norma_document_fail_file(one->path, c->error, "cannot be written", failed);
 }
@@ -127,7 +128,7 @@ static int stays_in_folder(const companions *c, const companion *one) {
 }
 
 /* Writes a file, unless it is there already. Takes over one->path and one->file. */
-static norma_document_result add(companions *c, companion one) {
+static norma_document_result add_companion(companions *c, companion one) {
     file_bytes there;
     int failed = norma_document_load_file(c->document, one.path, &there), same = 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -136,23 +137,23 @@ static norma_document_result add(companions *c, companion one) {
         norma_file_close(&there);
     }
     if (failed == ENOMEM)
-        result = out_of_memory(c);
+        result = fail_companions(c);
     else if (!same && !stays_in_folder(c, &one))
-        result = refuse(
+        result = refuse_companion(
             c, one.path, "a symbolic link, or reached through one, and is not written through");
     else if (!same && failed != ENOENT && failed != ENOTDIR &&
              (one.is_new || !(c->in_place && !failed)))
-        result = refuse(c, one.path, "there with other content and is not overwritten");
-    if (!same && !result) result = write_one(c, &one);
+        result = refuse_companion(c, one.path, "there with other content and is not overwritten");
+    if (!same && !result) result = write_companion(c, &one);
     free(one.path);
     norma_file_close(&one.file);
     return result;
 }
 
-static norma_document_result add_buffer(companions *c, uint32_t number) {
+static norma_document_result add_buffer_file(companions *c, uint32_t number) {
     const patch_buffer *b = &c->g->patch->buffers[number];
     companion one = {.path = norma_io_join(c->folder, b->name)};
-    if (!one.path) return out_of_memory(c);
+    if (!one.path) return fail_companions(c);
     if (c->in_place && number < c->g->buffer_count && c->g->buffers[number].name &&
         strcmp(c->g->buffers[number].name, b->name) == 0)
         one.replaces = &c->g->buffers[number].file.stamp;
@@ -162,7 +163,7 @@ static norma_document_result add_buffer(companions *c, uint32_t number) {
         one.bytes = c->g->buffers[number].bytes;
         one.size = c->g->buffers[number].length;
     }
-    return add(c, one);
+    return add_companion(c, one);
 }
 
 /* ---- images */
@@ -201,7 +202,7 @@ static norma_document_result add_file(companions *c, const file_name *file) {
     char *source;
     struct stat status;
     if (!norma_gltf_path_inside(c->document->folder, name, &source))
-        return errno == ENOMEM ? out_of_memory(c)
+        return errno == ENOMEM ? fail_companions(c)
                                : not_copied(c, name, "it lies outside the asset's folder");
     const char *why = buffer != GLTF_NONE          ? NULL
                       : norma_gltf_is_hidden(name) ? "it is hidden"
@@ -234,9 +235,9 @@ static norma_document_result add_file(companions *c, const file_name *file) {
     one.path = norma_io_join(c->folder, file->plain);
     if (!one.path) {
         norma_file_close(&one.file);
-        return out_of_memory(c);
+        return fail_companions(c);
     }
-    return add(c, one);
+    return add_companion(c, one);
 }
 
 static norma_document_result add_given(companions *c, const given_image *image) {
@@ -244,7 +245,7 @@ static norma_document_result add_given(companions *c, const given_image *image) 
         .bytes = image->bytes,
         .size = image->size,
         .is_new = 1};
-    return one.path ? add(c, one) : out_of_memory(c);
+    return one.path ? add_companion(c, one) : fail_companions(c);
 }
 
 /* ---- the names of an asset, each once */
@@ -269,7 +270,7 @@ static char *plain_name(const char *name) {
     return plain;
 }
 
-static int compare_names(const void *a, const void *b) {
+static int compare_file_names(const void *a, const void *b) {
     const file_name *x = a, *y = b;
     const int order = strcmp(x->plain, y->plain);
     return order ? order : (x->buffer > y->buffer) - (x->buffer < y->buffer);
@@ -284,7 +285,7 @@ static norma_document_result add_name(
     if (!grown) {
         free(plain);
         free(name);
-        return out_of_memory(c);
+        return fail_companions(c);
     }
     names->list = grown;
     names->list[names->count++] = (file_name){name, plain, buffer};
@@ -304,7 +305,7 @@ static norma_document_result add_image_names(companions *c, file_names *names) {
         if (name)
             result = add_name(c, names, name, GLTF_NONE);
         else if (failed)
-            result = out_of_memory(c);
+            result = fail_companions(c);
     }
     return result;
 }
@@ -317,7 +318,7 @@ static norma_document_result add_files(companions *c, int buffers, int images) {
         if (g->buffers[b].name)
             result = add_name(c, &names, norma_io_join(g->buffers[b].name, ""), b);
     if (!result && images) result = add_image_names(c, &names);
-    if (names.count) qsort(names.list, names.count, sizeof *names.list, compare_names);
+    if (names.count) qsort(names.list, names.count, sizeof *names.list, compare_file_names);
     for (size_t i = 0; !result && i < names.count; ++i)
         if (i == 0 || strcmp(names.list[i - 1].plain, names.list[i].plain) != 0)
             result = add_file(c, &names.list[i]);
@@ -329,14 +330,14 @@ static norma_document_result add_files(companions *c, int buffers, int images) {
     return result;
 }
 
-static norma_document_result collect(companions *c, const char *path) {
+static norma_document_result collect_companions(companions *c, const char *path) {
     gltf *g = c->g;
     int elsewhere = !norma_gltf_same_folder(g, path);
     norma_document_result result = NORMA_DOCUMENT_OK;
     const int differs = norma_gltf_differs(g);
     for (uint32_t b = 0; differs && !result && b <= g->buffer_count; ++b)
         if (g->patch->buffers[b].name && (!c->in_place || g->patch->buffers[b].changed))
-            result = add_buffer(c, b);
+            result = add_buffer_file(c, b);
     for (size_t i = 0; !result && i < c->document->image_count; ++i)
         result = add_given(c, &c->document->images[i]);
     return result || !elsewhere ? result : add_files(c, !differs, c->document->folder != NULL);
@@ -344,7 +345,7 @@ static norma_document_result collect(companions *c, const char *path) {
 
 /* ---- sizes */
 
-static int add_size(void *user, const char *path) {
+static int add_file_size(void *user, const char *path) {
     struct stat status;
     if (stat(path, &status) == 0 && S_ISREG(status.st_mode))
         *(uint64_t *)user += (uint64_t)status.st_size;
@@ -376,7 +377,7 @@ static int visit_images(const norma_document *document, norma_visit_file *visit,
 
 /* Of all buffers and images beside the output; those that do not change are as long as they were
  * beside the input. 0: memory is out. */
-static int measure(const companions *c, uint64_t *size) {
+static int measure_companions(const companions *c, uint64_t *size) {
     const gltf *g = c->g;
     const patch_buffer *made = norma_gltf_differs(g) ? g->patch->buffers : NULL;
     int failed = 0;
@@ -385,8 +386,8 @@ static int measure(const companions *c, uint64_t *size) {
     for (size_t i = 0; i < c->document->image_count; ++i) *size += c->document->images[i].size;
     if (!c->document->folder) return 1;
     for (uint32_t b = 0; b < g->buffer_count && !failed; ++b)
-        if (!made || !made[b].changed) failed = visit_buffer(c->document, b, add_size, size);
-    return !failed && !visit_images(c->document, add_size, size);
+        if (!made || !made[b].changed) failed = visit_buffer(c->document, b, add_file_size, size);
+    return !failed && !visit_images(c->document, add_file_size, size);
 }
 
 norma_document_result norma_gltf_write_companions(norma_document *document, const char *path,
@@ -398,10 +399,10 @@ norma_document_result norma_gltf_write_companions(norma_document *document, cons
         .writers = writers,
         .error = error};
     c.in_place = in_place && norma_gltf_destination(g, path) == GLTF_IN_PLACE;
-    norma_document_result result = c.folder ? NORMA_DOCUMENT_OK : out_of_memory(&c);
+    norma_document_result result = c.folder ? NORMA_DOCUMENT_OK : fail_companions(&c);
     if (!result && norma_gltf_differs(g)) result = norma_gltf_lay_out(g, path, error);
-    if (!result) result = collect(&c, path);
-    if (!result && !measure(&c, &writers->size)) result = out_of_memory(&c);
+    if (!result) result = collect_companions(&c, path);
+    if (!result && !measure_companions(&c, &writers->size)) result = fail_companions(&c);
     free(c.folder);
     return result;
 }

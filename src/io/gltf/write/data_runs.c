@@ -28,7 +28,7 @@ typedef struct bounds {
     int any;
 } bounds;
 
-static bounds find_bounds(const gltf_data *data) {
+static bounds find_run_bounds(const gltf_data *data) {
     bounds b = {.any = data->count > 0};
     gltf_array array = {.data = data->bytes,
         .count = data->count,
@@ -69,7 +69,7 @@ static void add_bounds(json_text *text, const double *values, const gltf_data *d
 }
 
 /* Whether the member says these numbers already, as floats. */
-static int says(const gltf *g, uint32_t list, const double *values, uint32_t width) {
+static int says_number(const gltf *g, uint32_t list, const double *values, uint32_t width) {
     const json *j = &g->json;
     uint32_t k = 0;
     double number;
@@ -84,7 +84,7 @@ static void set_bounds(
     gltf *g, uint32_t accessor, const char *key, const double *values, const gltf_data *data) {
     uint32_t old = norma_json_member(&g->json, accessor, key);
     json_text text = {0};
-    if ((old == JSON_NONE && !data->bounds) || says(g, old, values, data->width)) return;
+    if ((old == JSON_NONE && !data->bounds) || says_number(g, old, values, data->width)) return;
     add_bounds(&text, values, data);
     norma_json_add(&text, "", 1);
     if (text.failed)
@@ -98,7 +98,7 @@ static void edit_bounds(gltf *g, uint32_t accessor, const gltf_data *data) {
     int there = norma_json_member(&g->json, accessor, "min") != JSON_NONE ||
                 norma_json_member(&g->json, accessor, "max") != JSON_NONE;
     if (!there && !data->bounds) return;
-    bounds b = find_bounds(data);
+    bounds b = find_run_bounds(data);
     if (!b.any) {
         norma_json_unset(g->edits, accessor, "min");
         norma_json_unset(g->edits, accessor, "max");
@@ -141,7 +141,7 @@ static int rest_is_zero(const gltf_data *data, const uint32_t *indices, size_t n
     return zero;
 }
 
-static int is_zero(const gltf_data *data, size_t element) {
+static int is_zero_run(const gltf_data *data, size_t element) {
     const size_t size = norma_gltf_data_size(data);
     size_t k = 0;
     while (k < size && data->bytes[element * size + k] == 0) ++k;
@@ -152,10 +152,10 @@ static int is_zero(const gltf_data *data, size_t element) {
  * zeros does not give. */
 static void choose_indices(const gltf_data *data, uint32_t *indices, size_t wanted) {
     size_t other = 0, kept = 0;
-    for (size_t i = 0; i < data->count; ++i) other += !is_zero(data, i);
+    for (size_t i = 0; i < data->count; ++i) other += !is_zero_run(data, i);
     size_t spare = wanted > other ? wanted - other : 0;
     for (size_t i = 0; i < data->count && kept < wanted; ++i) {
-        if (is_zero(data, i)) {
+        if (is_zero_run(data, i)) {
             if (spare == 0) continue;
             --spare;
         }
@@ -322,7 +322,7 @@ static void add_same(const gltf *g, json_text *text, uint32_t like, const char *
 
 static void add_bounds_like(const gltf *g, json_text *text, uint32_t like, const char *key,
     const double *values, const gltf_data *data) {
-    if (says(g, norma_json_member(&g->json, like, key), values, data->width)) {
+    if (says_number(g, norma_json_member(&g->json, like, key), values, data->width)) {
         add_same(g, text, like, key);
         return;
     }
@@ -334,7 +334,7 @@ static void add_bounds_like(const gltf *g, json_text *text, uint32_t like, const
 
 /* What parts from an accessor is described as that is: its name, its extras, bounds where it has
  * them. */
-static void describe(
+static void describe_run(
     const gltf *g, json_text *text, const patch_accessor *accessor, const gltf_data *data) {
     norma_json_add_text(text, "{\"bufferView\":");
     norma_json_add_uint(text, accessor->view);
@@ -350,7 +350,7 @@ static void describe(
     bounds b = {.any = 0};
     if (data->bounds || norma_json_member(&g->json, like, "min") != JSON_NONE ||
         norma_json_member(&g->json, like, "max") != JSON_NONE)
-        b = find_bounds(data);
+        b = find_run_bounds(data);
     if (b.any) {
         add_bounds_like(g, text, like, "min", b.least, data);
         add_bounds_like(g, text, like, "max", b.most, data);
@@ -364,7 +364,8 @@ norma_document_result norma_gltf_append_accessors(gltf *g, norma_document_error 
     uint32_t list = norma_json_member(&g->json, 0, "accessors");
     for (size_t i = 0; i < g->patch->accessor_count; ++i) {
         json_text text = {0};
-        describe(g, &text, &g->patch->accessors[i], &g->patch->datas[g->patch->accessors[i].data]);
+        describe_run(
+            g, &text, &g->patch->accessors[i], &g->patch->datas[g->patch->accessors[i].data]);
         if (!text.failed) norma_json_append(g->edits, list, text.data);
         free(text.data);
         if (text.failed) return norma_document_fail_memory(g->document, error);

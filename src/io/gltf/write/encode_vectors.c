@@ -44,7 +44,7 @@ static double stored_number(const unsigned char *at, int component) {
     }
 }
 
-static void read_element(const gltf_array *array, size_t index, double *out) {
+static void read_array_vector(const gltf_array *array, size_t index, double *out) {
     const unsigned char *at = array->data + index * array->stride;
     const size_t size = norma_gltf_component_size(array->component);
     const double by = divisor(array->component, array->normalized);
@@ -56,7 +56,7 @@ static void read_element(const gltf_array *array, size_t index, double *out) {
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-static double dot(const double a[3], const double b[3]) {
+static double vector_dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
@@ -89,7 +89,7 @@ static double transform_normal(const bake_map *map, const double normal[3], doub
     return lost ? 0 : size;
 }
 
-static void any_perpendicular(const double normal[3], double out[3]) {
+static void some_perpendicular(const double normal[3], double out[3]) {
     int axis = 0;
     for (int i = 1; i < 3; i++)
         if (fabs(normal[i]) < fabs(normal[axis])) axis = i;
@@ -109,13 +109,13 @@ static void transform_tangent(
     }
     double carried[3], flat[3];
     linear(map->matrix, tangent, carried);
-    const double along = dot(carried, normal), whole = length(carried);
+    const double along = vector_dot(carried, normal), whole = length(carried);
     for (int k = 0; k < 3; k++) flat[k] = carried[k] - along * normal[k];
     const double size = length(flat);
     if (size > 1e-12 * whole) {
         for (int k = 0; k < 3; k++) out[k] = flat[k] / size;
     } else if (length(normal) > 0) {
-        any_perpendicular(normal, out);
+        some_perpendicular(normal, out);
     } else {
         out[0] = 1;
         out[1] = out[2] = 0;
@@ -143,8 +143,8 @@ void norma_gltf_transform_vectors(bake_role role, const bake_map *map, const glt
     const gltf_array *base, double *values) {
     for (size_t i = 0; i < array->count; i++) {
         double in[4] = {0}, with[4] = {0}, normal[3] = {0, 0, 0}, *out = values + i * array->width;
-        read_element(array, i, in);
-        if (base) read_element(base, i, with);
+        read_array_vector(array, i, in);
+        if (base) read_array_vector(base, i, with);
         switch (role) {
         case BAKE_POSITIONS:
             linear(map->matrix, in, out);
@@ -197,7 +197,7 @@ static int limits(int component, double *low, double *high) {
 }
 
 /* Whether every value is a code of the encoding to within tolerance codes (0.5: in range). */
-static int holds(
+static int holds_values(
     int component, int normalized, const double *values, size_t count, double tolerance) {
     double low, high;
     if (!limits(component, &low, &high)) return 0;
@@ -232,7 +232,8 @@ static void store_number(unsigned char *at, int component, double number) {
     }
 }
 
-static int allocate(gltf_data *data, const gltf_array *stored, int component, int normalized) {
+static int allocate_codes(
+    gltf_data *data, const gltf_array *stored, int component, int normalized) {
     *data = (gltf_data){.component = component,
         .normalized = normalized,
         .width = stored->width,
@@ -243,7 +244,7 @@ static int allocate(gltf_data *data, const gltf_array *stored, int component, in
 }
 
 static bake_encoded encode_codes(const gltf_array *stored, const double *values, gltf_data *data) {
-    if (!allocate(data, stored, stored->component, stored->normalized)) return BAKE_NO_MEMORY;
+    if (!allocate_codes(data, stored, stored->component, stored->normalized)) return BAKE_NO_MEMORY;
     const double by = divisor(stored->component, stored->normalized);
     const size_t size = norma_gltf_component_size(stored->component);
     for (size_t i = 0; i < stored->count * stored->width; i++)
@@ -255,7 +256,7 @@ static bake_encoded encode_codes(const gltf_array *stored, const double *values,
  */
 static bake_encoded encode_directions(
     const gltf_array *stored, const double *values, gltf_data *data) {
-    if (!allocate(data, stored, stored->component, 1)) return BAKE_NO_MEMORY;
+    if (!allocate_codes(data, stored, stored->component, 1)) return BAKE_NO_MEMORY;
     const size_t size = norma_gltf_component_size(stored->component), stride = stored->width * size;
     const norma_vec3_view view = {
         values, stored->count, stored->width * sizeof *values, NORMA_FORMAT_DOUBLE};
@@ -271,10 +272,10 @@ static bake_encoded encode_directions(
 
 /* Numbers that were finite stay so. */
 static bake_encoded encode_floats(const gltf_array *stored, const double *values, gltf_data *data) {
-    if (!allocate(data, stored, GLTF_FLOAT, 0)) return BAKE_NO_MEMORY;
+    if (!allocate_codes(data, stored, GLTF_FLOAT, 0)) return BAKE_NO_MEMORY;
     for (size_t i = 0; i < stored->count; i++) {
         double before[4] = {0};
-        read_element(stored, i, before);
+        read_array_vector(stored, i, before);
         for (size_t k = 0; k < stored->width; k++) {
             const double value = values[i * stored->width + k];
             /* infinity less infinity has another sign on each kind of processor */
@@ -299,9 +300,10 @@ bake_encoded norma_gltf_encode(
     bake_encoded encoded;
     if (is_direction && is_signed && stored->normalized)
         encoded = encode_directions(stored, values, data);
-    else if ((is_place && holds(stored->component, stored->normalized, values, count, 1e-9)) ||
+    else if ((is_place &&
+                 holds_values(stored->component, stored->normalized, values, count, 1e-9)) ||
              (is_delta && is_signed && stored->normalized &&
-                 holds(stored->component, 1, values, count, 0.5)))
+                 holds_values(stored->component, 1, values, count, 0.5)))
         encoded = encode_codes(stored, values, data);
     else
         encoded = encode_floats(stored, values, data);

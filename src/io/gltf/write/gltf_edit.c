@@ -16,8 +16,8 @@ typedef struct vector_edit {
     const uint8_t *set;
 } vector_edit;
 
-static norma_document_result put(gltf *g, uint32_t primitive, int32_t target, const char *attribute,
-    const gltf_data *data, norma_document_error *error) {
+static norma_document_result put_edit(gltf *g, uint32_t primitive, int32_t target,
+    const char *attribute, const gltf_data *data, norma_document_error *error) {
     const gltf_slot slot = {.primitive = primitive, .target = target, .attribute = attribute};
     uint32_t number = norma_gltf_add_data(g, data);
     return number != GLTF_NONE && norma_gltf_put(g, &slot, number)
@@ -79,7 +79,7 @@ static norma_document_result edit_vectors(gltf *g, uint32_t primitive, uint32_t 
         return norma_gltf_malformed(
             g, error, g->accessors[accessor].token, "numbers that floats can hold");
     return encoded ? norma_document_fail_memory(g->document, error)
-                   : put(g, primitive, GLTF_SLOT_BASE, edit->attribute, &data, error);
+                   : put_edit(g, primitive, GLTF_SLOT_BASE, edit->attribute, &data, error);
 }
 
 /* Tangents where there were none: of every vertex. */
@@ -92,18 +92,18 @@ static norma_document_result add_tangents(
     data.bytes = norma_io_allocate(data.count, 16);
     if (!data.bytes) return norma_document_fail_memory(g->document, error);
     memcpy(data.bytes, tangents, data.count * 16);
-    return put(g, primitive, GLTF_SLOT_BASE, "TANGENT", &data, error);
+    return put_edit(g, primitive, GLTF_SLOT_BASE, "TANGENT", &data, error);
 }
 
 /* ---- faces */
 
-static void write_index(unsigned char *at, int component, uint32_t value) {
+static void write_edit_index(unsigned char *at, int component, uint32_t value) {
     const size_t size = norma_gltf_component_size(component);
     for (size_t i = 0; i < size; ++i) at[i] = (unsigned char)(value >> 8 * i);
 }
 
 /* The largest value of a width is no index (glTF 2.0, 3.7.2.1). */
-static int component_for(const gltf *g, const gltf_primitive *p, size_t vertices) {
+static int edit_component_for(const gltf *g, const gltf_primitive *p, size_t vertices) {
     const int least = vertices <= UINT8_MAX    ? GLTF_UBYTE
                       : vertices <= UINT16_MAX ? GLTF_USHORT
                                                : GLTF_UINT;
@@ -127,7 +127,7 @@ static size_t edit_corners(
 /* A primitive without one triangle is not valid (an accessor has at least one element): it keeps
  * the last that was to go. One that never had any gets an index for its new vertices, which alone
  * draws nothing. */
-static norma_document_result edit_faces(
+static norma_document_result edit_primitive_faces(
     gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error) {
     const gltf_primitive *p = &g->primitives[primitive];
     const uint32_t *corners;
@@ -141,19 +141,19 @@ static norma_document_result edit_faces(
         if (p->faces) memcpy(kept, corners + 3 * (p->faces - 1), 3 * sizeof *kept);
         count = p->faces ? 3 : 1;
     }
-    gltf_data data = {
-        .component = component_for(g, p, edit->source_vertices ? edit->vertex_count : p->vertices),
+    gltf_data data = {.component = edit_component_for(
+                          g, p, edit->source_vertices ? edit->vertex_count : p->vertices),
         .width = 1,
         .count = count,
         .is_indices = 1};
     size_t size = norma_gltf_data_size(&data);
     data.bytes = norma_io_allocate(count, size);
     for (size_t i = 0; data.bytes && i < count; ++i)
-        write_index(data.bytes + i * size, data.component, kept[i]);
+        write_edit_index(data.bytes + i * size, data.component, kept[i]);
     free(kept);
     if (!data.bytes) return norma_document_fail_memory(g->document, error);
     if (p->mode != GLTF_TRIANGLES) norma_gltf_set_mode(g, 0, primitive, GLTF_TRIANGLES);
-    return put(g, primitive, GLTF_SLOT_INDICES, NULL, &data, error);
+    return put_edit(g, primitive, GLTF_SLOT_INDICES, NULL, &data, error);
 }
 
 /* ---- a primitive */
@@ -165,7 +165,7 @@ static void strip(gltf *g, const gltf_attributes *attributes, const char *name) 
 
 /* Tangents mean nothing without normals, and go with them; those of targets also where the mesh has
  * none to add them to. */
-static int strip_normals(gltf *g, uint32_t primitive, int of_targets_alone) {
+static int strip_primitive(gltf *g, uint32_t primitive, int of_targets_alone) {
     const gltf_primitive *p = &g->primitives[primitive];
     int all_tangents = !of_targets_alone || p->base.tangent == GLTF_NONE;
     if (!of_targets_alone && p->base.normal != GLTF_NONE) strip(g, &p->base, "NORMAL");
@@ -214,9 +214,10 @@ static norma_document_result edit_primitive(
                      : edit_vectors(g, primitive, base->tangent, edit, &tangents, error);
     if (!result && edit->set_positions)
         result = edit_vectors(g, primitive, base->position, edit, &positions, error);
-    if (!result && norma_edit_has_faces(edit)) result = edit_faces(g, primitive, edit, error);
+    if (!result && norma_edit_has_faces(edit))
+        result = edit_primitive_faces(g, primitive, edit, error);
     if (!result && edit->strip_normals &&
-        !strip_normals(g, primitive, edit->strip_normals == NORMA_STRIP_MORPHS))
+        !strip_primitive(g, primitive, edit->strip_normals == NORMA_STRIP_MORPHS))
         result = norma_document_fail_memory(g->document, error);
     return result;
 }

@@ -47,7 +47,7 @@ typedef struct output {
     int failed;
 } output;
 
-static void put(output *out, const void *bytes, size_t size) {
+static void put_out(output *out, const void *bytes, size_t size) {
     if (!out->failed && size) out->failed = out->write(out->user, bytes, size);
 }
 
@@ -55,13 +55,13 @@ static void put_fill(output *out, unsigned char fill, size_t size) {
     unsigned char block[256];
     memset(block, fill, sizeof block);
     for (; size > 0 && !out->failed; size -= size < sizeof block ? size : sizeof block)
-        put(out, block, size < sizeof block ? size : sizeof block);
+        put_out(out, block, size < sizeof block ? size : sizeof block);
 }
 
 static void put_u32(output *out, uint32_t value) {
     const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
         (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
-    put(out, bytes, 4);
+    put_out(out, bytes, 4);
 }
 
 static size_t padding(size_t size) { return (4 - size % 4) % 4; }
@@ -69,7 +69,7 @@ static size_t padding(size_t size) { return (4 - size % 4) % 4; }
 static void put_segments(output *out, const patch_buffer *buffer) {
     for (size_t i = 0; i < buffer->segment_count; ++i) {
         if (buffer->segments[i].bytes)
-            put(out, buffer->segments[i].bytes, buffer->segments[i].length);
+            put_out(out, buffer->segments[i].bytes, buffer->segments[i].length);
         else
             put_fill(out, 0, buffer->segments[i].length);
     }
@@ -108,21 +108,21 @@ static norma_document_result write_glb(
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "would become larger than the 4 GiB that a GLB can be; expected a .gltf with its "
             "buffers beside it");
-    put(out, "glTF", 4);
+    put_out(out, "glTF", 4);
     put_u32(out, 2);
     put_u32(out, (uint32_t)total);
     put_u32(out, (uint32_t)json_size);
-    put(out, "JSON", 4);
-    put(out, text->data, text->size);
+    put_out(out, "JSON", 4);
+    put_out(out, text->data, text->size);
     put_fill(out, ' ', padding(text->size));
     if (bin && !g->bin) put_bin(out, bin);
     for (size_t at = first; at < g->container_size; at += chunk_size(g, at)) {
         if (bin && g->bin && at == g->bin_chunk)
             put_bin(out, bin);
         else
-            put(out, source->data + at, chunk_size(g, at));
+            put_out(out, source->data + at, chunk_size(g, at));
     }
-    put(out, source->data + g->container_size, source->size - g->container_size);
+    put_out(out, source->data + g->container_size, source->size - g->container_size);
     return NORMA_DOCUMENT_OK;
 }
 
@@ -136,7 +136,7 @@ norma_document_result norma_gltf_write_laid_out(
     else if (g->document->format == NORMA_FILE_GLB)
         result = write_glb(g, &text, &out, error);
     else
-        put(&out, text.data, text.size);
+        put_out(&out, text.data, text.size);
     free(text.data);
     if (!result && out.failed)
         result = norma_document_fail(

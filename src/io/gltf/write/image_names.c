@@ -66,7 +66,7 @@ static int try_name(gltf *g, given_image *image, const char *path, unsigned atte
     return chosen;
 }
 
-static int choose_name(gltf *g, given_image *image, const char *path) {
+static int choose_image_name(gltf *g, given_image *image, const char *path) {
     int chosen = 0;
     free(image->name);
     image->name = NULL;
@@ -98,7 +98,7 @@ norma_document_result norma_gltf_name_images(
         given_image *image = &document->images[i];
         const uint32_t token = norma_json_element(
             &g->json, norma_json_member(&g->json, 0, "images"), (uint32_t)image->number);
-        const int chosen = destination == GLTF_TO_STREAM ? 1 : choose_name(g, image, path);
+        const int chosen = destination == GLTF_TO_STREAM ? 1 : choose_image_name(g, image, path);
         if (chosen < 0) return norma_document_fail_memory(document, error);
         if (chosen == 0)
             return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,

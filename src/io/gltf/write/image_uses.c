@@ -17,7 +17,7 @@ static int contains(const json *j, uint32_t key, const char *word) {
 }
 
 /* Of a value the key under which it, or the lists around it, stand; JSON_NONE: none. */
-static uint32_t key_of(const json *j, uint32_t token) {
+static uint32_t use_key_of(const json *j, uint32_t token) {
     uint32_t parent = j->tokens[token].parent;
     while (parent != JSON_NONE && j->tokens[parent].type == JSON_ARRAY) {
         token = parent;
@@ -36,14 +36,14 @@ static int is_other_member(const json *j, uint32_t key) {
 }
 
 static int speaks_of(const json *j, uint32_t token, const char *word) {
-    const uint32_t key = key_of(j, token);
+    const uint32_t key = use_key_of(j, token);
     if (key == JSON_NONE || contains(j, key, word)) return key != JSON_NONE;
     const uint32_t object = j->tokens[key].parent, above = j->tokens[object].parent;
     return above != JSON_NONE && j->tokens[above].type == JSON_OBJECT &&
            contains(j, object - 1, word) && !is_other_member(j, key);
 }
 
-static void count_uses(
+static void count_index_uses(
     const gltf *g, const char *word, const char *member, uint32_t *counts, size_t count) {
     const json *j = &g->json;
     uint64_t number;
@@ -62,9 +62,9 @@ static void count_uses(
 }
 
 void norma_gltf_count_texture_uses(const gltf *g, uint32_t *counts, size_t textures) {
-    count_uses(g, "texture", NULL, counts, textures);
+    count_index_uses(g, "texture", NULL, counts, textures);
 }
 
 void norma_gltf_count_image_uses(const gltf *g, uint32_t *counts, size_t images) {
-    count_uses(g, "image", "source", counts, images);
+    count_index_uses(g, "image", "source", counts, images);
 }

@@ -6,7 +6,7 @@
 
 /* ---- views */
 
-static void add_member(json_text *text, const char *key, uint64_t number) {
+static void add_uint_member(json_text *text, const char *key, uint64_t number) {
     norma_json_add_text(text, ",");
     norma_json_add_quoted(text, key);
     norma_json_add_text(text, ":");
@@ -19,10 +19,10 @@ static void describe_compression(json_text *text, const patch_view *view) {
     const gltf_meshopt *m = &view->meshopt;
     norma_json_add_text(text, "{\"buffer\":");
     norma_json_add_uint(text, view->packed.buffer);
-    add_member(text, "byteOffset", view->packed.offset);
-    add_member(text, "byteLength", view->packed.length);
-    add_member(text, "byteStride", m->stride);
-    add_member(text, "count", m->count);
+    add_uint_member(text, "byteOffset", view->packed.offset);
+    add_uint_member(text, "byteLength", view->packed.length);
+    add_uint_member(text, "byteStride", m->stride);
+    add_uint_member(text, "count", m->count);
     norma_json_add_text(text, ",\"mode\":");
     norma_json_add_quoted(text, modes[m->mode]);
     if (m->filter != GLTF_FILTER_NONE) {
@@ -76,10 +76,10 @@ static void edit_view(gltf *g, uint32_t number) {
 static void describe_view(const gltf *g, json_text *text, const patch_view *view) {
     norma_json_add_text(text, "{\"buffer\":");
     norma_json_add_uint(text, view->plain.buffer);
-    add_member(text, "byteOffset", view->plain.offset);
-    add_member(text, "byteLength", view->plain.length);
-    if (view->stride) add_member(text, "byteStride", view->stride);
-    if (view->target) add_member(text, "target", (uint64_t)view->target);
+    add_uint_member(text, "byteOffset", view->plain.offset);
+    add_uint_member(text, "byteLength", view->plain.length);
+    if (view->stride) add_uint_member(text, "byteStride", view->stride);
+    if (view->target) add_uint_member(text, "target", (uint64_t)view->target);
     if (view->packed.bytes) {
         norma_json_add_text(text, ",\"extensions\":{");
         norma_json_add_quoted(text, norma_gltf_extension_of(g, &view->meshopt));
@@ -173,7 +173,7 @@ static void add_data_prefix(const gltf *g, uint32_t buffer, json_text *text) {
     norma_json_add_text(text, "data:application/octet-stream;base64,");
 }
 
-static int write_uri(const gltf *g, uint32_t buffer, json_text *text) {
+static int write_buffer_uri(const gltf *g, uint32_t buffer, json_text *text) {
     const patch_buffer *b = &g->patch->buffers[buffer];
     if (b->name) {
         char *uri = norma_gltf_uri_encode(b->name);
@@ -218,7 +218,7 @@ static int edit_buffer(gltf *g, uint32_t number, gltf_destination destination) {
     if (b->changed && b->byte_length != old->length)
         norma_json_set_uint(edits, old->token, "byteLength", b->byte_length);
     if (!moved) return 1;
-    int ok = whole(g, number) && write_uri(g, number, &uri);
+    int ok = whole(g, number) && write_buffer_uri(g, number, &uri);
     norma_json_add(&uri, "", 1);
     ok = ok && !uri.failed;
     if (ok) norma_json_set(edits, old->token, "uri", uri.data);
@@ -226,7 +226,7 @@ static int edit_buffer(gltf *g, uint32_t number, gltf_destination destination) {
     return ok;
 }
 
-static int add_buffer(gltf *g) {
+static int append_buffer(gltf *g) {
     uint32_t number = g->buffer_count;
     const patch_buffer *b = &g->patch->buffers[number];
     json_text text = {0};
@@ -234,7 +234,7 @@ static int add_buffer(gltf *g) {
     norma_json_add_text(&text, "{");
     if (norma_gltf_storage_of(g, number) != GLTF_STORED_BIN) {
         norma_json_add_text(&text, "\"uri\":");
-        write_uri(g, number, &text);
+        write_buffer_uri(g, number, &text);
         norma_json_add_text(&text, ",");
     }
     norma_json_add_text(&text, "\"byteLength\":");
@@ -253,7 +253,7 @@ norma_document_result norma_gltf_edit_buffers(
         const norma_document_result dangling =
             norma_gltf_check_dangling(g, GLTF_LIST_BUFFERS, error);
         if (dangling) return dangling;
-        ok = add_buffer(g);
+        ok = append_buffer(g);
     }
     return ok ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
 }

@@ -81,7 +81,7 @@ static uint8_t *find_buffers(search *s, const json *j, uint32_t list, uint32_t c
     return NULL;
 }
 
-static size_t size_of(const json *j, uint32_t object, const char *key, size_t otherwise) {
+static size_t size_of_named(const json *j, uint32_t object, const char *key, size_t otherwise) {
     uint64_t value;
     const uint32_t token = norma_json_member(j, object, key);
     return norma_json_uint(j, token, &value) && value < SIZE_MAX / 4 ? (size_t)value : otherwise;
@@ -89,7 +89,7 @@ static size_t size_of(const json *j, uint32_t object, const char *key, size_t ot
 
 /* Views, compressed bytes, and whatever an extension may add: each names a buffer, and a part of it
  * or all. A buffer that is named nowhere is used in a way that is not known here. */
-static void add_named(search *s, const json *j) {
+static void add_named_bytes(search *s, const json *j) {
     const uint32_t list = norma_json_member(j, 0, "buffers"), count = norma_json_size(j, list);
     uint8_t *same = norma_json_is(j, list, JSON_ARRAY) ? find_buffers(s, j, list, count) : NULL;
     for (uint32_t object = 1; same && object < j->count; ++object) {
@@ -97,33 +97,33 @@ static void add_named(search *s, const json *j) {
         uint64_t buffer;
         if (token == JSON_NONE || !norma_json_uint(j, token, &buffer) || buffer >= count) continue;
         if (!same[buffer]) continue;
-        const size_t offset = size_of(j, object, "byteOffset", 0),
-                     length = size_of(j, object, "byteLength", SIZE_MAX / 4);
+        const size_t offset = size_of_named(j, object, "byteOffset", 0),
+                     length = size_of_named(j, object, "byteLength", SIZE_MAX / 4);
         same[buffer] = 2;
         add_named_range(s, offset, offset + length);
     }
     uint32_t b = 0;
     for (uint32_t item = norma_json_first(j, list); same && item != JSON_NONE;
          item = norma_json_next(j, list, item), ++b) {
-        const size_t length = same[b] ? size_of(j, item, "byteLength", 0) : 0;
+        const size_t length = same[b] ? size_of_named(j, item, "byteLength", 0) : 0;
         s->length = length > s->length ? length : s->length;
         if (same[b] == 1) add_named_range(s, 0, SIZE_MAX / 4);
     }
     free(same);
 }
 
-static void ask(search *s, const file_bytes *bytes) {
+static void ask_asset(search *s, const file_bytes *bytes) {
     json j;
     const gltf_other kind = norma_gltf_read_other(bytes, &j);
     const int below = s->depth > 0;
     s->read[below] += kind ? bytes->size : 0;
     fail_if(s, kind == GLTF_OTHER_MEMORY, ENOMEM);
     s->unknown |= !below && (kind == GLTF_OTHER_UNKNOWN || s->read[0] > LARGEST_ASSETS);
-    if (kind == GLTF_OTHER_READ && !s->unknown) add_named(s, &j);
+    if (kind == GLTF_OTHER_READ && !s->unknown) add_named_bytes(s, &j);
     if (kind == GLTF_OTHER_READ) norma_json_free(&j);
 }
 
-static int visit(void *user, const char *name);
+static int visit_entry(void *user, const char *name);
 
 /* What cannot be read there, or lies behind a link or hidden, is passed over. */
 static void look_below(search *s, const char *path, const char *name) {
@@ -134,13 +134,13 @@ static void look_below(search *s, const char *path, const char *name) {
     if (!folder) return;
     s->folder = folder;
     ++s->depth;
-    (void)norma_folder_visit(folder, visit, s);
+    (void)norma_folder_visit(folder, visit_entry, s);
     --s->depth;
     s->folder = above;
     free(folder);
 }
 
-static int visit(void *user, const char *name) {
+static int visit_entry(void *user, const char *name) {
     search *s = user;
     file_bytes bytes;
     const int below = s->depth > 0,
@@ -157,7 +157,7 @@ static int visit(void *user, const char *name) {
     if (regular && !same && !s->failed) {
         const int error = norma_file_open(path, &(file_reading){.map_large = 1}, &bytes);
         if (!error) {
-            ask(s, &bytes);
+            ask_asset(s, &bytes);
             norma_file_close(&bytes);
         } else {
             fail_if(s, error != EACCES, error);
@@ -174,7 +174,7 @@ static int visit(void *user, const char *name) {
 
 static void look_through(search *s, const char *folder) {
     s->folder = folder;
-    const int error = norma_folder_visit(folder[0] ? folder : ".", visit, s);
+    const int error = norma_folder_visit(folder[0] ? folder : ".", visit_entry, s);
     fail_if(s, error && error != EACCES, error);
     s->unknown |= error != 0;
 }
@@ -222,7 +222,7 @@ int norma_gltf_is_hidden(const char *name) {
     return 0;
 }
 
-static int equals_ignoring_case(const char *a, const char *b) {
+static int equals_any_case(const char *a, const char *b) {
     for (; *a && *b; ++a, ++b)
         if ((*a >= 'A' && *a <= 'Z' ? *a + 32 : *a) != *b) return 0;
     return *a == *b;
@@ -231,7 +231,7 @@ static int equals_ignoring_case(const char *a, const char *b) {
 int norma_gltf_has_suffix(const char *name, const char *const *suffixes, size_t count) {
     const char *slash = strrchr(name, '/'), *dot = strrchr(slash ? slash : name, '.');
     for (size_t i = 0; dot && i < count; ++i)
-        if (equals_ignoring_case(dot + 1, suffixes[i])) return 1;
+        if (equals_any_case(dot + 1, suffixes[i])) return 1;
     return 0;
 }
 

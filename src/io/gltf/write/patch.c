@@ -52,7 +52,7 @@ size_t norma_gltf_data_size(const gltf_data *data) {
 }
 
 /* Room for one more at the end of a list. */
-static int grow(void **list, size_t *capacity, size_t count, size_t size) {
+static int grow_list(void **list, size_t *capacity, size_t count, size_t size) {
     void *grown = norma_io_grow(*list, capacity, count + 1, size);
     if (grown) *list = grown;
     return grown != NULL;
@@ -61,7 +61,7 @@ static int grow(void **list, size_t *capacity, size_t count, size_t size) {
 uint32_t norma_gltf_add_data(gltf *g, const gltf_data *data) {
     gltf_patch *patch = norma_gltf_patch_of(g);
     if (!patch || patch->data_count >= GLTF_NONE ||
-        !grow((void **)&patch->datas, &patch->data_capacity, patch->data_count,
+        !grow_list((void **)&patch->datas, &patch->data_capacity, patch->data_count,
             sizeof *patch->datas)) {
         free(data->bytes);
         return GLTF_NONE;
@@ -89,7 +89,7 @@ static void find_old(const gltf *g, patch_slot *slot) {
 
 int norma_gltf_put(gltf *g, const gltf_slot *slot, uint32_t data) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    if (!patch || !grow((void **)&patch->slots, &patch->slot_capacity, patch->slot_count,
+    if (!patch || !grow_list((void **)&patch->slots, &patch->slot_capacity, patch->slot_count,
                       sizeof *patch->slots))
         return 0;
     patch_slot *added = &patch->slots[patch->slot_count++];
@@ -106,7 +106,7 @@ uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number) {
     gltf_patch *patch = norma_gltf_patch_of(g);
     json_edits *edits = norma_json_edits_create(&g->json, g->meshes[mesh].token);
     if (!patch || !edits ||
-        !grow((void **)&patch->copies, &patch->copy_capacity, patch->copy_count,
+        !grow_list((void **)&patch->copies, &patch->copy_capacity, patch->copy_count,
             sizeof *patch->copies)) {
         norma_json_edits_destroy(edits);
         return 0;
@@ -118,8 +118,8 @@ uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number) {
 
 int norma_gltf_release(gltf *g, uint32_t accessor) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    if (!patch || !grow((void **)&patch->released, &patch->released_capacity, patch->released_count,
-                      sizeof *patch->released))
+    if (!patch || !grow_list((void **)&patch->released, &patch->released_capacity,
+                      patch->released_count, sizeof *patch->released))
         return 0;
     patch->released[patch->released_count++] = accessor;
     return 1;
@@ -127,8 +127,8 @@ int norma_gltf_release(gltf *g, uint32_t accessor) {
 
 int norma_gltf_strip(gltf *g, uint32_t primitive) {
     gltf_patch *patch = norma_gltf_patch_of(g);
-    if (!patch || !grow((void **)&patch->stripped, &patch->stripped_capacity, patch->stripped_count,
-                      sizeof *patch->stripped))
+    if (!patch || !grow_list((void **)&patch->stripped, &patch->stripped_capacity,
+                      patch->stripped_count, sizeof *patch->stripped))
         return 0;
     patch->stripped[patch->stripped_count++] = primitive;
     return 1;

@@ -16,7 +16,7 @@ static int copy_changed(const patch_buffer *buffer, given_buffer *given) {
     return given->bytes != NULL;
 }
 
-static int copy_unchanged(const gltf_buffer *buffer, given_buffer *given) {
+static int copy_unchanged_buffer(const gltf_buffer *buffer, given_buffer *given) {
     given->bytes = norma_io_allocate(buffer->available, 1);
     if (given->bytes) memcpy(given->bytes, buffer->bytes, buffer->available);
     given->size = buffer->available;
@@ -37,7 +37,7 @@ static norma_document_result give_buffers(
         if (g->patch->buffers[b].changed)
             fine = copy_changed(&g->patch->buffers[b], given);
         else if (g->buffers[b].bytes)
-            fine = copy_unchanged(&g->buffers[b], given);
+            fine = copy_unchanged_buffer(&g->buffers[b], given);
         given->stamp = g->buffers[b].file.stamp;
         if (!fine) return norma_document_fail_memory(document, error);
     }

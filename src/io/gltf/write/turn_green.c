@@ -35,21 +35,21 @@ typedef struct turner {
     size_t given_count;
 } turner;
 
-static norma_document_result out_of_memory(const turner *t) {
+static norma_document_result fail_green(const turner *t) {
     return norma_document_fail_memory(t->g->document, t->error);
 }
 
 /* ---- what is to be turned */
 
-static uint32_t list_of(const turner *t, const char *name) {
+static uint32_t references_of(const turner *t, const char *name) {
     return norma_json_member(&t->g->json, 0, name);
 }
 
 /* The token of the number of a material's texture, or JSON_NONE. */
-static uint32_t index_of(const turner *t, uint32_t material, uint32_t *texture) {
+static uint32_t reference_index(const turner *t, uint32_t material, uint32_t *texture) {
     const json *j = &t->g->json;
     const uint32_t token = norma_json_member(j,
-        norma_gltf_normal_use(t->g, norma_json_element(j, list_of(t, "materials"), material)),
+        norma_gltf_normal_use(t->g, norma_json_element(j, references_of(t, "materials"), material)),
         "index");
     uint64_t number;
     if (token == JSON_NONE || !norma_json_uint(j, token, &number) || number >= t->texture_count)
@@ -63,7 +63,7 @@ static norma_document_result find_textures(turner *t) {
     for (uint32_t m = 0; m < t->g->material_count && !result; ++m) {
         uint32_t texture;
         norma_texture_info map;
-        if (!t->materials[m] || index_of(t, m, &texture) == JSON_NONE) continue;
+        if (!t->materials[m] || reference_index(t, m, &texture) == JSON_NONE) continue;
         result = norma_gltf_normal_texture(t->g->document, m, &map, t->error);
         if (result || !map.bytes || map.image >= t->image_count) continue;
         t->images[map.image].map = map;
@@ -74,15 +74,15 @@ static norma_document_result find_textures(turner *t) {
     return result;
 }
 
-static int is_own(const turner *t, uint32_t texture) {
+static int is_own_image(const turner *t, uint32_t texture) {
     return t->textures[texture].turned == t->texture_uses[texture];
 }
 
 /* An image of another format beside this one would stay as it is. */
 static int has_other_image(const turner *t, uint32_t texture) {
     const json *j = &t->g->json;
-    const uint32_t extensions =
-        norma_json_member(j, norma_json_element(j, list_of(t, "textures"), texture), "extensions");
+    const uint32_t extensions = norma_json_member(
+        j, norma_json_element(j, references_of(t, "textures"), texture), "extensions");
     for (uint32_t e = norma_json_first(j, extensions); e != JSON_NONE;
          e = norma_json_next(j, extensions, e))
         if (norma_json_member(j, e, "source") != JSON_NONE) return 1;
@@ -114,14 +114,14 @@ static norma_document_result turn_image(turner *t, uint32_t number) {
     green_image *image = &t->images[number];
     const image_result how =
         norma_image_turn_green(image->map.bytes, image->map.size, &image->bytes);
-    if (how == IMAGE_MEMORY) return out_of_memory(t);
+    if (how == IMAGE_MEMORY) return fail_green(t);
     if (how) {
         leave(t, number, norma_image_text(how));
         return NORMA_DOCUMENT_OK;
     }
     const int own = image->kept == t->image_uses[number];
     uint64_t view;
-    const uint32_t token = norma_json_element(&t->g->json, list_of(t, "images"), number);
+    const uint32_t token = norma_json_element(&t->g->json, references_of(t, "images"), number);
     image->made = own ? number : t->image_count + t->more_images++;
     t->more_views += is_in_view(t, token, &view) && !(own && is_own_view(t, view));
     if (!norma_image_is_png(image->map.bytes, image->map.size))
@@ -135,7 +135,8 @@ static norma_document_result turn_image(turner *t, uint32_t number) {
 static norma_document_result turn_images(turner *t) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t i = 0; i < t->texture_count; ++i)
-        if (t->textures[i].turned) t->images[t->textures[i].image].kept += (uint32_t)is_own(t, i);
+        if (t->textures[i].turned)
+            t->images[t->textures[i].image].kept += (uint32_t)is_own_image(t, i);
     for (uint32_t i = 0; i < t->texture_count; ++i) {
         const uint32_t image = t->textures[i].image;
         if (!t->textures[i].turned || !has_other_image(t, i) || !t->images[image].wanted) continue;
@@ -145,7 +146,7 @@ static norma_document_result turn_images(turner *t) {
     for (uint32_t i = 0; i < t->image_count && !result; ++i)
         if (t->images[i].wanted) result = turn_image(t, i);
     for (uint32_t i = 0; i < t->texture_count; ++i)
-        t->more_textures += t->textures[i].turned && !is_own(t, i) &&
+        t->more_textures += t->textures[i].turned && !is_own_image(t, i) &&
                             t->images[t->textures[i].image].made != GLTF_NONE;
     return result;
 }
@@ -189,7 +190,7 @@ static void put_in_file(turner *t, json_edits *edits, uint32_t token, green_imag
     norma_json_set(edits, token, "uri", "\"normal.png\"");
 }
 
-static int describe(turner *t, json_edits *edits, uint32_t token, green_image *image) {
+static int describe_copy(turner *t, json_edits *edits, uint32_t token, green_image *image) {
     const json *j = &t->g->json;
     const uint32_t type = norma_json_member(j, token, "mimeType");
     uint64_t view;
@@ -211,45 +212,46 @@ static int describe(turner *t, json_edits *edits, uint32_t token, green_image *i
 }
 
 /* A copy of an element at the end of its list. */
-static int append(turner *t, const char *list, json_edits *edits, uint32_t token) {
+static int append_reference(turner *t, const char *list, json_edits *edits, uint32_t token) {
     json_text text = {0};
     int ok = norma_json_write(edits, token, &text);
     norma_json_add(&text, "", 1);
     ok = ok && !text.failed;
-    if (ok) norma_json_append(t->g->edits, list_of(t, list), text.data);
+    if (ok) norma_json_append(t->g->edits, references_of(t, list), text.data);
     free(text.data);
     return ok;
 }
 
 static int edit_image(turner *t, uint32_t number) {
     green_image *image = &t->images[number];
-    const uint32_t token = norma_json_element(&t->g->json, list_of(t, "images"), number);
-    if (image->made == number) return describe(t, t->g->edits, token, image);
+    const uint32_t token = norma_json_element(&t->g->json, references_of(t, "images"), number);
+    if (image->made == number) return describe_copy(t, t->g->edits, token, image);
     json_edits *edits = norma_json_edits_create(&t->g->json, token);
-    const int ok = edits && describe(t, edits, token, image) && append(t, "images", edits, token);
+    const int ok = edits && describe_copy(t, edits, token, image) &&
+                   append_reference(t, "images", edits, token);
     norma_json_edits_destroy(edits);
     return ok;
 }
 
 static int edit_texture(turner *t, uint32_t number) {
     green_texture *texture = &t->textures[number];
-    const uint32_t token = norma_json_element(&t->g->json, list_of(t, "textures"), number),
+    const uint32_t token = norma_json_element(&t->g->json, references_of(t, "textures"), number),
                    source = norma_json_member(&t->g->json, token, "source"),
                    image = t->images[texture->image].made;
     texture->made = number;
-    if (is_own(t, number)) {
+    if (is_own_image(t, number)) {
         if (image != texture->image) norma_json_replace_uint(t->g->edits, source, image);
         return 1;
     }
     texture->made = t->texture_count + t->more_textures++;
     json_edits *edits = norma_json_edits_create(&t->g->json, token);
     if (edits) norma_json_replace_uint(edits, source, image);
-    const int ok = edits && append(t, "textures", edits, token);
+    const int ok = edits && append_reference(t, "textures", edits, token);
     norma_json_edits_destroy(edits);
     return ok;
 }
 
-static int is_turned(const turner *t, uint32_t texture) {
+static int is_turned_image(const turner *t, uint32_t texture) {
     return t->textures[texture].turned && t->images[t->textures[texture].image].made != GLTF_NONE;
 }
 
@@ -260,14 +262,15 @@ static norma_document_result edit_json(turner *t) {
     for (uint32_t i = 0; i < t->image_count && ok; ++i)
         if (t->images[i].made != GLTF_NONE) ok = edit_image(t, i);
     for (uint32_t i = 0; i < t->texture_count && ok; ++i)
-        if (is_turned(t, i)) ok = edit_texture(t, i);
+        if (is_turned_image(t, i)) ok = edit_texture(t, i);
     for (uint32_t m = 0; m < t->g->material_count && ok; ++m) {
         uint32_t texture;
-        const uint32_t token = t->materials[m] ? index_of(t, m, &texture) : JSON_NONE;
-        if (token != JSON_NONE && is_turned(t, texture) && t->textures[texture].made != texture)
+        const uint32_t token = t->materials[m] ? reference_index(t, m, &texture) : JSON_NONE;
+        if (token != JSON_NONE && is_turned_image(t, texture) &&
+            t->textures[texture].made != texture)
             norma_json_replace_uint(t->g->edits, token, t->textures[texture].made);
     }
-    return ok ? NORMA_DOCUMENT_OK : out_of_memory(t);
+    return ok ? NORMA_DOCUMENT_OK : fail_green(t);
 }
 
 /* ---- all of it */
@@ -286,10 +289,10 @@ static int may_add(const turner *t) {
     return may;
 }
 
-static int prepare(turner *t, const uint8_t *meshes) {
+static int prepare_images(turner *t, const uint8_t *meshes) {
     const gltf *g = t->g;
-    t->texture_count = norma_json_size(&g->json, list_of(t, "textures"));
-    t->image_count = norma_json_size(&g->json, list_of(t, "images"));
+    t->texture_count = norma_json_size(&g->json, references_of(t, "textures"));
+    t->image_count = norma_json_size(&g->json, references_of(t, "images"));
     t->materials = norma_io_allocate(g->material_count, 1);
     t->textures = norma_io_allocate(t->texture_count, sizeof *t->textures);
     t->images = norma_io_allocate(t->image_count, sizeof *t->images);
@@ -315,7 +318,7 @@ static norma_document_result hand_over(turner *t) {
     if (!t->given_count) return NORMA_DOCUMENT_OK;
     given_image *grown =
         realloc(document->images, (document->image_count + t->given_count) * sizeof *grown);
-    if (!grown) return out_of_memory(t);
+    if (!grown) return fail_green(t);
     document->images = grown;
     for (size_t i = 0; i < t->given_count; ++i) {
         given_image *old = NULL;
@@ -345,7 +348,7 @@ norma_document_result norma_gltf_turn_green(
     norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error) {
     turner t = {.g = norma_gltf_of(document), .error = error};
     norma_gltf_begin_change(t.g);
-    norma_document_result result = prepare(&t, meshes) ? find_textures(&t) : out_of_memory(&t);
+    norma_document_result result = prepare_images(&t, meshes) ? find_textures(&t) : fail_green(&t);
     if (!result) result = turn_images(&t);
     *changed = 0;
     for (uint32_t i = 0; !result && i < t.image_count; ++i)

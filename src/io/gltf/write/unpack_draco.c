@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char name[] = "KHR_draco_mesh_compression";
+static const char UNPACKED_NAME[] = "KHR_draco_mesh_compression";
 
 /* A slot of a primitive, or, without one, that it is stripped of its normals. */
 typedef struct change {
@@ -104,7 +104,7 @@ static norma_document_result unpack(gltf *g, const group *of, norma_document_err
     if (norma_json_size(&g->json, extensions) == 1)
         norma_json_unset(norma_gltf_edits(g, copy), token, "extensions");
     else
-        norma_json_unset(norma_gltf_edits(g, copy), extensions, name);
+        norma_json_unset(norma_gltf_edits(g, copy), extensions, UNPACKED_NAME);
     return put_stream(g, of, error);
 }
 
@@ -139,18 +139,19 @@ static size_t count_packed(const gltf *g) {
     return packed - g->patch->unpacked_count;
 }
 
-static norma_document_result tell(gltf *g, norma_document_error *error) {
+static norma_document_result note_unpacked(gltf *g, norma_document_error *error) {
     const gltf_patch *patch = g->patch;
     const char *first = g->primitives[patch->unpacked[0].primitive].where;
     if (patch->unpacked_count == 1)
         norma_document_add_note(g->document,
-            "%s was compressed with %s; it has changed and is written uncompressed", first, name);
+            "%s was compressed with %s; it has changed and is written uncompressed", first,
+            UNPACKED_NAME);
     else
         norma_document_add_note(g->document,
             "%zu primitives, %s first, were compressed with %s; they have changed and are written "
             "uncompressed",
-            patch->unpacked_count, first, name);
-    if (count_packed(g) || norma_gltf_unlist(g, name)) return NORMA_DOCUMENT_OK;
+            patch->unpacked_count, first, UNPACKED_NAME);
+    if (count_packed(g) || norma_gltf_unlist(g, UNPACKED_NAME)) return NORMA_DOCUMENT_OK;
     return norma_document_fail_memory(g->document, error);
 }
 
@@ -167,12 +168,12 @@ norma_document_result norma_gltf_unpack_changed(gltf *g, norma_document_error *e
         const group of = {list + i, next - i};
         if (is_changed(g, &of)) result = unpack(g, &of, error);
     }
-    if (!result && g->patch->unpacked_count) result = tell(g, error);
+    if (!result && g->patch->unpacked_count) result = note_unpacked(g, error);
     free(list);
     return result;
 }
 
-/* The copies of a mesh name their streams as well, where they keep them. */
+/* The copies of a mesh UNPACKED_NAME their streams as well, where they keep them. */
 void norma_gltf_unpin_streams(gltf *g) {
     const gltf_patch *patch = g->patch;
     for (size_t c = 0; c < patch->copy_count; ++c) {

@@ -9,22 +9,22 @@
 
 /* ---- a vertex's bytes */
 
-static size_t size_of(const gltf *g, uint32_t accessor) {
+static size_t element_size_of(const gltf *g, uint32_t accessor) {
     return g->accessors[accessor].width *
            norma_gltf_component_size(g->accessors[accessor].component);
 }
 
-static size_t set_size(const gltf *g, const gltf_attributes *set) {
+static size_t attributes_size(const gltf *g, const gltf_attributes *set) {
     size_t size = 0;
     for (uint32_t i = set->first; i < set->first + set->count; ++i)
-        size += size_of(g, g->attributes[i].accessor);
+        size += element_size_of(g, g->attributes[i].accessor);
     return size;
 }
 
 size_t norma_gltf_vertex_size(const gltf *g, const gltf_primitive *p) {
-    size_t size = set_size(g, &p->base);
+    size_t size = attributes_size(g, &p->base);
     for (uint32_t t = 0; t < p->target_count; ++t)
-        size += set_size(g, &g->targets[p->first_target + t]);
+        size += attributes_size(g, &g->targets[p->first_target + t]);
     return size;
 }
 
@@ -73,7 +73,7 @@ static int is_set(const norma_mesh_edit *edit, const char *name) {
            (edit->set_positions && strcmp(name, "POSITION") == 0);
 }
 
-static norma_document_result copy_attributes(gltf *g, uint32_t primitive, int32_t target,
+static norma_document_result copy_unknown_attributes(gltf *g, uint32_t primitive, int32_t target,
     const gltf_attributes *set, const norma_mesh_edit *edit, norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (uint32_t i = set->first; !result && i < set->first + set->count; ++i)
@@ -116,9 +116,9 @@ norma_document_result norma_gltf_put_vertices(
             "vertices without a normal, or normals without a vertex, cannot be copied");
     norma_document_result result =
         norma_gltf_copy_vertices(g, p, edit->vertex_count, norma_gltf_vertex_size(g, p), error);
-    if (!result) result = copy_attributes(g, primitive, GLTF_SLOT_BASE, base, edit, error);
+    if (!result) result = copy_unknown_attributes(g, primitive, GLTF_SLOT_BASE, base, edit, error);
     for (uint32_t t = 0; !result && t < p->target_count; ++t)
-        result = copy_attributes(
+        result = copy_unknown_attributes(
             g, primitive, (int32_t)t, &g->targets[p->first_target + t], edit, error);
     return result;
 }
@@ -130,7 +130,7 @@ typedef struct vertex_rows {
     size_t size;
 } vertex_rows;
 
-static const unsigned char *row_of(const void *context, size_t row, size_t *length) {
+static const unsigned char *copied_row_of(const void *context, size_t row, size_t *length) {
     const vertex_rows *rows = context;
     *length = rows->size;
     return rows->bytes + row * rows->size;
@@ -141,7 +141,7 @@ static norma_document_result gather_set(gltf *g, const gltf_primitive *p,
     for (uint32_t i = set->first; i < set->first + set->count; ++i) {
         gltf_array array;
         const uint32_t accessor = g->attributes[i].accessor;
-        const size_t size = size_of(g, accessor);
+        const size_t size = element_size_of(g, accessor);
         norma_document_result result = norma_gltf_array(g, accessor, &array, error);
         if (result) return result;
         for (size_t v = 0; v < p->vertices && v < array.count; ++v)
@@ -169,7 +169,7 @@ norma_document_result norma_gltf_equal_vertices(
     result = gather_set(g, p, &p->base, &rows, &at, error);
     for (uint32_t t = 0; !result && t < p->target_count; ++t)
         result = gather_set(g, p, &g->targets[p->first_target + t], &rows, &at, error);
-    if (!result && !norma_equal_rows(row_of, &rows, p->vertices, first))
+    if (!result && !norma_equal_rows(copied_row_of, &rows, p->vertices, first))
         result = norma_document_fail_memory(document, error);
     free(rows.bytes);
     return result;
