@@ -92,7 +92,7 @@ if(NORMA_FILES)
   norma_default_kind(norma norma)
   # The one file in C++. As a bare object, so that CMake links everything by the C compiler, here and in projects that have no other.
   if(norma_has_DRACO)
-    add_library(norma-draco OBJECT src/io/gltf/read/draco_decoder.cpp)
+    add_library(norma-draco OBJECT src/io/gltf/draco_decoder.cpp)
     target_include_directories(norma-draco PRIVATE ${PROJECT_SOURCE_DIR}/src)
     target_include_directories(norma-draco SYSTEM PRIVATE ${NORMA_DRACO_INCLUDE})
     set_target_properties(norma-draco PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)

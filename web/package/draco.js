@@ -1,7 +1,7 @@
 /* Draco's streams (KHR_draco_mesh_compression): check.wasm and the page's module hand each to draco.wasm, a module of its own with a memory of its own, which is loaded when the first is met. */
 
 const OK = 0, MEMORY = 1, BROKEN = 2;
-const STREAM = 8, VALUES = 4; // 32-bit numbers in a draco_stream and in a draco_values (src/io/gltf/read/draco_decoder.h)
+const STREAM = 8, VALUES = 4; // 32-bit numbers in a draco_stream and in a draco_values (src/io/gltf/draco_decoder.h)
 const BYTES_OF = { 5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4 };
 
 const numbersAt = (wasm, at, count) => new Uint32Array(wasm.memory.buffer, at >>> 0, count);

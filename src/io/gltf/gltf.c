@@ -1,10 +1,10 @@
 /* gltf.c: a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
  * requires, and its table of functions. */
-#include "io/gltf/read/asset.h"
-#include "io/gltf/read/draco_decoder.h"
+#include "io/gltf/asset.h"
+#include "io/gltf/draco_decoder.h"
 #include "io/format/edit.h"
-#include "io/gltf/write/patch.h"
-#include "io/gltf/read/gltf_scene.h"
+#include "io/gltf/patch.h"
+#include "io/gltf/gltf_scene.h"
 #include "io/format/turn_green.h"
 #include "io/format/recentre.h"
 #include <stdio.h>

@@ -6,7 +6,7 @@
 #include "draco_streams.h"
 #include "gltf_asset.h"
 #include "gltf_output.h"
-#include "io/gltf/read/draco_decoder.h"
+#include "io/gltf/draco_decoder.h"
 
 #define NAMES "KHR_draco_mesh_compression"
 #define LISTS ",\"extensionsUsed\":[\"" NAMES "\"],\"extensionsRequired\":[\"" NAMES "\"]"

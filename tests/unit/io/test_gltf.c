@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include "document_bytes.h"
-#include "io/gltf/read/asset.h"
+#include "io/gltf/asset.h"
 
 /* ---- making assets */
 

@@ -1,7 +1,7 @@
-/* draco_calls.cpp: src/io/gltf/read/draco_decoder.cpp as a module of its own. Nothing here throws:
+/* draco_calls.cpp: src/io/gltf/draco_decoder.cpp as a module of its own. Nothing here throws:
  * where libdraco would, the module traps, and JavaScript drops it. A damaged stream can so harm
  * nothing else. */
-#include "io/gltf/read/draco_decoder.h"
+#include "io/gltf/draco_decoder.h"
 #include "../wasm/exports.h"
 #include <cstdlib>
 #include <new>

@@ -1,6 +1,6 @@
 /* draco_elsewhere.c: Draco's streams are decoded by a module of their own, draco.wasm. JavaScript
  * loads it when the first is met, and carries them there and back (web/package/draco.js). */
-#include "io/gltf/read/draco_decoder.h"
+#include "io/gltf/draco_decoder.h"
 
 /* JavaScript reads both structs as 32-bit numbers, one for each member. */
 _Static_assert(sizeof(draco_stream) == 8 * 4 && sizeof(draco_values) == 4 * 4, "draco.js");

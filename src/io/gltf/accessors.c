@@ -1,0 +1,263 @@
+/* accessors.c: accessors: what the JSON says, and their elements, wherever they lie: in a view with
+ * any stride, sparse over a view or over zeros. */
+#include "io/gltf/asset.h"
+#include <stdlib.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    uint32_t width;
+} types[] = {
+    {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
+enum { TYPE_COUNT = sizeof types / sizeof types[0], TYPE_MAT2 = 4 };
+
+size_t norma_gltf_component_size(int component) {
+    switch (component) {
+    case GLTF_BYTE:
+    case GLTF_UBYTE:
+        return 1;
+    case GLTF_SHORT:
+    case GLTF_USHORT:
+        return 2;
+    case GLTF_UINT:
+    case GLTF_FLOAT:
+        return 4;
+    default:
+        return 0;
+    }
+}
+
+/* Columns of small matrices begin at multiples of four bytes (glTF 2.0, 3.6.2.4). */
+static size_t element_size(size_t type, size_t component_size) {
+    size_t width = types[type].width;
+    if (type < TYPE_MAT2) return width * component_size;
+    size_t rows = type == TYPE_MAT2 ? 2 : type == TYPE_MAT2 + 1 ? 3 : 4;
+    return rows * ((rows * component_size + 3) / 4 * 4);
+}
+
+static norma_document_result read_sparse(
+    gltf *g, gltf_accessor *a, uint32_t sparse, norma_document_error *error) {
+    const json *j = &g->json;
+    uint32_t indices = norma_json_member(j, sparse, "indices"),
+             values = norma_json_member(j, sparse, "values");
+    size_t component = 0;
+    a->sparse.indices_view = a->sparse.values_view = GLTF_NONE;
+    int ok =
+        norma_gltf_size_member(g, sparse, "count", &a->sparse.count) &&
+        norma_gltf_index_member(g, indices, "bufferView", g->view_count, &a->sparse.indices_view) &&
+        norma_gltf_size_member(g, indices, "byteOffset", &a->sparse.indices_offset) &&
+        norma_gltf_size_member(g, indices, "componentType", &component) &&
+        norma_gltf_index_member(g, values, "bufferView", g->view_count, &a->sparse.values_view) &&
+        norma_gltf_size_member(g, values, "byteOffset", &a->sparse.values_offset);
+    ok = ok && a->sparse.count > 0 && a->sparse.count <= a->count &&
+         a->sparse.indices_view != GLTF_NONE && a->sparse.values_view != GLTF_NONE &&
+         (component == GLTF_UBYTE || component == GLTF_USHORT || component == GLTF_UINT);
+    a->sparse.indices_component = (int)component;
+    return ok ? NORMA_DOCUMENT_OK
+              : norma_gltf_malformed(g, error, sparse,
+                    "a count from 1 to the accessor's, and indices and values with views that "
+                    "exist");
+}
+
+static norma_document_result read_accessor(gltf *g, gltf_accessor *a, norma_document_error *error) {
+    const json *j = &g->json;
+    size_t component = 0;
+    uint32_t type = norma_json_member(j, a->token, "type"),
+             sparse = norma_json_member(j, a->token, "sparse");
+    a->view = a->draco = GLTF_NONE;
+    if (!norma_gltf_index_member(g, a->token, "bufferView", g->view_count, &a->view))
+        return norma_gltf_malformed(
+            g, error, a->token, "the number of an existing view in \"bufferView\"");
+    if (!norma_gltf_size_member(g, a->token, "byteOffset", &a->offset) ||
+        !norma_gltf_size_member(g, a->token, "count", &a->count) || a->count == 0 ||
+        !norma_gltf_size_member(g, a->token, "componentType", &component))
+        return norma_gltf_malformed(g, error, a->token,
+            "a count from 1, and byteOffset and componentType as whole numbers");
+    size_t t = 0;
+    while (t < TYPE_COUNT && !norma_json_equals(j, type, types[t].name)) ++t;
+    size_t size = component > GLTF_FLOAT ? 0 : norma_gltf_component_size((int)component);
+    if (t == TYPE_COUNT || size == 0)
+        return norma_gltf_malformed(g, error, a->token, "a componentType and type that glTF has");
+    a->component = (int)component;
+    a->width = types[t].width;
+    a->element_size = element_size(t, size);
+    a->normalized = norma_json_is(j, norma_json_member(j, a->token, "normalized"), JSON_TRUE);
+    return sparse == JSON_NONE ? NORMA_DOCUMENT_OK : read_sparse(g, a, sparse, error);
+}
+
+norma_document_result norma_gltf_read_accessors(gltf *g, norma_document_error *error) {
+    const json *j = &g->json;
+    uint32_t list = norma_json_member(j, 0, "accessors"), number = 0;
+    g->accessor_count = norma_json_size(j, list);
+    g->accessors = norma_io_allocate(g->accessor_count, sizeof *g->accessors);
+    if (!g->accessors) return norma_document_fail_memory(g->document, error);
+    if (list != JSON_NONE && !norma_json_is(j, list, JSON_ARRAY))
+        return norma_gltf_malformed(g, error, list, "an array");
+    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
+         item = norma_json_next(j, list, item), ++number) {
+        if (!norma_json_is(j, item, JSON_OBJECT))
+            return norma_gltf_malformed(g, error, item, "an object");
+        g->accessors[number].token = item;
+        norma_document_result result = read_accessor(g, &g->accessors[number], error);
+        if (result) return result;
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- elements */
+
+static norma_document_result locate_elements(gltf *g, const gltf_elements *elements, size_t *stride,
+    const unsigned char **data, norma_document_error *error) {
+    norma_document_result result = norma_gltf_view_bytes(g, elements->view, data, error);
+    if (!result) result = norma_gltf_measure_elements(g, elements, stride, error);
+    if (!result) *data += elements->offset;
+    return result;
+}
+
+static uint32_t read_uint(const unsigned char *at, int component) {
+    uint32_t value = at[0];
+    if (component != GLTF_UBYTE) value |= (uint32_t)at[1] << 8;
+    if (component == GLTF_UINT) value |= (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+    return value;
+}
+
+norma_document_result norma_gltf_sparse_indices(
+    gltf *g, uint32_t accessor, uint32_t *out, norma_document_error *error) {
+    const gltf_accessor *a = &g->accessors[accessor];
+    const unsigned char *indices;
+    size_t stride, size = norma_gltf_component_size(a->sparse.indices_component);
+    norma_document_result result = locate_elements(g,
+        &(gltf_elements){
+            a->token, a->sparse.indices_view, a->sparse.indices_offset, a->sparse.count, size},
+        &stride, &indices, error);
+    for (size_t i = 0; !result && i < a->sparse.count; ++i) {
+        out[i] = read_uint(indices + i * stride, a->sparse.indices_component);
+        if (out[i] >= a->count)
+            result = norma_gltf_malformed(g, error, a->token, "sparse indices below count");
+    }
+    return result;
+}
+
+static norma_document_result apply_sparse(gltf *g, gltf_accessor *a, norma_document_error *error) {
+    const unsigned char *values;
+    size_t stride;
+    norma_document_result result = locate_elements(g,
+        &(gltf_elements){a->token, a->sparse.values_view, a->sparse.values_offset, a->sparse.count,
+            a->element_size},
+        &stride, &values, error);
+    uint32_t *indices = result ? NULL : norma_io_allocate(a->sparse.count, sizeof *indices);
+    if (!result)
+        result = indices
+                     ? norma_gltf_sparse_indices(g, (uint32_t)(a - g->accessors), indices, error)
+                     : norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; !result && i < a->sparse.count; ++i)
+        memcpy(a->owned + indices[i] * a->element_size, values + i * stride, a->element_size);
+    free(indices);
+    return result;
+}
+
+static norma_document_result make_dense(gltf *g, gltf_accessor *a, norma_document_error *error) {
+    if (a->view == GLTF_NONE && a->count > g->held)
+        return norma_gltf_malformed(
+            g, error, a->token, "a count that is plausible for the size of the file");
+    norma_document_result result = norma_gltf_spend(g, a->token, a->count, a->element_size, error);
+    if (result) return result;
+    unsigned char *owned = norma_io_allocate(a->count, a->element_size);
+    if (!owned) return norma_document_fail_memory(g->document, error);
+    if (a->view != GLTF_NONE)
+        for (size_t i = 0; i < a->count; ++i)
+            memcpy(
+                owned + i * a->element_size, a->array.data + i * a->array.stride, a->element_size);
+    a->owned = owned;
+    a->array.data = owned;
+    a->array.stride = a->element_size;
+    return a->sparse.count ? apply_sparse(g, a, error) : NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_array(
+    gltf *g, uint32_t number, gltf_array *array, norma_document_error *error) {
+    gltf_accessor *a = &g->accessors[number];
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!a->resolved && a->draco != GLTF_NONE) {
+        result = norma_gltf_decode_draco(g, a->draco, error);
+    } else if (!a->resolved) {
+        free(a->owned);
+        a->owned = NULL;
+        a->array = (gltf_array){.count = a->count,
+            .component = a->component,
+            .width = a->width,
+            .normalized = a->normalized};
+        if (a->view != GLTF_NONE)
+            result = locate_elements(g,
+                &(gltf_elements){a->token, a->view, a->offset, a->count, a->element_size},
+                &a->array.stride, &a->array.data, error);
+        if (!result && (a->view == GLTF_NONE || a->sparse.count)) result = make_dense(g, a, error);
+        a->resolved = !result;
+    }
+    *array = a->array;
+    return result;
+}
+
+void norma_gltf_floats(const gltf_array *array, size_t index, float *out) {
+    const unsigned char *at = array->data + index * array->stride;
+    size_t size = norma_gltf_component_size(array->component);
+    for (uint32_t i = 0; i < array->width; ++i, at += size) {
+        int32_t value = 0;
+        double largest = 1;
+        switch (array->component) {
+        case GLTF_FLOAT:
+            memcpy(&out[i], at, sizeof out[i]);
+            continue;
+        case GLTF_BYTE:
+            value = at[0] < 128 ? at[0] : at[0] - 256;
+            largest = 127;
+            break;
+        case GLTF_UBYTE:
+            value = at[0];
+            largest = 255;
+            break;
+        case GLTF_SHORT:
+            value = (int32_t)read_uint(at, GLTF_USHORT);
+            value = value < 32768 ? value : value - 65536;
+            largest = 32767;
+            break;
+        case GLTF_USHORT:
+            value = (int32_t)read_uint(at, GLTF_USHORT);
+            largest = 65535;
+            break;
+        default:
+            out[i] = (float)read_uint(at, GLTF_UINT);
+            continue;
+        }
+        double decoded = array->normalized ? value / largest : value;
+        out[i] = (float)(array->normalized && decoded < -1 ? -1 : decoded);
+    }
+}
+
+void norma_gltf_uints(const gltf_array *array, size_t index, uint32_t *out) {
+    size_t size = norma_gltf_component_size(array->component);
+    for (uint32_t i = 0; i < array->width; ++i)
+        out[i] = read_uint(array->data + index * array->stride + i * size, array->component);
+}
+
+norma_vec3_view norma_gltf_vec3_view(const gltf_array *array) {
+    norma_format format = NORMA_FORMAT_FLOAT;
+    switch (array->component) {
+    case GLTF_BYTE:
+        format = NORMA_FORMAT_INT8;
+        break;
+    case GLTF_UBYTE:
+        format = NORMA_FORMAT_UINT8;
+        break;
+    case GLTF_SHORT:
+        format = NORMA_FORMAT_INT16;
+        break;
+    case GLTF_USHORT:
+        format = NORMA_FORMAT_UINT16;
+        break;
+    default:
+        break;
+    }
+    return (norma_vec3_view){
+        .data = array->data, .count = array->count, .stride = array->stride, .format = format};
+}

@@ -1,0 +1,354 @@
+/* assign_views.c: pieces find their views. What keeps its size stays where it was; interleaved
+ * attributes that all grow stay interleaved; of what outgrows its place, the first takes a view
+ * that nobody else needs any more, the rest get new ones. So no view is left unused. */
+#include "io/gltf/patch.h"
+#include "io/file/large_memory.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* A run of elements in a view: do two of them share bytes? */
+typedef struct run {
+    size_t offset, stride, size, count;
+} run;
+
+static run run_of_run(const data_run *piece) {
+    return (run){piece->old_offset, piece->old_stride, piece->old_size, piece->old_count};
+}
+
+static int overlap(const run *a, const run *b) {
+    if (a->offset + (a->count - 1) * a->stride + a->size <= b->offset ||
+        b->offset + (b->count - 1) * b->stride + b->size <= a->offset)
+        return 0;
+    if (a->stride != b->stride) return 1;
+    size_t x = a->offset % a->stride, y = b->offset % a->stride;
+    return x + a->size > a->stride || y + b->size > a->stride ||
+           (x < y + b->size && y < x + a->size);
+}
+
+static int same_run(const data_run *a, const data_run *b) {
+    return a->old_offset == b->old_offset && a->old_stride == b->old_stride &&
+           a->old_size == b->old_size && a->old_count == b->old_count && a->size == b->size &&
+           a->count == b->count && memcmp(a->bytes, b->bytes, a->count * a->size) == 0;
+}
+
+/* ---- who uses a view */
+
+static int is_accessor(const gltf *g, uint32_t token) {
+    uint32_t list = g->json.tokens[token].parent;
+    return list != JSON_NONE && g->json.tokens[list].parent == 0 &&
+           norma_json_equals(&g->json, list - 1, "accessors");
+}
+
+uint32_t *norma_gltf_view_pins(const gltf *g) {
+    const json *j = &g->json;
+    uint32_t *pins = norma_io_allocate(g->view_count, sizeof *pins);
+    for (uint32_t token = 2; pins && token < j->count; ++token) {
+        uint32_t parent = j->tokens[token].parent;
+        uint64_t view;
+        if (j->tokens[token].type == JSON_NUMBER && j->tokens[parent].type == JSON_OBJECT &&
+            norma_json_equals(j, token - 1, "bufferView") && !is_accessor(g, parent) &&
+            norma_json_uint(j, token, &view) && view < g->view_count)
+            ++pins[view];
+    }
+    return pins;
+}
+
+typedef struct placer {
+    gltf *g;
+    gltf_patch *patch;
+    uint32_t *stays;        /* for each view: users who keep what is there */
+    uint32_t *first, *next; /* pieces of each view */
+    uint8_t *overrun;       /* of each buffer: a view ends behind it */
+    norma_document_error *error;
+} placer;
+
+static void count_stays(placer *p) {
+    for (uint32_t v = 0; v < p->g->view_count; ++v) p->stays[v] = p->patch->pins[v];
+    for (uint32_t a = 0; a < p->g->accessor_count; ++a)
+        if (p->g->accessors[a].view != GLTF_NONE && p->patch->replaced[a] == GLTF_NONE)
+            ++p->stays[p->g->accessors[a].view];
+    for (size_t i = p->patch->run_count; i-- > 0;) {
+        const data_run *piece = &p->patch->pieces[i];
+        if (piece->old_view == GLTF_NONE) continue;
+        p->next[i] = p->first[piece->old_view];
+        p->first[piece->old_view] = (uint32_t)i;
+        if (piece->target == 0) --p->stays[piece->old_view];
+    }
+}
+
+/* Whether the piece can be written over its old bytes without harm to others. */
+static int fits_old_bytes(const placer *p, uint32_t number) {
+    const data_run *piece = &p->patch->pieces[number];
+    const run own = run_of_run(piece);
+    const uint32_t pins = p->patch->pins[piece->old_view];
+    if (piece->size != piece->old_size || piece->count != piece->old_count ||
+        pins > (piece->target == 0 ? 1u : 0u))
+        return 0;
+    for (uint32_t i = p->first[piece->old_view]; i != GLTF_NONE; i = p->next[i]) {
+        const run other = run_of_run(&p->patch->pieces[i]);
+        if (i != number && overlap(&own, &other) && !same_run(piece, &p->patch->pieces[i]))
+            return 0;
+    }
+    for (uint32_t a = 0; p->stays[piece->old_view] && a < p->g->accessor_count; ++a) {
+        const gltf_accessor *accessor = &p->g->accessors[a];
+        const run other = {accessor->offset,
+            p->g->views[piece->old_view].stride ? p->g->views[piece->old_view].stride
+                                                : accessor->element_size,
+            accessor->element_size, accessor->count};
+        if (accessor->view == piece->old_view && p->patch->replaced[a] == GLTF_NONE &&
+            overlap(&own, &other))
+            return 0;
+    }
+    return 1;
+}
+
+/* ---- contents of views */
+
+static norma_document_result fail_views(const placer *p) {
+    return norma_document_fail_memory(p->g->document, p->error);
+}
+
+static void write_run_rows(unsigned char *to, size_t stride, const data_run *piece) {
+    for (size_t i = 0; i < piece->count; ++i)
+        memcpy(to + i * stride, piece->bytes + i * piece->size, piece->size);
+}
+
+/* The view's old bytes as a copy to be written into. */
+static norma_document_result own_view(placer *p, uint32_t view) {
+    const gltf_view *old = &p->g->views[view];
+    patch_view *to = &p->patch->views[view];
+    const unsigned char *bytes;
+    if (to->plain.bytes) return NORMA_DOCUMENT_OK;
+    norma_document_result result = norma_gltf_view_bytes(p->g, view, &bytes, p->error);
+    if (result) return result;
+    to->plain.bytes = to->owned = norma_io_block(old->length, 1);
+    if (!to->owned) return fail_views(p);
+    memcpy(to->owned, bytes, old->length);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* Whether a piece alone is all that an old view holds. */
+static int fills_view(const placer *p, uint32_t view, const data_run *piece) {
+    return !p->patch->views[view].plain.bytes && piece->old_offset == 0 &&
+           piece->old_stride == piece->size &&
+           p->g->views[view].length == piece->count * piece->size;
+}
+
+static size_t stride_for(const data_run *piece) {
+    int vertex = piece->target == 34962;
+    return vertex && piece->size % 4 ? (piece->size + 3) / 4 * 4 : piece->size;
+}
+
+/* Fills a view, old or new, with one piece alone. */
+static norma_document_result take_view(placer *p, uint32_t view, data_run *piece) {
+    patch_view *to = &p->patch->views[view];
+    size_t stride = stride_for(piece);
+    if (piece->count > SIZE_MAX / stride ||
+        (stride != piece->size && !(to->owned = norma_io_allocate(piece->count, stride))))
+        return fail_views(p);
+    to->plain.bytes = to->owned ? to->owned : piece->bytes;
+    to->plain.length = piece->count * stride;
+    to->element = stride;
+    int said = view < p->g->view_count && p->g->views[view].stride == stride;
+    to->stride = stride != piece->size || said ? stride : 0;
+    to->target = piece->target;
+    if (to->owned) write_run_rows(to->owned, stride, piece);
+    norma_gltf_point_data_run(p->g, piece, view, 0);
+    piece->placed = 1;
+    return NORMA_DOCUMENT_OK;
+}
+
+/* All users grow alike, side by side in one stride: the view grows with them. */
+static int can_stay_interleaved(const placer *p, uint32_t view) {
+    size_t stride = p->g->views[view].stride;
+    const data_run *lead = &p->patch->pieces[p->first[view]];
+    if (stride == 0 || p->stays[view] || lead->count > SIZE_MAX / stride) return 0;
+    for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
+        const data_run *piece = &p->patch->pieces[i];
+        if (piece->size != piece->old_size || piece->old_count != lead->old_count ||
+            piece->count != lead->count || piece->old_offset + piece->size > stride)
+            return 0;
+        const run own = run_of_run(piece);
+        for (uint32_t k = p->next[i]; k != GLTF_NONE; k = p->next[k]) {
+            const run other = run_of_run(&p->patch->pieces[k]);
+            if (overlap(&own, &other) && !same_run(piece, &p->patch->pieces[k])) return 0;
+        }
+    }
+    return 1;
+}
+
+static norma_document_result grow_interleaved(placer *p, uint32_t view) {
+    patch_view *to = &p->patch->views[view];
+    size_t stride = p->g->views[view].stride, count = p->patch->pieces[p->first[view]].count;
+    to->plain.bytes = to->owned = norma_io_allocate(count, stride);
+    if (!to->owned) return fail_views(p);
+    to->plain.length = count * stride;
+    for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
+        write_run_rows(to->owned + p->patch->pieces[i].old_offset, stride, &p->patch->pieces[i]);
+        p->patch->pieces[i].placed = 1;
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result place_in_view(placer *p, uint32_t view) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    uint32_t leaver = GLTF_NONE;
+    int fitting = 0;
+    for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
+        p->patch->pieces[i].fits = fits_old_bytes(p, i);
+        fitting |= p->patch->pieces[i].fits;
+        if (!p->patch->pieces[i].fits && leaver == GLTF_NONE) leaver = i;
+    }
+    if (leaver != GLTF_NONE && can_stay_interleaved(p, view)) return grow_interleaved(p, view);
+    for (uint32_t i = p->first[view]; !result && i != GLTF_NONE; i = p->next[i]) {
+        data_run *piece = &p->patch->pieces[i];
+        if (!piece->fits) continue;
+        if (fills_view(p, view, piece))
+            p->patch->views[view].plain.bytes = piece->bytes;
+        else
+            result = own_view(p, view);
+        if (!result && p->patch->views[view].owned)
+            write_run_rows(
+                p->patch->views[view].owned + piece->old_offset, piece->old_stride, piece);
+        piece->placed = 1;
+    }
+    if (!result && leaver != GLTF_NONE && !fitting && p->stays[view] == 0)
+        result = take_view(p, view, &p->patch->pieces[leaver]);
+    return result;
+}
+
+/* ---- buffers for new bytes */
+
+/* A view that ends behind its buffer is a fault that must not come to mean our bytes when the
+ * buffer grows. */
+static int find_growing(placer *p) {
+    const gltf *g = p->g;
+    p->overrun = norma_io_allocate((size_t)g->buffer_count + 1, 1);
+    for (uint32_t v = 0; p->overrun && v < g->view_count; ++v) {
+        const gltf_meshopt *m = &g->views[v].meshopt;
+        p->overrun[g->views[v].buffer] |= (uint8_t)norma_gltf_view_overruns(g, v);
+        if (m->token == GLTF_NONE) continue;
+        const size_t length = g->buffers[m->buffer].length;
+        p->overrun[m->buffer] |= m->offset > length || m->length > length - m->offset;
+    }
+    return p->overrun != NULL;
+}
+
+static int may_grow(const placer *p, uint32_t buffer) { return !p->overrun[buffer]; }
+
+/* Where new bytes go: the BIN chunk, else the first buffer that has bytes, else one more buffer. */
+static uint32_t choose_buffer(const placer *p) {
+    const gltf *g = p->g;
+    for (uint32_t i = 0; i < g->buffer_count; ++i)
+        if (g->buffers[i].storage == GLTF_STORED_BIN && may_grow(p, i)) return i;
+    for (uint32_t i = 0; i < g->buffer_count; ++i)
+        if (g->buffers[i].bytes && may_grow(p, i)) return i;
+    return g->buffer_count;
+}
+
+/* Chooses the buffers of a view's new bytes by those of an old one, GLTF_NONE for none. The plain
+ * bytes of a compressed view may have a buffer that holds none. */
+static void choose_places(const placer *p, patch_view *to, uint32_t near) {
+    const gltf_view *old = near == GLTF_NONE ? NULL : &p->g->views[near];
+    const uint32_t any = p->patch->default_buffer;
+    const int compressed = old && old->meshopt.token != GLTF_NONE,
+              empty = old && p->g->buffers[old->buffer].storage == GLTF_STORED_NOWHERE;
+    to->like = compressed ? near : GLTF_NONE;
+    to->plain.buffer =
+        old && may_grow(p, old->buffer) && (compressed || !empty) ? old->buffer : any;
+    to->packed.buffer = !compressed                        ? GLTF_NONE
+                        : may_grow(p, old->meshopt.buffer) ? old->meshopt.buffer
+                                                           : any;
+}
+
+/* ---- new views */
+
+static int add_view(gltf_patch *patch) {
+    patch_view *grown =
+        norma_io_grow(patch->views, &patch->view_capacity, patch->view_count + 1, sizeof *grown);
+    if (!grown) return 0;
+    patch->views = grown;
+    patch->views[patch->view_count++] = (patch_view){.stride = 0};
+    return 1;
+}
+
+static norma_document_result add_new_views(placer *p) {
+    gltf_patch *patch = p->patch;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    uint32_t compressed = 0; /* the first such view: what is quite new is compressed like it */
+    while (compressed < p->g->view_count && p->g->views[compressed].meshopt.token == GLTF_NONE)
+        ++compressed;
+    if (compressed == p->g->view_count) compressed = GLTF_NONE;
+    for (size_t i = 0; !result && i < patch->run_count; ++i) {
+        data_run *piece = &patch->pieces[i];
+        if (piece->placed) continue;
+        if (!add_view(patch)) return fail_views(p);
+        const uint32_t view = (uint32_t)patch->view_count - 1;
+        choose_places(
+            p, &patch->views[view], piece->old_view == GLTF_NONE ? compressed : piece->old_view);
+        result = take_view(p, view, piece);
+    }
+    return result;
+}
+
+/* Images are never compressed like numbers. */
+static norma_document_result place_images(placer *p) {
+    gltf_patch *patch = p->patch;
+    for (size_t i = 0; i < patch->image_count; ++i) {
+        patch_image *image = &patch->images[i];
+        const int new = image->view == GLTF_NONE;
+        if (new && !add_view(patch)) return fail_views(p);
+        patch_view *to = &patch->views[new ? patch->view_count - 1 : image->view];
+        if (new) choose_places(p, to, GLTF_NONE);
+        to->plain.bytes = to->owned = image->bytes;
+        to->plain.length = image->size;
+        image->bytes = NULL;
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static int prepare_views(placer *p) {
+    const gltf *g = p->g;
+    gltf_patch *patch = p->patch;
+    if (!find_growing(p)) return 0;
+    patch->default_buffer = choose_buffer(p);
+    patch->pins = norma_gltf_view_pins(g);
+    patch->views = norma_io_allocate(g->view_count, sizeof *patch->views);
+    patch->view_count = patch->view_capacity = g->view_count;
+    p->stays = norma_io_allocate(g->view_count, sizeof *p->stays);
+    p->first = norma_io_allocate(g->view_count, sizeof *p->first);
+    p->next = norma_io_allocate(patch->run_count, sizeof *p->next);
+    if (!patch->views) patch->view_count = 0;
+    if (!patch->pins || !patch->views || !p->stays || !p->first || !p->next) return 0;
+    norma_gltf_unpin_streams(p->g);
+    memset(p->first, 0xFF, g->view_count * sizeof *p->first);
+    for (uint32_t v = 0; v < g->view_count; ++v) {
+        const gltf_view *old = &g->views[v];
+        patch_view *view = &patch->views[v];
+        choose_places(p, view, v);
+        view->plain.length = old->length;
+        view->packed.length = old->meshopt.length;
+        view->meshopt = old->meshopt;
+        view->stride = old->stride;
+        view->element = old->meshopt.token != GLTF_NONE ? old->meshopt.stride : old->stride;
+    }
+    count_stays(p);
+    return 1;
+}
+
+norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error) {
+    placer p = {.g = g, .patch = g->patch, .error = error};
+    norma_document_result result = norma_gltf_make_data_runs(g, error);
+    if (!result && !prepare_views(&p)) result = fail_views(&p);
+    if (!result) result = place_images(&p);
+    for (uint32_t v = 0; !result && v < g->view_count; ++v)
+        if (p.first[v] != GLTF_NONE) result = place_in_view(&p, v);
+    if (!result) result = add_new_views(&p);
+    if (!result) result = norma_gltf_pack_views(g, error);
+    if (!result) result = norma_gltf_append_accessors(g, error);
+    free(p.stays);
+    free(p.first);
+    free(p.next);
+    free(p.overrun);
+    return result;
+}

@@ -1,0 +1,343 @@
+/* bake.c: --bake: the world matrix of every node that draws a mesh becomes the identity, the mesh
+ * is carried instead.
+ *
+ * A node that is baked stays where it hangs. Below a node that keeps its own world matrix it gets
+ * the inverse of that (two nodes where it is sheared; where there is no inverse, it becomes a
+ * root); below another baked node, and as a root, nothing. What hangs below it and keeps its world
+ * matrix goes under a new node between them that holds the matrix which the baked node gave up. A
+ * node that carries more than a mesh (a camera, a light, a joint) keeps its matrix, and a new node
+ * below draws the mesh.
+ *
+ * The matrix that is applied after all node transforms is in the meshes that are baked. All else
+ * that is somewhere (cameras, joints, animated nodes, meshes that stay, empty nodes) gets it by a
+ * node above the roots. Where a root has nothing of that kind, its groups of baked nodes keep their
+ * world matrices. */
+#include "io/gltf/bake.h"
+#include "io/gltf/node_matrix.h"
+#include "io/gltf/gltf_scene.h"
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum node_fate {
+    FATE_KEEPS = 0,
+    FATE_BAKED,
+    FATE_PARTED
+} node_fate; /* parted: keeps its matrix, its mesh goes to a new node */
+
+typedef struct baking {
+    gltf *g;
+    const norma_transform_options *options;
+    norma_transform_summary *summary;
+    gltf_tree tree;
+    bake_cache cache;
+    int moves; /* options->matrix is not the identity */
+    uint32_t *order;
+    unsigned char *flags, *fates,
+        *carried;         /* by node; carried: by root, whether the matrix goes above it */
+    uint32_t *roots;      /* by node: its root */
+    uint32_t *stays;      /* by mesh: how many nodes draw it that are not baked */
+    unsigned char *taken; /* by mesh: a baked node has it already, another one gets a copy */
+    int instances_left;   /* instances that stay */
+    size_t uses, done;    /* meshes to be carried */
+} baking;
+
+static int allocate_baking(baking *b) {
+    const size_t nodes = (size_t)b->g->node_count + 1, meshes = (size_t)b->g->mesh_count + 1;
+    b->order = norma_gltf_bake_order(b->g, &b->tree);
+    b->flags = b->order ? norma_gltf_bake_flags(b->g, b->order) : NULL;
+    b->fates = norma_io_allocate(nodes, 1);
+    b->carried = norma_io_allocate(nodes, 1);
+    b->roots = norma_io_allocate(nodes, sizeof *b->roots);
+    b->stays = norma_io_allocate(meshes, sizeof *b->stays);
+    b->taken = norma_io_allocate(meshes, 1);
+    return b->flags && b->fates && b->carried && b->roots && b->stays && b->taken;
+}
+
+static void free_baking(baking *b) {
+    norma_gltf_tree_free(&b->tree);
+    norma_gltf_bake_cache_free(&b->cache);
+    free(b->order);
+    free(b->flags);
+    free(b->fates);
+    free(b->carried);
+    free(b->roots);
+    free(b->stays);
+    free(b->taken);
+}
+
+/* ---- who is baked */
+
+static void note_stays(const baking *b, uint32_t node, const char *why) {
+    const char *name = b->g->nodes[node].name;
+    if (name && *name)
+        norma_document_add_note(
+            b->g->document, "node %u \"%s\" is not baked: %s", (unsigned)node, name, why);
+    else
+        norma_document_add_note(b->g->document, "node %u is not baked: %s", (unsigned)node, why);
+}
+
+/* NULL, or why a node that draws a mesh keeps it as it is. */
+static const char *why_not(const baking *b, uint32_t node) {
+    const gltf_node *n = &b->g->nodes[node];
+    const unsigned flags = b->flags[node];
+    if (n->skin != GLTF_NONE) return "its mesh is skinned, and follows its joints";
+    if (flags & BAKE_MOVES) return "it is animated";
+    if (flags & BAKE_MOVED) return "a node above it is animated";
+    if ((flags & BAKE_WEIGHTS) && ((flags & (BAKE_CARRIES | BAKE_JOINT)) || n->instanced))
+        return "its morph weights are animated, and it holds more than one mesh at one place";
+    return NULL;
+}
+
+static node_fate fate_of(const baking *b, uint32_t node) {
+    const gltf_node *n = &b->g->nodes[node];
+    if (n->mesh == GLTF_NONE || (n->instanced && n->instances == 0)) return FATE_KEEPS;
+    const char *obstacle = norma_gltf_bake_obstacle(b->g, n->mesh), *why = why_not(b, node);
+    if (why) {
+        note_stays(b, node, why);
+        return FATE_KEEPS;
+    }
+    if (obstacle) {
+        norma_document_add_note(b->g->document, "node %u is not baked: mesh %u %s", (unsigned)node,
+            (unsigned)n->mesh, obstacle);
+        return FATE_KEEPS;
+    }
+    double world[16];
+    norma_gltf_matrix_multiply(b->options->matrix, n->world, world);
+    if (!n->instanced && norma_gltf_matrix_is_identity(world))
+        return FATE_KEEPS; /* nothing to bake */
+    return b->flags[node] & (BAKE_CARRIES | BAKE_JOINT) ? FATE_PARTED : FATE_BAKED;
+}
+
+static void decide_fates(baking *b) {
+    for (uint32_t i = 0; i < b->g->node_count; i++) {
+        const uint32_t node = b->order[i], parent = b->g->nodes[node].parent;
+        b->fates[node] = (unsigned char)fate_of(b, node);
+        b->roots[node] = parent == GLTF_NONE ? node : b->roots[parent];
+        if (b->g->nodes[node].mesh == GLTF_NONE) continue;
+        if (b->fates[node] == FATE_KEEPS) {
+            b->stays[b->g->nodes[node].mesh]++;
+            b->instances_left |= b->g->nodes[node].instanced;
+        } else {
+            b->uses += b->g->nodes[node].instances;
+            b->summary->nodes_baked++;
+        }
+    }
+}
+
+/* Which roots hold something besides baked nodes and the groups above them. */
+static norma_document_result decide_carried(baking *b, norma_document_error *error) {
+    unsigned char *groups =
+        norma_io_allocate((size_t)b->g->node_count + 1, 1); /* has a baked node below */
+    if (!groups) return norma_document_fail_memory(b->g->document, error);
+    for (uint32_t i = b->g->node_count; i-- > 0;) {
+        const uint32_t node = b->order[i], parent = b->g->nodes[node].parent;
+        const int baked = b->fates[node] == FATE_BAKED;
+        if ((baked || groups[node]) && parent != GLTF_NONE) groups[parent] = 1;
+        const int draws = b->g->nodes[node].mesh != GLTF_NONE;
+        if (!baked &&
+            (draws || !groups[node] || (b->flags[node] & (BAKE_MOVES | BAKE_JOINT | BAKE_CARRIES))))
+            b->carried[b->roots[node]] = 1;
+    }
+    free(groups);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- the hierarchy */
+
+/* The world matrix that a node which keeps its own will have. */
+static void kept_world(const baking *b, uint32_t node, double world[16]) {
+    memcpy(world, b->g->nodes[node].world, 16 * sizeof *world);
+    if (b->moves && b->carried[b->roots[node]])
+        norma_gltf_matrix_multiply(b->options->matrix, world, world);
+}
+
+/* Brings node, a child of above, which keeps its world matrix, to the identity. */
+static void hang_at_identity(baking *b, uint32_t node, uint32_t above) {
+    double world[16], inverse[16], identity[16];
+    kept_world(b, above, world);
+    norma_gltf_matrix_identity(identity);
+    if (norma_gltf_matrix_invert(world, inverse)) {
+        norma_gltf_tree_set_local(&b->tree, node, inverse);
+    } else {
+        norma_gltf_tree_make_root(&b->tree, node);
+        norma_gltf_tree_set_local(&b->tree, node, identity);
+    }
+}
+
+/* Those of node's children that are not baked, under a new node that holds the matrix which node
+ * gave up. */
+static void keep_children(baking *b, uint32_t node) {
+    uint32_t between = GLTF_NONE;
+    for (uint32_t child = b->tree.nodes[node].first, after; child != GLTF_NONE && !b->tree.failed;
+         child = after) {
+        after = b->tree.nodes[child].after;
+        if (b->fates[child] == FATE_BAKED) continue;
+        if (between == GLTF_NONE) between = norma_gltf_tree_add(&b->tree, GLTF_NONE);
+        if (between != GLTF_NONE) norma_gltf_tree_give(&b->tree, child, between);
+    }
+    if (between == GLTF_NONE || b->tree.failed) return;
+    double world[16];
+    kept_world(b, node, world);
+    norma_gltf_tree_give(&b->tree, between, node);
+    norma_gltf_tree_set_local(&b->tree, between, world);
+}
+
+static void rehang_baked(baking *b, uint32_t node) {
+    const uint32_t parent = b->g->nodes[node].parent;
+    double identity[16];
+    norma_gltf_matrix_identity(identity);
+    keep_children(b, node);
+    if (parent == GLTF_NONE || b->fates[parent] == FATE_BAKED)
+        norma_gltf_tree_set_local(&b->tree, node, identity);
+    else
+        hang_at_identity(b, node, parent);
+}
+
+/* The matrix above all roots that hold something it must move. Roots that are baked have it in what
+ * keep_children made; a skinned mesh without children goes by its joints and would rather be a
+ * root. */
+static norma_document_result raise_carried(baking *b, norma_document_error *error) {
+    unsigned char *wanted = norma_io_allocate((size_t)b->g->node_count + 1, 1);
+    if (!wanted) return norma_document_fail_memory(b->g->document, error);
+    for (uint32_t i = 0; i < b->g->node_count; i++) {
+        const int is_root = b->g->nodes[i].parent == GLTF_NONE;
+        wanted[i] = is_root && b->carried[i] && b->fates[i] != FATE_BAKED &&
+                    !(b->g->nodes[i].skin != GLTF_NONE && b->tree.nodes[i].first == GLTF_NONE);
+    }
+    norma_gltf_tree_raise(&b->tree, wanted, b->options->matrix);
+    free(wanted);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- the meshes */
+
+/* A mesh of its own for holder, carried by world. */
+static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder,
+    const double world[16], norma_document_error *error) {
+    gltf *g = b->g;
+    const uint32_t mesh = g->nodes[node].mesh;
+    uint32_t copy = 0, number = mesh;
+    bake_map map;
+    if (b->stays[mesh] || b->taken[mesh]) copy = norma_gltf_copy_mesh(g, mesh, &number);
+    if (((b->stays[mesh] || b->taken[mesh]) && !copy) ||
+        !norma_gltf_bake_map(&b->cache, world, &map))
+        return norma_document_fail_memory(g->document, error);
+    b->taken[mesh] = 1;
+    b->tree.nodes[holder].mesh_changed = holder >= g->node_count || number != mesh;
+    b->tree.nodes[holder].mesh = number;
+    b->summary->meshes++;
+    b->summary->mirrored |= map.mirrored;
+    if (map.rank < 2)
+        norma_document_add_note(g->document,
+            "node %u: its matrix flattens everything to %s, which has no normal; normals became +Z",
+            (unsigned)node, map.rank ? "a line" : "a point");
+    const mesh_use use = {mesh, copy, node};
+    const norma_document_result result =
+        norma_gltf_bake_mesh(g, &b->cache, &use, &map, &b->summary->vertices, error);
+    b->done++;
+    if (!result && b->options->progress &&
+        b->options->progress(b->options->progress_user, (double)b->done / (double)b->uses))
+        return norma_document_fail_core(g->document, error, NORMA_CANCELLED);
+    return result;
+}
+
+/* Their accessors are given up: each instance becomes a node. */
+static norma_document_result take_instances(
+    gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error) {
+    norma_document_result result = norma_gltf_read_instances(g, node, instances, error);
+    const uint32_t attributes = instances->attributes;
+    for (uint32_t value = norma_json_first(&g->json, attributes); !result && value != JSON_NONE;
+         value = norma_json_next(&g->json, attributes, value)) {
+        uint64_t accessor;
+        if (norma_json_uint(&g->json, value, &accessor) && accessor < g->accessor_count &&
+            !norma_gltf_release(g, (uint32_t)accessor))
+            result = norma_document_fail_memory(g->document, error);
+    }
+    if (norma_json_size(&g->json, attributes) >
+        (uint32_t)(instances->has_translation + instances->has_rotation + instances->has_scale))
+        norma_document_add_note(g->document,
+            "node %u: other attributes of its instances (such as _ID) cannot be stored in separate "
+            "meshes and are dropped",
+            (unsigned)node);
+    return result;
+}
+
+/* One mesh for each instance: the first at holder, the others at new nodes below it. */
+static norma_document_result bake_instances(baking *b, uint32_t node, uint32_t holder,
+    const double world[16], norma_document_error *error) {
+    gltf_instances instances = {0};
+    norma_document_result result = take_instances(b->g, node, &instances, error);
+    b->tree.nodes[node].instances_removed = 1;
+    for (size_t i = 0; !result && i < b->g->nodes[node].instances; i++) {
+        double matrix[16];
+        norma_gltf_instance_matrix(&instances, i, matrix);
+        norma_gltf_matrix_multiply(world, matrix, matrix);
+        uint32_t at = holder;
+        if (i > 0) {
+            at = norma_gltf_tree_add(&b->tree, node);
+            if (at == GLTF_NONE) return norma_document_fail_memory(b->g->document, error);
+            b->tree.nodes[at].takes_weights = 1;
+            norma_gltf_tree_give(&b->tree, at, holder);
+        }
+        result = bake_use(b, node, at, matrix, error);
+    }
+    return result;
+}
+
+/* The new node below a parted one that draws its mesh. */
+static uint32_t part(baking *b, uint32_t node) {
+    const uint32_t holder = norma_gltf_tree_add(&b->tree, node);
+    if (holder == GLTF_NONE) return GLTF_NONE;
+    b->tree.nodes[holder].takes_weights = 1;
+    b->tree.nodes[node].weights_removed = 1;
+    b->tree.nodes[node].mesh_changed = 1;
+    norma_gltf_tree_give(&b->tree, holder, node);
+    hang_at_identity(b, holder, node);
+    return holder;
+}
+
+static norma_document_result bake_node(baking *b, uint32_t node, norma_document_error *error) {
+    double world[16];
+    norma_gltf_matrix_multiply(b->options->matrix, b->g->nodes[node].world, world);
+    uint32_t holder = node;
+    if (b->fates[node] == FATE_BAKED)
+        rehang_baked(b, node);
+    else
+        holder = part(b, node);
+    if (holder == GLTF_NONE || b->tree.failed)
+        return norma_document_fail_memory(b->g->document, error);
+    return b->g->nodes[node].instanced ? bake_instances(b, node, holder, world, error)
+                                       : bake_use(b, node, holder, world, error);
+}
+
+static norma_document_result unlist_instancing(baking *b, norma_document_error *error) {
+    int removed = 0;
+    for (uint32_t i = 0; i < b->g->node_count; i++) removed |= b->tree.nodes[i].instances_removed;
+    if (!removed || b->instances_left || norma_gltf_unlist(b->g, "EXT_mesh_gpu_instancing"))
+        return NORMA_DOCUMENT_OK;
+    return norma_document_fail_memory(b->g->document, error);
+}
+
+static norma_document_result bake_all(baking *b, norma_document_error *error) {
+    decide_fates(b);
+    norma_document_result result = decide_carried(b, error);
+    for (uint32_t i = 0; !result && i < b->g->node_count; i++)
+        if (b->fates[b->order[i]] != FATE_KEEPS) result = bake_node(b, b->order[i], error);
+    if (!result && b->moves) result = raise_carried(b, error);
+    if (!result) result = unlist_instancing(b, error);
+    return result ? result : norma_gltf_tree_write(&b->tree, error);
+}
+
+norma_document_result norma_gltf_bake(gltf *g, const norma_transform_options *options,
+    norma_transform_summary *summary, norma_document_error *error) {
+    baking b = {.g = g,
+        .options = options,
+        .summary = summary,
+        .moves = !norma_gltf_matrix_is_identity(options->matrix)};
+    norma_gltf_tree_read(g, &b.tree);
+    norma_document_result result = b.tree.failed || !allocate_baking(&b)
+                                       ? norma_document_fail_memory(g->document, error)
+                                       : bake_all(&b, error);
+    free_baking(&b);
+    return result;
+}

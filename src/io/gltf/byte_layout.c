@@ -1,0 +1,366 @@
+/* byte_layout.c: where in the buffers bytes go. A buffer that is written anew is compacted: what
+ * was replaced, and what nothing names, is left out, the rest moves together in its order, and new
+ * bytes follow; those that are as long as the old ones stand where those were. The file of a
+ * buffer that is replaced in place keeps all its bytes that any asset names, and is never
+ * shortened: the old asset, and any other that shares the file, reads what it read. New bytes go
+ * where nobody names any, else behind the file's real end. */
+#include "io/gltf/own_bytes.h"
+#include "io/gltf/patch.h"
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    ALIGNMENT = 4, /* of new bytes */
+    STEP = 8       /* old ones move by multiples of it, so that they stay aligned as they were */
+};
+
+static size_t align(size_t offset) { return (offset + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT; }
+
+gltf_storage norma_gltf_storage_of(const gltf *g, uint32_t buffer) {
+    if (buffer < g->buffer_count) return g->buffers[buffer].storage;
+    return g->document->format == NORMA_FILE_GLTF ? GLTF_STORED_FILE
+           : g->buffer_count == 0                 ? GLTF_STORED_BIN
+                                                  : GLTF_STORED_DATA;
+}
+
+int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer) {
+    int twice = 0;
+    for (uint32_t b = 0; b < g->buffer_count && g->document->folder && !twice; ++b) {
+        if (b == buffer || !g->buffers[b].name) continue;
+        char *one = norma_io_join(g->document->folder, g->buffers[buffer].name),
+             *other = norma_io_join(g->document->folder, g->buffers[b].name);
+        twice = !one || !other ? -1 : norma_file_same(one, other);
+        free(one);
+        free(other);
+    }
+    return twice;
+}
+
+/* Whether the buffer's file is replaced by itself with more in it; -1: out of memory. */
+static int keeps_buffer_file(const gltf *g, uint32_t buffer, gltf_destination destination) {
+    if (buffer >= g->buffer_count || g->buffers[buffer].storage != GLTF_STORED_FILE) return 0;
+    if (destination != GLTF_IN_PLACE) return destination == GLTF_TO_MEMORY;
+    const int twice = norma_gltf_is_named_twice(g, buffer);
+    return twice < 0 ? twice : !twice;
+}
+
+/* ---- places of views */
+
+/* Two places for each view: 2 * view and, of compressed bytes, 2 * view + 1. */
+typedef struct spot {
+    patch_place *place;
+    uint32_t buffer; /* where the bytes were; GLTF_NONE: nowhere */
+    size_t start, length;
+} spot;
+
+static size_t spot_count(const gltf *g) { return 2 * g->patch->view_count; }
+
+static spot byte_spot_of(const gltf *g, size_t number) {
+    patch_view *view = &g->patch->views[number / 2];
+    spot s = {.place = number % 2 ? &view->packed : &view->plain, .buffer = GLTF_NONE};
+    if (number / 2 >= g->view_count) return s;
+    const gltf_view *old = &g->views[number / 2];
+    if (number % 2 == 0) {
+        s.buffer = old->buffer;
+        s.start = old->offset;
+        s.length = old->length;
+    } else if (old->meshopt.token != GLTF_NONE) {
+        s.buffer = old->meshopt.buffer;
+        s.start = old->meshopt.offset;
+        s.length = old->meshopt.length;
+    }
+    return s;
+}
+
+static int add_segment(
+    patch_buffer *buffer, size_t offset, size_t length, const unsigned char *bytes) {
+    if (length == 0) return 1;
+    patch_segment *grown = norma_io_grow(
+        buffer->segments, &buffer->segment_capacity, buffer->segment_count + 1, sizeof *grown);
+    if (!grown) return 0;
+    buffer->segments = grown;
+    buffer->segments[buffer->segment_count++] =
+        (patch_segment){.offset = offset, .length = length, .bytes = bytes};
+    buffer->length = offset + length;
+    return 1;
+}
+
+/* Old bytes from the buffer's end up to another, zeros where there are none. */
+static int add_old(patch_buffer *to, size_t end, const unsigned char *old, size_t length) {
+    const size_t known = end < length ? end : length;
+    return (to->length >= known ||
+               add_segment(to, to->length, known - to->length, old + to->length)) &&
+           (to->length >= end || add_segment(to, to->length, end - to->length, NULL));
+}
+
+/* New bytes that have no place yet, as many as fit between start and end, one after the other;
+ * before and between them old ones. */
+static int add_new(gltf *g, uint32_t buffer, range gap, const unsigned char *old, size_t length) {
+    patch_buffer *to = &g->patch->buffers[buffer];
+    size_t at = align(gap.start);
+    int ok = 1;
+    for (size_t i = 0; ok && i < spot_count(g); ++i) {
+        patch_place *place = byte_spot_of(g, i).place;
+        if (!place->bytes || place->buffer != buffer || place->placed || at > gap.end ||
+            place->length > gap.end - at)
+            continue;
+        place->placed = 1;
+        place->offset = at;
+        ok = add_old(to, at, old, length) && add_segment(to, at, place->length, place->bytes);
+        at = align(at + place->length);
+    }
+    return ok;
+}
+
+/* ---- a buffer that is compacted */
+
+typedef struct span { /* of old bytes */
+    size_t start, end;
+    patch_place *place; /* what is written over them; NULL: they stay */
+    size_t to;
+} span;
+
+typedef struct spans {
+    span *list;
+    size_t count, capacity;
+} spans;
+
+static int add_span(spans *s, size_t start, size_t end, patch_place *place) {
+    span *grown = norma_io_grow(s->list, &s->capacity, s->count + 1, sizeof *grown);
+    if (!grown) return 0;
+    s->list = grown;
+    s->list[s->count++] = (span){.start = start, .end = end, .place = place};
+    return 1;
+}
+
+/* Counts the words that the JSON has on each buffer besides views and their compressed bytes, of
+ * which we do not know what they mean. */
+static void count_other_names(const gltf *g) {
+    const json *j = &g->json;
+    patch_buffer *buffers = g->patch->buffers;
+    uint64_t number;
+    for (size_t i = 0; i < 2 * (size_t)g->view_count; ++i) {
+        const uint32_t buffer = byte_spot_of(g, i).buffer;
+        if (buffer != GLTF_NONE) --buffers[buffer].other_names;
+    }
+    for (uint32_t token = 2; token < j->count; ++token)
+        if (j->tokens[token].type == JSON_NUMBER &&
+            j->tokens[j->tokens[token].parent].type == JSON_OBJECT &&
+            norma_json_equals(j, token - 1, "buffer") && norma_json_uint(j, token, &number) &&
+            number < g->buffer_count)
+            ++buffers[number].other_names;
+}
+
+static int find_spans(const gltf *g, uint32_t buffer, size_t length, spans *s) {
+    const int whole = buffer == g->buffer_count || g->patch->buffers[buffer].other_names != 0;
+    int ok = !whole || add_span(s, 0, length, NULL);
+    for (size_t i = 0; ok && i < 2 * (size_t)g->view_count; ++i) {
+        const spot one = byte_spot_of(g, i);
+        if (one.buffer != buffer || one.start >= length || one.length == 0) continue;
+        const int same = one.place->buffer == buffer && one.place->length == one.length;
+        if (!one.place->bytes || same)
+            ok = add_span(s, one.start,
+                one.length > length - one.start ? length : one.start + one.length,
+                one.place->bytes ? one.place : NULL);
+    }
+    return ok;
+}
+
+static int compare_spans(const void *a, const void *b) {
+    const span *x = a, *y = b;
+    return x->start < y->start ? -1 : x->start > y->start;
+}
+
+/* In order, and no two that overlap: what shares its bytes is not written over. */
+static void separate_spans(spans *s) {
+    size_t reach = 0, kept = 0;
+    if (s->count) qsort(s->list, s->count, sizeof *s->list, compare_spans);
+    for (size_t i = 0; i < s->count; ++i) {
+        const span one = s->list[i];
+        const int overlaps =
+            one.start < reach || (i + 1 < s->count && s->list[i + 1].start < one.end);
+        reach = one.end > reach ? one.end : reach;
+        if (one.place && overlaps) continue;
+        span *last = kept ? &s->list[kept - 1] : NULL;
+        if (last && one.start < last->end)
+            last->end = one.end > last->end ? one.end : last->end;
+        else
+            s->list[kept++] = one;
+    }
+    s->count = kept;
+}
+
+/* Spans one behind the other, padding between them and behind them as it was. */
+static int add_spans(const spans *s, patch_buffer *to, const unsigned char *old, size_t length) {
+    size_t from = 0;
+    int ok = 1;
+    for (size_t i = 0; ok && i <= s->count; ++i) {
+        const size_t start = i < s->count ? s->list[i].start : length, at = to->length;
+        if (i == s->count && start - from >= STEP) break;
+        const size_t moved = at + (start - at) % STEP;
+        ok = add_segment(to, at, moved - at, old && moved - at == start - from ? old + from : NULL);
+        if (!ok || i == s->count) break;
+        span *one = &s->list[i];
+        one->to = moved;
+        if (one->place) {
+            one->place->offset = moved;
+            one->place->placed = 1;
+        }
+        from = one->end;
+        ok = add_segment(to, moved, from - start,
+            one->place ? one->place->bytes
+            : old      ? old + start
+                       : NULL);
+    }
+    return ok;
+}
+
+static size_t moved_to(const spans *s, size_t offset) {
+    size_t low = 0, high = s->count; /* the last span that begins at the offset or before it */
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (s->list[middle].start <= offset)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low ? offset - s->list[low - 1].start + s->list[low - 1].to : offset;
+}
+
+static norma_document_result compact(gltf *g, uint32_t buffer, norma_document_error *error) {
+    patch_buffer *to = &g->patch->buffers[buffer];
+    const unsigned char *old = g->bin; /* a BIN chunk that no buffer spoke of goes into the first */
+    size_t length = norma_gltf_storage_of(g, buffer) == GLTF_STORED_BIN ? g->bin_size : 0;
+    spans s = {0};
+    if (buffer < g->buffer_count) {
+        old = g->buffers[buffer].bytes;
+        length = g->buffers[buffer].length;
+    }
+    int ok = find_spans(g, buffer, length, &s);
+    separate_spans(&s);
+    ok = ok && add_spans(&s, to, old, length);
+    for (size_t i = 0; ok && i < 2 * (size_t)g->view_count; ++i) {
+        const spot one = byte_spot_of(g, i);
+        if (one.buffer == buffer && !one.place->bytes) one.place->offset = moved_to(&s, one.start);
+    }
+    ok = ok && add_new(g, buffer, (range){to->length, SIZE_MAX}, NULL, 0);
+    to->byte_length = to->length;
+    free(s.list);
+    return ok ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
+}
+
+/* ---- a file that keeps its bytes */
+
+static size_t size_on_disk(const gltf_buffer *b) {
+    return b->file.stamp.known && (size_t)b->file.stamp.size < b->available
+               ? (size_t)b->file.stamp.size
+               : b->available;
+}
+
+/* What earlier changes put behind the end of the file, which are not on the disk yet, is new as
+ * well. */
+static void gather_new(gltf *g, uint32_t buffer, size_t disk) {
+    for (size_t i = 0; i < spot_count(g); ++i) {
+        const spot one = byte_spot_of(g, i);
+        const gltf_buffer *old = &g->buffers[buffer];
+        if (one.buffer == buffer && !one.place->bytes && one.start >= disk &&
+            one.start <= old->length && one.length <= old->length - one.start)
+            one.place->bytes = old->bytes + one.start;
+    }
+}
+
+/* Up to where views reach, and no less than before. What lies behind is kept, and not named. */
+static size_t end_of_views(const gltf *g, uint32_t buffer, size_t end) {
+    for (size_t i = 0; i < spot_count(g); ++i) {
+        const patch_place *place = byte_spot_of(g, i).place;
+        if (place->bytes && place->buffer == buffer && place->offset + place->length > end)
+            end = place->offset + place->length;
+    }
+    return end;
+}
+
+static norma_document_result append_to_file(
+    gltf *g, uint32_t buffer, gltf_destination destination, norma_document_error *error) {
+    const gltf_buffer *b = &g->buffers[buffer];
+    patch_buffer *to = &g->patch->buffers[buffer];
+    const size_t disk = size_on_disk(b);
+    ranges gaps = {0};
+    const int failed = destination == GLTF_IN_PLACE ? norma_gltf_find_unnamed(g, buffer, &gaps) : 0;
+    int ok = !failed && norma_range_add(&gaps, disk, SIZE_MAX);
+    gather_new(g, buffer, disk);
+    for (size_t i = 0; ok && i < gaps.count; ++i) {
+        range gap = gaps.list[i];
+        if (i + 1 < gaps.count && gap.end > disk) gap.end = disk;
+        ok = add_new(g, buffer, gap, b->bytes, disk);
+    }
+    ok = ok && add_old(to, disk, b->bytes, disk);
+    to->byte_length = end_of_views(g, buffer, b->length < disk ? b->length : disk);
+    free(gaps.list);
+    if (failed && failed != ENOMEM)
+        return norma_document_fail_file(g->document->path, error,
+            "the folder cannot be searched for assets that share its buffer", failed);
+    return ok ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
+}
+
+/* ---- all buffers */
+
+/* Changed since it was read from its file, and in none yet. */
+static int was_changed(const gltf *g, uint32_t buffer) {
+    return buffer < g->document->given_count && g->document->given[buffer].changed;
+}
+
+/* What came to it since is our own, and not looked at. */
+static norma_document_result check_buffer_file(
+    const gltf *g, uint32_t buffer, norma_document_error *error) {
+    const gltf_buffer *b = &g->buffers[buffer];
+    const file_bytes file = {.data = b->bytes, .size = size_on_disk(b)};
+    return norma_gltf_check_own_data(g, buffer, &file, error);
+}
+
+static void begin_layout(gltf *g) {
+    for (size_t i = 0; i < spot_count(g); ++i) {
+        const spot one = byte_spot_of(g, i);
+        one.place->placed = 0;
+        one.place->offset = one.start;
+        if (one.place->bytes) g->patch->buffers[one.place->buffer].changed = 1;
+    }
+}
+
+norma_document_result norma_gltf_fill_buffers(
+    gltf *g, gltf_destination destination, norma_document_error *error) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    begin_layout(g);
+    count_other_names(g);
+    for (uint32_t b = 0; !result && b <= g->buffer_count; ++b) {
+        patch_buffer *buffer = &g->patch->buffers[b];
+        buffer->changed |= destination != GLTF_TO_MEMORY && was_changed(g, b);
+        if (!buffer->changed) continue;
+        if (b < g->buffer_count && g->buffers[b].storage != GLTF_STORED_NOWHERE)
+            result = norma_gltf_load_buffer(g, b, error);
+        const int keeps = result ? 0 : keeps_buffer_file(g, b, destination);
+        if (keeps < 0) {
+            result = norma_document_fail_memory(g->document, error);
+        } else if (keeps) {
+            if (destination == GLTF_IN_PLACE) result = check_buffer_file(g, b, error);
+            if (!result) result = append_to_file(g, b, destination, error);
+        } else if (!result) {
+            result = compact(g, b, error);
+        }
+    }
+    return result;
+}
+
+int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size) {
+    static const unsigned char zeros[64];
+    if (size != buffer->length) return 0;
+    for (size_t i = 0; i < buffer->segment_count; ++i) {
+        const patch_segment *s = &buffer->segments[i];
+        if (s->bytes && memcmp(bytes + s->offset, s->bytes, s->length) != 0) return 0;
+        for (size_t k = 0; !s->bytes && k < s->length; k += sizeof zeros)
+            if (memcmp(bytes + s->offset + k, zeros,
+                    s->length - k < sizeof zeros ? s->length - k : sizeof zeros) != 0)
+                return 0;
+    }
+    return 1;
+}

@@ -1,0 +1,158 @@
+/* gltf_write.c: the asset's main file: the JSON with all edits, as text or in a GLB with its other
+ * chunks as they were. */
+#include "io/gltf/patch.h"
+#include <stdlib.h>
+#include <string.h>
+
+static const uint32_t GLB_BIN = 0x004E4942;
+enum { GLB_HEADER = 12, GLB_CHUNK_HEADER = 8 };
+
+norma_document_result norma_gltf_lay_out_for(
+    gltf *g, gltf_destination destination, const char *path, norma_document_error *error) {
+    norma_document_result result = g->patch ? NORMA_DOCUMENT_OK : norma_gltf_finish(g, error);
+    if (result) return result;
+    gltf_patch *patch = g->patch;
+    norma_gltf_free_layout(g);
+    patch->buffers = norma_io_allocate((size_t)g->buffer_count + 1, sizeof *patch->buffers);
+    patch->layout = norma_json_edits_copy(g->edits);
+    result = patch->buffers && patch->layout ? NORMA_DOCUMENT_OK
+                                             : norma_document_fail_memory(g->document, error);
+    if (!result) result = norma_gltf_fill_buffers(g, destination, error);
+    if (!result) result = norma_gltf_name_buffers(g, destination, path, error);
+    if (!result) result = norma_gltf_name_images(g, destination, path, error);
+    if (!result) norma_gltf_edit_views(g);
+    if (!result) result = norma_gltf_edit_buffers(g, destination, error);
+    if (!result && norma_json_edits_failed(patch->layout))
+        result = norma_document_fail_memory(g->document, error);
+    return result;
+}
+
+norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_document_error *error) {
+    const char *key = path ? path : "";
+    if (g->patch && g->patch->laid_out_for && strcmp(g->patch->laid_out_for, key) == 0)
+        return NORMA_DOCUMENT_OK;
+    norma_document_result result =
+        norma_gltf_lay_out_for(g, norma_gltf_destination(g, path), path, error);
+    if (result) return result;
+    g->patch->laid_out_for = norma_io_join(key, "");
+    return g->patch->laid_out_for ? NORMA_DOCUMENT_OK
+                                  : norma_document_fail_memory(g->document, error);
+}
+
+/* ---- bytes in order */
+
+typedef struct output {
+    norma_write *write;
+    void *user;
+    int failed;
+} output;
+
+static void put_out(output *out, const void *bytes, size_t size) {
+    if (!out->failed && size) out->failed = out->write(out->user, bytes, size);
+}
+
+static void put_fill(output *out, unsigned char fill, size_t size) {
+    unsigned char block[256];
+    memset(block, fill, sizeof block);
+    for (; size > 0 && !out->failed; size -= size < sizeof block ? size : sizeof block)
+        put_out(out, block, size < sizeof block ? size : sizeof block);
+}
+
+static void put_u32(output *out, uint32_t value) {
+    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
+        (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
+    put_out(out, bytes, 4);
+}
+
+static size_t padding(size_t size) { return (4 - size % 4) % 4; }
+
+static void put_segments(output *out, const patch_buffer *buffer) {
+    for (size_t i = 0; i < buffer->segment_count; ++i) {
+        if (buffer->segments[i].bytes)
+            put_out(out, buffer->segments[i].bytes, buffer->segments[i].length);
+        else
+            put_fill(out, 0, buffer->segments[i].length);
+    }
+}
+
+static void put_bin(output *out, const patch_buffer *bin) {
+    put_u32(out, (uint32_t)(bin->length + padding(bin->length)));
+    put_u32(out, GLB_BIN);
+    put_segments(out, bin);
+    put_fill(out, 0, padding(bin->length));
+}
+
+/* The BIN chunk where it is written anew, else NULL. */
+static const patch_buffer *new_bin(const gltf *g) {
+    for (uint32_t b = 0; b <= g->buffer_count; ++b)
+        if (g->patch->buffers[b].changed && norma_gltf_storage_of(g, b) == GLTF_STORED_BIN)
+            return &g->patch->buffers[b];
+    return NULL;
+}
+
+static size_t chunk_size(const gltf *g, size_t at) {
+    return GLB_CHUNK_HEADER + norma_gltf_u32(g->document->source.data + at);
+}
+
+static norma_document_result write_glb(
+    gltf *g, const json_text *text, output *out, norma_document_error *error) {
+    const file_bytes *source = &g->document->source;
+    const patch_buffer *bin = new_bin(g);
+    size_t first = GLB_HEADER + chunk_size(g, GLB_HEADER),
+           json_size = text->size + padding(text->size);
+    size_t total = GLB_HEADER + GLB_CHUNK_HEADER + json_size + (g->container_size - first);
+    if (bin)
+        total += GLB_CHUNK_HEADER + bin->length + padding(bin->length) -
+                 (g->bin ? GLB_CHUNK_HEADER + g->bin_size : 0);
+    if (total > UINT32_MAX)
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "would become larger than the 4 GiB that a GLB can be; expected a .gltf with its "
+            "buffers beside it");
+    put_out(out, "glTF", 4);
+    put_u32(out, 2);
+    put_u32(out, (uint32_t)total);
+    put_u32(out, (uint32_t)json_size);
+    put_out(out, "JSON", 4);
+    put_out(out, text->data, text->size);
+    put_fill(out, ' ', padding(text->size));
+    if (bin && !g->bin) put_bin(out, bin);
+    for (size_t at = first; at < g->container_size; at += chunk_size(g, at)) {
+        if (bin && g->bin && at == g->bin_chunk)
+            put_bin(out, bin);
+        else
+            put_out(out, source->data + at, chunk_size(g, at));
+    }
+    put_out(out, source->data + g->container_size, source->size - g->container_size);
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_write_laid_out(
+    gltf *g, norma_write *write, void *user, norma_document_error *error) {
+    output out = {.write = write, .user = user};
+    json_text text = {0};
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!norma_json_write(g->patch->layout, 0, &text))
+        result = norma_document_fail_memory(g->document, error);
+    else if (g->document->format == NORMA_FILE_GLB)
+        result = write_glb(g, &text, &out, error);
+    else
+        put_out(&out, text.data, text.size);
+    free(text.data);
+    if (!result && out.failed)
+        result = norma_document_fail(
+            g->document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
+    return result;
+}
+
+norma_document_result norma_gltf_write(norma_document *document, const char *path,
+    norma_write *write, void *user, norma_document_error *error) {
+    gltf *g = norma_gltf_of(document);
+    if (norma_gltf_differs(g)) {
+        norma_document_result result = norma_gltf_lay_out(g, path, error);
+        return result ? result : norma_gltf_write_laid_out(g, write, user, error);
+    }
+    if (document->source.size == 0 || !write(user, document->source.data, document->source.size))
+        return NORMA_DOCUMENT_OK;
+    return norma_document_fail(
+        document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
+}

@@ -1,0 +1,223 @@
+/* meshopt_views.c: views under EXT_meshopt_compression, through meshoptimizer, both ways. Its
+ * decoder asserts what it is handed, so all of that is checked here first. */
+#include "io/gltf/asset.h"
+#include <math.h>
+#include <meshoptimizer.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The vertex codec spends at least one byte on 64, the index codecs one on 12. */
+enum { LARGEST_RATIO = 64, SMALL = 1024 };
+
+static const char *wrong_layout(const gltf_view *view) {
+    const gltf_meshopt *m = &view->meshopt;
+    if (m->stride == 0) return "a byteStride that is not zero";
+    if (m->count > view->length / m->stride)
+        return "a byteLength of at least count times byteStride";
+    const size_t size = m->count * m->stride;
+    if (size > SMALL && size / LARGEST_RATIO > m->length)
+        return "no more elements than the compressed bytes can hold";
+    if (m->mode == GLTF_MODE_ATTRIBUTES ? m->stride % 4 != 0 || m->stride > 256
+                                        : m->stride != 2 && m->stride != 4)
+        return "a byteStride that its mode allows";
+    if (m->mode == GLTF_MODE_TRIANGLES && m->count % 3 != 0)
+        return "a count that is a multiple of 3";
+    if (m->filter != GLTF_FILTER_NONE && m->mode != GLTF_MODE_ATTRIBUTES)
+        return "a filter only with ATTRIBUTES";
+    if ((m->filter == GLTF_FILTER_OCTAHEDRAL && m->stride != 4 && m->stride != 8) ||
+        (m->filter == GLTF_FILTER_QUATERNION && m->stride != 8))
+        return "a byteStride that its filter allows";
+    return NULL;
+}
+
+/* To the nearest whole number, halves to even ones; for less than 2^22. */
+static int nearest(float x) { return (int)((x + 0x3p22F) - 0x3p22F); }
+
+/* The octahedral filter (Meyer et al. 2010, as EXT_meshopt_compression has it). meshoptimizer's own
+ * takes the processor's approximate reciprocal roots, which differ from one processor to the next.
+ */
+static void unfold(int n[3], float most) {
+    const float one = (float)n[2];
+    float x = (float)n[0], y = (float)n[1];
+    const float z = one - fabsf(x) - fabsf(y), below = z < 0 ? z : 0;
+    x += x >= 0 ? below : -below;
+    y += y >= 0 ? below : -below;
+    const float length = sqrtf(x * x + (y * y + z * z)), scale = length > 0 ? most / length : 0;
+    n[0] = nearest(x * scale);
+    n[1] = nearest(y * scale);
+    n[2] = nearest(z * scale);
+}
+
+static void decode_octahedral(const gltf_meshopt *m, unsigned char *out) {
+    for (size_t i = 0; i < m->count; ++i, out += m->stride) {
+        int8_t bytes[3];
+        int16_t shorts[3];
+        int n[3];
+        if (m->stride == 4) {
+            memcpy(bytes, out, sizeof bytes);
+            for (int k = 0; k < 3; ++k) n[k] = bytes[k];
+            unfold(n, 127);
+            for (int k = 0; k < 3; ++k) bytes[k] = (int8_t)n[k];
+            memcpy(out, bytes, sizeof bytes);
+        } else {
+            memcpy(shorts, out, sizeof shorts);
+            for (int k = 0; k < 3; ++k) n[k] = shorts[k];
+            unfold(n, 32767);
+            for (int k = 0; k < 3; ++k) shorts[k] = (int16_t)n[k];
+            memcpy(out, shorts, sizeof shorts);
+        }
+    }
+}
+
+static int decode_view(const gltf_meshopt *m, const unsigned char *bytes, unsigned char *out) {
+    int failed;
+    switch (m->mode) {
+    case GLTF_MODE_ATTRIBUTES:
+        failed = meshopt_decodeVertexBuffer(out, m->count, m->stride, bytes, m->length);
+        break;
+    case GLTF_MODE_TRIANGLES:
+        failed = meshopt_decodeIndexBuffer(out, m->count, m->stride, bytes, m->length);
+        break;
+    default:
+        failed = meshopt_decodeIndexSequence(out, m->count, m->stride, bytes, m->length);
+        break;
+    }
+    if (failed) return 0;
+    switch (m->filter) {
+    case GLTF_FILTER_OCTAHEDRAL:
+        decode_octahedral(m, out);
+        break;
+    case GLTF_FILTER_QUATERNION:
+        meshopt_decodeFilterQuat(out, m->count, m->stride);
+        break;
+    case GLTF_FILTER_EXPONENTIAL:
+        meshopt_decodeFilterExp(out, m->count, m->stride);
+        break;
+    case GLTF_FILTER_NONE:
+        break;
+    }
+    return 1;
+}
+
+int norma_gltf_reads_meshopt(void) { return 1; }
+
+norma_document_result norma_gltf_decode_meshopt(
+    gltf *g, uint32_t number, norma_document_error *error) {
+    gltf_view *view = &g->views[number];
+    const gltf_meshopt *m = &view->meshopt;
+    const char *wrong = wrong_layout(view);
+    if (wrong) return norma_gltf_malformed(g, error, m->token, wrong);
+    norma_document_result result = norma_gltf_load_buffer(g, m->buffer, error);
+    if (result) return result;
+    size_t length = g->buffers[m->buffer].length;
+    if (m->offset > length || m->length > length - m->offset)
+        return norma_gltf_malformed(
+            g, error, m->token, "compressed bytes that end inside their buffer");
+    size_t size = m->count * m->stride;
+    if (view->length > size && view->length - size > SMALL)
+        return norma_gltf_malformed(g, error, m->token, "a byteLength of count times byteStride");
+    unsigned char *out = norma_io_allocate(view->length, 1);
+    if (!out) return norma_document_fail_memory(g->document, error);
+    if (!decode_view(m, g->buffers[m->buffer].bytes + m->offset, out)) {
+        free(out);
+        return norma_gltf_malformed(
+            g, error, m->token, "bytes that meshoptimizer's decoder accepts");
+    }
+    view->decoded = out;
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- compressing again */
+
+static size_t encode_rows(const gltf_meshopt *m, const void *rows, unsigned char **out) {
+    const size_t bound = meshopt_encodeVertexBufferBound(m->count, m->stride);
+    *out = norma_io_allocate(bound, 1);
+    return *out ? meshopt_encodeVertexBuffer(*out, bound, rows, m->count, m->stride) : 0;
+}
+
+/* The extension has version 1 of the codec for indices, which is not the library's default. */
+static size_t encode_index_view(
+    const gltf_meshopt *m, const unsigned char *bytes, unsigned char **out) {
+    uint32_t *wide = norma_io_allocate(m->count, sizeof *wide), most = 0;
+    for (size_t i = 0; wide && i < m->count; ++i) {
+        for (size_t k = m->stride; k-- > 0;) wide[i] = wide[i] << 8 | bytes[i * m->stride + k];
+        most = wide[i] > most ? wide[i] : most;
+    }
+    const int triangles = m->mode == GLTF_MODE_TRIANGLES;
+    const size_t vertices = (size_t)most + 1,
+                 bound = triangles ? meshopt_encodeIndexBufferBound(m->count, vertices)
+                                   : meshopt_encodeIndexSequenceBound(m->count, vertices);
+    *out = wide ? norma_io_allocate(bound, 1) : NULL;
+    meshopt_encodeIndexVersion(1);
+    const size_t size = !*out       ? 0
+                        : triangles ? meshopt_encodeIndexBuffer(*out, bound, wide, m->count)
+                                    : meshopt_encodeIndexSequence(*out, bound, wide, m->count);
+    free(wide);
+    return size;
+}
+
+/* Signed integers of 8 or 16 bits as the floats that the filter's encoder takes. */
+static void widen_signed(const gltf_meshopt *m, const unsigned char *bytes, float *out) {
+    const size_t numbers = 4 * m->count;
+    for (size_t i = 0; i < numbers; ++i) {
+        int16_t two;
+        if (m->stride == 4) {
+            out[i] = (float)(int8_t)bytes[i] / 127;
+        } else {
+            memcpy(&two, bytes + 2 * i, 2);
+            out[i] = (float)two / 32767;
+        }
+    }
+}
+
+static size_t encode_filtered(
+    const gltf_meshopt *m, const unsigned char *bytes, unsigned char **out) {
+    const size_t size = m->count * m->stride;
+    unsigned char *rows = norma_io_allocate(size, 1);
+    float *floats = norma_io_allocate(4 * m->count > size / 4 ? 4 * m->count : size / 4, 4);
+    size_t length = 0;
+    if (rows && floats && m->filter == GLTF_FILTER_OCTAHEDRAL) {
+        widen_signed(m, bytes, floats);
+        meshopt_encodeFilterOct(rows, m->count, m->stride, m->stride == 4 ? 8 : 16, floats);
+        length = encode_rows(m, rows, out);
+    } else if (rows && floats) {
+        memcpy(floats, bytes, size);
+        meshopt_encodeFilterExp(rows, size / 4, 4, 24, floats);
+        length = encode_rows(m, rows, out);
+    }
+    free(rows);
+    free(floats);
+    return length;
+}
+
+/* Filters round, and the codec of triangles may begin each with another of its corners. -1: out of
+ * memory, which is no reason for another codec: bytes never depend on it. */
+static int gives_back(
+    const gltf_meshopt *m, const unsigned char *packed, const unsigned char *bytes) {
+    const size_t size = m->count * m->stride;
+    unsigned char *again = norma_io_allocate(size, 1);
+    const int same = again ? decode_view(m, packed, again) && memcmp(again, bytes, size) == 0 : -1;
+    free(again);
+    return same;
+}
+
+unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes) {
+    unsigned char *out = NULL;
+    const int rows = m->mode == GLTF_MODE_ATTRIBUTES,
+              filtered = rows && (m->filter == GLTF_FILTER_OCTAHEDRAL ||
+                                     m->filter == GLTF_FILTER_EXPONENTIAL);
+    if (filtered || m->mode == GLTF_MODE_TRIANGLES) {
+        m->length = filtered ? encode_filtered(m, bytes, &out) : encode_index_view(m, bytes, &out);
+        const int same = m->length ? gives_back(m, out, bytes) : -1;
+        if (same > 0) return out;
+        free(out);
+        out = NULL;
+        if (same < 0) return NULL;
+    }
+    m->mode = rows ? GLTF_MODE_ATTRIBUTES : GLTF_MODE_INDICES;
+    m->filter = GLTF_FILTER_NONE;
+    m->length = rows ? encode_rows(m, bytes, &out) : encode_index_view(m, bytes, &out);
+    if (m->length) return out;
+    free(out);
+    return NULL;
+}

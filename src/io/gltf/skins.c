@@ -1,0 +1,319 @@
+/* skins.c: skins: how far from a uniform scale the world matrix of a joint ever is, at rest and in
+ * every key of an animation that scales it or a node above it. Uniform scales and rotations keep a
+ * uniform matrix uniform: an animation without a key that scales differently along the axes changes
+ * nothing, and is not played. */
+#include "io/gltf/animation.h"
+#include "io/gltf/node_matrix.h"
+#include "core/matrix/matrix.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct pose {
+    gltf *g;
+    gltf_scene *scene;
+    uint32_t *joints;
+    size_t joint_count;
+    norma_skin_info *info;
+    const gltf_channel **rotation,
+        **scale;   /* of each node in the animation that is played; NULL: at rest */
+    double *world; /* nine for each node */
+    size_t *stamp; /* of each node: the time that its world is of, from 1 */
+    uint32_t *chain;
+    double *times;
+} pose;
+
+static norma_document_result fail_skin(const pose *p, norma_document_error *error) {
+    return norma_document_fail_memory(p->g->document, error);
+}
+
+/* ---- anisotropy */
+
+static void judge_joint(pose *p, const double upper[9], uint32_t joint) {
+    double scaled[9], values[3], vectors[9], largest = 0, anisotropy = INFINITY;
+    for (int i = 0; i < 9; ++i) largest = fmax(largest, fabs(upper[i]));
+    if (largest > 0 && isfinite(largest)) {
+        for (int i = 0; i < 9; ++i) scaled[i] = upper[i] / largest;
+        norma_singular_values(scaled, values, vectors);
+        double most = fmax(values[0], fmax(values[1], values[2])),
+               least = fmin(values[0], fmin(values[1], values[2]));
+        anisotropy = least > 1e-6 * most ? most / least : INFINITY;
+    }
+    if (p->info->joint == SIZE_MAX || anisotropy > p->info->anisotropy) {
+        p->info->anisotropy = anisotropy;
+        p->info->joint = joint;
+    }
+}
+
+static void judge_rest(pose *p) {
+    for (size_t i = 0; i < p->joint_count; ++i) {
+        const double *world = p->g->nodes[p->joints[i]].world;
+        const double upper[9] = {world[0], world[1], world[2], world[4], world[5], world[6],
+            world[8], world[9], world[10]};
+        judge_joint(p, upper, p->joints[i]);
+    }
+}
+
+/* ---- a moment of an animation */
+
+static void read_rest(const gltf *g, uint32_t node, const char *key, size_t count, double *out) {
+    const json *j = &g->json;
+    uint32_t list = norma_json_member(j, g->nodes[node].token, key);
+    size_t i = 0;
+    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE && i < count;
+         item = norma_json_next(j, list, item))
+        norma_json_number(j, item, &out[i++]);
+}
+
+static void local_at(const pose *p, uint32_t node, double time, double upper[9]) {
+    double m[16];
+    if (!p->rotation[node] && !p->scale[node]) {
+        memcpy(m, p->g->nodes[node].local, sizeof m);
+    } else {
+        gltf_trs trs = {{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
+        double value[4];
+        read_rest(p->g, node, "rotation", 4, trs.rotation);
+        read_rest(p->g, node, "scale", 3, trs.scale);
+        if (p->rotation[node]) norma_gltf_channel_at(p->rotation[node], time, trs.rotation);
+        if (p->scale[node]) {
+            norma_gltf_channel_at(p->scale[node], time, value);
+            memcpy(trs.scale, value, sizeof trs.scale);
+        }
+        norma_gltf_matrix_compose(&trs, m);
+    }
+    for (int i = 0; i < 9; ++i) upper[i] = m[4 * (i / 3) + i % 3];
+}
+
+static void multiply_pose(const double a[9], const double b[9], double out[9]) {
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
+            out[3 * column + row] = a[row] * b[3 * column] + a[3 + row] * b[3 * column + 1] +
+                                    a[6 + row] * b[3 * column + 2];
+}
+
+/* How many nodes were visited. */
+static size_t play(pose *p, double time, size_t stamp) {
+    size_t visited = p->joint_count;
+    for (size_t i = 0; i < p->joint_count; ++i) {
+        size_t depth = 0;
+        for (uint32_t at = p->joints[i]; at != GLTF_NONE && p->stamp[at] != stamp;
+             at = p->g->nodes[at].parent)
+            p->chain[depth++] = at;
+        visited += depth;
+        while (depth-- > 0) {
+            uint32_t node = p->chain[depth], parent = p->g->nodes[node].parent;
+            double local[9];
+            local_at(p, node, time, local);
+            if (parent == GLTF_NONE)
+                memcpy(p->world + 9 * (size_t)node, local, sizeof local);
+            else
+                multiply_pose(p->world + 9 * (size_t)parent, local, p->world + 9 * (size_t)node);
+            p->stamp[node] = stamp;
+        }
+        judge_joint(p, p->world + 9 * (size_t)p->joints[i], p->joints[i]);
+    }
+    return visited;
+}
+
+/* ---- an animation */
+
+static int is_uneven(const gltf_channel *channel) {
+    size_t width = channel->interpolation == GLTF_CUBIC ? 9 : 3,
+           value = channel->interpolation == GLTF_CUBIC ? 3 : 0;
+    for (size_t i = 0; i < channel->count; ++i) {
+        const float *s = channel->values + i * width + value;
+        float most = fmaxf(fabsf(s[0]), fmaxf(fabsf(s[1]), fabsf(s[2]))),
+              least = fminf(fabsf(s[0]), fminf(fabsf(s[1]), fabsf(s[2])));
+        if (!(most <= least * 1.001F)) return 1;
+    }
+    return 0;
+}
+
+static int compare_times(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Every moment of a channel that scales a node at or above a joint, once. */
+static size_t collect_times(pose *p, const gltf_animation *animation) {
+    size_t count = 0, kept = 0;
+    for (size_t i = 0; i < animation->count; ++i)
+        for (size_t k = 0; animation->channels[i].scales && p->stamp[animation->channels[i].node] &&
+                           k < animation->channels[i].count;
+             ++k)
+            p->times[count++] = (double)animation->channels[i].times[k];
+    qsort(p->times, count, sizeof *p->times, compare_times);
+    for (size_t i = 0; i < count; ++i)
+        if (kept == 0 || p->times[i] > p->times[kept - 1]) p->times[kept++] = p->times[i];
+    return kept;
+}
+
+/* A small file can ask for any number of skins under any number of animations of any number of keys
+ * that share their bytes: it gets no more time than its size is worth. */
+static norma_document_result spend(const pose *p, size_t steps, norma_document_error *error) {
+    const size_t held = p->g->held < (size_t)1 << 22 ? p->g->held : (size_t)1 << 22,
+                 most = ((size_t)1 << 24) + 64 * held;
+    p->scene->effort = steps < most - p->scene->effort ? p->scene->effort + steps : most;
+    if (p->scene->effort < most) return NORMA_DOCUMENT_OK;
+    return norma_document_fail(p->g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+        p->info->where, "it has more joints and animation keys than this version examines");
+}
+
+static norma_document_result take_channels(pose *p, const gltf_animation *animation, int *uneven,
+    size_t *times, norma_document_error *error) {
+    gltf *g = p->g;
+    norma_document_result result = spend(p, g->node_count + animation->count, error);
+    *uneven = 0;
+    *times = 0;
+    if (result) return result;
+    memset(p->rotation, 0, g->node_count * sizeof *p->rotation);
+    memset(p->scale, 0, g->node_count * sizeof *p->scale);
+    for (size_t i = 0; !result && i < animation->count; ++i) {
+        const gltf_channel *channel = &animation->channels[i];
+        *(channel->scales ? &p->scale[channel->node] : &p->rotation[channel->node]) = channel;
+        if (!channel->scales || !p->stamp[channel->node]) continue;
+        result = spend(p, 16 * channel->count, error); /* they will be sorted */
+        *uneven |= !result && is_uneven(channel);
+        *times += channel->count;
+    }
+    return result;
+}
+
+static norma_document_result judge_animation(
+    pose *p, const gltf_animation *animation, norma_document_error *error) {
+    int uneven;
+    size_t times;
+    norma_document_result result = take_channels(p, animation, &uneven, &times, error);
+    if (result || !uneven) return result;
+    p->times = norma_io_allocate(times, sizeof *p->times);
+    if (!p->times) return fail_skin(p, error);
+    times = collect_times(p, animation);
+    memset(p->stamp, 0, p->g->node_count * sizeof *p->stamp);
+    for (size_t i = 0; !result && i < times; ++i) {
+        size_t visited = play(p, p->times[i], i + 1);
+        result = spend(p, 8 * visited, error);
+    }
+    free(p->times);
+    return result;
+}
+
+/* What playing takes, for the first animation. */
+static norma_document_result allocate_pose(pose *p, norma_document_error *error) {
+    size_t count = p->g->node_count;
+    if (p->rotation) return NORMA_DOCUMENT_OK;
+    p->rotation = norma_io_allocate(count, sizeof *p->rotation);
+    p->scale = norma_io_allocate(count, sizeof *p->scale);
+    p->world = norma_io_allocate(count, 9 * sizeof *p->world);
+    p->stamp = norma_io_allocate(count, sizeof *p->stamp);
+    p->chain = norma_io_allocate(count, sizeof *p->chain);
+    return p->rotation && p->scale && p->world && p->stamp && p->chain ? NORMA_DOCUMENT_OK
+                                                                       : fail_skin(p, error);
+}
+
+/* Marks each joint and all nodes above it. */
+static void mark_chains(pose *p) {
+    memset(p->stamp, 0, p->g->node_count * sizeof *p->stamp);
+    for (size_t i = 0; i < p->joint_count; ++i)
+        for (uint32_t at = p->joints[i]; at != GLTF_NONE && !p->stamp[at];
+             at = p->g->nodes[at].parent)
+            p->stamp[at] = 1;
+}
+
+static norma_document_result judge_animations(pose *p, norma_document_error *error) {
+    norma_document_result result = norma_gltf_animations(p->g, p->scene, error);
+    for (uint32_t i = 0; !result && i < p->scene->animation_count; ++i) {
+        result = spend(p, p->g->node_count + p->joint_count, error);
+        if (!result) result = allocate_pose(p, error);
+        if (!result) {
+            mark_chains(p);
+            result = judge_animation(p, &p->scene->animations[i], error);
+        }
+    }
+    return result;
+}
+
+/* ---- a skin */
+
+static norma_document_result read_skin_joints(
+    pose *p, uint32_t token, norma_document_error *error) {
+    const json *j = &p->g->json;
+    uint32_t list = norma_json_member(j, token, "joints");
+    if (list != JSON_NONE && !norma_json_is(j, list, JSON_ARRAY))
+        return norma_gltf_malformed(p->g, error, list, "an array");
+    p->joints = norma_io_allocate(norma_json_size(j, list), sizeof *p->joints);
+    if (!p->joints) return fail_skin(p, error);
+    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
+         item = norma_json_next(j, list, item)) {
+        uint64_t node;
+        if (!norma_json_uint(j, item, &node) || node >= p->g->node_count)
+            return norma_gltf_malformed(p->g, error, item, "the number of an existing node");
+        p->joints[p->joint_count++] = (uint32_t)node;
+    }
+    p->info->joint_count = p->joint_count;
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result make_skin(
+    gltf *g, uint32_t token, size_t index, norma_skin_info *info, norma_document_error *error) {
+    pose p = {.g = g, .scene = norma_gltf_scene_of(g), .info = info};
+    *info = (norma_skin_info){.joint = SIZE_MAX};
+    info->name = norma_gltf_name(g, token);
+    info->where = norma_gltf_where(g, "skins", index);
+    info->ignore = norma_gltf_root_ignore(g);
+    norma_document_result result = p.scene && info->name && info->where && info->ignore
+                                       ? read_skin_joints(&p, token, error)
+                                       : fail_skin(&p, error);
+    if (!result) {
+        judge_rest(&p);
+        result = judge_animations(&p, error);
+    }
+    void *const blocks[] = {
+        p.joints, (void *)p.rotation, (void *)p.scale, p.world, p.stamp, p.chain};
+    for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
+    return result;
+}
+
+size_t norma_gltf_skin_count(const norma_document *document) {
+    return norma_gltf_of(document)->skin_count;
+}
+
+static norma_document_result find_skins(gltf *g, gltf_scene *scene, norma_document_error *error) {
+    if (scene && scene->skins) return NORMA_DOCUMENT_OK;
+    uint32_t list = norma_json_member(&g->json, 0, "skins"), number = 0;
+    uint32_t *skins =
+        scene ? norma_scene_allocate(g->document->scene, g->skin_count, sizeof *skins) : NULL;
+    if (!skins) return norma_document_fail_memory(g->document, error);
+    for (uint32_t item = norma_json_first(&g->json, list); item != JSON_NONE;
+         item = norma_json_next(&g->json, list, item))
+        skins[number++] = item;
+    scene->skins = skins;
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_skin_token(
+    gltf *g, uint32_t skin, uint32_t *token, norma_document_error *error) {
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    norma_document_result result = find_skins(g, scene, error);
+    if (!result) *token = scene->skins[skin];
+    return result;
+}
+
+norma_document_result norma_gltf_skin(
+    norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error) {
+    gltf *g = norma_gltf_of(document);
+    norma_scene *scene = document->scene;
+    if (!scene->skins && !(scene->skins = norma_scene_allocate(
+                               scene, norma_gltf_skin_count(document), sizeof *scene->skins)))
+        return norma_document_fail_memory(document, error);
+    if (!scene->skins[index]) {
+        norma_skin_info *made = norma_scene_allocate(scene, 1, sizeof *made);
+        gltf_scene *own = norma_gltf_scene_of(g);
+        norma_document_result result =
+            made ? find_skins(g, own, error) : norma_document_fail_memory(document, error);
+        if (!result) result = make_skin(g, own->skins[index], index, made, error);
+        if (result) return result;
+        scene->skins[index] = made;
+    }
+    *info = *scene->skins[index];
+    return NORMA_DOCUMENT_OK;
+}

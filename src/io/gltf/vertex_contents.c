@@ -1,0 +1,313 @@
+/* vertex_contents.c: a set's new normals, and all else that its added vertices need, as contents of
+ * its attributes: old elements keep their bits, added ones are copies, tangents of new normals are
+ * made perpendicular to them. */
+#include "io/gltf/gltf_compute.h"
+#include "io/file/large_memory.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct contents {
+    gltf_job *job;
+    gltf_set *set;
+    size_t count;  /* vertices as they will be */
+    float *stored; /* the normals as readers will decode them, for tangents; NULL: there are none */
+    uint8_t *changed; /* a vertex whose normal's code is not the old one's */
+} contents;
+
+static norma_document_result fail_contents(const contents *c) {
+    return norma_document_fail_memory(c->job->g->document, c->job->error);
+}
+
+static int is_new(const gltf_set *set, size_t vertex) {
+    return vertex >= set->vertices || !set->broken || set->broken[vertex];
+}
+
+static norma_document_result put_contents(
+    const contents *c, int32_t target, const char *attribute, gltf_data *data) {
+    return norma_gltf_put_in_set(c->job, c->set, target, attribute, data);
+}
+
+/* ---- vectors of three in the accessor's own encoding */
+
+typedef enum vector_encoding { VECTOR_FLOAT, VECTOR_SNORM8, VECTOR_SNORM16 } vector_encoding;
+
+static vector_encoding vector_encoding_of(const gltf *g, uint32_t accessor, uint32_t width) {
+    const gltf_accessor *a = accessor == GLTF_NONE ? NULL : &g->accessors[accessor];
+    if (!a || !a->normalized || a->width != width) return VECTOR_FLOAT;
+    return a->component == GLTF_BYTE    ? VECTOR_SNORM8
+           : a->component == GLTF_SHORT ? VECTOR_SNORM16
+                                        : VECTOR_FLOAT;
+}
+
+static int encode_units(
+    vector_encoding encoding, const float *units, size_t count, unsigned char *out, size_t stride) {
+    const norma_vec3_view view = {.data = units, .count = count, .format = NORMA_FORMAT_FLOAT};
+    if (encoding == VECTOR_SNORM8)
+        return norma_encode_snorm8(view, (int8_t *)out, stride, count) == NORMA_OK;
+    if (encoding == VECTOR_SNORM16)
+        return norma_encode_snorm16(view, (int16_t *)(void *)out, stride, count) == NORMA_OK;
+    for (size_t i = 0; i < count; ++i) memcpy(out + i * stride, units + 3 * i, 3 * sizeof *units);
+    return 1;
+}
+
+static void keep_float_zero_signs(const unsigned char *old, unsigned char *new_bytes) {
+    for (int k = 0; k < 3; ++k) {
+        float a, b;
+        memcpy(&a, old + 4 * k, sizeof a);
+        memcpy(&b, new_bytes + 4 * k, sizeof b);
+        b = norma_policy_keep_zero(b, (double)a);
+        memcpy(new_bytes + 4 * k, &b, sizeof b);
+    }
+}
+
+/* What stays of an accessor's old elements goes back over the newly encoded ones; marks what is not
+ * what it was. */
+static norma_document_result merge_old(
+    const contents *c, uint32_t accessor, vector_encoding encoding, gltf_data *data) {
+    gltf_array old;
+    size_t size = norma_gltf_data_size(data);
+    norma_document_result result = norma_gltf_array(c->job->g, accessor, &old, c->job->error);
+    if (result) return result;
+    int same = old.component == data->component && old.width == data->width &&
+               old.normalized == data->normalized;
+    for (size_t v = 0; v < c->count; ++v) {
+        const unsigned char *before = old.data + norma_gltf_old_vertex(c->set, v) * old.stride;
+        unsigned char *now = data->bytes + v * size;
+        float element[16];
+        if (!is_new(c->set, v) && same) {
+            memcpy(now, before, size);
+        } else if (!is_new(c->set, v) && old.width == 3) {
+            norma_gltf_floats(&old, v, element);
+            memcpy(now, element, 3 * sizeof *element);
+        } else if (same && encoding == VECTOR_FLOAT) {
+            keep_float_zero_signs(before, now);
+        }
+        if (c->changed) c->changed[v] = !same || memcmp(now, before, size) != 0;
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static void decode_stored(const contents *c, const gltf_data *data) {
+    const gltf_array array = {.data = data->bytes,
+        .count = data->count,
+        .stride = norma_gltf_data_size(data),
+        .component = data->component,
+        .width = 3,
+        .normalized = data->normalized};
+    for (size_t v = 0; v < c->count; ++v) norma_gltf_floats(&array, v, c->stored + 3 * v);
+}
+
+static gltf_data vector_data(vector_encoding encoding, uint32_t width, size_t count) {
+    gltf_data data = {.component = encoding == VECTOR_FLOAT    ? GLTF_FLOAT
+                                   : encoding == VECTOR_SNORM8 ? GLTF_BYTE
+                                                               : GLTF_SHORT,
+        .normalized = encoding != VECTOR_FLOAT,
+        .width = width,
+        .count = count};
+    data.bytes = norma_io_allocate(count, norma_gltf_data_size(&data));
+    return data;
+}
+
+static norma_document_result put_normals(const contents *c) {
+    uint32_t old = c->job->g->primitives[c->set->lead].base.normal;
+    vector_encoding encoding = vector_encoding_of(c->job->g, old, 3);
+    gltf_data data = {.component = GLTF_FLOAT, .width = 3, .count = c->count};
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (encoding == VECTOR_FLOAT) { /* as they are */
+        data.bytes = (unsigned char *)c->set->normals;
+        c->set->normals = NULL;
+    } else {
+        data = vector_data(encoding, 3, c->count);
+        if (!data.bytes || !encode_units(encoding, c->set->normals, c->count, data.bytes,
+                               norma_gltf_data_size(&data)))
+            result = fail_contents(c);
+    }
+    if (old == GLTF_NONE)
+        memset(c->changed, 1, c->count);
+    else if (!result)
+        result = merge_old(c, old, encoding, &data);
+    if (result) {
+        free(data.bytes);
+        return result;
+    }
+    if (c->stored) decode_stored(c, &data);
+    return put_contents(c, GLTF_SLOT_BASE, "NORMAL", &data);
+}
+
+/* ---- tangents */
+
+/* Whether a tangent leans against the normal more than its code and rounding explain: right ones
+ * keep their bits. */
+static int leans(const float tangent[3], const float normal[3], vector_encoding encoding) {
+    double dot = 0, squares = 0;
+    for (int k = 0; k < 3; ++k) {
+        dot += (double)tangent[k] * (double)normal[k];
+        squares += (double)tangent[k] * (double)tangent[k];
+    }
+    return !(fabs(dot) <= (encoding == VECTOR_SNORM8 ? .0137 : 2e-4) * sqrt(squares));
+}
+
+static norma_document_result turn_tangents(const contents *c, uint32_t accessor, gltf_data *data) {
+    vector_encoding encoding = vector_encoding_of(c->job->g, accessor, 4);
+    size_t size = norma_gltf_data_size(data);
+    gltf_array array = {.data = data->bytes,
+        .count = c->count,
+        .stride = size,
+        .component = data->component,
+        .width = data->width,
+        .normalized = data->normalized};
+    float *tangents = norma_io_allocate(c->count, 4 * sizeof *tangents),
+          *units = norma_io_allocate(c->count, 3 * sizeof *units);
+    unsigned char *codes = norma_io_allocate(c->count, 3 * sizeof(float)),
+                  *turned = norma_io_allocate(c->count, 1);
+    int ok = tangents && units && codes && turned;
+    for (size_t v = 0; ok && v < c->count; ++v) {
+        norma_gltf_floats(&array, v, tangents + 4 * v);
+        turned[v] = c->changed[v] ||
+                    (is_new(c->set, v) && leans(tangents + 4 * v, c->stored + 3 * v, encoding));
+    }
+    const norma_vec3_view normals = {
+        .data = c->stored, .count = c->count, .format = NORMA_FORMAT_FLOAT};
+    ok = ok && norma_orthogonalise_tangents(
+                   tangents, 0, normals, c->count, tangents, 0, c->count) == NORMA_OK;
+    for (size_t v = 0; ok && v < c->count; ++v)
+        memcpy(units + 3 * v, tangents + 4 * v, 3 * sizeof *units);
+    size_t code_size = 3 * norma_gltf_component_size(data->component);
+    ok = ok && encode_units(encoding, units, c->count, codes, code_size);
+    for (size_t v = 0; ok && v < c->count; ++v) {
+        unsigned char *stored = data->bytes + v * size;
+        const int stays = !turned[v] || memcmp(stored, codes + v * code_size, code_size) == 0;
+        if (!stays) memcpy(stored, codes + v * code_size, code_size);
+        ++*(stays ? &c->set->tangents_kept : &c->set->tangents_turned);
+    }
+    free(tangents);
+    free(units);
+    free(codes);
+    free(turned);
+    return ok ? NORMA_DOCUMENT_OK : fail_contents(c);
+}
+
+/* Tangents that are all zeros, for want of any bytes, are none. */
+static int can_turn(const gltf_accessor *a) {
+    if (a->view == GLTF_NONE && a->sparse.count == 0) return 0;
+    return a->width == 4 &&
+           (a->component == GLTF_FLOAT ||
+               (a->normalized && (a->component == GLTF_BYTE || a->component == GLTF_SHORT)));
+}
+
+static int is_tangent_turned(const contents *c, const gltf_attribute *attribute, int32_t target) {
+    if (target != GLTF_SLOT_BASE || strcmp(attribute->name, "TANGENT") != 0) return 0;
+    if (c->job->options->tangents != NORMA_STORED_TANGENTS_KEEP)
+        return can_turn(&c->job->g->accessors[attribute->accessor]);
+    c->set->tangents_kept = c->count;
+    return 0;
+}
+
+static norma_document_result put_attribute(
+    const contents *c, const gltf_attribute *attribute, int32_t target) {
+    gltf_data data;
+    const int tangent = is_tangent_turned(c, attribute, target);
+    if (!tangent && c->set->added_count == 0) return NORMA_DOCUMENT_OK;
+    norma_document_result result =
+        norma_gltf_copy_elements(c->job, c->set, attribute->accessor, &data);
+    if (!result && tangent && (result = turn_tangents(c, attribute->accessor, &data)))
+        free(data.bytes);
+    return result ? result : put_contents(c, target, attribute->name, &data);
+}
+
+/* ---- morph targets */
+
+/* Up to half a code beyond the last one is still that, to the encoding's own rounding. */
+static int fits_encoding(vector_encoding encoding, const float *deltas, size_t count) {
+    const double last = encoding == VECTOR_SNORM8 ? 127 : 32767;
+    for (size_t i = 0; i < 3 * count && encoding != VECTOR_FLOAT; ++i)
+        if (!(fabs((double)deltas[i]) * last < last + .5)) return 0;
+    return 1;
+}
+
+static int round_half_away(double value) { return (int)(value < 0 ? value - .5 : value + .5); }
+
+/* Deltas are linear: each number by itself, nothing made unit. */
+static void encode_deltas(
+    vector_encoding encoding, const float *deltas, size_t count, unsigned char *out) {
+    for (size_t i = 0; i < 3 * count; ++i) {
+        if (encoding == VECTOR_FLOAT) {
+            memcpy(out + 4 * i, deltas + i, sizeof *deltas);
+        } else if (encoding == VECTOR_SNORM8) {
+            out[i] = (unsigned char)round_half_away((double)deltas[i] * 127);
+        } else {
+            unsigned code = (unsigned)round_half_away((double)deltas[i] * 32767);
+            out[2 * i] = (unsigned char)code;
+            out[2 * i + 1] = (unsigned char)(code >> 8);
+        }
+    }
+}
+
+norma_document_result norma_gltf_put_deltas(
+    gltf_job *job, gltf_set *set, uint32_t target, const char *attribute, const float *deltas) {
+    const contents c = {.job = job, .set = set, .count = set->vertices + set->added_count};
+    const gltf *g = job->g;
+    const gltf_attributes *of = &g->targets[g->primitives[set->lead].first_target + target];
+    const uint32_t old = strcmp(attribute, "NORMAL") == 0 ? of->normal : of->tangent;
+    vector_encoding encoding = vector_encoding_of(g, old, 3);
+    if (!fits_encoding(encoding, deltas, c.count)) encoding = VECTOR_FLOAT;
+    gltf_data data = vector_data(encoding, 3, c.count);
+    if (!data.bytes) return fail_contents(&c);
+    encode_deltas(encoding, deltas, c.count, data.bytes);
+    norma_document_result result =
+        old == GLTF_NONE ? NORMA_DOCUMENT_OK : merge_old(&c, old, encoding, &data);
+    if (result) {
+        free(data.bytes);
+        return result;
+    }
+    return put_contents(&c, (int32_t)target, attribute, &data);
+}
+
+static norma_document_result put_contents_of_targets(const contents *c) {
+    const gltf *g = c->job->g;
+    const gltf_primitive *lead = &g->primitives[c->set->lead];
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (uint32_t t = 0; !result && t < lead->target_count; ++t) {
+        const gltf_attributes *target = &g->targets[lead->first_target + t];
+        int deltas = c->set->deltas && c->set->deltas[t];
+        for (uint32_t i = target->first; !result && i < target->first + target->count; ++i)
+            if (!deltas || strcmp(g->attributes[i].name, "NORMAL") != 0)
+                result = put_attribute(c, &g->attributes[i], (int32_t)t);
+        if (!result && deltas)
+            result = norma_gltf_put_deltas(c->job, c->set, t, "NORMAL", c->set->deltas[t]);
+    }
+    return result;
+}
+
+/* ---- a set */
+
+norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number) {
+    gltf_set *set = &job->sets[number];
+    const gltf *g = job->g;
+    const gltf_attributes *base = &g->primitives[set->lead].base;
+    contents c = {.job = job, .set = set, .count = set->vertices + set->added_count};
+    const int tangents = base->tangent != GLTF_NONE;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (set->added_count)
+        result = norma_gltf_copy_vertices(job->g, &job->g->primitives[set->lead], c.count,
+            norma_gltf_vertex_size(g, &g->primitives[set->lead]), job->error);
+    if (result) return result;
+    c.stored = tangents ? norma_io_allocate(c.count, 3 * sizeof *c.stored) : NULL;
+    c.changed = norma_io_allocate(c.count, 1);
+    if ((!c.stored && tangents) || !c.changed) result = fail_contents(&c);
+    if (!result) {
+        norma_policy_fill(
+            &job->policy, set->normals, set->reasons, c.count, set->broken, set->vertices);
+        norma_policy_report(&job->policy.summary->report, set->reasons, c.count, set->broken,
+            set->vertices, job->set_count > 1);
+        result = put_normals(&c);
+    }
+    for (uint32_t i = base->first; !result && i < base->first + base->count; ++i)
+        if (strcmp(g->attributes[i].name, "NORMAL") != 0)
+            result = put_attribute(&c, &g->attributes[i], GLTF_SLOT_BASE);
+    if (!result) result = put_contents_of_targets(&c);
+    free(c.stored);
+    free(c.changed);
+    return result;
+}

@@ -1,0 +1,451 @@
+/* vertex_sharing.c: which primitives draw the same vertices, and which vertices their points
+ * become: the first point of an old vertex gets its number, so that old indices stay right; further
+ * ones are added behind. */
+#include "io/gltf/gltf_compute.h"
+#include "io/file/large_memory.h"
+#include "io/stream/tasks.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static norma_document_result fail_sharing(const gltf_job *job) {
+    return norma_document_fail_memory(job->g->document, job->error);
+}
+
+/* ---- making sets */
+
+static int same_attributes(const gltf *g, const gltf_attributes *a, const gltf_attributes *b) {
+    if (a->count != b->count || a->position != b->position || a->normal != b->normal) return 0;
+    for (uint32_t i = a->first; i < a->first + a->count; ++i) {
+        uint32_t k = norma_gltf_find(g, b, g->attributes[i].name);
+        if (k == GLTF_NONE || g->attributes[k].accessor != g->attributes[i].accessor) return 0;
+    }
+    return 1;
+}
+
+/* Whether a target is to get normals. */
+static int morphs_normals(const gltf_job *job, const gltf_attributes *target) {
+    return target->normal != GLTF_NONE || (job->options->morphs && target->position != GLTF_NONE);
+}
+
+static int has_morphs(const gltf_job *job, const gltf_primitive *p) {
+    for (uint32_t t = 0; t < p->target_count; ++t)
+        if (morphs_normals(job, &job->g->targets[p->first_target + t])) return 1;
+    return 0;
+}
+
+/* Deltas hang on what surrounds the vertex in its own mesh: with them a set does not reach over
+ * several meshes. */
+static int is_same_set(const gltf_job *job, const gltf_set *set, const gltf_primitive *p) {
+    const gltf *g = job->g;
+    const gltf_primitive *lead = &g->primitives[set->lead];
+    if (p->target_count != lead->target_count || !same_attributes(g, &p->base, &lead->base) ||
+        (p->mesh != lead->mesh && (set->has_morphs || has_morphs(job, p))))
+        return 0;
+    for (uint32_t t = 0; t < p->target_count; ++t)
+        if (!same_attributes(
+                g, &g->targets[p->first_target + t], &g->targets[lead->first_target + t]))
+            return 0;
+    return 1;
+}
+
+static norma_document_result find_broken_normals(gltf_job *job, gltf_set *set, uint32_t normal) {
+    gltf_array array;
+    norma_document_result result = norma_gltf_array(job->g, normal, &array, job->error);
+    if (result) return result;
+    set->broken = norma_io_allocate(set->vertices, 1);
+    if (!set->broken) return fail_sharing(job);
+    set->wanted = 0;
+    for (size_t i = 0; i < set->vertices; ++i) {
+        float n[16];
+        norma_gltf_floats(&array, i, n);
+        const double vector[3] = {(double)n[0], (double)n[1], (double)n[2]};
+        set->broken[i] = array.width != 3 ||
+                         norma_normal_is_broken(vector, array.component == GLTF_BYTE ? 8 : 32);
+        set->wanted |= set->broken[i];
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+/* Of normals that are fewer than positions (read leniently) the rest is missing; too many become as
+ * many as there are positions. */
+static int counts_differ(const gltf_job *job, const gltf_primitive *p) {
+    return job->g->accessors[p->base.normal].count != p->vertices;
+}
+
+static int lacks_deltas(const gltf_job *job, const gltf_primitive *p) {
+    for (uint32_t t = 0; job->options->morphs && t < p->target_count; ++t) {
+        const gltf_attributes *target = &job->g->targets[p->first_target + t];
+        if (target->normal == GLTF_NONE && target->position != GLTF_NONE) return 1;
+    }
+    return 0;
+}
+
+static norma_document_result find_missing(const gltf_job *job, gltf_set *set, uint32_t normal) {
+    set->broken = norma_io_allocate(set->vertices, 1);
+    if (!set->broken) return fail_sharing(job);
+    for (size_t i = job->g->accessors[normal].count; i < set->vertices; ++i) set->broken[i] = 1;
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result begin_set(gltf_job *job, gltf_set *set, uint32_t primitive) {
+    const gltf_primitive *p = &job->g->primitives[primitive];
+    *set = (gltf_set){.lead = primitive,
+        .last = primitive,
+        .mesh = p->mesh,
+        .vertices = p->vertices,
+        .wanted = 1,
+        .has_morphs = has_morphs(job, p)};
+    if (job->options->only == NORMA_ONLY_ALL || p->base.normal == GLTF_NONE)
+        return NORMA_DOCUMENT_OK;
+    norma_document_result result = job->options->only == NORMA_ONLY_BROKEN
+                                       ? find_broken_normals(job, set, p->base.normal)
+                                       : find_missing(job, set, p->base.normal);
+    if (job->options->only == NORMA_ONLY_MISSING) set->wanted = lacks_deltas(job, p);
+    set->wanted |= counts_differ(job, p);
+    return result;
+}
+
+/* Steele, Lea, Flood 2014, splitmix64. */
+static uint64_t mixed_accessors(uint64_t z) {
+    z = (z + 0x9E3779B97F4A7C15u) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ z >> 27) * 0x94D049BB133111EBu;
+    return z ^ z >> 31;
+}
+
+/* Primitives of one set have the same one; attributes may stand in any order. */
+static uint64_t hash_primitive(const gltf_job *job, const gltf_primitive *p) {
+    const gltf *g = job->g;
+    uint64_t hash = mixed_accessors(has_morphs(job, p) ? (uint64_t)p->mesh + 1 : 0);
+    for (uint32_t t = 0; t <= p->target_count; ++t) {
+        const gltf_attributes *set = t ? &g->targets[p->first_target + t - 1] : &p->base;
+        uint64_t sum = 0;
+        for (uint32_t i = set->first; i < set->first + set->count; ++i)
+            sum += mixed_accessors(g->attributes[i].accessor);
+        hash = mixed_accessors(hash ^ sum);
+    }
+    return hash;
+}
+
+/* Puts a primitive into its set, and makes the set if it does not exist yet. sets_at: for each slot
+ * of a table the last set made in it. */
+static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_t *sets_at) {
+    const gltf_primitive *p = &job->g->primitives[primitive];
+    const uint32_t slot = (uint32_t)(hash_primitive(job, p) % job->g->primitive_count);
+    uint32_t s = sets_at[slot];
+    while (s != GLTF_NONE && !is_same_set(job, &job->sets[s], p)) s = job->sets[s].next_at;
+    if (s != GLTF_NONE) {
+        gltf_set *set = &job->sets[s];
+        set->mesh = set->mesh == p->mesh ? p->mesh : GLTF_NONE;
+        job->next_in_set[set->last] = primitive;
+        set->last = primitive;
+        job->set_of[primitive] = s;
+        return NORMA_DOCUMENT_OK;
+    }
+    s = job->set_count++;
+    job->set_of[primitive] = s;
+    norma_document_result result = begin_set(job, &job->sets[s], primitive);
+    job->sets[s].next_at = sets_at[slot];
+    sets_at[slot] = s;
+    return result;
+}
+
+/* Vertices that a locked primitive draws keep their normals, whoever else draws them. */
+static int is_locked_set(const gltf_job *job, uint32_t primitive) {
+    const shared_normals *shared = job->g->document->shared;
+    return shared && shared->locked && shared->locked[primitive] &&
+           job->set_of[primitive] != GLTF_NONE;
+}
+
+norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job) {
+    const gltf *g = job->g;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    uint32_t *sets_at = norma_io_allocate(g->primitive_count, sizeof *sets_at);
+    job->sets = norma_io_allocate(g->primitive_count, sizeof *job->sets);
+    job->set_of = norma_io_allocate(g->primitive_count, sizeof *job->set_of);
+    job->next_in_set = norma_io_allocate(g->primitive_count, sizeof *job->next_in_set);
+    job->corners = norma_io_allocate(g->primitive_count, sizeof *job->corners);
+    if (!sets_at || !job->sets || !job->set_of || !job->next_in_set || !job->corners)
+        result = fail_sharing(job);
+    for (uint32_t slot = 0; !result && slot < g->primitive_count; ++slot) sets_at[slot] = GLTF_NONE;
+    for (uint32_t i = 0; !result && i < g->primitive_count; ++i) {
+        job->set_of[i] = job->next_in_set[i] = GLTF_NONE;
+        if (!g->primitives[i].not_read) result = join_set(job, i, sets_at);
+        if (!result && is_locked_set(job, i)) job->sets[job->set_of[i]].wanted = 0;
+    }
+    free(sets_at);
+    return result;
+}
+
+void norma_gltf_vertex_sharing_free(gltf_job *job) {
+    for (uint32_t s = 0; s < job->set_count; ++s) {
+        gltf_set *set = &job->sets[s];
+        for (uint32_t t = 0; set->deltas && t < job->g->primitives[set->lead].target_count; ++t)
+            free(set->deltas[t]);
+        void *const blocks[] = {set->broken, set->taken, set->added, set->normals, set->reasons,
+            set->point_of, set->table, set->deltas};
+        for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
+    }
+    for (uint32_t i = 0; job->corners && i < job->g->primitive_count; ++i) free(job->corners[i]);
+    free(job->corners);
+    free(job->sets);
+    free(job->set_of);
+    free(job->next_in_set);
+}
+
+/* ---- points become vertices */
+
+static int make_set_room(gltf_set *set, size_t needed) {
+    if (needed <= set->capacity) return 1;
+    size_t larger = set->capacity + set->capacity / 2;
+    larger = larger < needed ? needed : larger;
+    if (larger > SIZE_MAX / 16) return 0;
+    float *normals = realloc(set->normals, larger * 3 * sizeof *normals);
+    set->normals = normals ? normals : set->normals;
+    uint8_t *reasons = realloc(set->reasons, larger);
+    set->reasons = reasons ? reasons : set->reasons;
+    uint32_t *point_of = set->has_morphs ? realloc(set->point_of, larger * sizeof *point_of) : NULL;
+    set->point_of = point_of ? point_of : set->point_of;
+    if (!normals || !reasons || (set->has_morphs && !point_of)) return 0;
+    memset(set->normals + 3 * set->capacity, 0, (larger - set->capacity) * 3 * sizeof *normals);
+    memset(set->reasons + set->capacity, 0, larger - set->capacity);
+    if (set->has_morphs)
+        memset(set->point_of + set->capacity, 0xFF, (larger - set->capacity) * sizeof *point_of);
+    set->capacity = larger;
+    return 1;
+}
+
+static int begin_set_vertices(gltf_set *set) {
+    if (set->taken) return 1;
+    set->taken = norma_io_allocate(set->vertices, 1);
+    return set->taken && make_set_room(set, set->vertices);
+}
+
+static size_t hash_set_vertex(uint32_t vertex, const float normal[3]) {
+    uint32_t bits[3];
+    memcpy(bits, normal, sizeof bits);
+    uint64_t hash = ((uint64_t)vertex << 32 | bits[0]) * 0x9E3779B97F4A7C15u;
+    hash = (hash ^ hash >> 31 ^ ((uint64_t)bits[1] << 32 | bits[2])) * 0xD6E8FEB86659FD93u;
+    return (size_t)(hash ^ hash >> 32);
+}
+
+static int grow_set_table(gltf_set *set, size_t used) {
+    size_t size = 64;
+    while (size / 4 < used) size *= 2;
+    uint32_t *table = norma_io_allocate(size, sizeof *table);
+    for (size_t i = 0; table && i < set->table_size; ++i) {
+        if (!set->table[i]) continue;
+        size_t vertex = set->table[i] - 1,
+               at = hash_set_vertex(norma_gltf_old_vertex(set, vertex), set->normals + 3 * vertex) &
+                    (size - 1);
+        while (table[at]) at = (at + 1) & (size - 1);
+        table[at] = set->table[i];
+    }
+    if (!table) return 0;
+    free(set->table);
+    set->table = table;
+    set->table_size = size;
+    return 1;
+}
+
+/* The place in the table of a vertex with this normal, or a free one. Only for sets that several
+ * meshes draw: within one mesh points differ anyway. */
+static uint32_t *find_in_table(const gltf_set *set, uint32_t vertex, const float normal[3]) {
+    size_t at = hash_set_vertex(vertex, normal) & (set->table_size - 1);
+    while (set->table[at]) {
+        size_t found = set->table[at] - 1;
+        if (norma_gltf_old_vertex(set, found) == vertex &&
+            memcmp(set->normals + 3 * found, normal, 3 * sizeof *normal) == 0)
+            break;
+        at = (at + 1) & (set->table_size - 1);
+    }
+    return &set->table[at];
+}
+
+/* The number of the vertex that an old vertex with this normal becomes; GLTF_NONE: out of memory,
+ * or of numbers. */
+static uint32_t take_set_vertex(
+    gltf_set *set, uint32_t vertex, const float normal[3], uint8_t reason) {
+    size_t number = vertex;
+    uint32_t *place = NULL;
+    if (set->broken && !set->broken[vertex]) return vertex;
+    if (set->mesh == GLTF_NONE) {
+        if (set->table_size / 4 <= set->vertices + set->added_count &&
+            !grow_set_table(set, (set->vertices + set->added_count + 1) * 2))
+            return GLTF_NONE;
+        place = find_in_table(set, vertex, normal);
+        if (*place) return *place - 1;
+    }
+    if (set->taken[vertex]) {
+        number = norma_gltf_add_vertex(set, vertex);
+        if (number == SIZE_MAX || !make_set_room(set, number + 1)) return GLTF_NONE;
+    }
+    set->taken[vertex] = 1;
+    memcpy(set->normals + 3 * number, normal, 3 * sizeof *normal);
+    set->reasons[number] = reason;
+    if (place) *place = (uint32_t)number + 1;
+    return (uint32_t)number;
+}
+
+/* Where a mesh is one primitive, every point is drawn, and they come in the order of their corners:
+ * no need to look at those. */
+static int take_all_points(gltf_set *set, const gltf_surface *s, uint32_t *places) {
+    const uint32_t first = (uint32_t)s->position_start[0];
+    for (size_t point = 0; point < s->point_count; ++point) {
+        places[point] = take_set_vertex(
+            set, s->sources[point] - first, s->normals + 3 * point, s->reasons[point]);
+        if (places[point] == GLTF_NONE) return 0;
+    }
+    return 1;
+}
+
+/* The points of a primitive's corners, for which stamps do not say already that they have their
+ * place. */
+static int take_points_of(gltf_set *set, uint32_t set_number, const gltf_surface *s, uint32_t local,
+    size_t corner_count, uint32_t *places, uint32_t *stamps) {
+    const uint32_t *points = norma_gltf_points(s) + s->corner_start[local];
+    for (size_t c = 0; c < corner_count; ++c) {
+        const uint32_t point = points[c];
+        if (stamps[point] == set_number + 1) continue;
+        uint32_t vertex = s->sources[point] - (uint32_t)s->position_start[local];
+        places[point] =
+            take_set_vertex(set, vertex, s->normals + 3 * (size_t)point, s->reasons[point]);
+        stamps[point] = set_number + 1;
+        if (places[point] == GLTF_NONE) return 0;
+        if (set->has_morphs) set->point_of[places[point]] = point;
+    }
+    return 1;
+}
+
+enum { LEAST_SLICE = 1 << 16 };
+
+typedef struct placing {
+    const uint32_t *points, *places;
+    uint32_t *corners; /* may be the points */
+    size_t count, slices;
+} placing;
+
+static void place_point_slice(void *context, size_t slice) {
+    const placing *p = context;
+    const size_t end = norma_io_slice(p->count, p->slices, slice + 1);
+    for (size_t c = norma_io_slice(p->count, p->slices, slice); c < end; ++c)
+        p->corners[c] = p->places[p->points[c]];
+}
+
+/* Whether the mesh is one primitive whose points nobody needs once it has its corners. */
+static int is_alone_in_set(const gltf_job *job, const gltf_surface *s, uint32_t number) {
+    return job->g->meshes[s->mesh].primitive_count == 1 && s->in_order &&
+           job->set_of[number] != GLTF_NONE && !job->sets[job->set_of[number]].has_morphs;
+}
+
+/* places: for each point of the surface its vertex in this set, valid where stamps says the set's
+ * number + 1. The corners of a mesh that is one primitive are made where its points stand, which
+ * nobody needs any more. */
+static int take_primitive(
+    gltf_job *job, gltf_surface *s, uint32_t number, uint32_t *places, uint32_t *stamps) {
+    gltf *g = job->g;
+    const gltf_primitive *p = &g->primitives[number];
+    uint32_t local = p->number, set_number = job->set_of[number];
+    gltf_set *set = &job->sets[set_number];
+    const int alone = is_alone_in_set(job, s, number);
+    if (!begin_set_vertices(set)) return 0;
+    if (!(alone ? take_all_points(set, s, places)
+                : take_points_of(set, set_number, s, local, 3 * p->faces, places, stamps)))
+        return 0;
+    placing placed = {.points = norma_gltf_points(s) + s->corner_start[local],
+        .places = places,
+        .count = 3 * p->faces};
+    placed.corners = alone ? s->points : norma_io_block(placed.count, sizeof *placed.corners);
+    if (!placed.corners) return 0;
+    placed.slices = norma_io_slices(placed.count, LEAST_SLICE);
+    norma_io_tasks(job->policy.core.threads, placed.slices, place_point_slice, &placed);
+    if (alone) s->points = NULL;
+    job->corners[number] = placed.corners;
+    return 1;
+}
+
+norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s) {
+    const gltf_mesh *mesh = &job->g->meshes[s->mesh];
+    const int alone = is_alone_in_set(job, s, mesh->first_primitive);
+    uint32_t *places = alone ? s->sources : norma_io_block(s->point_count, sizeof *places),
+             *stamps = norma_io_allocate(s->point_count, sizeof *stamps);
+    unsigned char *done = norma_io_allocate(mesh->primitive_count, 1);
+    int ok = places && stamps && done;
+    for (uint32_t i = 0; ok && i < mesh->primitive_count; ++i) {
+        uint32_t set = job->set_of[mesh->first_primitive + i];
+        if (set == GLTF_NONE || !job->sets[set].wanted) continue;
+        for (uint32_t k = i; ok && k < mesh->primitive_count && !done[i]; ++k)
+            if (job->set_of[mesh->first_primitive + k] == set && !done[k]) {
+                ok = take_primitive(job, s, mesh->first_primitive + k, places, stamps);
+                done[k] = k != i;
+            }
+        done[i] = 1;
+    }
+    if (!alone) free(places);
+    free(stamps);
+    free(done);
+    return ok ? NORMA_DOCUMENT_OK : fail_sharing(job);
+}
+
+/* ---- vertices that no triangle uses */
+
+static norma_document_result own_corners(
+    gltf_job *job, const gltf_set *set, uint32_t **corners, size_t *count) {
+    gltf *g = job->g;
+    *corners = NULL;
+    *count = 0;
+    for (uint32_t i = set->lead; i != GLTF_NONE; i = job->next_in_set[i])
+        *count += 3 * g->primitives[i].faces;
+    *corners = norma_io_allocate(*count, sizeof **corners);
+    size_t at = 0;
+    for (uint32_t i = set->lead; *corners && i != GLTF_NONE; i = job->next_in_set[i]) {
+        const uint32_t *own;
+        norma_document_result result = norma_gltf_corners(g, i, &own, job->error);
+        if (result) return result;
+        memcpy(*corners + at, own, 3 * g->primitives[i].faces * sizeof *own);
+        at += 3 * g->primitives[i].faces;
+    }
+    return *corners ? NORMA_DOCUMENT_OK : fail_sharing(job);
+}
+
+static void take_nearest(gltf_set *set, const float *normals, const uint8_t *reasons) {
+    for (size_t v = 0; v < set->vertices; ++v) {
+        const float *from = normals + 3 * v;
+        float *to = set->normals + 3 * v;
+        if (set->taken[v] || (set->broken && !set->broken[v])) continue;
+        memcpy(to, from, 3 * sizeof *to);
+        set->reasons[v] = reasons[v] == NORMA_REASON_NON_FINITE ? NORMA_REASON_NON_FINITE
+                                                                : NORMA_REASON_UNREFERENCED;
+    }
+}
+
+norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set) {
+    size_t missing = 0, count;
+    gltf_array positions;
+    uint32_t *corners = NULL;
+    if (!begin_set_vertices(set)) return fail_sharing(job);
+    for (size_t v = 0; v < set->vertices; ++v)
+        missing += !set->taken[v] && (!set->broken || set->broken[v]);
+    if (!missing) return NORMA_DOCUMENT_OK;
+    norma_document_result result = norma_gltf_array(
+        job->g, job->g->primitives[set->lead].base.position, &positions, job->error);
+    if (!result) result = own_corners(job, set, &corners, &count);
+    if (result) {
+        free(corners);
+        return result;
+    }
+    float *normals = norma_io_allocate(set->vertices, 3 * sizeof *normals);
+    uint8_t *reasons = norma_io_allocate(set->vertices, 1);
+    const norma_mesh mesh = {
+        .positions = norma_gltf_vec3_view(&positions), .corners = corners, .corner_count = count};
+    norma_result core = NORMA_ERROR_MEMORY;
+    job->policy.core.reasons = reasons;
+    if (normals && reasons)
+        core = norma_vertex_normals(&mesh, &job->policy.core, normals, set->vertices, NULL);
+    job->policy.core.reasons = NULL;
+    if (!core) take_nearest(set, normals, reasons);
+    free(corners);
+    free(normals);
+    free(reasons);
+    return core ? norma_document_fail_core(job->g->document, job->error, core) : NORMA_DOCUMENT_OK;
+}
