@@ -29,7 +29,7 @@ void fuzz_fail(const char *format, ...);
  * Readers of OBJ, PLY and STL: 64 KiB and 32 bytes a byte. Files made to need most need 8, 20 (a
  * strip of bytes, of which each is a triangle) and 2. All else, the readers of glTF among it: 2 MiB
  * and 512. A glTF's elements may share their bytes, and what it may stand for is bounded by the
- * reader itself (src/io/gltf/limits.c): 256 bytes a byte for what is decoded and 16 corners a
+ * reader itself (src/io/gltf/members.c): 256 bytes a byte for what is decoded and 16 corners a
  * byte, of 4 bytes each, twice where normals are missing; and an empty node, of three bytes of
  * JSON, takes 121 bytes for each of them. That is 505 together. Files made to need most need 309
  * (decoded and corners), the largest of the data set 6. */

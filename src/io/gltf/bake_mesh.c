@@ -1,10 +1,283 @@
-/* bake_mesh.c: every slot of a mesh that a matrix changes: positions, normals, tangents, the morph
- * targets' deltas of each, the order of the corners. */
-#include "io/gltf/bake.h"
-#include "io/gltf/encode_vectors.h"
+/* bake_mesh.c: --bake: the data of a mesh under a matrix, made once for all that share it, and its
+ * winding. */
+#include "io/gltf/gltf.h"
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- What several primitives share stays shared where the matrix is the same: contents
+ * are found again by what they were made of. */
+
+void norma_gltf_bake_cache_free(bake_cache *cache) {
+    free(cache->entries);
+    free(cache->heads);
+    free(cache->matrices);
+    *cache = (bake_cache){0};
+}
+
+static size_t hash(const bake_entry *key) {
+    uint64_t h = key->role;
+    h = (h ^ key->a) * 0x9E3779B97F4A7C15u;
+    h = (h ^ (h >> 32) ^ key->b) * 0x9E3779B97F4A7C15u;
+    h = (h ^ (h >> 32) ^ key->map) * 0x9E3779B97F4A7C15u;
+    return (size_t)(h ^ (h >> 32));
+}
+
+static int gltf_bake_cache_find(const bake_cache *cache, const bake_entry *key, uint32_t *data) {
+    if (cache->head_count == 0) return 0;
+    for (uint32_t i = cache->heads[hash(key) % cache->head_count]; i != GLTF_NONE;
+         i = cache->entries[i].after) {
+        const bake_entry *entry = &cache->entries[i];
+        if (entry->role == key->role && entry->a == key->a && entry->b == key->b &&
+            entry->map == key->map) {
+            *data = entry->data;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static void link_entry(bake_cache *cache, uint32_t number) {
+    uint32_t *head = &cache->heads[hash(&cache->entries[number]) % cache->head_count];
+    cache->entries[number].after = *head;
+    *head = number;
+}
+
+static int rehash(bake_cache *cache, size_t head_count) {
+    uint32_t *heads = norma_io_allocate(head_count, sizeof *heads);
+    if (!heads) return 0;
+    free(cache->heads);
+    cache->heads = heads;
+    cache->head_count = head_count;
+    for (size_t i = 0; i < head_count; i++) heads[i] = GLTF_NONE;
+    for (size_t i = 0; i < cache->count; i++) link_entry(cache, (uint32_t)i);
+    return 1;
+}
+
+/* 0: out of memory */
+static int gltf_bake_cache_add(bake_cache *cache, const bake_entry *entry) {
+    bake_entry *grown =
+        cache->count < GLTF_NONE - 1
+            ? norma_io_grow(cache->entries, &cache->capacity, cache->count + 1, sizeof *grown)
+            : NULL;
+    if (!grown) return 0;
+    cache->entries = grown;
+    if (cache->count >= cache->head_count && !rehash(cache, 2 * cache->head_count + 64)) return 0;
+    cache->entries[cache->count] = *entry;
+    link_entry(cache, (uint32_t)cache->count++);
+    return 1;
+}
+
+/* Whether normals stay as they are: the normal matrix is a multiple of the identity, as far as
+ * doubles tell. */
+static int keeps_directions(const double n[9]) {
+    const double size = n[0];
+    if (!(size > 0)) return 0;
+    for (int i = 0; i < 9; i++)
+        if (fabs(n[i] - (i % 4 == 0 ? size : 0)) > 1e-15 * size) return 0;
+    return 1;
+}
+
+/* The one direction that is left where a matrix flattens: the longest column; +Z where nothing is.
+ */
+static void find_fallback(bake_map *map) {
+    double longest = 0;
+    map->fallback[0] = map->fallback[1] = 0;
+    map->fallback[2] = 1;
+    for (int i = 0; i < 3; i++) {
+        const double *c = map->normal + 3 * i,
+                     length = sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+        if (length <= longest) continue;
+        longest = length;
+        for (int k = 0; k < 3; k++) map->fallback[k] = c[k] / length;
+    }
+}
+
+#define MATRIX_ROLE UINT32_MAX
+
+/* The number of an equal matrix seen before, or of this one from now on. The table of contents
+ * serves for matrices too: by two halves of a hash of their bits. */
+static int identify(bake_cache *cache, bake_map *map) {
+    uint64_t bits[16], mixed = 0;
+    for (int i = 0; i < 16; i++) map->matrix[i] += 0.0; /* -0 is 0 */
+    memcpy(bits, map->matrix, sizeof bits);
+    for (int i = 0; i < 16; i++) mixed = (mixed ^ bits[i] ^ (mixed >> 29)) * 0xBF58476D1CE4E5B9u;
+    bake_entry key = {MATRIX_ROLE, (uint32_t)mixed, (uint32_t)(mixed >> 32), 0, 0, 0};
+    for (; gltf_bake_cache_find(cache, &key, &map->id); key.map++)
+        if (memcmp(cache->matrices[map->id], map->matrix, sizeof map->matrix) == 0) return 1;
+    double(*grown)[16] = norma_io_grow(
+        cache->matrices, &cache->matrix_capacity, cache->matrix_count + 1, sizeof *grown);
+    if (!grown) return 0;
+    cache->matrices = grown;
+    memcpy(cache->matrices[cache->matrix_count], map->matrix, sizeof map->matrix);
+    key.data = map->id = (uint32_t)cache->matrix_count++;
+    return gltf_bake_cache_add(cache, &key);
+}
+
+int norma_gltf_bake_map(bake_cache *cache, const double matrix[16], bake_map *map) {
+    norma_matrix_info info;
+    memcpy(map->matrix, matrix, sizeof map->matrix);
+    norma_normal_matrix_double(matrix, NORMA_WINDING_REVERSED, map->normal, &info);
+    map->mirrored = info.mirrored;
+    map->rank = info.rank;
+    map->turns = !keeps_directions(map->normal);
+    find_fallback(map);
+    return identify(cache, map);
+}
+
+/* ---- The triangles of a primitive turned round. In a list each keeps its first corner.
+ * Strips of an odd number of corners are read backwards, fans too but for their first corner; a
+ * strip of an even number would keep its winding, read backwards: it becomes a list. */
+
+typedef struct corner_list {
+    uint32_t *corners;
+    size_t count;
+    uint32_t mode;
+} corner_list;
+
+static void swap_corners(uint32_t *a, uint32_t *b) {
+    const uint32_t kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+static void reverse_order(uint32_t *corners, size_t count) {
+    for (size_t i = 0; i < count / 2; i++) swap_corners(&corners[i], &corners[count - 1 - i]);
+}
+
+/* FB_ngon_encoding: triangles that follow one another with one first corner are one polygon, a fan;
+ * reversed, it is told from the other end. */
+static void reverse_polygons(uint32_t *corners, size_t triangles) {
+    for (size_t first = 0, after; first < triangles; first = after) {
+        for (after = first + 1; after < triangles && corners[3 * after] == corners[3 * first];)
+            after++;
+        for (size_t i = 0; i < (after - first) / 2; i++)
+            for (size_t k = 0; k < 3; k++)
+                swap_corners(&corners[3 * (first + i) + k], &corners[3 * (after - 1 - i) + k]);
+    }
+}
+
+/* An even strip as a list, each triangle turned; triangles of no area by their corners alone are
+ * left out. Returns the number of corners. */
+static size_t unroll_strip(const uint32_t *strip, size_t count, uint32_t *list) {
+    size_t made = 0;
+    for (size_t i = 0; i + 2 < count; i++) {
+        const uint32_t a = strip[i], b = strip[i + 1], c = strip[i + 2];
+        if (a == b || b == c || c == a) continue;
+        list[made++] = a;
+        list[made++] = i % 2 ? b : c;
+        list[made++] = i % 2 ? c : b;
+    }
+    return made;
+}
+
+static int reverse(corner_list *list, int polygons) {
+    if (list->mode == GLTF_TRIANGLES) {
+        for (size_t i = 0; i + 2 < list->count; i += 3)
+            swap_corners(&list->corners[i + 1], &list->corners[i + 2]);
+        if (polygons) reverse_polygons(list->corners, list->count / 3);
+    } else if (list->mode == GLTF_FAN) {
+        reverse_order(list->corners + 1, list->count - 1);
+    } else if (list->count % 2) {
+        reverse_order(list->corners, list->count);
+    } else {
+        uint32_t *unrolled = norma_io_allocate(list->count, 3 * sizeof *unrolled);
+        if (!unrolled) return 0;
+        const size_t made = unroll_strip(list->corners, list->count, unrolled);
+        free(list->corners);
+        *list = (corner_list){unrolled, made, GLTF_TRIANGLES};
+    }
+    return 1;
+}
+
+static norma_document_result read_winding(
+    gltf *g, const gltf_primitive *primitive, corner_list *list, norma_document_error *error) {
+    gltf_array array = {.count = primitive->vertices};
+    if (primitive->indices != GLTF_NONE) {
+        const norma_document_result result = norma_gltf_array(g, primitive->indices, &array, error);
+        if (result) return result;
+    }
+    list->mode = primitive->mode;
+    list->count = array.count;
+    list->corners = norma_io_allocate(array.count + 1, sizeof *list->corners);
+    if (!list->corners) return norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; i < array.count; i++) {
+        list->corners[i] = (uint32_t)i;
+        if (primitive->indices != GLTF_NONE) norma_gltf_uints(&array, i, &list->corners[i]);
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result add_turned_corners(gltf *g, const gltf_primitive *primitive,
+    const corner_list *list, uint32_t *number, norma_document_error *error) {
+    gltf_data data = {.component = primitive->vertices <= 65535 ? GLTF_USHORT : GLTF_UINT,
+        .width = 1,
+        .count = list->count,
+        .is_indices = 1};
+    if (primitive->indices != GLTF_NONE)
+        data.component = g->accessors[primitive->indices].component;
+    const size_t size = norma_gltf_component_size(data.component);
+    data.bytes = norma_io_allocate(list->count + 1, size);
+    if (!data.bytes) return norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; i < list->count; i++) {
+        const uint16_t two = (uint16_t)list->corners[i];
+        if (size == 1)
+            data.bytes[i] = (unsigned char)list->corners[i];
+        else if (size == 2)
+            memcpy(data.bytes + 2 * i, &two, 2);
+        else
+            memcpy(data.bytes + 4 * i, &list->corners[i], 4);
+    }
+    *number = norma_gltf_add_data(g, &data);
+    return *number == GLTF_NONE ? norma_document_fail_memory(g->document, error)
+                                : NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result make_corners(gltf *g, const gltf_primitive *primitive, int polygons,
+    bake_entry *entry, norma_document_error *error) {
+    corner_list list = {NULL, 0, 0};
+    norma_document_result result = read_winding(g, primitive, &list, error);
+    if (!result && list.count >= 3 && !reverse(&list, polygons))
+        result = norma_document_fail_memory(g->document, error);
+    if (!result && list.count < 3) /* nothing to turn */
+        entry->data = BAKE_UNCHANGED;
+    else if (!result)
+        result = add_turned_corners(g, primitive, &list, &entry->data, error);
+    free(list.corners);
+    return result;
+}
+
+static norma_document_result gltf_bake_winding(gltf *g, bake_cache *cache,
+    uint32_t primitive_number, uint32_t copy, norma_document_error *error) {
+    const gltf_primitive *primitive = &g->primitives[primitive_number];
+    if (primitive->mode < GLTF_TRIANGLES) return NORMA_DOCUMENT_OK;
+    const uint32_t extensions = norma_json_member(&g->json, primitive->token, "extensions");
+    const int polygons = norma_json_member(&g->json, extensions, "FB_ngon_encoding") != JSON_NONE;
+    const int indexed = primitive->indices != GLTF_NONE;
+    if (!indexed && primitive->vertices >= UINT32_MAX)
+        return NORMA_DOCUMENT_OK; /* more than any index names: nothing that a file holds */
+    bake_entry entry = {BAKE_WINDING, primitive->indices,
+        indexed ? primitive->vertices > 0 : (uint32_t)primitive->vertices,
+        2 * primitive->mode + (unsigned)polygons, 0, 0};
+    if (!gltf_bake_cache_find(cache, &entry, &entry.data)) {
+        const norma_document_result result = make_corners(g, primitive, polygons, &entry, error);
+        if (result) return result;
+        if (!gltf_bake_cache_add(cache, &entry))
+            return norma_document_fail_memory(g->document, error);
+    }
+    if (entry.data == BAKE_UNCHANGED) return NORMA_DOCUMENT_OK;
+    const gltf_slot slot = {copy, primitive_number, GLTF_SLOT_INDICES, NULL};
+    if (!norma_gltf_put(g, &slot, entry.data))
+        return norma_document_fail_memory(g->document, error);
+    const size_t count = indexed ? g->accessors[primitive->indices].count : primitive->vertices;
+    if (primitive->mode == GLTF_STRIP && count % 2 == 0)
+        norma_gltf_set_mode(g, copy, primitive_number, GLTF_TRIANGLES);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- Every slot of a mesh that a matrix changes: positions, normals, tangents, the morph
+ * targets' deltas of each, the order of the corners. */
 
 typedef struct mesh_baker {
     gltf *g;
@@ -82,10 +355,10 @@ static norma_document_result bake_slot(const mesh_baker *b, bake_role role, uint
     const int is_direction = role != BAKE_POSITIONS && role != BAKE_POSITION_DELTAS;
     if (accessor == GLTF_NONE || (is_direction && !b->map->turns)) return NORMA_DOCUMENT_OK;
     bake_entry entry = {role, accessor, base, b->map->id, 0, 0};
-    if (!norma_gltf_bake_cache_find(b->cache, &entry, &entry.data)) {
+    if (!gltf_bake_cache_find(b->cache, &entry, &entry.data)) {
         const norma_document_result result = make_data(b, &entry, error);
         if (result) return result;
-        if (!norma_gltf_bake_cache_add(b->cache, &entry))
+        if (!gltf_bake_cache_add(b->cache, &entry))
             return norma_document_fail_memory(b->g->document, error);
     }
     if (entry.data != BAKE_UNCHANGED && !norma_gltf_put(b->g, slot, entry.data))
@@ -127,7 +400,7 @@ norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, const mes
                 &b, primitive, &g->targets[primitive->first_target + k], slot, error);
         }
         if (!result && map->mirrored)
-            result = norma_gltf_bake_winding(g, cache, number, use->copy, error);
+            result = gltf_bake_winding(g, cache, number, use->copy, error);
         *vertices += primitive->vertices;
     }
     return result;

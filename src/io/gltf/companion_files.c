@@ -5,8 +5,7 @@
  * nothing is written through a link. One is in memory at a time, and each goes once, however often
  * it is named. */
 #define _POSIX_C_SOURCE 200809L
-#include "io/gltf/own_bytes.h"
-#include "io/gltf/patch.h"
+#include "io/gltf/gltf.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* data_runs.c: replaced and new accessors as JSON, and as pieces: runs of elements that views are
  * to hold. A sparse accessor stays sparse: its base and its values are two pieces, so that none of
  * its views is left without use. */
-#include "io/gltf/patch.h"
+#include "io/gltf/gltf.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

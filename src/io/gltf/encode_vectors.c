@@ -1,7 +1,7 @@
 /* encode_vectors.c: vectors and covectors of a mesh through one matrix (Turkowski, "Transformations
  * of surface normal vectors", 1990), in double precision from the numbers as stored; and back into
  * the encoding they had. */
-#include "io/gltf/encode_vectors.h"
+#include "io/gltf/gltf.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

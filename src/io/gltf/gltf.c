@@ -1,12 +1,10 @@
-/* gltf.c: a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
+/* gltf.c: A glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
  * requires, and its table of functions. */
-#include "io/gltf/asset.h"
-#include "io/gltf/draco_decoder.h"
+#include "io/gltf/gltf.h"
 #include "io/format/edit.h"
-#include "io/gltf/patch.h"
-#include "io/gltf/gltf_scene.h"
-#include "io/format/turn_green.h"
 #include "io/format/recentre.h"
+#include "io/format/turn_green.h"
+#include "io/gltf/draco_decoder.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -149,7 +147,7 @@ static norma_document_result check_required(const gltf *g, norma_document_error 
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_gltf_open(norma_document *document, norma_document_error *error) {
+static norma_document_result gltf_open(norma_document *document, norma_document_error *error) {
     gltf *g = norma_io_allocate(1, sizeof *g);
     if (!g) return norma_document_fail_memory(document, error);
     document->state = g;
@@ -175,7 +173,7 @@ norma_document_result norma_gltf_open(norma_document *document, norma_document_e
     return result;
 }
 
-void norma_gltf_close(norma_document *document) {
+static void gltf_close(norma_document *document) {
     gltf *g = norma_gltf_of(document);
     if (!g) return;
     norma_gltf_patch_free(g);
@@ -265,8 +263,8 @@ static norma_document_result node_info(
 }
 
 const format_functions norma_gltf_functions = {
-    .open = norma_gltf_open,
-    .close = norma_gltf_close,
+    .open = gltf_open,
+    .close = gltf_close,
     .mesh_count = gltf_mesh_count,
     .mesh_info = gltf_mesh_info,
     .mesh_data = norma_gltf_mesh_data,

@@ -1,9 +1,8 @@
 /* gltf_edit.c: triangles of glTF primitives reversed or left out, single normals, tangents and
  * positions replaced, normals taken away: as new contents of the slots that hold them. What is not
  * named keeps its bytes wherever its encoding stays. */
+#include "io/gltf/gltf.h"
 #include "io/format/edit.h"
-#include "io/gltf/encode_vectors.h"
-#include "io/gltf/gltf_scene.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,8 +1,7 @@
 /* gltf_scene.c: what a glTF's surfaces have beside positions, corners and normals: UVs, colours,
  * tangents, morph targets, the rules that extras silence, where a node stands, and what of the file
  * was not read. */
-#include "io/gltf/gltf_scene.h"
-#include "io/gltf/node_matrix.h"
+#include "io/gltf/gltf.h"
 #include "core/matrix/matrix.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,93 @@
-/* members.c: members of the JSON, checked, and errors that name their place in it. */
-#include "io/gltf/asset.h"
+/* members.c: members of JSON objects, and what messages say of them; how much a file may ask for;
+ * whether it needs a later version of glTF. */
+#include "io/gltf/gltf.h"
+#include "io/gltf/draco_decoder.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+/* ---- How the elements of a glTF are named, and which rules their extras silence. */
+
+const char *norma_gltf_name(gltf *g, uint32_t token) {
+    uint32_t name = norma_json_member(&g->json, token, "name");
+    if (!norma_json_is(&g->json, name, JSON_STRING)) return "";
+    char *decoded = norma_json_string(&g->json, name);
+    char *kept = decoded ? norma_scene_text(g->document->scene, decoded) : NULL;
+    free(decoded);
+    return kept;
+}
+
+const char *norma_gltf_where(gltf *g, const char *list, size_t number) {
+    char text[64];
+    snprintf(text, sizeof text, "/%s/%zu", list, number);
+    return norma_scene_text(g->document->scene, text);
+}
+
+gltf_scene *norma_gltf_scene_of(gltf *g) {
+    norma_scene *scene = g->document->scene;
+    if (scene->gltf) return scene->gltf;
+    gltf_scene *made = norma_scene_allocate(scene, 1, sizeof *made);
+    if (!made) return NULL;
+    made->decoded = norma_scene_allocate(scene, g->accessor_count, sizeof *made->decoded);
+    made->colors = norma_scene_allocate(scene, g->accessor_count, sizeof *made->colors);
+    made->mesh_ignore = norma_scene_allocate(scene, g->mesh_count, sizeof *made->mesh_ignore);
+    made->node_ignore = norma_scene_allocate(scene, g->node_count, sizeof *made->node_ignore);
+    if (made->decoded && made->colors && made->mesh_ignore && made->node_ignore) scene->gltf = made;
+    return scene->gltf;
+}
+
+enum {
+    MOST_IGNORED = 600
+}; /* bytes of a list: some hundred ids; a file that wants more means all */
+
+/* 0: the list is full, or memory is out. */
+static int add_ignored_rule(const gltf *g, uint32_t token, json_text *list) {
+    char *rule = norma_json_string(&g->json, token);
+    size_t length = rule ? strlen(rule) : 0;
+    int fits = rule && length < MOST_IGNORED && list->size + length + 1 < MOST_IGNORED;
+    if (fits && list->size) norma_json_add(list, ",", 1);
+    if (fits) norma_json_add(list, rule, length);
+    list->failed |= !rule;
+    free(rule);
+    return fits;
+}
+
+const char *norma_gltf_ignore(gltf *g, uint32_t token) {
+    const json *j = &g->json;
+    uint32_t ignore = norma_json_member(
+        j, norma_json_member(j, norma_json_member(j, token, "extras"), "norma"), "ignore");
+    json_text list = {0};
+    if (norma_json_is(j, ignore, JSON_STRING))
+        add_ignored_rule(g, ignore, &list);
+    else if (norma_json_is(j, ignore, JSON_ARRAY))
+        for (uint32_t item = norma_json_first(j, ignore); item != JSON_NONE;
+             item = norma_json_next(j, ignore, item))
+            if (norma_json_is(j, item, JSON_STRING) && !add_ignored_rule(g, item, &list)) break;
+    if (!list.size && !list.failed) return "";
+    norma_json_add(&list, "", 1);
+    const char *kept = list.failed ? NULL : norma_scene_text(g->document->scene, list.data);
+    free(list.data);
+    return kept;
+}
+
+const char *norma_gltf_ignored_with(gltf *g, const char *above, uint32_t token) {
+    const char *own = above ? norma_gltf_ignore(g, token) : NULL;
+    if (!own || !own[0]) return own ? above : NULL;
+    return !above[0] || strlen(above) + strlen(own) >= MOST_IGNORED
+               ? own
+               : norma_scene_join(g->document->scene, above, own);
+}
+
+/* Of the whole file: the root's extras, and the asset's. */
+const char *norma_gltf_root_ignore(gltf *g) {
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    if (scene && !scene->root_ignore)
+        scene->root_ignore = norma_gltf_ignored_with(
+            g, norma_gltf_ignore(g, 0), norma_json_member(&g->json, 0, "asset"));
+    return scene ? scene->root_ignore : NULL;
+}
+
+/* ---- Members of the JSON, checked, and errors that name their place in it. */
 
 enum { QUOTE = 80 };
 
@@ -72,4 +158,114 @@ int norma_gltf_index_member(
     if (!norma_json_uint(&g->json, token, &read) || read >= limit) return 0;
     *value = (uint32_t)read;
     return 1;
+}
+
+/* ---- How much a file may stand for. Elements that share bytes (many primitives of one
+ * accessor, accessors that overlap, accessors without bytes) let a few kilobytes name more
+ * triangles than a machine holds; so what is decoded, copied and drawn is measured by the bytes
+ * that the file and its buffers hold. */
+
+enum {
+    DECODED_A_BYTE = 256,
+    CORNERS_A_BYTE = 16,
+    VERTICES_A_BYTE = 64,
+    MOVES_A_BYTE = 16,
+    INSTANCES_A_BYTE = 4,
+    COPIED_A_BYTE = 512,
+    FREE = 1 << 18,
+    FREE_INSTANCES = 1 << 16
+};
+
+/* Whether sum stays within the bound when more is added to it; never wraps. */
+static int add_within(size_t *sum, size_t more, size_t held, size_t a_byte, size_t granted) {
+    const size_t bound = held > (SIZE_MAX - granted) / a_byte ? SIZE_MAX : held * a_byte + granted;
+    if (more > bound || *sum > bound - more) return 0;
+    *sum += more;
+    return 1;
+}
+
+norma_document_result norma_gltf_spend(
+    gltf *g, uint32_t token, size_t count, size_t size, norma_document_error *error) {
+    char place[200];
+    if (count <= SIZE_MAX / size &&
+        add_within(&g->decoded, count * size, g->held, DECODED_A_BYTE, FREE))
+        return NORMA_DOCUMENT_OK;
+    norma_gltf_pointer(g, token, place, sizeof place);
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
+        "%zu elements from here, with all before them, would take far more memory than the file; "
+        "at most %d bytes are read for each byte of it",
+        count, DECODED_A_BYTE);
+}
+
+norma_document_result norma_gltf_draw(
+    gltf *g, const gltf_primitive *p, norma_document_error *error) {
+    const size_t corners = p->faces > SIZE_MAX / 3 ? SIZE_MAX : 3 * p->faces,
+                 targets = p->target_count,
+                 moves =
+                     targets && p->vertices > SIZE_MAX / targets ? SIZE_MAX : p->vertices * targets;
+    if (!add_within(&g->corners_drawn, corners, g->held, CORNERS_A_BYTE, FREE) ||
+        !add_within(&g->vertices_drawn, p->vertices, g->held, VERTICES_A_BYTE, FREE))
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where,
+            "%zu triangles of %zu vertices, with those of all primitives before, are far more than "
+            "the file has bytes; at most %d corners and %d vertices are read for each byte",
+            p->faces, p->vertices, CORNERS_A_BYTE, VERTICES_A_BYTE);
+    if (!add_within(&g->vertices_moved, moves, g->held, MOVES_A_BYTE, FREE))
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where,
+            "%zu vertices in each of %zu morph targets, with those of all primitives before, are "
+            "far more than the file has bytes; at most %d are read for each byte",
+            p->vertices, targets, MOVES_A_BYTE);
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_copy_vertices(
+    gltf *g, gltf_primitive *p, size_t count, size_t size, norma_document_error *error) {
+    g->copied -= p->copied;
+    p->copied = 0;
+    if ((size && count > SIZE_MAX / size) ||
+        !add_within(&g->copied, count * size, g->held, COPIED_A_BYTE, FREE))
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, p->where,
+            "%zu vertices of %zu bytes each, with those of all primitives before, would take far "
+            "more memory than the file; at most %d bytes are read for each byte of it",
+            count, size, COPIED_A_BYTE);
+    p->copied = count * size;
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_place_instances(
+    gltf *g, const gltf_node *node, norma_document_error *error) {
+    char place[200];
+    size_t held = g->document->source.size;
+    for (uint32_t i = 0; i < g->buffer_count; ++i) /* as long as they say: none of them is read yet,
+                                                      and one that is shorter will not be */
+        held = g->buffers[i].length < SIZE_MAX - held ? held + g->buffers[i].length : SIZE_MAX;
+    if (add_within(&g->instances_placed, node->instances, held, INSTANCES_A_BYTE, FREE_INSTANCES))
+        return NORMA_DOCUMENT_OK;
+    norma_gltf_pointer(g, node->token, place, sizeof place);
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
+        "%zu instances, with those of all nodes before, are far more than the file has bytes; at "
+        "most %d are read for each byte",
+        node->instances, INSTANCES_A_BYTE);
+}
+
+/* ---- What a file may ask of its reader: extensions, a later version. */
+
+int norma_gltf_needs_later(const gltf *g) {
+    uint32_t least =
+        norma_json_member(&g->json, norma_json_member(&g->json, 0, "asset"), "minVersion");
+    return least != JSON_NONE && !norma_json_equals(&g->json, least, "2.0");
+}
+
+/* What a file may require without a word in it changing what its meshes' numbers mean. */
+int norma_gltf_is_known(const char *name) {
+    static const char *const prefixes[] = {"KHR_materials_", "KHR_texture_", "KHR_lights_",
+        "EXT_lights_", "EXT_texture_", "MSFT_texture_", "KHR_animation_", "KHR_audio_"};
+    static const char *const names[] = {"KHR_mesh_quantization", "EXT_meshopt_compression",
+        "KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "KHR_xmp_json_ld", "KHR_xmp",
+        "KHR_node_visibility", "KHR_node_selectability", "KHR_node_hoverability", "MSFT_lod", "VRM",
+        "VRMC_vrm"};
+    for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; ++i)
+        if (strncmp(name, prefixes[i], strlen(prefixes[i])) == 0) return 1;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)
+        if (strcmp(name, names[i]) == 0) return 1;
+    return norma_draco_reads() && strcmp(name, "KHR_draco_mesh_compression") == 0;
 }

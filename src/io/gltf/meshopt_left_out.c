@@ -1,6 +1,6 @@
 /* meshopt_left_out.c: stands in for meshopt_views.c where the library is built without
  * meshoptimizer. Compressed views are an error that says so, which norma check reports as N002. */
-#include "io/gltf/asset.h"
+#include "io/gltf/gltf.h"
 
 int norma_gltf_reads_meshopt(void) { return 0; }
 

@@ -1,6 +1,6 @@
 /* meshopt_views.c: views under EXT_meshopt_compression, through meshoptimizer, both ways. Its
  * decoder asserts what it is handed, so all of that is checked here first. */
-#include "io/gltf/asset.h"
+#include "io/gltf/gltf.h"
 #include <math.h>
 #include <meshoptimizer.h>
 #include <stdlib.h>

@@ -1,13 +1,42 @@
-/* own_bytes.c: which bytes of a buffer's file an asset may write over when it is changed in place.
- * Other assets may share the file, and a copy of the asset may be kept as a backup, so every file
- * of the folder that reads as glTF, and as far as the limits go of the folders below, is asked
- * which bytes it names. Bytes that nobody names may be used again; all others stay as they are. */
+/* own_bytes.c: which bytes of a buffer's file an asset may write over; other assets of its folder
+ * are asked. */
 #define _POSIX_C_SOURCE 200809L
-#include "io/gltf/own_bytes.h"
-#include "io/gltf/other_asset.h"
+#include "io/gltf/gltf.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- Finds and parses the JSON of a .gltf or GLB, whatever the file is called. */
+
+enum { GLB_TEXT = 20, LARGEST_TEXT = 1 << 28 };
+
+static int begins_like_json(const char *text, size_t size) {
+    size_t at = size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
+    while (at < size && (text[at] == ' ' || (text[at] >= '\t' && text[at] <= '\r'))) ++at;
+    return at < size && text[at] == '{';
+}
+
+gltf_other norma_gltf_read_other(const file_bytes *file, json *j) {
+    const char *text = (const char *)file->data;
+    size_t size = file->size;
+    json_error wrong;
+    if (size > GLB_TEXT && memcmp(text, "glTF", 4) == 0) {
+        const size_t length = norma_gltf_u32(file->data + 12);
+        text += GLB_TEXT;
+        size = length < size - GLB_TEXT ? length : size - GLB_TEXT;
+    } else if (!begins_like_json(text, size)) {
+        return GLTF_OTHER_NONE;
+    }
+    if (size > LARGEST_TEXT) return GLTF_OTHER_UNKNOWN;
+    if (norma_json_parse(text, size, NULL, j, &wrong)) return GLTF_OTHER_READ;
+    norma_json_free(j);
+    return wrong.expected ? GLTF_OTHER_UNKNOWN : GLTF_OTHER_MEMORY;
+}
+
+/* ---- Which bytes of a buffer's file an asset may write over when it is changed in place.
+ * Other assets may share the file, and a copy of the asset may be kept as a backup, so every file
+ * of the folder that reads as glTF, and as far as the limits go of the folders below, is asked
+ * which bytes it names. Bytes that nobody names may be used again; all others stay as they are. */
 
 enum { MOST_ENTRIES = 4096, DEEPEST = 16, LARGEST_ASSETS = 1 << 28 };
 

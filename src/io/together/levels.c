@@ -1,6 +1,6 @@
 /* levels.c: levels of detail, by names and by MSFT_lod. */
 #include "io/together/levels.h"
-#include "io/gltf/asset.h"
+#include "io/gltf/gltf.h"
 #include <stdlib.h>
 #include <string.h>
 

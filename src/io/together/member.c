@@ -1,7 +1,7 @@
 /* member.c: files of one surface, one at a time. */
 #include "io/together/member.h"
 #include "io/format/format.h"
-#include "io/gltf/visit_surfaces.h"
+#include "io/gltf/gltf.h"
 #include "io/obj/obj.h"
 #include "io/together/levels.h"
 #include "io/together/pattern.h"

@@ -9,7 +9,7 @@
 #include "check.h"
 #include "document_bytes.h"
 #include "gltf_asset.h"
-#include "io/gltf/asset.h"
+#include "io/gltf/gltf.h"
 #include <dirent.h>
 #include <errno.h>
 #include <norma/check.h>

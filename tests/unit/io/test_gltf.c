@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include "document_bytes.h"
-#include "io/gltf/asset.h"
+#include "io/gltf/gltf.h"
 
 /* ---- making assets */
 

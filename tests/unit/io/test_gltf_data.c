@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "document_bytes.h"
-#include "io/gltf/asset.h"
+#include "io/gltf/gltf.h"
 
 static size_t files, refused, corners_compared;
 static norma_compute_options options;

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 #include <cmocka.h>
-#include "io/gltf/node_matrix.h"
+#include "io/gltf/gltf.h"
 
 static double random_number(uint64_t *state) {
     *state = *state * 6364136223846793005u + 1442695040888963407u;

@@ -1,0 +1,1025 @@
+/* gltf.h: a glTF asset: its JSON, and what was read of it (buffers, views, accessors, meshes,
+ * nodes); what its viewers draw; changes: new contents of accessors, which become edits of the JSON
+ * and bytes of the buffers; and what computing normals and tangents, and baking, share between
+ * their files. */
+#ifndef NORMA_IO_GLTF_H
+#define NORMA_IO_GLTF_H
+#include "io/format/format.h"
+#include "io/text/json.h"
+#include "io/format/scene.h"
+#include "core/face/triangle.h"
+#include <math.h>
+#include "io/file/file.h"
+#include "io/format/compute_policy.h"
+#include "io/format/shared_normals.h"
+
+/* ---- What the glTF files share: the parsed asset, how its numbers are read, and how new
+ * contents and other changes get into it.
+ *
+ * Reading. The JSON stays as text with the place of every value (json.h). Buffers are loaded, views
+ * decoded and accessors resolved where they are first needed. Nothing is trusted: what is in the
+ * arrays here has been checked against what the file holds.
+ *
+ * Changing. New contents are put into slots (an attribute, a morph target's attribute, the indices
+ * of a primitive). norma_gltf_finish then decides for each old accessor whether it is replaced (all
+ * who use it get the same) or stays and new ones are added, lays out views, and edits the JSON. All
+ * else (nodes, scenes) is changed by json edits. One change for a document: what is in the arrays
+ * stays as it was read. */
+
+#define GLTF_NONE UINT32_MAX
+
+enum {
+    GLTF_BYTE = 5120,
+    GLTF_UBYTE = 5121,
+    GLTF_SHORT = 5122,
+    GLTF_USHORT = 5123,
+    GLTF_UINT = 5125,
+    GLTF_FLOAT = 5126
+};
+enum {
+    GLTF_POINTS = 0,
+    GLTF_LINES,
+    GLTF_LINE_LOOP,
+    GLTF_LINE_STRIP,
+    GLTF_TRIANGLES,
+    GLTF_STRIP,
+    GLTF_FAN
+};
+
+typedef enum gltf_storage {
+    GLTF_STORED_BIN,
+    GLTF_STORED_FILE,
+    GLTF_STORED_DATA,
+    GLTF_STORED_NOWHERE
+} gltf_storage; /* chunk, file beside, data: URI, no bytes at all */
+
+typedef struct gltf_buffer {
+    uint32_t token;
+    gltf_storage storage;
+    size_t length;              /* byteLength */
+    char *name;                 /* decoded URI of a file beside; else NULL */
+    const unsigned char *bytes; /* NULL until loaded; at least length of them */
+    size_t available;           /* so many there are, once loaded */
+    file_bytes file;
+    unsigned char *owned;
+} gltf_buffer;
+
+typedef struct gltf_meshopt { /* EXT_meshopt_compression of a view */
+    uint32_t token;           /* of the extension's object; GLTF_NONE: not compressed */
+    uint32_t buffer;
+    size_t offset, length, stride, count;
+    enum { GLTF_MODE_ATTRIBUTES, GLTF_MODE_TRIANGLES, GLTF_MODE_INDICES } mode;
+    enum {
+        GLTF_FILTER_NONE,
+        GLTF_FILTER_OCTAHEDRAL,
+        GLTF_FILTER_QUATERNION,
+        GLTF_FILTER_EXPONENTIAL
+    } filter;
+} gltf_meshopt;
+
+typedef struct gltf_view {
+    uint32_t token, buffer;
+    size_t offset, length, stride; /* stride 0: none given */
+    gltf_meshopt meshopt;
+    unsigned char *decoded;
+} gltf_view;
+
+/* Elements as they are stored (a sparse accessor's and one without a view: made dense). */
+typedef struct gltf_array {
+    const unsigned char *data;
+    size_t count, stride;
+    int component;  /* GLTF_BYTE ... */
+    uint32_t width; /* numbers in an element: 1, 2, 3, 4, 9, 16 */
+    int normalized;
+} gltf_array;
+
+typedef struct gltf_accessor {
+    uint32_t token, view; /* GLTF_NONE: zeros */
+    size_t offset, count;
+    int component, normalized;
+    uint32_t width;      /* 0: a type that is unknown */
+    size_t element_size; /* bytes, matrix columns padded as glTF has them */
+    struct {             /* count 0: not sparse */
+        size_t count, indices_offset, values_offset;
+        uint32_t indices_view, values_view;
+        int indices_component;
+    } sparse;
+    uint32_t draco;    /* the primitive whose Draco stream holds its elements; GLTF_NONE: none */
+    uint32_t draco_id; /* which of the stream's attributes; not for indices */
+    int resolved;
+    gltf_array array;
+    unsigned char *owned;
+    size_t
+        padded; /* elements that are there, zeros behind those of the file; 0: no more than count */
+} gltf_accessor;
+
+typedef struct gltf_attribute {
+    char *name;
+    uint32_t token, accessor; /* token: of the number */
+} gltf_attribute;
+
+typedef struct gltf_attributes { /* a primitive's own, or one of its targets': attributes[first] ...
+                                  */
+    uint32_t token, first, count;
+    uint32_t position, normal, tangent; /* accessors; GLTF_NONE: not there */
+} gltf_attributes;
+
+typedef struct gltf_draco { /* KHR_draco_mesh_compression of a primitive */
+    uint32_t token;         /* of the extension's object; GLTF_NONE: not compressed */
+    uint32_t view;
+} gltf_draco;
+
+typedef struct gltf_primitive {
+    uint32_t token, mesh, number; /* number within its mesh */
+    uint32_t mode, indices, material;
+    gltf_attributes base;
+    uint32_t first_target, target_count;
+    size_t vertices, faces;         /* faces: triangles unrolled */
+    const char *not_read;           /* NULL: triangles that can be computed */
+    char where[64];                 /* JSON pointer */
+    uint32_t *corners;              /* cached by norma_gltf_corners, 3 * faces */
+    const uint32_t *direct_corners; /* the same where the file itself has them so */
+    gltf_draco draco;
+    uint32_t *corner_normals; /* of each corner its normal, where there are fewer than positions;
+                                 made on first use */
+    size_t copied;            /* bytes of the vertices that it got last (members.c) */
+} gltf_primitive;
+
+typedef struct gltf_mesh {
+    uint32_t token, first_primitive, primitive_count;
+    char *name;
+    uint32_t uses; /* nodes that draw it */
+} gltf_mesh;
+
+typedef struct gltf_node {
+    uint32_t token, parent, mesh, skin; /* GLTF_NONE: not there */
+    char *name;
+    double local[16], world[16];
+    int has_matrix;   /* else TRS, or nothing */
+    size_t instances; /* EXT_mesh_gpu_instancing: how many; else 1 */
+    int instanced;
+} gltf_node;
+
+typedef struct gltf_data { /* new contents of an accessor */
+    int component, normalized;
+    uint32_t width;
+    size_t element_size; /* 0: width times the component's size */
+    size_t count;
+    unsigned char *bytes; /* elements back to back, owned */
+    int bounds;           /* min and max are wanted also where there were none (POSITION) */
+    int is_indices;
+} gltf_data;
+
+typedef struct gltf_patch
+    gltf_patch; /* gltf.h: what is to become of accessors, views and buffers */
+
+typedef struct gltf {
+    norma_document *document;
+    const char *text; /* the JSON */
+    size_t text_size;
+    const unsigned char *bin;   /* GLB: the BIN chunk; NULL: none */
+    size_t bin_size, bin_chunk; /* bin_chunk: offset of its header in the file */
+    size_t container_size;      /* GLB: as its header says; the file may be longer */
+    json json;
+    gltf_buffer *buffers;
+    gltf_view *views;
+    gltf_accessor *accessors;
+    gltf_mesh *meshes;
+    gltf_primitive *primitives;
+    gltf_attributes *targets;
+    gltf_attribute *attributes;
+    gltf_node *nodes;
+    uint32_t *drawing; /* nodes that draw a mesh, in order */
+    uint32_t buffer_count, view_count, accessor_count, mesh_count, primitive_count, target_count,
+        attribute_count, node_count, drawing_count, material_count, skin_count;
+    size_t held; /* bytes that the file and its buffers may hold: what counts without bytes behind
+                    them are measured by */
+    size_t decoded, copied, corners_drawn, vertices_drawn, vertices_moved,
+        instances_placed; /* so far, measured by held (members.c) */
+    int changed;          /* something was put or edited since it was read */
+    json_edits *edits;    /* of the asset's JSON */
+    gltf_patch *patch;
+} gltf;
+
+static inline uint32_t norma_gltf_u32(const unsigned char *at) { /* as GLB stores it */
+    return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+}
+
+static inline gltf *norma_gltf_of(const norma_document *document) { return document->state; }
+
+/* ---- reading; each gives NORMA_DOCUMENT_OK or what norma_document_fail returned */
+
+norma_document_result norma_gltf_read_buffers(
+    gltf *g, norma_document_error *error); /* buffers.c: the descriptions, no bytes yet */
+norma_document_result norma_gltf_read_accessors(
+    gltf *g, norma_document_error *error); /* accessors.c */
+norma_document_result norma_gltf_read_meshes(
+    gltf *g, norma_document_error *error); /* primitives.c */
+norma_document_result norma_gltf_read_nodes(gltf *g, norma_document_error *error); /* nodes.c */
+norma_document_result norma_gltf_load_buffer(gltf *g, uint32_t buffer, norma_document_error *error);
+int norma_gltf_view_overruns(const gltf *g, uint32_t view); /* its end lies beyond its buffer's */
+norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t view, const unsigned char **bytes,
+    norma_document_error *error); /* decoded where compressed; view->length of them */
+norma_document_result norma_gltf_decode_meshopt(
+    gltf *g, uint32_t view, norma_document_error *error);
+
+/* Elements of a view: count of them, each size bytes, from offset on. token: for messages. */
+typedef struct gltf_elements {
+    uint32_t token, view;
+    size_t offset, count, size;
+} gltf_elements;
+/* Whether they are apart from one another and end inside the view; none of its bytes are read. */
+norma_document_result norma_gltf_measure_elements(
+    gltf *g, const gltf_elements *elements, size_t *stride, norma_document_error *error);
+
+const char *norma_gltf_extension_of(
+    const gltf *g, const gltf_meshopt *m); /* its name in the file */
+/* Compresses m->count rows of m->stride bytes by m->mode and m->filter, or by others where those do
+ * not give the same bytes back; m says by which, and how long it became. To be freed; NULL: out of
+ * memory. */
+unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes);
+int norma_gltf_reads_meshopt(void); /* 0: the library is built without meshoptimizer */
+/* compressed.c: reads the extension of a primitive whose accessors are known, and gives the
+ * accessors that it names to its stream; *why: the primitive cannot be read. */
+norma_document_result norma_gltf_read_draco(
+    gltf *g, uint32_t primitive, const char **why, norma_document_error *error);
+norma_document_result norma_gltf_decode_draco(
+    gltf *g, uint32_t primitive, norma_document_error *error); /* resolves those accessors */
+/* The elements of an accessor, resolved once and cached. */
+norma_document_result norma_gltf_array(
+    gltf *g, uint32_t accessor, gltf_array *array, norma_document_error *error);
+
+/* members.c: before count elements of size bytes (not 0) are decoded for what token says, before a
+ * primitive's corners are read. */
+norma_document_result norma_gltf_spend(
+    gltf *g, uint32_t token, size_t count, size_t size, norma_document_error *error);
+norma_document_result norma_gltf_draw(
+    gltf *g, const gltf_primitive *p, norma_document_error *error);
+norma_document_result norma_gltf_copy_vertices(gltf *g, gltf_primitive *p, size_t count,
+    size_t size,
+    norma_document_error *error); /* before it gets so many, of size bytes, instead of its own */
+norma_document_result norma_gltf_place_instances(
+    gltf *g, const gltf_node *node, norma_document_error *error); /* of a node that has any */
+
+size_t norma_gltf_component_size(int component); /* 0: unknown */
+void norma_gltf_floats(const gltf_array *array, size_t index,
+    float *out); /* one element, width numbers, normalised integers decoded */
+void norma_gltf_uints(
+    const gltf_array *array, size_t index, uint32_t *out); /* of an unsigned integer accessor */
+/* Which elements a sparse accessor replaces: sparse.count numbers below count. */
+norma_document_result norma_gltf_sparse_indices(
+    gltf *g, uint32_t accessor, uint32_t *out, norma_document_error *error);
+norma_vec3_view norma_gltf_vec3_view(
+    const gltf_array *array); /* integers as they are; width must be 3 */
+
+/* Corners of the primitive's triangles (strips and fans unrolled), 3 * faces, each below vertices;
+ * cached. Fails for what cannot be read. */
+norma_document_result norma_gltf_corners(
+    gltf *g, uint32_t primitive, const uint32_t **corners, norma_document_error *error);
+
+uint32_t norma_gltf_find(const gltf *g, const gltf_attributes *attributes,
+    const char *name); /* number in g->attributes, or GLTF_NONE */
+
+/* Optional object members: 1: there (or, 2nd form, absent and *value left as it was), 0: there with
+ * another type or out of range; message filled by the caller. */
+int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value);
+int norma_gltf_index_member(
+    const gltf *g, uint32_t object, const char *key, uint32_t limit, uint32_t *value);
+norma_document_result norma_gltf_malformed(const gltf *g, norma_document_error *error,
+    uint32_t token, const char *expected); /* names the JSON pointer of token */
+char *norma_gltf_pointer(
+    const gltf *g, uint32_t token, char *out, size_t capacity); /* JSON pointer, cut to fit */
+
+/* ---- URIs (buffers.c) */
+char *norma_gltf_uri_decode(const char *uri); /* percent escapes resolved, to be freed; NULL: out of
+                                                 memory, a bad escape, or an escaped NUL */
+char *norma_gltf_uri_encode(const char *name);
+int norma_gltf_uri_is_data(const char *uri);
+/* An image's URI as a name; NULL: it has none, or its bytes stand in the URI itself. *failed:
+ * memory is out. */
+char *norma_gltf_image_name(const json *j, uint32_t image, int *failed);
+/* Of a data: URI; NULL: not base64 (or percent-encoded) as it should be, out of memory, or
+ * cancelled.
+ */
+unsigned char *norma_gltf_data_decode(
+    const char *uri, size_t length, norma_watch *watch, size_t *size);
+/* 1: name (decoded) is a file in folder or below, not absolute, no scheme, without "..", also after
+ * symbolic links; 0: outside; *path: to be freed. */
+int norma_gltf_path_inside(const char *folder, const char *name, char **path);
+/* The same, every link followed; to be freed. What is not there, as it is given. NULL: out of
+ * memory. */
+char *norma_gltf_real_path(const char *folder, const char *name);
+/* Of a path, with its slash, "" for the current one; to be freed. */
+char *norma_gltf_folder_of(const char *path);
+
+/* ---- changing (patch.c) */
+
+enum { GLTF_SLOT_BASE = -1, GLTF_SLOT_INDICES = -2 };
+typedef struct gltf_slot {
+    uint32_t copy;         /* 0: the mesh itself; else what norma_gltf_copy_mesh gave */
+    uint32_t primitive;    /* number in g->primitives */
+    int32_t target;        /* GLTF_SLOT_BASE, GLTF_SLOT_INDICES, or the number of a morph target */
+    const char *attribute; /* "NORMAL", ...; must outlive the patch (a literal, or a name in
+                              g->attributes); NULL with GLTF_SLOT_INDICES */
+} gltf_slot;
+
+int norma_gltf_has_change(const norma_document *document); /* since it was read */
+void norma_gltf_adopt(norma_document *document);           /* its state is its own from now on */
+/* Before anything is put. */
+void norma_gltf_begin_change(gltf *g);
+int norma_gltf_drop_change(
+    norma_document *document); /* as if it had not been begun; 0: no memory */
+/* Whether it is no longer what the file is: by a change that waits, or by those before. */
+static inline int norma_gltf_differs(const gltf *g) {
+    return g->changed || g->document->given_count > 0;
+}
+size_t norma_gltf_data_size(const gltf_data *data); /* bytes of one element */
+/* Registers contents (bytes become the patch's, also on failure) and gives their number, to be put
+ * into one slot or several. GLTF_NONE: out of memory. */
+uint32_t norma_gltf_add_data(gltf *g, const gltf_data *data);
+/* These contents in this slot. Without a word about a slot it keeps its accessor. Once for each
+ * slot. 0: out of memory. */
+int norma_gltf_put(gltf *g, const gltf_slot *slot, uint32_t data);
+void norma_gltf_set_mode(gltf *g, uint32_t copy, uint32_t primitive, uint32_t mode);
+/* A copy of a mesh at the end of "meshes": its handle for slots and edits (from 1), its number in
+ * the file in *mesh_number. 0: out of memory. */
+uint32_t norma_gltf_copy_mesh(gltf *g, uint32_t mesh, uint32_t *mesh_number);
+/* One use of an accessor outside the meshes (instancing) is given up: where nobody uses it any
+ * more, new contents take its place. 0: out of memory. */
+int norma_gltf_release(gltf *g, uint32_t accessor);
+json_edits *norma_gltf_edits(
+    gltf *g, uint32_t copy); /* 0: of the asset; else those that apply to the copy alone */
+/* Nothing uses the extension (a literal) any more: it leaves extensionsUsed and extensionsRequired
+ * in the end. 0: out of memory. */
+int norma_gltf_unlist(gltf *g, const char *extension);
+/* Normals and tangents of a primitive are removed in the JSON: no new contents for them. 0: out of
+ * memory. */
+int norma_gltf_strip(gltf *g, uint32_t primitive);
+/* Turns all that was put into edits and views. To be called once, at the end of compute or
+ * transform; afterwards g->changed says whether anything is new. */
+norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error);
+
+/* ---- writing (gltf_write.c, companion_files.c) */
+norma_document_result norma_gltf_write(norma_document *document, const char *path,
+    norma_write *write, void *user, norma_document_error *error);
+norma_document_result norma_gltf_write_companions(norma_document *document, const char *path,
+    int in_place, companion_writers *writers, norma_document_error *error);
+char *norma_gltf_changed_companion(const norma_document *document);
+norma_document_result norma_gltf_reopen(
+    norma_document *document, norma_document *made, norma_document_error *error);
+int norma_gltf_visit_files(const norma_document *document, norma_visit_file *visit, void *user);
+
+/* ---- commands */
+norma_document_result norma_gltf_compute(norma_document *document,
+    const norma_compute_options *options, norma_compute_summary *summary,
+    norma_document_error *error);
+norma_document_result norma_gltf_tangents(norma_document *document,
+    const norma_tangent_options *options, norma_tangent_summary *summary,
+    norma_document_error *error);
+norma_document_result norma_gltf_transform(norma_document *document,
+    const norma_transform_options *options, norma_transform_summary *summary,
+    norma_document_error *error);
+/* vertex_contents.c: the elements of an accessor as the edit's new vertices have them (*owned: to be
+ * freed; NULL: as stored); all attributes that the edit does not set, put. */
+norma_document_result norma_gltf_copy_array(gltf *g, uint32_t accessor, const norma_mesh_edit *edit,
+    gltf_array *array, unsigned char **owned, norma_document_error *error);
+norma_document_result norma_gltf_put_vertices(
+    gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error);
+size_t norma_gltf_vertex_size(
+    const gltf *g, const gltf_primitive *p); /* bytes, those of all targets among them */
+norma_document_result norma_gltf_equal_vertices(
+    norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
+norma_document_result norma_gltf_mesh_data(
+    norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
+/* How the components of an accessor are stored, in a word; "" for GLTF_NONE. */
+const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor); /* gltf_scene.c */
+
+/* ---- 4x4 matrices as glTF's nodes can say them. Column-major, affine: the last row is
+ * taken as 0 0 0 1. */
+
+typedef struct gltf_trs { /* translation after rotation after scale; one scale is negative where the
+                             matrix mirrors */
+    double translation[3], rotation[4], scale[3]; /* the rotation as a unit quaternion x, y, z, w */
+} gltf_trs;
+
+void norma_gltf_matrix_identity(double m[16]);
+int norma_gltf_matrix_is_identity(const double m[16]); /* exactly */
+void norma_gltf_matrix_multiply(
+    const double a[16], const double b[16], double ab[16]); /* ab may be a or b */
+void norma_gltf_matrix_compose(const gltf_trs *trs, double m[16]);
+
+/* 0 where the upper 3x3 is singular or its inverse is not finite; inverse is then undefined. */
+int norma_gltf_matrix_invert(const double m[16], double inverse[16]);
+
+/* The translation, rotation and scale nearest to m. Returns how far m is from being that: the
+ * largest |cosine| between two of its columns (0: exactly perpendicular; a column of zeros is
+ * perpendicular to all). */
+double norma_gltf_matrix_decompose(const double m[16], gltf_trs *trs);
+
+/* Any m, sheared and singular ones included, as the product outer inner: its singular value
+ * decomposition, inner a rotation. So two nodes, one below the other, hold what one cannot. */
+void norma_gltf_matrix_split(const double m[16], gltf_trs *outer, gltf_trs *inner);
+
+/* ---- What the files share that tell what else a glTF's surfaces have. */
+
+/* What several elements share is found out once, so that a small file that names one thing a
+ * thousand times costs no more than its size. */
+typedef struct gltf_scene {
+    const float **decoded;    /* of each accessor; NULL: not yet */
+    const float **colors;     /* of each accessor of three numbers, with an alpha of 1 */
+    const char *root_ignore;  /* NULL: not yet */
+    const char **mesh_ignore; /* of each mesh, that of the root in front */
+    const char **node_ignore; /* of each node, those of the nodes above and of the root included */
+    struct gltf_animation *animations; /* NULL: not yet */
+    uint32_t animation_count;
+    const norma_document_error *animation_error; /* NULL: none */
+    uint32_t *skins;                             /* the token of each; NULL: not yet */
+    size_t effort;                               /* steps that skins and animations took */
+    const double **joints;     /* of each skin, a matrix for each joint at rest; NULL: not yet */
+    struct gltf_moved **moved; /* of each node that draws, its meshes that morphs or skins move */
+    struct gltf_image *images; /* NULL: not yet */
+    const uint8_t *shown;      /* of each node: 1 in the scene, 2 not; NULL: not yet */
+} gltf_scene;
+/* Made on first use; NULL: out of memory. */
+gltf_scene *norma_gltf_scene_of(gltf *g);
+
+/* Rules that the extras of an object silence, "N201,N3"; "" for none, NULL: out of memory. Of a
+ * list beyond all measure the rest is not taken. */
+const char *norma_gltf_ignore(gltf *g, uint32_t token);
+const char *norma_gltf_root_ignore(gltf *g);
+/* above, and behind it what an object's own extras say. */
+const char *norma_gltf_ignored_with(gltf *g, const char *above, uint32_t token);
+/* The "name" of an object, "" for none; NULL: out of memory. */
+const char *norma_gltf_name(gltf *g, uint32_t token);
+/* "/LIST/NUMBER"; NULL: out of memory. */
+const char *norma_gltf_where(gltf *g, const char *list, size_t number);
+/* An accessor as floats, width of them for each element, tight: the file's own bytes where they are
+ * just that, else a decoded copy that the document keeps. */
+norma_document_result norma_gltf_decode(
+    gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error);
+
+/* materials.c */
+uint32_t norma_gltf_normal_use(const gltf *g, uint32_t material); /* the texture's info */
+/* Where a texture, by its info, is looked up: everything of it that needs no image. */
+norma_texture_info norma_gltf_normal_map(const gltf *g, uint32_t material); /* or clear coat's */
+int norma_gltf_moves(const norma_texture_info *place); /* its transform is not the identity */
+norma_document_result norma_gltf_materials(norma_document *document, norma_document_error *error);
+
+/* skins.c */
+size_t norma_gltf_skin_count(const norma_document *document);
+norma_document_result norma_gltf_skin(
+    norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
+
+/* Where in the JSON a skin lies. */
+norma_document_result norma_gltf_skin_token(
+    gltf *g, uint32_t skin, uint32_t *token, norma_document_error *error);
+
+/* drawn_mesh.c: drawn is filled as the file stores the mesh. */
+norma_document_result norma_gltf_move_drawn(norma_document *document, size_t node, size_t mesh,
+    norma_drawn_mesh *drawn, norma_document_error *error);
+
+/* materials.c; set: gltf_scene.c */
+norma_document_result norma_gltf_material_maps(norma_document *document, size_t material,
+    norma_material_maps *maps, norma_document_error *error);
+norma_document_result norma_gltf_normal_texture(norma_document *document, size_t material,
+    norma_texture_info *map, norma_document_error *error);
+
+/* nodes.c: where a node draws its mesh, again and again (EXT_mesh_gpu_instancing) */
+typedef struct gltf_instances {
+    gltf_array translation, rotation, scale;
+    int has_translation, has_rotation, has_scale;
+    uint32_t attributes; /* the JSON object that names them; JSON_NONE */
+} gltf_instances;
+norma_document_result norma_gltf_read_instances(
+    gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error);
+void norma_gltf_instance_matrix(
+    const gltf_instances *instances, size_t index, double matrix[16]); /* within the node */
+
+/* members.c: whether a file may require the extension without a word in it changing what its
+ * meshes' numbers mean. */
+int norma_gltf_is_known(const char *name);
+/* Its elements have no bytes at all: zeros by the specification, that an extension or the program
+ * that loads the file is to fill. What norma check judges they are not. */
+int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor);
+/* members.c: it asks for a version later than the one that is read here. */
+int norma_gltf_needs_later(const gltf *g);
+
+/* The fields of a drawing node's info that are not about what it draws. */
+norma_document_result norma_gltf_describe_node(
+    const norma_document *document, size_t index, norma_node_info *info);
+
+/* ---- What an animation does to the rotations and scales of nodes, at any time.
+ * Translations and weights are no matter here. */
+
+typedef struct gltf_channel {
+    uint32_t node;
+    int scales; /* 1: scale, three numbers; 0: rotation, a quaternion */
+    enum { GLTF_LINEAR, GLTF_STEP, GLTF_CUBIC } interpolation;
+    const float *times, *values; /* cubic: in-tangent, value, out-tangent for each time */
+    size_t count;                /* of times; at least one */
+} gltf_channel;
+
+typedef struct gltf_animation {
+    gltf_channel *channels;
+    size_t count;
+} gltf_animation;
+
+/* ---- Sines of our own, for results with the same bits everywhere: the C library's differ
+ * between systems. */
+
+/* sin(x) from 0 to pi/2 by its series, within an ulp or two. */
+static inline double norma_gltf_sine(double x) {
+    const int steep = x > NORMA_PI / 4;
+    const double y = steep ? NORMA_PI / 2 - x : x, z = y * y;
+    double sum = 1;
+    for (int n = steep ? 16 : 17; n > 1; n -= 2) sum = 1 - sum * z / (n * (n - 1));
+    return steep ? sum : y * sum;
+}
+
+/* The cosine and the sine of any finite angle; the larger it is, the fewer of its digits count. */
+static inline void norma_gltf_turn(double angle, double *cosine, double *sine) {
+    const double size = fabs(angle), quarters = floor(size / (NORMA_PI / 2)),
+                 rest = fmin(fmax(size - quarters * (NORMA_PI / 2), 0), NORMA_PI / 2);
+    const double near = norma_gltf_sine(rest), far = norma_gltf_sine(NORMA_PI / 2 - rest);
+    const int quarter = (int)(quarters - 4 * floor(quarters / 4)), odd = quarter & 1;
+    *cosine = (quarter == 1 || quarter == 2 ? -1 : 1) * (odd ? near : far);
+    *sine = (quarter >= 2 ? -1 : 1) * (odd ? far : near) * (angle < 0 ? -1 : 1);
+}
+
+/* ---- What is to become of accessors, views and buffers. patch.c gathers what is put,
+ * assign_accessors.c decides accessor by accessor, assign_views.c view by view, byte_layout.c where
+ * in the buffers the bytes go, gltf_write.c writes. */
+
+typedef struct patch_slot {
+    gltf_slot slot;
+    uint32_t data, old, token; /* old: accessor, token: of its number; GLTF_NONE: the slot is new */
+    int kept;                  /* the old contents are these already */
+} patch_slot;
+
+typedef struct patch_copy {
+    uint32_t mesh;
+    json_edits *edits;
+} patch_copy;
+
+typedef struct patch_unpacked { /* a primitive that Draco held, and that is written without it */
+    uint32_t copy, primitive;
+} patch_unpacked;
+
+typedef struct patch_image { /* new bytes of an image in a view */
+    uint32_t view;           /* GLTF_NONE: a new one, the first of them behind the old views */
+    unsigned char *bytes;
+    size_t size;
+} patch_image;
+
+typedef struct patch_accessor { /* a new one */
+    uint32_t data, like;        /* like: the accessor whose type it has, or GLTF_NONE */
+    uint32_t view;
+} patch_accessor;
+
+/* New contents of one run of elements in a view: an accessor's own, or its sparse values. */
+typedef struct data_run {
+    uint32_t
+        token; /* of the JSON object with bufferView and byteOffset; GLTF_NONE: of new_accessor */
+    uint32_t new_accessor;
+    uint32_t old_view;                                  /* GLTF_NONE: has none yet */
+    size_t old_offset, old_stride, old_size, old_count; /* old_size 0: a stream of Draco's is there,
+                                                            and the JSON names no view */
+    const unsigned char *bytes; /* count elements of size bytes back to back */
+    unsigned char *owned;
+    size_t size, count;
+    int target;       /* of a new view: 34962, 34963, or 0 */
+    int fits, placed; /* fits: over its old bytes, without harm to others */
+} data_run;
+
+typedef struct patch_place {    /* bytes of a view in a buffer: as they are read, or compressed */
+    uint32_t buffer;            /* GLTF_NONE: none */
+    const unsigned char *bytes; /* new ones; NULL: it keeps its old ones */
+    size_t length, offset;      /* offset: by the layout */
+    int placed;                 /* by the layout, over the old bytes */
+} patch_place;
+
+typedef struct patch_view { /* old ones first, then new ones */
+    patch_place plain, packed;
+    unsigned char *owned;        /* plain.bytes where they are the view's own, else a run's */
+    unsigned char *owned_packed; /* packed.bytes */
+    gltf_meshopt meshopt;        /* how packed.bytes are compressed */
+    size_t stride, element;      /* stride 0: none to be said; element: bytes from row to row */
+    int target;                  /* of a new one */
+    uint32_t like; /* of a new one: the view that it is compressed like, or GLTF_NONE */
+} patch_view;
+
+typedef struct patch_segment { /* part of a buffer as it will be written */
+    size_t offset, length;
+    const unsigned char *bytes; /* NULL: zeros */
+} patch_segment;
+
+typedef struct patch_buffer { /* old ones, and one more where none can be written to */
+    int changed;
+    int64_t other_names;     /* in the JSON, besides those by views */
+    size_t length;           /* of the bytes that are written */
+    size_t byte_length;      /* as the JSON says; less where a file holds more than this asset's */
+    patch_segment *segments; /* in order, without gaps */
+    size_t segment_count, segment_capacity;
+    char *name; /* of the file that it goes into; NULL: BIN, data: URI, or nothing */
+} patch_buffer;
+
+struct gltf_patch {
+    gltf_data *datas;
+    uint32_t *same; /* the first data with the same contents */
+    patch_slot *slots;
+    patch_copy *copies;
+    patch_accessor *accessors;
+    data_run *pieces;
+    patch_view *views;
+    uint32_t *replaced; /* for each old accessor its new data, or GLTF_NONE */
+    uint32_t *released; /* accessors, once for each use given up; from resolving on: those that are
+                           free to be taken */
+    uint32_t *pins;     /* for each old view: what uses it beside the accessors' own numbers */
+    uint32_t *stripped; /* primitives that lose their normals and tangents */
+    patch_unpacked *unpacked;
+    patch_image *images;
+    const char *unlisted[2]; /* extensions that nothing uses any more; NULL: none */
+    size_t stripped_count, stripped_capacity, unpacked_count, unpacked_capacity, image_count,
+        image_capacity;
+    size_t data_count, data_capacity, slot_count, slot_capacity, copy_count, copy_capacity;
+    size_t accessor_count, accessor_capacity, run_count, run_capacity, view_count, view_capacity,
+        released_count, released_capacity;
+    uint32_t
+        default_buffer; /* for new views without a better place; may be g->buffer_count: one more */
+    patch_buffer *buffers; /* by the layout: g->buffer_count + 1 */
+    json_edits *layout;    /* the edits with those of the layout */
+    char *laid_out_for; /* the path that buffers and layout are for; "" for a stream; NULL: none yet
+                         */
+};
+
+gltf_patch *norma_gltf_patch_of(gltf *g); /* made on first use; NULL: out of memory */
+void norma_gltf_patch_free(gltf *g);
+uint32_t *norma_gltf_view_pins(const gltf *g); /* NULL: out of memory */
+
+/* The pins of views that streams no longer need. */
+void norma_gltf_unpin_streams(gltf *g);
+void norma_gltf_edit_extensions(gltf *g); /* patch.c: what was unlisted */
+
+/* The steps of norma_gltf_finish. */
+norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error);
+norma_document_result norma_gltf_make_data_runs(
+    gltf *g, norma_document_error *error); /* and edits the accessors */
+void norma_gltf_point_data_run(gltf *g, const data_run *piece, uint32_t view, size_t offset);
+norma_document_result norma_gltf_append_accessors(gltf *g, norma_document_error *error);
+norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error);
+
+typedef enum gltf_destination {
+    GLTF_TO_PATH,
+    GLTF_IN_PLACE,
+    GLTF_TO_STREAM,
+    GLTF_TO_MEMORY /* to be read again, and changed further; files only grow at their end */
+} gltf_destination;
+gltf_destination norma_gltf_destination(const gltf *g, const char *path);
+/* Fills patch->buffers and patch->layout for what is to stand at path (NULL: a stream); what is
+ * there for this path already stays. */
+norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_document_error *error);
+/* The main file by the layout. */
+void norma_gltf_free_layout(gltf *g);
+norma_document_result norma_gltf_fill_buffers(
+    gltf *g, gltf_destination destination, norma_document_error *error); /* byte_layout.c */
+/* watch: NULL, or asked on the way; where it cancels, the rest is missing. */
+void norma_gltf_add_base64(
+    json_text *text, const patch_segment *segments, size_t count, norma_watch *watch);
+void norma_gltf_edit_views(gltf *g); /* byte_layout.c: the layout's JSON */
+norma_document_result norma_gltf_edit_buffers(
+    gltf *g, gltf_destination destination, norma_document_error *error);
+norma_document_result norma_gltf_name_buffers(gltf *g, gltf_destination destination,
+    const char *path, norma_document_error *error); /* output_names.c */
+/* The output's name with another ending: "scene.bin" for scene.gltf. NULL: out of memory. */
+norma_document_result norma_gltf_name_images(gltf *g, gltf_destination destination,
+    const char *path, norma_document_error *error); /* output_names.c */
+/* By other buffers, one file; -1: out of memory. */
+int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer);
+gltf_storage norma_gltf_storage_of(
+    const gltf *g, uint32_t buffer); /* of old ones and the one more */
+int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size);
+/* output_names.c: adds to counts how often the JSON names each texture, each image. */
+void norma_gltf_count_texture_uses(const gltf *g, uint32_t *counts, size_t textures);
+void norma_gltf_count_image_uses(const gltf *g, uint32_t *counts, size_t images);
+/* patch.c: refuses to add to a list that some index of the file reaches beyond. */
+typedef enum gltf_list {
+    GLTF_LIST_ACCESSORS,
+    GLTF_LIST_VIEWS,
+    GLTF_LIST_BUFFERS,
+    GLTF_LIST_MESHES,
+    GLTF_LIST_NODES,
+    GLTF_LIST_TEXTURES,
+    GLTF_LIST_IMAGES
+} gltf_list;
+norma_document_result norma_gltf_check_dangling(
+    const gltf *g, gltf_list list, norma_document_error *error);
+/* ---- paths (output_names.c) */
+int norma_gltf_same_folder(
+    const gltf *g, const char *path); /* path stands in the folder that the asset was read from */
+
+/* ---- The elements of one accessor through a matrix, and back into an encoding. */
+
+typedef struct bake_map { /* what carries one mesh */
+    uint32_t id;          /* equal for equal matrices */
+    double matrix[16];
+    double normal[9];   /* sign(det) cof, times a power of two */
+    double fallback[3]; /* unit: what becomes of normals that a singular matrix makes zero */
+    int mirrored, rank;
+    int turns; /* 0: directions stay as they are (translation, uniform scale) */
+} bake_map;
+
+typedef enum bake_role {
+    BAKE_POSITIONS = 0,
+    BAKE_NORMALS,
+    BAKE_TANGENTS,
+    BAKE_POSITION_DELTAS,
+    BAKE_NORMAL_DELTAS,
+    BAKE_TANGENT_DELTAS,
+    BAKE_WINDING
+} bake_role;
+
+/* array->count elements of array->width numbers into values. base: the normals that tangents go
+ * with, or that deltas of normals are added to, or the tangents that deltas of tangents are; NULL
+ * where there are none. */
+void norma_gltf_transform_vectors(bake_role role, const bake_map *map, const gltf_array *array,
+    const gltf_array *base, double *values);
+
+/* values in the encoding of the stored array where that can hold them (positions: exactly;
+ * directions: as well as it ever does; their deltas: in range), else as floats. */
+typedef enum bake_encoded { BAKE_ENCODED = 0, BAKE_NO_MEMORY, BAKE_TOO_LARGE } bake_encoded;
+bake_encoded norma_gltf_encode(
+    bake_role role, const gltf_array *stored, const double *values, gltf_data *data);
+
+/* ---- What of a buffer's file belongs to the asset that names it. */
+
+typedef struct range {
+    size_t start, end;
+} range;
+
+typedef struct ranges {
+    range *list;
+    size_t count, capacity;
+} ranges;
+
+int norma_range_add(ranges *r, size_t start, size_t end); /* 0: out of memory */
+
+/* Adds, in order, the bytes of a buffer's file that no asset of its folder names, neither this one
+ * as it stands on the disk nor another, below what they call its end; nothing where that cannot be
+ * known. Returns 0 or errno. */
+int norma_gltf_find_unnamed(const gltf *g, uint32_t buffer, ranges *left);
+
+/* Refuses a buffer's file that does not look like data of an asset: a Makefile, a picture. */
+norma_document_result norma_gltf_check_own_data(
+    const gltf *g, uint32_t buffer, const file_bytes *file, norma_document_error *error);
+
+/* The first component of a path below a folder that begins with a dot, "." itself aside. */
+int norma_gltf_is_hidden(const char *name);
+int norma_gltf_has_suffix(const char *name, const char *const *suffixes, size_t count);
+
+/* ---- The JSON of a file that may be an asset, looked into without opening it as a
+ * document. */
+
+typedef enum gltf_other {
+    GLTF_OTHER_NONE = 0, /* no glTF */
+    GLTF_OTHER_READ,     /* *j is the caller's to free, and the file must stay open meanwhile */
+    GLTF_OTHER_UNKNOWN,  /* begins like one, and cannot be read */
+    GLTF_OTHER_MEMORY    /* out of memory */
+} gltf_other;
+gltf_other norma_gltf_read_other(const file_bytes *file, json *j);
+
+/* ---- What computing normals of glTF shares between its files.
+ *
+ * A surface is all triangles of one mesh, whatever their primitives: a seam between materials is a
+ * seam that people see. It gives normals to points: a position with one of its normals. A set is
+ * the primitives that draw the same vertices (the same accessors for every attribute): there each
+ * point becomes a vertex, the first of an old vertex under its number, further ones behind all
+ * others. */
+
+typedef struct gltf_surface {
+    uint32_t mesh;
+    norma_mesh core;
+    void *positions;      /* owned, where they are not the file's own */
+    uint32_t *corners;    /* owned, where there are several primitives */
+    size_t *corner_start; /* for each primitive of the mesh: its first corner; SIZE_MAX: it draws no
+                             triangles that are read */
+    size_t *position_start;
+    /* what the core found */
+    uint32_t *points;  /* the point of each corner; NULL: its position */
+    uint32_t *sources; /* for each point its position */
+    float *normals;
+    uint8_t *reasons;
+    size_t point_count;
+    int in_order; /* points are numbered as corners first use them, and each is used */
+} gltf_surface;
+
+typedef struct gltf_set {
+    uint32_t lead, last; /* its first and last primitive; in between by the job's next_in_set */
+    uint32_t
+        next_at; /* the next set in the same slot of the table, while sets are made; or GLTF_NONE */
+    uint32_t mesh; /* GLTF_NONE: several meshes draw it */
+    int wanted, has_morphs;
+    size_t vertices, added_count, added_capacity;
+    uint8_t *broken; /* NULL: every vertex gets a new normal; else those that are nonzero do */
+    uint8_t *taken;  /* an old vertex's number is given away */
+    uint32_t *added; /* old vertex of each added one */
+    float *normals;  /* of vertices + added_count */
+    uint8_t *reasons;
+    uint32_t *point_of; /* with morphs: the surface's point of each vertex, or GLTF_NONE */
+    size_t capacity;    /* of normals, reasons, point_of */
+    uint32_t *table;    /* vertices of several meshes by old vertex and normal; 0: free */
+    size_t table_size;
+    float **deltas; /* for each target its new normal deltas, or NULL */
+    size_t tangents_kept, tangents_turned;
+} gltf_set;
+
+typedef struct gltf_job {
+    gltf *g;
+    const norma_compute_options *options;
+    norma_document_error *error;
+    compute_policy policy;
+    gltf_set *sets;
+    uint32_t set_count;
+    uint32_t *set_of;      /* for each primitive; GLTF_NONE: not read */
+    uint32_t *next_in_set; /* for each primitive the next one of its set, or GLTF_NONE */
+    uint32_t **corners;    /* for each primitive its new corners, or NULL */
+    double progress_base, progress_scale;
+} gltf_job;
+
+/* The point of each corner: smooth, each position is one. */
+static inline const uint32_t *norma_gltf_points(const gltf_surface *s) {
+    return s->points ? s->points : (const uint32_t *)s->core.corners;
+}
+
+norma_document_result norma_gltf_gather(
+    gltf_job *job, uint32_t mesh, gltf_surface *surface); /* mesh_surface.c */
+norma_document_result norma_gltf_find_points(gltf_job *job, gltf_surface *surface);
+void norma_gltf_surface_free(gltf_surface *surface);
+
+norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job); /* vertex_sharing.c */
+norma_document_result norma_gltf_take_points(
+    gltf_job *job, gltf_surface *surface); /* points become corners */
+norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set);
+void norma_gltf_vertex_sharing_free(gltf_job *job);
+
+/* The old vertex that a vertex of a set is, or is a copy of. */
+static inline uint32_t norma_gltf_old_vertex(const gltf_set *set, size_t vertex) {
+    return vertex < set->vertices ? (uint32_t)vertex : set->added[vertex - set->vertices];
+}
+/* vertex_contents.c: a further vertex behind all others, a copy of an old one: its number; SIZE_MAX:
+ * out of memory, or of numbers. */
+size_t norma_gltf_add_vertex(gltf_set *set, uint32_t vertex);
+/* The same contents in a slot of every primitive of the set; the elements of an
+ * accessor, with copies for the added vertices. */
+norma_document_result norma_gltf_put_in_set(
+    gltf_job *job, const gltf_set *set, int32_t target, const char *attribute, gltf_data *data);
+norma_document_result norma_gltf_copy_elements(
+    gltf_job *job, const gltf_set *set, uint32_t accessor, gltf_data *data);
+
+norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t set); /* vertex_contents.c */
+/* New differences of a target's normals or tangents, three numbers a vertex, in the encoding that
+ * they had where that can hold them all; vertices that are not broken keep their bits. */
+norma_document_result norma_gltf_put_deltas(
+    gltf_job *job, gltf_set *set, uint32_t target, const char *attribute, const float *deltas);
+/* gltf_tangents.c: once all sets are put, what became of their tangents: counted, and marked
+ * where they are to be computed anew. */
+norma_document_result norma_gltf_account_tangents(gltf_job *job);
+norma_document_result norma_gltf_put_indices(gltf_job *job, uint32_t primitive); /* vertex_sharing.c */
+
+/* ---- What computing tangents of glTF shares between its files. Sets of primitives
+ * that draw the same vertices are those of computing normals; their vertices are split where
+ * corners have different tangents. */
+
+typedef struct tangent_job {
+    gltf_job sets;
+    norma_compute_options all; /* what the sets are made for */
+    const norma_tangent_options *options;
+    norma_tangent_summary *summary;
+    norma_options core;
+    uint32_t *materials; /* the token of each material */
+    double progress_base, progress_scale;
+} tangent_job;
+
+/* The tangents of a set's vertices as they will be. */
+typedef struct tangent_set {
+    gltf_set *set;
+    gltf_array encoding; /* of the stored tangents; floats where there are none */
+    size_t size;         /* bytes of one code */
+    unsigned char *codes;
+    uint32_t *table; /* vertices by old vertex and code, + 1; 0: free */
+    size_t table_size;
+    float **deltas; /* for each morph target with normals three numbers a vertex; else NULL */
+    size_t capacity;
+} tangent_set;
+
+/* The corners of one primitive. */
+typedef struct tangent_corners {
+    const uint32_t *corners; /* old vertices */
+    size_t count;
+    unsigned char *codes;
+    float **deltas;
+} tangent_corners;
+
+/* ---- The surfaces of a glTF, mesh by mesh. */
+
+/* A mesh of which no triangle can be read is left out. */
+norma_document_result norma_gltf_visit_surfaces(
+    norma_document *document, visit_surface *visit, void *user, norma_document_error *error);
+
+/* ---- The node hierarchy as it is to become: nodes get new parents, new nodes come behind
+ * the old ones, and at the end the JSON of what changed is edited. Numbers of nodes never shift. */
+
+typedef struct tree_node {
+    uint32_t parent, first, last, before, after; /* siblings in order; GLTF_NONE: the last one */
+    int children_changed, local_changed, matrix_form;
+    double local[16]; /* where local_changed; as TRS unless matrix_form */
+    uint32_t mesh;    /* where mesh_changed, or new; GLTF_NONE: none */
+    int mesh_changed, instances_removed;
+    uint32_t like; /* new nodes: the old one whose name they take (and, where takes_weights, whose
+                      morph weights); GLTF_NONE: none */
+    int takes_weights, weights_removed;
+} tree_node;
+
+typedef struct tree_scene {
+    uint32_t token; /* of the scene's object */
+    uint32_t *roots;
+    size_t count, capacity;
+    int changed;
+} tree_scene;
+
+typedef struct gltf_tree {
+    gltf *g;
+    tree_node *nodes;
+    size_t count, capacity; /* the first g->node_count are the file's */
+    tree_scene *scenes;
+    size_t scene_count;
+    int failed; /* out of memory; functions below then do nothing */
+} gltf_tree;
+
+void norma_gltf_tree_read(gltf *g, gltf_tree *tree); /* failed shows at norma_gltf_tree_write */
+void norma_gltf_tree_free(gltf_tree *tree);
+
+uint32_t norma_gltf_tree_add(
+    gltf_tree *tree, uint32_t like); /* a new node without parent; GLTF_NONE: out of memory */
+void norma_gltf_tree_give(gltf_tree *tree, uint32_t child,
+    uint32_t parent); /* moves child, from wherever it is, to the end of parent's children */
+void norma_gltf_tree_make_root(gltf_tree *tree, uint32_t node); /* of the scenes that show it */
+
+/* The node's local matrix. Where one node cannot hold it (shear), a second one is put above. */
+void norma_gltf_tree_set_local(gltf_tree *tree, uint32_t node, const double local[16]);
+
+/* Puts a node above those of the asset's roots that wanted says (one byte for each old node), one
+ * for each set of scenes that the roots share. */
+void norma_gltf_tree_raise(gltf_tree *tree, const unsigned char *wanted, const double matrix[16]);
+
+norma_document_result norma_gltf_tree_write(
+    gltf_tree *tree, norma_document_error *error); /* into g->edits */
+
+/* ---- What the files of --bake share. bake.c decides which nodes are baked and what becomes of
+ * the hierarchy, bake.c finds out what must stay, bake_mesh.c carries a mesh's data,
+ * bake_mesh.c reverses its triangles, gltf_bake_tree*.c hold the nodes. */
+
+/* Contents that several slots ask for, made once. */
+typedef struct bake_entry {
+    uint32_t role, a, b, map, data, after;
+} bake_entry;
+typedef struct bake_cache {
+    bake_entry *entries;
+    uint32_t *heads; /* hash table of chains */
+    size_t count, capacity, head_count;
+    double (*matrices)[16]; /* by id */
+    size_t matrix_count, matrix_capacity;
+} bake_cache;
+
+#define BAKE_UNCHANGED (UINT32_MAX - 1) /* as data: the slot keeps what it has */
+
+void norma_gltf_bake_cache_free(bake_cache *cache);
+int norma_gltf_bake_map(
+    bake_cache *cache, const double matrix[16], bake_map *map); /* 0: out of memory */
+
+/* A mesh (copy 0: itself) as the node, for messages, draws it under the map; vertices are added to
+ * *vertices. */
+/* One use of a mesh: copy is the number that its slots have, node the one that draws it. */
+typedef struct mesh_use {
+    uint32_t mesh, copy, node;
+} mesh_use;
+norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, const mesh_use *use,
+    const bake_map *map, size_t *vertices, norma_document_error *error);
+
+/* For each node of the file. */
+enum {
+    BAKE_MOVES = 1,   /* an animation moves it */
+    BAKE_WEIGHTS = 2, /* an animation sets its morph weights */
+    BAKE_MOVED = 4,   /* it or a node above it is moved */
+    BAKE_JOINT = 8,   /* of a skin, or its skeleton */
+    BAKE_CARRIES = 16 /* a camera, a light, an extension that may depend on where the node is */
+};
+unsigned char *norma_gltf_bake_flags(
+    const gltf *g, const uint32_t *order); /* NULL: out of memory; to be freed */
+/* Parents before their children; NULL: out of memory; to be freed. */
+uint32_t *norma_gltf_bake_order(const gltf *g, const gltf_tree *tree);
+/* NULL, or why a mesh cannot be carried. */
+const char *norma_gltf_bake_obstacle(const gltf *g, uint32_t mesh);
+
+norma_document_result norma_gltf_bake(gltf *g, const norma_transform_options *options,
+    norma_transform_summary *summary, norma_document_error *error);
+#endif
