@@ -11,14 +11,13 @@ export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 # If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
 all:
 	@scripts/install-deps.sh build || true
-	@scripts/install-deps.sh web || true
 	@scripts/build.sh
 
 help:
-	@echo "make           installs what building needs, then builds $(BUILD)/bin/norma and the libraries in $(BUILD)/lib; V=1 shows every command"
+	@echo "make           installs what building needs, then builds the tool, $(BUILD)/bin/norma, and the libraries in $(BUILD)/lib; V=1 shows every command"
 	@echo "make demo      builds, computes the normals of a mesh, explains a matrix and draws a picture"
 	@echo "make install   builds and installs into PREFIX ($(PREFIX)), below DESTDIR if that is set"
-	@echo "make web       builds the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html"
+	@echo "make web       builds the npm package, $(BUILD)/web/npm, and the page, $(BUILD)/web/norma.html, which norma view writes; later builds keep them up to date"
 	@echo "make python    builds the Python wheel, $(BUILD)/python/*.whl, installs it into a bare environment and tests it there"
 	@echo "make blender   builds the Blender add-on, $(BUILD)/blender/*.zip, installs Blender if it is missing, and tests the add-on in it without a window"
 	@echo "make python-fuzz   calls the Python package with random arguments under the address sanitizer for MINUTES (15)"
@@ -50,7 +49,8 @@ deps:
 	@scripts/install-deps.sh
 
 demo:
-	@$(MAKE) --no-print-directory all
+	@scripts/install-deps.sh web || true
+	@$(MAKE) --no-print-directory all CMAKE_FLAGS="$(CMAKE_FLAGS) -DNORMA_WEB=AUTO -DNORMA_EXAMPLES=ON"
 	@scripts/demo.sh
 
 # What could not be installed is reported, and the tests that need it are skipped or fail with a reason.
@@ -76,7 +76,6 @@ coverage:
 bench:
 	@scripts/bench.sh
 
-# A plain make builds the page and the npm package too if it can; this fails if it cannot.
 web:
 	@scripts/install-deps.sh web
 	@$(MAKE) --no-print-directory all CMAKE_FLAGS="$(CMAKE_FLAGS) -DNORMA_WEB=ON"
@@ -121,15 +120,11 @@ judges:
 	@$(MAKE) --no-print-directory all
 	@NORMA_TREE=$(abspath $(BUILD)) tests/cli/judges.sh --all
 
-marks:
-	@scripts/install-deps.sh web || true
-	@$(MAKE) --no-print-directory all
+marks: web
 	@NORMA_TREE=$(abspath $(BUILD)) tests/web/marks.sh --all
 
-firefox:
-	@scripts/install-deps.sh web || true
+firefox: web
 	@scripts/install-deps.sh firefox
-	@$(MAKE) --no-print-directory all
 	@NORMA_TREE=$(abspath $(BUILD)) tests/web/page.sh --firefox
 
 mpi:

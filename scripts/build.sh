@@ -1,7 +1,8 @@
-#!/bin/sh
-# What `make` does: configures and builds, and ends with what is there now. The compiler's lines go to build.log, and are shown where something fails, or with V=1.
+#!/bin/bash
+# What `make` does: configures and builds, and ends with what is there now. On a terminal one line says how far it is; the compiler's lines go to build.log, and are shown where
+# something fails, or with V=1. A folder that has been built with the page (make web) keeps it up to date.
 #   BUILD  the folder (build)     CMAKE_FLAGS  further flags for cmake     V=1  shows everything
-set -eu
+set -euo pipefail
 cd "$(dirname "$0")/.."
 build=${BUILD:-build}
 verbose=${V:-0}
@@ -23,14 +24,29 @@ run() {
     fi
 }
 
+# progress: how far the build is, from its lines "[12/345] ..." or "[ 12%] ...", in one line of the terminal.
+progress() {
+    if [ -t 1 ]; then
+        awk '/^\[/ { sub(/\].*/, "]"); printf "\rBuilding Norma in %s: %s ", where, $0; fflush(); n = 1 } END { if (n) print "" }' where="$build"
+    else
+        cat >/dev/null
+    fi
+}
+
+fresh="-DNORMA_WEB=OFF -DNORMA_EXAMPLES=OFF"
+[ ! -e "$build/CMakeCache.txt" ] || fresh=""
 # shellcheck disable=SC2086  # lists of flags
-run "$build/configure.log" cmake -S . -B "$build" $generator -DCMAKE_BUILD_TYPE=Release -DNORMA_TESTS=OFF -DNORMA_WEB=AUTO ${CMAKE_FLAGS:-}
+run "$build/configure.log" cmake -S . -B "$build" $generator -DCMAKE_BUILD_TYPE=Release -DNORMA_TESTS=OFF $fresh ${CMAKE_FLAGS:-}
 if [ "$verbose" != 0 ]; then
     cmake --build "$build" --parallel
 else
-    echo "Building Norma in $build; this takes one to five minutes the first time."
-    run "$build/build.log" cmake --build "$build" --parallel
-    grep -E '^-- .* no, ' "$build/configure.log" | sed 's/^-- */Left out: /; s/  *no, /: /' || true
+    [ -t 1 ] || echo "Building Norma in $build; this takes a minute or two the first time."
+    if ! cmake --build "$build" --parallel 2>&1 | tee "$build/build.log" | progress; then
+        grep -E -A 6 'error|Error|FAILED|undefined' "$build/build.log" | head -n 60 || true
+        echo "This failed; all of it is in $build/build.log (V=1 shows it as it happens)" >&2
+        exit 1
+    fi
+    grep -E '^-- .* no, ' "$build/configure.log" | grep -v 'norma view, page, npm package *no, NORMA_WEB is OFF' | sed 's/^-- */Left out: /; s/  *no, /: /' || true
 fi
 
 echo "Built:"

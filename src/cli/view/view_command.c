@@ -265,8 +265,8 @@ static int check_words(const cli_subcommand *command, view_work *work) {
 static int has_page(void) {
     size_t size;
     if (view_page(&size)) return 1;
-    fputs("norma view: this norma was built without the page, because clang with wasi-libc, lld or "
-          "node was missing; run 'scripts/install-deps.sh web' and then 'make'\n",
+    fputs("norma view: this norma was built without the page; run 'make web' in Norma's sources, "
+          "which builds one with it\n",
         stderr);
     return 0;
 }
