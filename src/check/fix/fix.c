@@ -4,7 +4,7 @@
  * no harm before it: the ones that harm are left out, first at the meshes that suffer, then
  * everywhere. */
 #include "check/fix/fix_trial.h"
-#include "io/format/notes.h"
+#include "io/format/for_fixes.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,7 +2,7 @@
  * format makes of an edit is measured too. */
 #include "check/fix/fix_trial.h"
 #include "core/topology/topology.h"
-#include "io/document/document_copy.h"
+#include "io/format/for_fixes.h"
 #include <stdlib.h>
 #include <string.h>
 

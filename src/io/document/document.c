@@ -1,5 +1,4 @@
 /* document.c: hands every call to the table of functions of the document's format. */
-#include "io/format/turn_green.h"
 #include "io/format/flush_edits.h"
 #include "io/format/recentre.h"
 #include "io/format/scene.h"

@@ -1,5 +1,4 @@
-/* document_copy.c: see document_copy.h. */
-#include "io/document/document_copy.h"
+/* document_copy.c: a document to try changes on. */
 #include "io/format/format.h"
 #include "io/stream/sink.h"
 #include <stdlib.h>

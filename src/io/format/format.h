@@ -6,7 +6,7 @@
 #include "io/file/file.h"
 #include "io/file/memory.h"
 #include "io/file/watch.h"
-#include "io/format/notes.h"
+#include "io/format/for_fixes.h"
 #include "io/format/shared_normals.h"
 
 typedef struct format_functions format_functions;

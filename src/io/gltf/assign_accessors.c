@@ -159,8 +159,8 @@ static norma_document_result note_unpacked(gltf *g, norma_document_error *error)
     return norma_document_fail_memory(g->document, error);
 }
 
-/* assign_accessors.c: a primitive of which anything changes is written without Draco, and all that its
- * stream held is put; once the slots whose contents stay are known. */
+/* assign_accessors.c: a primitive of which anything changes is written without Draco, and all that
+ * its stream held is put; once the slots whose contents stay are known. */
 static norma_document_result gltf_unpack_changed(gltf *g, norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     size_t count;

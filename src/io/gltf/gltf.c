@@ -3,7 +3,6 @@
 #include "io/gltf/gltf.h"
 #include "io/format/edit.h"
 #include "io/format/recentre.h"
-#include "io/format/turn_green.h"
 #include "io/gltf/draco_decoder.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -376,11 +376,13 @@ norma_document_result norma_gltf_compute(norma_document *document,
 norma_document_result norma_gltf_tangents(norma_document *document,
     const norma_tangent_options *options, norma_tangent_summary *summary,
     norma_document_error *error);
+norma_document_result norma_gltf_turn_green(
+    norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error);
 norma_document_result norma_gltf_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);
-/* vertex_contents.c: the elements of an accessor as the edit's new vertices have them (*owned: to be
- * freed; NULL: as stored); all attributes that the edit does not set, put. */
+/* vertex_contents.c: the elements of an accessor as the edit's new vertices have them (*owned: to
+ * be freed; NULL: as stored); all attributes that the edit does not set, put. */
 norma_document_result norma_gltf_copy_array(gltf *g, uint32_t accessor, const norma_mesh_edit *edit,
     gltf_array *array, unsigned char **owned, norma_document_error *error);
 norma_document_result norma_gltf_put_vertices(
@@ -865,8 +867,8 @@ void norma_gltf_vertex_sharing_free(gltf_job *job);
 static inline uint32_t norma_gltf_old_vertex(const gltf_set *set, size_t vertex) {
     return vertex < set->vertices ? (uint32_t)vertex : set->added[vertex - set->vertices];
 }
-/* vertex_contents.c: a further vertex behind all others, a copy of an old one: its number; SIZE_MAX:
- * out of memory, or of numbers. */
+/* vertex_contents.c: a further vertex behind all others, a copy of an old one: its number;
+ * SIZE_MAX: out of memory, or of numbers. */
 size_t norma_gltf_add_vertex(gltf_set *set, uint32_t vertex);
 /* The same contents in a slot of every primitive of the set; the elements of an
  * accessor, with copies for the added vertices. */
@@ -883,7 +885,8 @@ norma_document_result norma_gltf_put_deltas(
 /* gltf_tangents.c: once all sets are put, what became of their tangents: counted, and marked
  * where they are to be computed anew. */
 norma_document_result norma_gltf_account_tangents(gltf_job *job);
-norma_document_result norma_gltf_put_indices(gltf_job *job, uint32_t primitive); /* vertex_sharing.c */
+norma_document_result norma_gltf_put_indices(
+    gltf_job *job, uint32_t primitive); /* vertex_sharing.c */
 
 /* ---- What computing tangents of glTF shares between its files. Sets of primitives
  * that draw the same vertices are those of computing normals; their vertices are split where

@@ -243,7 +243,7 @@ static const char *ignored_by_node(gltf *g, uint32_t node) {
     return list;
 }
 
-static int mirrors(const double world[16]) {
+static int mirrors_space(const double world[16]) {
     double upper[9];
     return norma_matrix_upper_double(world, upper) && norma_matrix_mirrors(upper);
 }
@@ -253,7 +253,7 @@ static norma_document_result count_mirrored(gltf *g, uint32_t node, size_t *mirr
     gltf_instances instances;
     *mirrored = 0;
     if (!n->instanced || g->document->depth == NORMA_DOCUMENT_SUMMARY) {
-        *mirrored = mirrors(n->world) ? n->instances : 0;
+        *mirrored = mirrors_space(n->world) ? n->instances : 0;
         return NORMA_DOCUMENT_OK;
     }
     norma_document_result result = norma_gltf_read_instances(g, node, &instances, NULL);
@@ -261,7 +261,7 @@ static norma_document_result count_mirrored(gltf *g, uint32_t node, size_t *mirr
         double world[16];
         norma_gltf_instance_matrix(&instances, i, world);
         norma_gltf_matrix_multiply(n->world, world, world);
-        *mirrored += (size_t)mirrors(world);
+        *mirrored += (size_t)mirrors_space(world);
     }
     return result;
 }

@@ -133,7 +133,7 @@ static void normalise_columns(double columns[9], double lengths[3]) {
 }
 
 /* Shepperd's method: the largest of four sums decides which component is taken by a root. */
-static void quaternion_of(const double r[9], double q[4]) {
+static void rotation_of_columns(const double r[9], double q[4]) {
     const double sums[4] = {
         r[0] - r[4] - r[8], r[4] - r[0] - r[8], r[8] - r[0] - r[4], r[0] + r[4] + r[8]};
     int largest = 3;
@@ -170,7 +170,7 @@ static void rotation_and_scale(
         trs->scale[flip] = lengths[flip] > 0 ? -trs->scale[flip] : 0;
         for (int k = 0; k < 3; k++) columns[3 * flip + k] = -columns[3 * flip + k];
     }
-    quaternion_of(columns, trs->rotation);
+    rotation_of_columns(columns, trs->rotation);
 }
 
 double norma_gltf_matrix_decompose(const double m[16], gltf_trs *trs) {
@@ -220,7 +220,7 @@ void norma_gltf_matrix_split(const double m[16], gltf_trs *outer, gltf_trs *inne
     memcpy(outer->translation, m + 12, sizeof outer->translation);
     rotation_and_scale(a, lengths, exponent, outer);
 
-    quaternion_of(v, inner->rotation); /* its inverse: m = outer v^T */
+    rotation_of_columns(v, inner->rotation); /* its inverse: m = outer v^T */
     for (int k = 0; k < 3; k++) {
         inner->rotation[k] = 0.0 - inner->rotation[k];
         inner->translation[k] = 0;

@@ -3,7 +3,6 @@
  * theirs. An image in a view or a data: URI stays in one; one in a file becomes a new file, so that
  * the old one, which other assets may show, stays as it is. */
 #include "io/gltf/gltf.h"
-#include "io/format/turn_green.h"
 #include "io/image/image.h"
 #include <errno.h>
 #include <stdlib.h>

@@ -1,0 +1,23 @@
+/* for_fixes.h: what norma check uses of documents besides their public functions: notes, the green
+ * channel of normal maps turned (N812), a copy to try changes on. */
+#ifndef NORMA_IO_FOR_FIXES_H
+#define NORMA_IO_FOR_FIXES_H
+#include <norma/document.h>
+
+/* Adds a note; 0 where memory is out (the note is then lost, nothing else). */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+int norma_document_add_note(norma_document *document, const char *format, ...);
+
+/* Of the materials of the marked meshes. What else shows the same texture or image keeps it: these
+ * materials then get one of their own. A note tells of each image that stays as it is, and why.
+ * changed: written. */
+norma_document_result norma_document_turn_green(
+    norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error);
+
+/* A document that is read, leniently, from the bytes that the document would be written as; it is
+ * not to be saved. To be closed. */
+norma_document_result norma_document_copy(
+    norma_document *document, norma_document **copy, norma_document_error *error);
+#endif
