@@ -1,7 +1,5 @@
 /* document.c: hands every call to the table of functions of the document's format. */
-#include "io/format/flush_edits.h"
-#include "io/format/recentre.h"
-#include "io/format/scene.h"
+#include "io/format/format.h"
 #include "core/call/vec3_view.h"
 #include <errno.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* flush.c: a format whose changes wait beside what was read (glTF) is read anew from what it has
  * become, before it is asked or changed again. */
-#include "io/format/flush_edits.h"
+#include "io/format/format.h"
 #include <stdlib.h>
 
 /* From the disk where it was saved over its own file, else from what the format makes of it. */

@@ -1,6 +1,5 @@
 /* open.c: documents opened, read by the functions of their format, and closed. */
 #include "io/format/format.h"
-#include "io/format/scene.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* scene.c: the public functions about what else belongs to a surface. */
-#include "io/format/scene.h"
+#include "io/format/format.h"
 #include <stdlib.h>
 #include <string.h>
 

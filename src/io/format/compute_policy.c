@@ -1,6 +1,6 @@
 /* compute_policy.c: what is decided when the normals of a file are computed, alike for every
  * format. */
-#include "io/format/compute_policy.h"
+#include "io/format/format.h"
 #include "core/face/unit_length.h"
 #include "io/file/large_memory.h"
 #include <math.h>

@@ -1,5 +1,6 @@
-/* format.h: what the formats and document.c share. A format is a table of functions over its own
- * state. */
+/* format.h: what the formats share with the public functions: a format is a table of functions over its own
+ * state; what waits to be written; what a document tells beside its meshes; which normals are computed
+ * and what is counted. */
 #ifndef NORMA_DOCUMENT_INTERNAL_H
 #define NORMA_DOCUMENT_INTERNAL_H
 #include <norma/document.h>
@@ -7,7 +8,43 @@
 #include "io/file/memory.h"
 #include "io/file/watch.h"
 #include "io/format/for_fixes.h"
-#include "io/format/shared_normals.h"
+#include "io/stream/sink.h"
+
+/* ---- Normals that a document gets from outside instead of computing them from its
+ * own faces alone: those of a surface that lies in several files. */
+
+/* A mesh of a document within a surface: a glTF primitive. */
+typedef struct surface_part {
+    size_t mesh;           /* its number in the document */
+    size_t first_position; /* in the surface */
+    size_t first_corner;   /* SIZE_MAX: its triangles are those of another part */
+} surface_part;
+
+/* All triangles of a glTF mesh, whatever their primitives; a whole OBJ or PLY. */
+typedef struct document_surface {
+    size_t number; /* of the glTF mesh; 0 */
+    const norma_mesh *mesh;
+    double unit; /* what integers of its positions are multiplied by; else 1 */
+    const surface_part *parts;
+    size_t part_count;
+} document_surface;
+
+/* Called for each surface of a document, in order. */
+typedef norma_document_result visit_surface(void *user, const document_surface *surface);
+
+typedef struct shared_normals {
+    void *user;
+    /* The normals of all positions of a surface, and why some have none of their own. */
+    norma_result (*take)(
+        void *user, size_t surface, const norma_mesh *mesh, float *normals, uint8_t *reasons);
+    /* Nonzero for each mesh (glTF), face (OBJ), or for the whole (PLY) that keeps what it has;
+     * NULL: nothing does. */
+    const uint8_t *locked;
+    int of_corners; /* take gives the normals of all corners */
+} shared_normals;
+
+/* ---- What the formats and document.c share. A format is a table of functions over its own
+ * state. */
 
 typedef struct format_functions format_functions;
 typedef struct scene_functions scene_functions;
@@ -237,4 +274,241 @@ static inline int norma_begins_with_zeros(const unsigned char *bytes, size_t siz
     return zeros == FEW;
 }
 
+/* ---- What a document tells beside its meshes: materials, attributes, morphs, skins, what was
+ * not read. Made on first use, kept until the document is closed. Each format that has any of it
+ * gives a table of functions; an entry that is NULL stands for none. Internal to io. */
+
+typedef struct scene_block scene_block;
+
+typedef struct norma_scene {
+    scene_block *blocks;            /* all memory of what follows */
+    norma_material_info *materials; /* NULL: not asked for yet; so for all that follows */
+    size_t material_count;
+    norma_mesh_attributes **attributes; /* for each mesh */
+    norma_node_info *nodes; /* for each node of the file: the fields that are not about drawing */
+    norma_morph_data **morphs; /* for each target, as the format numbers them */
+    norma_skin_info **skins;
+    norma_unread *unread;
+    size_t unread_count;
+    struct gltf_scene *gltf; /* what glTF's own files keep */
+} norma_scene;
+
+typedef struct scene_functions {
+    norma_document_result (*materials)(norma_document *document,
+        norma_document_error *error); /* fills materials and material_count */
+    norma_document_result (*attributes)(norma_document *document, size_t mesh,
+        norma_mesh_attributes *attributes, norma_document_error *error);
+    norma_document_result (*morph)(norma_document *document, size_t mesh, size_t target,
+        norma_morph_data *data, norma_document_error *error);
+    size_t (*skin_count)(const norma_document *document);
+    norma_document_result (*skin)(
+        norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
+    norma_document_result (*unread)(
+        norma_document *document, norma_document_error *error); /* fills unread and unread_count */
+    norma_document_result (*instance_world)(norma_document *document, size_t node, size_t instance,
+        double world[16], norma_document_error *error);
+    /* drawn is filled as the file stores the mesh: moves it by its morph targets and its skin */
+    norma_document_result (*move_drawn)(norma_document *document, size_t node, size_t mesh,
+        norma_drawn_mesh *drawn, norma_document_error *error);
+    norma_document_result (*material_maps)(norma_document *document, size_t material,
+        norma_material_maps *maps, norma_document_error *error);
+    norma_document_result (*normal_map)(norma_document *document, size_t material,
+        norma_texture_info *map, norma_document_error *error);
+    norma_document_result (*texcoords)(norma_document *document, size_t mesh, size_t set,
+        const float **texcoords, size_t *count, norma_document_error *error);
+} scene_functions;
+
+extern const scene_functions norma_obj_scene, norma_ply_scene, norma_gltf_scene;
+
+/* Zeroed memory that lives as long as the document; NULL: none is left. */
+void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size);
+char *norma_scene_text(norma_scene *scene, const char *text);
+/* Two lists of rules as one, with a comma between them where both have something. */
+char *norma_scene_join(norma_scene *scene, const char *first, const char *second);
+
+norma_scene *norma_scene_create(void);
+void norma_scene_destroy(norma_scene *scene); /* NULL is fine */
+void norma_scene_forget(
+    norma_scene *scene); /* what was told is no longer so: the file's bytes are others now */
+
+/* ---- Single faces and vectors of a document changed, for norma_document_edit. Each format has
+ * a file of its own. */
+
+norma_document_result norma_obj_edit(
+    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
+norma_document_result norma_ply_edit(
+    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
+norma_document_result norma_stl_edit(
+    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
+norma_document_result norma_gltf_edit(
+    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
+
+static inline int norma_edit_has_faces(const norma_mesh_edit *edit) {
+    return edit->reverse_faces || edit->drop_faces || edit->source_vertices;
+}
+static inline int norma_edit_says(const uint8_t *marks, size_t index) {
+    return marks && marks[index];
+}
+
+/* ---- What the formats share whose changes wait beside the bytes that were read: written
+ * through a sink, compared with what was there, made the document's own bytes. */
+
+/* A format's file as it is now, changes included. */
+typedef norma_document_result norma_rewrite_body(
+    norma_document *document, norma_sink *sink, norma_document_error *error);
+norma_document_result norma_rewrite(norma_document *document, norma_rewrite_body *body,
+    norma_write *write, void *user, norma_document_error *error);
+/* Whether the file would be another than the size bytes it was. */
+norma_document_result norma_rewrite_compare(norma_document *document, const unsigned char *bytes,
+    size_t size, int *changed, norma_document_error *error);
+
+/* A format whose changes wait beside the bytes of the document: how its state is made, read and let
+ * go. */
+struct edited_format {
+    size_t state_size;
+    int gathers; /* nonzero: changes wait together; 0: each begins with flushing those before */
+    int (*has_edit)(const void *state);
+    void (*free_content)(void *state);
+    /* From document->source, into a state of zeros. */
+    norma_document_result (*read)(norma_document *document, norma_document_error *error);
+};
+norma_document_result norma_edited_open(norma_document *document, norma_document_error *error);
+void norma_edited_close(norma_document *document);
+/* The changes become the document's bytes, which are read again. Does nothing without changes. */
+norma_document_result norma_edited_flush(norma_document *document, norma_document_error *error);
+/* Before a change; and a change that failed for this reason is taken back, by reading the
+ * document's bytes again if anything was done. 0: it cannot be, because other changes wait with it,
+ * or memory is out. */
+void norma_edited_begin(norma_document *document);
+int norma_edited_drop(norma_document *document, norma_document_result why);
+/* These bytes become the document's, which owns them from now on. */
+norma_document_result norma_edited_replace(
+    norma_document *document, const growing_bytes *bytes, norma_document_error *error);
+/* The document's bytes to be changed in place, copied first if they belong to the caller; NULL: out
+ * of memory. */
+unsigned char *norma_edited_own_bytes(norma_document *document);
+
+/* ---- How far positions that lie far from their origin are moved, so that floats hold the
+ * step and what becomes of them exactly. */
+
+typedef struct recentre_box {
+    double low[3], high[3]; /* of finite positions */
+} recentre_box;
+
+recentre_box norma_recentre_empty(void);
+void norma_recentre_add(recentre_box *box, const double position[3]);
+/* What is to be taken from each position; 0 along an axis that is near. Whether there is anything.
+ */
+int norma_recentre_step(const recentre_box *box, double step[3]);
+
+norma_document_result norma_gltf_recentre(
+    norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error);
+
+/* ---- Stored normals under the matrix of a whole document. */
+
+typedef struct normal_carrier {
+    float matrix[9]; /* the normal matrix, its greatest entry 1 */
+    double flat[3];  /* where the model flattens: the direction of the normals that remain */
+    int mirrored;
+} normal_carrier;
+
+/* Progress is 0, and the summary knows whether the matrix mirrors. */
+norma_document_result norma_stored_normals_begin(const norma_document *document,
+    const norma_transform_options *options, norma_transform_summary *summary,
+    normal_carrier *carrier, norma_document_error *error);
+norma_document_result norma_stored_normals_progress(const norma_document *document,
+    const norma_transform_options *options, double fraction, norma_document_error *error);
+/* normals: three doubles each, out: three floats. What the matrix takes to nothing gets the
+ * direction that remains, what is not finite becomes zero; notes say how many. */
+norma_document_result norma_transform_stored_normals(norma_document *document,
+    const normal_carrier *carrier, const double *normals, size_t count, float *out,
+    norma_document_error *error);
+/* Refuses a matrix that takes a finite coordinate beyond most, the largest number that the file can
+ * hold. what: the element that the message names, which has positions_each of them. */
+norma_document_result norma_check_transformed_range(const norma_document *document,
+    const norma_vec3_view *before, const double *after, double most, const char *what,
+    size_t positions_each, norma_document_error *error);
+int norma_stored_normals_is_identity(const double model[16]);
+
+/* ---- What is decided when the normals of a file are computed, alike for every
+ * format: how the mesh is shaded, which stored normals are replaced, what is written for elements
+ * without a normal, and what is counted. A format says how it stores normals and hands over its
+ * meshes. */
+
+typedef struct compute_policy {
+    const norma_compute_options *options;
+    norma_compute_summary *summary;
+    norma_options core; /* options of the core's calls, with the nearest fallback in force */
+    size_t meshes;      /* computed so far */
+    const shared_normals *shared; /* NULL, or where the normals of positions come from */
+    size_t surface;               /* the number of the surface that is to be computed */
+} compute_policy;
+
+/* Begins the summary. usual: the shading that the format gets if none was asked for; has_groups:
+ * the mesh has smoothing groups, which decide about a crease if they are not to be ignored. */
+compute_policy norma_policy_begin(const norma_compute_options *options,
+    norma_compute_summary *summary, norma_shading usual, int has_groups);
+
+/* ---- which stored normals are replaced */
+
+/* By core/face/unit_length.h, in so many bits. */
+int norma_normal_is_broken(const double normal[3], int bits);
+/* Whether --only asks for a new one in place of a normal that is there. */
+int norma_policy_wants(norma_only only, const double normal[3], int bits);
+/* The same for the facet of an STL, where zero is a custom that means "take the winding": it counts
+ * as missing, so that missing and broken fill it; broken beyond that is only what is not finite. */
+int norma_policy_wants_facet(norma_only only, const float stored[3]);
+
+/* ---- computing */
+
+typedef enum normal_elements {
+    NORMALS_OF_POSITIONS, /* smooth */
+    NORMALS_OF_FACES,     /* flat */
+    NORMALS_OF_CORNERS,   /* creased, one for each corner */
+    NORMALS_OF_POINTS     /* creased, one for all corners at a vertex that share theirs */
+} normal_elements;
+normal_elements norma_policy_elements(norma_shading shading);
+
+typedef struct computed_normals {
+    normal_elements elements;
+    int with_reasons; /* whether reasons and, of points, sources are asked for */
+    double crease_angle_rad;
+    float *normals;    /* of each element; zero if the mesh has no normal at all */
+    uint8_t *reasons;  /* of each element, why it got the nearest normal instead of its own */
+    uint32_t *points;  /* of each corner its point, numbered as corners first use them */
+    uint32_t *sources; /* of each point its position */
+    size_t count;      /* of elements */
+} computed_normals;
+
+/* Adds the report of one mesh to the sum; the firsts become SIZE_MAX from the second mesh on. */
+void norma_policy_add_report(norma_report *sum, const norma_report *report, size_t meshes_before);
+
+/* The normals of one mesh. Adds to the report,
+ * and to the hard edges if there are creases. */
+norma_result norma_policy_compute(
+    compute_policy *policy, const norma_mesh *mesh, computed_normals *made);
+void norma_computed_normals_free(computed_normals *made);
+
+/* ---- what is written, what is counted */
+
+/* Files get the z axis if the whole mesh has no direction, and so no nearest normal either. */
+static inline void norma_policy_point_up(float normal[3]) {
+    if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0) normal[2] = 1;
+}
+/* The sign of a stored zero says nothing: it stays, so that right normals stay to the bit. */
+static inline float norma_policy_keep_zero(float now, double stored) {
+    return now == 0 && stored == 0 ? (float)stored : now;
+}
+/* Points up where there is no normal, and counts the elements that were filled. wanted: of the
+ * first wanted_count elements, whether they get a new normal, as all others do; may be NULL. */
+void norma_policy_fill(compute_policy *policy, float *normals, const uint8_t *reasons, size_t count,
+    const uint8_t *wanted, size_t wanted_count);
+/* Formats whose vertices are others than the core's count them as they stand in the file: they
+ * forget what the core counted without a normal of its own, and count by reasons. several: there
+ * are other meshes, so no vertex is the first. */
+void norma_policy_forget(norma_report *report);
+void norma_policy_report(norma_report *report, const uint8_t *reasons, size_t count,
+    const uint8_t *wanted, size_t wanted_count, int several);
+/* What the core counted without a normal of its own. */
+size_t norma_policy_without_normal(const norma_report *report);
 #endif

@@ -1,8 +1,7 @@
 /* gltf.c: A glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
  * requires, and its table of functions. */
 #include "io/gltf/gltf.h"
-#include "io/format/edit.h"
-#include "io/format/recentre.h"
+#include "io/format/format.h"
 #include "io/gltf/draco_decoder.h"
 #include <stdio.h>
 #include <stdlib.h>

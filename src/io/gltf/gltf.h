@@ -6,12 +6,9 @@
 #define NORMA_IO_GLTF_H
 #include "io/format/format.h"
 #include "io/text/json.h"
-#include "io/format/scene.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include "io/file/file.h"
-#include "io/format/compute_policy.h"
-#include "io/format/shared_normals.h"
 
 /* ---- What the glTF files share: the parsed asset, how its numbers are read, and how new
  * contents and other changes get into it.

@@ -2,7 +2,7 @@
  * positions replaced, normals taken away: as new contents of the slots that hold them. What is not
  * named keeps its bytes wherever its encoding stays. */
 #include "io/gltf/gltf.h"
-#include "io/format/edit.h"
+#include "io/format/format.h"
 #include <stdlib.h>
 #include <string.h>
 

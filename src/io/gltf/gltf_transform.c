@@ -1,6 +1,6 @@
 /* gltf_transform.c: a matrix over an asset, and meshes moved near their origin. */
 #include "io/gltf/gltf.h"
-#include "io/format/recentre.h"
+#include "io/format/format.h"
 #include <math.h>
 #include <stdlib.h>
 

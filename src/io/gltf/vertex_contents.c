@@ -3,7 +3,7 @@
 #include "io/gltf/gltf.h"
 #include "io/file/large_memory.h"
 #include "io/file/memory.h"
-#include "io/format/edit.h"
+#include "io/format/format.h"
 #include "io/stream/equal_rows.h"
 #include <math.h>
 #include <stdlib.h>

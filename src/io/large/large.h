@@ -9,7 +9,6 @@
 #include <norma/large.h>
 #include "io/ply/ply.h"
 #include "io/stl/stl.h"
-#include "io/format/compute_policy.h"
 
 /* ---- Blocks of memory that count against a limit. */
 

@@ -2,8 +2,7 @@
  * one. */
 #include "io/obj/obj.h"
 #include "core/call/table.h"
-#include "io/format/edit.h"
-#include "io/format/scene.h"
+#include "io/format/format.h"
 #include "io/stream/sink.h"
 #include "io/text/number.h"
 #include <stdlib.h>

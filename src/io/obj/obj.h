@@ -5,7 +5,6 @@
  * The text is cut into stretches of whole statements, which threads read and write side by side. */
 #ifndef NORMA_IO_OBJ_H
 #define NORMA_IO_OBJ_H
-#include "io/format/flush_edits.h"
 #include "io/format/format.h"
 #include "io/file/watch.h"
 #include <stddef.h>

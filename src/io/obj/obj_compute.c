@@ -1,9 +1,7 @@
 /* obj_compute.c: new normals for the corners that need one; an OBJ under a matrix. */
 #include "io/obj/obj.h"
 #include "io/file/large_memory.h"
-#include "io/format/compute_policy.h"
 #include "io/format/format.h"
-#include "io/format/transform_stored_normals.h"
 #include "io/stream/tasks.h"
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* obj_write.c: the file again, its statements walked in the order they were read. */
 #include "io/obj/obj.h"
-#include "io/format/edit.h"
+#include "io/format/format.h"
 #include "io/stream/equal_rows.h"
 #include "io/stream/ordered.h"
 #include "io/stream/sink.h"

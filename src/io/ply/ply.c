@@ -1,7 +1,6 @@
 /* ply.c: PLY documents: opened, edited, read again, and as a scene. */
 #include "io/ply/ply.h"
-#include "io/format/edit.h"
-#include "io/format/scene.h"
+#include "io/format/format.h"
 #include "io/stream/equal_rows.h"
 #include <stdio.h>
 #include <stdlib.h>

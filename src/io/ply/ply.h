@@ -5,7 +5,6 @@
 #ifndef NORMA_IO_PLY_H
 #define NORMA_IO_PLY_H
 #include "io/format/format.h"
-#include "io/format/flush_edits.h"
 
 typedef enum ply_type {
     PLY_INT8 = 0,

@@ -1,8 +1,7 @@
 /* ply_compute.c: a PLY with new normals, and under a matrix. */
 #include "io/ply/ply.h"
 #include "io/file/large_memory.h"
-#include "io/format/compute_policy.h"
-#include "io/format/transform_stored_normals.h"
+#include "io/format/format.h"
 #include "io/stream/tasks.h"
 #include <float.h>
 #include <math.h>

@@ -1,9 +1,7 @@
 /* stl.c: STL documents: opened, read again, computed, transformed and written. */
 #include "io/stl/stl.h"
 #include "io/file/large_memory.h"
-#include "io/format/compute_policy.h"
-#include "io/format/edit.h"
-#include "io/format/transform_stored_normals.h"
+#include "io/format/format.h"
 #include "io/stream/tasks.h"
 #include "io/text/number.h"
 #include <float.h>

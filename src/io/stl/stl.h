@@ -3,7 +3,6 @@
 #ifndef NORMA_IO_STL_H
 #define NORMA_IO_STL_H
 #include "io/format/format.h"
-#include "io/format/flush_edits.h"
 
 enum { STL_HEADER = 84, STL_FACET = 50, STL_NORMAL = 12, STL_VERTICES = 36 };
 

@@ -2,7 +2,7 @@
  * little-endian: normal, three vertices, two bytes of attributes. */
 #include "io/stl/stl.h"
 #include "io/file/large_memory.h"
-#include "io/format/compute_policy.h"
+#include "io/format/format.h"
 #include "io/stream/ordered.h"
 #include "io/text/number.h"
 #include <stdio.h>

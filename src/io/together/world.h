@@ -3,7 +3,7 @@
 #ifndef NORMA_IO_TOGETHER_WORLD_H
 #define NORMA_IO_TOGETHER_WORLD_H
 #include "core/mesh/input_mesh.h"
-#include "io/format/shared_normals.h"
+#include "io/format/format.h"
 
 typedef struct near_positions near_positions; /* near.h */
 

@@ -4,7 +4,7 @@
  * writes those of its own vertices where they belong. */
 #include "mpi/file/shared_file.h"
 #include "core/call/sort.h"
-#include "io/format/compute_policy.h"
+#include "io/format/format.h"
 #include "io/large/large.h"
 #include <errno.h>
 #include <norma/mpi.h>

@@ -2,7 +2,7 @@
  * the normal of the nearest that has one; only where there are such are positions and normals kept.
  */
 #include "mpi/file/shared_file.h"
-#include "io/format/compute_policy.h"
+#include "io/format/format.h"
 #include "io/stl/stl.h"
 #include "mpi/vertex/vertex.h"
 

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include "io/format/compute_policy.h"
+#include "io/format/format.h"
 
 typedef struct place {
     char folder[128], source[160], target[160], beside[160];
