@@ -1,7 +1,51 @@
-/* open.c: documents opened, read by the functions of their format, and closed. */
+/* open.c: documents opened from files and from memory, closed, and copied to try changes on. */
 #include "io/format/format.h"
+#include "io/stream/sink.h"
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+/* ---- The files that a document was read from or names, beside its own: buffers, images,
+ * material libraries. A program that writes somewhere asks for them, so that no source is
+ * overwritten; none of them is opened here. */
+
+norma_document_result norma_document_visit_files(
+    norma_document *document, norma_visit_file *visit, void *user, norma_document_error *error) {
+    const int is_summary = document && document->depth == NORMA_DOCUMENT_SUMMARY;
+    norma_document_clear(error);
+    norma_document_result result =
+        is_summary ? NORMA_DOCUMENT_OK : norma_document_usable(document, error);
+    if (result) return result;
+    if (!visit)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no function that receives the files was given");
+    if (!document->folder || !document->functions->visit_files) return NORMA_DOCUMENT_OK;
+    return document->functions->visit_files(document, visit, user) < 0
+               ? norma_document_fail_memory(document, error)
+               : NORMA_DOCUMENT_OK;
+}
+
+typedef struct search {
+    const char *path;
+    int found;
+} search;
+
+static int compare_file(void *user, const char *path) {
+    search *s = user;
+    s->found = norma_file_same(path, s->path);
+    return s->found;
+}
+
+int norma_document_names_file(const norma_document *document, const char *path) {
+    search s = {.path = path};
+    struct stat status;
+    /* Most outputs do not exist yet, and then they are nobody's source. */
+    if (document->folder && document->functions->visit_files && stat(path, &status) == 0)
+        document->functions->visit_files(document, compare_file, &s);
+    return s.found;
+}
+
+/* ---- Documents opened, read by the functions of their format, and closed. */
 
 /* ---- options of any version */
 
@@ -175,4 +219,33 @@ norma_document_result norma_document_usable(
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "an earlier change of it failed; it can only be closed");
     return NORMA_DOCUMENT_OK;
+}
+
+/* ---- A document to try changes on. */
+
+norma_document_result norma_document_copy(
+    norma_document *document, norma_document **copy, norma_document_error *error) {
+    growing_bytes memory = {0};
+    const norma_document_options options = {.struct_size = sizeof options,
+        .format = document->format,
+        .threads = document->threads,
+        .lenient = 1};
+    *copy = NULL;
+    norma_document_result result =
+        document->functions->write(document, NULL, norma_memory_sink_write, &memory, error);
+    norma_document *made =
+        result ? NULL : norma_document_make(document->path, document->folder != NULL, &options);
+    if (!made) {
+        free(memory.data);
+        return result && result != NORMA_DOCUMENT_ERROR_FILE
+                   ? result
+                   : norma_document_fail_memory(document, error);
+    }
+    made->source = (file_bytes){.data = (const void *)memory.data, .size = memory.size, .owned = 1};
+    result = norma_document_read(made, error);
+    if (result)
+        norma_document_close(made);
+    else
+        *copy = made;
+    return result;
 }
