@@ -2,7 +2,7 @@
  * positions by their coordinates, faces by their positions, each from its least position on. What
  * the core computes of that mesh does not depend on the files, their order, or how the surface was
  * cut. */
-#include "io/together/creases.h"
+#include "io/together/together.h"
 #include "io/file/large_memory.h"
 #include "io/file/memory.h"
 #include <math.h>
