@@ -1,4 +1,5 @@
-/* format.c: what every format needs of its document: errors and notes, options, files beside it, memory of what it tells. */
+/* format.c: what every format needs of its document: errors and notes, options, files beside it,
+ * memory of what it tells. */
 #include "io/format/format.h"
 #include "io/file/system_text.h"
 #include <errno.h>

@@ -1,6 +1,6 @@
-/* format.h: what the formats share with the public functions: a format is a table of functions over its own
- * state; what waits to be written; what a document tells beside its meshes; which normals are computed
- * and what is counted. */
+/* format.h: what the formats share with the public functions: a format is a table of functions over
+ * its own state; what waits to be written; what a document tells beside its meshes; which normals
+ * are computed and what is counted. */
 #ifndef NORMA_DOCUMENT_INTERNAL_H
 #define NORMA_DOCUMENT_INTERNAL_H
 #include <norma/document.h>
@@ -110,7 +110,7 @@ struct norma_document {
     const shared_normals *shared; /* NULL, or where its normals come from while it is computed */
     int copied;                   /* files are read into memory, for a summary too */
     int lenient;                  /* what norma check judges is read instead of refused */
-    struct norma_scene *scene;    /* what else is told of it (scene.h) */
+    struct norma_scene *scene;    /* what else is told of it */
 };
 
 /* Each returns NORMA_DOCUMENT_OK or what norma_document_fail returned. State is freed by close also
@@ -170,7 +170,7 @@ struct format_functions {
      * only if the document has a folder. */
     int (*visit_files)(const norma_document *document, norma_visit_file *visit, void *user);
     const scene_functions *scene; /* NULL: nothing else is told */
-    const edited_format *edited;  /* for norma_edited_open and the like (flush_edits.h) */
+    const edited_format *edited;  /* for norma_edited_open and the like */
 };
 
 /* What is under way is watched also where the document is only read. */

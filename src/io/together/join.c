@@ -1,4 +1,5 @@
-/* join.c: what is known of positions, of any number, brought together at equal or near ones, in memory or by a temporary file. */
+/* join.c: what is known of positions, of any number, brought together at equal or near ones, in
+ * memory or by a temporary file. */
 #include "io/together/together.h"
 #include "core/call/call.h"
 #include "core/call/vector.h"
@@ -143,7 +144,8 @@ static int access_records(
     return error;
 }
 
-static int spill_read(spill *s, size_t partition_number, size_t first, size_t count, void *records) {
+static int spill_read(
+    spill *s, size_t partition_number, size_t first, size_t count, void *records) {
     return access_records(s, partition_number, first, count, records, 0);
 }
 
@@ -365,17 +367,15 @@ static position_normal normal_of(const entry *e) {
 /* The first round adds the records, the others replace those that are theirs. */
 static int answer_some(joining *j, size_t first, size_t count) {
     int error = spill_read(j->votes, j->partition, first, count, j->some);
-    if (!error && j->round)
-        error = spill_read(j->normals, j->partition, first, count, j->answers);
+    if (!error && j->round) error = spill_read(j->normals, j->partition, first, count, j->answers);
     for (size_t i = 0; i < count && !error; ++i) {
         const uint64_t hash = norma_together_hash(j->some[i].at);
         if (is_of_round(j, hash))
             j->answers[i] = normal_of(&j->entries[*find_position(j, j->some[i].at, hash) - 1]);
         if (!j->round) error = norma_spill_add(j->normals, j->partition, &j->answers[i]);
     }
-    return error || !j->round
-               ? error
-               : spill_replace(j->normals, j->partition, first, count, j->answers);
+    return error || !j->round ? error
+                              : spill_replace(j->normals, j->partition, first, count, j->answers);
 }
 
 static int each_record(joining *j, int (*visit)(joining *j, size_t first, size_t count)) {

@@ -1,4 +1,5 @@
-/* member.c: files of one surface, one at a time: what is locked, which level of detail it is, where it is drawn. */
+/* member.c: files of one surface, one at a time: what is locked, which level of detail it is, where
+ * it is drawn. */
 #include "io/together/together.h"
 #include "core/call/vec3_view.h"
 #include "core/call/vector.h"
@@ -349,8 +350,7 @@ norma_document_result norma_member_open(const norma_together_file *file, size_t 
             "an STL holds facet normals only, which nothing can share; expected OBJ, PLY or glTF");
     m->level = (uint32_t)number;
     m->has_level = options->levels || level_of_name(file->input, 1, &m->level);
-    if (m->document->format >= NORMA_FILE_GLTF &&
-        !(m->node_levels = levels_of_nodes(m->document)))
+    if (m->document->format >= NORMA_FILE_GLTF && !(m->node_levels = levels_of_nodes(m->document)))
         return norma_document_fail_memory(m->document, error);
     return find_locked(m, file->input, options, error);
 }

@@ -1,4 +1,5 @@
-/* surface_normals.c: normals of smooth surfaces: what the faces of each file add, and what its positions get. */
+/* surface_normals.c: normals of smooth surfaces: what the faces of each file add, and what its
+ * positions get. */
 #include "io/together/together.h"
 #include "core/call/output.h"
 #include "core/call/vec3_view.h"

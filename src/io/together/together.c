@@ -1,4 +1,5 @@
-/* together.c: norma_together_compute: twice over all files, and their outputs at the end, all or none. */
+/* together.c: norma_together_compute: twice over all files, and their outputs at the end, all or
+ * none. */
 #include "io/together/together.h"
 #include <stdlib.h>
 #include <string.h>
@@ -174,7 +175,7 @@ static norma_document_result together_commit(together_run *run) {
     return NORMA_DOCUMENT_OK;
 }
 
-/* write_file.c: a file's normals, and its output, complete but not in place. */
+/* together.c: a file's normals, and its output, complete but not in place. */
 static char *together_folder_of(const char *path) {
     const char *slash = strrchr(path, '/');
     return !slash          ? norma_io_copy_text(".", 1)

@@ -1,5 +1,5 @@
-/* together.h: one surface in several files: the files, where their meshes are drawn, what their faces add at each
- * position of the world, and the call that brings all this together. */
+/* together.h: one surface in several files: the files, where their meshes are drawn, what their
+ * faces add at each position of the world, and the call that brings all this together. */
 #ifndef NORMA_IO_TOGETHER_H
 #define NORMA_IO_TOGETHER_H
 #include "core/mesh/input_mesh.h"
@@ -14,7 +14,7 @@
 /* ---- A surface of a document where a node draws it: positions in the world, which of them are
  * one, and the faces in an order of corners that depends on the positions alone. */
 
-typedef struct near_positions near_positions; /* near.h */
+typedef struct near_positions near_positions;
 
 /* Which positions are one: those that are equal, after rounding to floats where rounded is set; or
  * within a distance, where near is not NULL. */
@@ -135,7 +135,7 @@ int norma_together_join(spill *votes, spill *normals, uint64_t memory);
 
 /* ---- One call of norma_together_compute. */
 
-typedef struct creases creases; /* creases.h */
+typedef struct creases creases;
 
 typedef struct together_run {
     const norma_together_file *files;
@@ -154,12 +154,13 @@ typedef struct together_run {
     double passes, passes_done;
 } together_run;
 
-/* run.c */
+/* join.c */
 norma_document_result norma_together_fail_spill(together_run *run, int failed);
 /* Nonzero: the caller wants to stop. */
 int norma_together_tell(together_run *run, double share_of_file);
 
-/* take_votes.c: each position of a file, what its faces add there, or the normal that it keeps. */
+/* surface_normals.c: each position of a file, what its faces add there, or the normal that it
+ * keeps. */
 norma_document_result norma_together_take_votes(together_run *run, member *m);
 norma_document_result norma_together_take_positions(together_run *run, member *m);
 
