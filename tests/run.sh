@@ -26,7 +26,7 @@ quick_parts="gcc scripts clang fuzz tsan"
 other_parts="web long clang-long fuzz-long tsan-long"
 # Scripts of `make test`; all others are of `make test-all`. Long ones first: nothing then waits for a last one.
 quick_scripts="cli/together cli/hostile cli/turn-green cli/report repo/format cli/golden repo/hygiene cli/hostile-names repo/arrows repo/readme repo/headers repo/guide cli/gltf-shared
-    repo/trust repo/names repo/manual repo/packaging repo/examples repo/sbom"
+    repo/trust repo/names repo/checklist repo/manual repo/packaging repo/examples repo/sbom"
 # Those that need the page, and a tree that has it.
 web_scripts="web/page web/package web/marks web/silhouettes"
 long_scripts() {
@@ -269,6 +269,7 @@ if [ "$what" = test ]; then
     echo "Not run here, but by make test-all: the page, the npm package, Python, MPI; $(long_scripts | tr '\n' ' ')"
     echo "    with sanitizers: long unit tests, golden cases, bits, each file of the data set through each verb, 15 fuzz targets for some seconds each, the tool with the thread sanitizer"
 fi
-say "done, after $SECONDS s"
+times >"$out/times"
+say "done, after $SECONDS s, with $(awk -F"[ms ]+" 'END { printf "%.0f", 60 * ($1 + $3) + $2 + $4 }' "$out/times") s of the processor"
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
