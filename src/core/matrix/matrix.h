@@ -1,8 +1,16 @@
-/* matrix.h: what the files about matrices share. A 3x3 is nine numbers, column after column. */
+/* matrix.h: what the files about matrices share, and every call that maps one array of vectors to
+ * another. A 3x3 is nine numbers, column after column. */
 #ifndef NORMA_CORE_MATRIX_INTERNAL_H
 #define NORMA_CORE_MATRIX_INTERNAL_H
 #include "core/face/exact_sum.h"
 #include <norma/norma.h>
+#include "core/call/vec3_view.h"
+#include "core/call/vector.h"
+#include <float.h>
+#include <math.h>
+#include "core/call/instruction_set.h"
+
+/* ---- What the files about matrices share. A 3x3 is nine numbers, column after column. */
 
 /* The upper 3x3 of a model; 0 where an entry is not finite. */
 int norma_matrix_upper_float(const float model[16], double upper[9]);
@@ -10,7 +18,6 @@ int norma_matrix_upper_double(const double model[16], double upper[9]);
 
 /* Both rounded once from the exact value: the sign and whether it is zero are exact. */
 scaled_number norma_exact_determinant(const double upper[9]);
-void norma_exact_cofactors(const double upper[9], scaled_number cofactors[9]);
 
 /* Whether a finite 3x3's determinant is below zero, exactly: by doubles where their rounding cannot
  * turn the sign, else by exact sums, which take a hundred times as long. */
@@ -24,9 +31,7 @@ typedef struct number_range {
     double largest; /* mantissa of the largest number */
 } number_range;
 extern const number_range norma_float_range, norma_double_range;
-int norma_matrix_common_shift(const scaled_number numbers[9], number_range range);
 void norma_matrix_to_floats(const scaled_number numbers[9], double sign, float out[9]);
-void norma_matrix_to_doubles(const scaled_number numbers[9], double sign, double out[9]);
 
 /* Fills info for a finite upper 3x3. */
 void norma_matrix_describe(
@@ -41,8 +46,47 @@ void norma_singular_values(const double matrix[9], double values[3], double v[9]
 void norma_core_perpendicular_tangent(
     const double normal[3], const double tangent[3], double out[3]);
 
-/* The normal matrix of one model; the error is that some entry is not finite, and zeros were
- * written. */
-norma_result norma_core_normal_matrix_of(
-    const float model[16], norma_winding winding, float out[9]);
+/* ---- What every call that maps one array of vectors to another shares: the checks of its
+ * arguments, and directions without a range. */
+
+/* An output of count elements of size bytes; *stride becomes size where it is 0. */
+static inline norma_result norma_output_check(
+    const void *out, size_t *stride, size_t size, size_t count, size_t capacity) {
+    if (!count) return NORMA_OK;
+    if (!out) return NORMA_ERROR_ARGUMENT;
+    if (!*stride) *stride = size;
+    if (*stride < size) return NORMA_ERROR_ARGUMENT;
+    if (count > SIZE_MAX / *stride) return NORMA_ERROR_OVERFLOW;
+    return capacity < count ? NORMA_ERROR_CAPACITY : NORMA_OK;
+}
+
+static inline norma_result norma_input_check(const norma_vec3_view *view) {
+    if (!norma_format_size(view->format)) return NORMA_ERROR_ARGUMENT;
+    if (view->count && !view->data) return NORMA_ERROR_ARGUMENT;
+    return norma_view_overflows(view) ? NORMA_ERROR_OVERFLOW : NORMA_OK;
+}
+
+/* Multiplies v by the power of two that brings its largest component into [1, 2); 0 where v is zero
+ * or not finite. */
+static inline int norma_vec3_scale(double v[3]) {
+    double largest = 0.0;
+    for (int i = 0; i < 3; i++) {
+        if (!(fabs(v[i]) <= DBL_MAX)) return 0;
+        if (fabs(v[i]) > largest) largest = fabs(v[i]);
+    }
+    if (largest == 0.0) return 0;
+    int exponent;
+    (void)frexp(largest, &exponent);
+    for (int i = 0; i < 3; i++) v[i] = ldexp(v[i], 1 - exponent);
+    return 1;
+}
+
+/* Makes v a unit vector, whatever its length; 0, and v unspecified, where it is zero or not finite.
+ */
+static inline int norma_vec3_unit(double v[3]) {
+    if (!norma_vec3_scale(v)) return 0;
+    const double length = sqrt(norma_core_dot(v, v));
+    for (int i = 0; i < 3; i++) v[i] /= length;
+    return 1;
+}
 #endif

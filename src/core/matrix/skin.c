@@ -11,12 +11,11 @@
  * (the right polar factor, by singular values). Where M mirrors, both are negated, so that R is a
  * rotation (Shoemake, Duff 1992). Stretches are blended linearly, rotations and translations on the
  * sphere. */
+#include "core/matrix/matrix.h"
 #include "core/call/fault.h"
 #include "core/call/output.h"
 #include "core/face/eight_vectors.h"
 #include "core/face/exact_sum.h"
-#include "core/matrix/matrix.h"
-#include "core/matrix/stream.h"
 
 enum {
     BLOCK = 16,       /* vertices whose normals are computed side by side */
@@ -589,7 +588,7 @@ CORE_FOR_AVX2 static void positions_avx2(
 }
 #endif
 
-static skin_kernel *choose_kernel(const skin_stream *s, int normals) {
+static skin_kernel *choose_skin_kernel(const skin_stream *s, int normals) {
 #if defined(CORE_HAS_X86)
     if (s->call.level >= CORE_AVX2) return normals ? normals_avx2 : positions_avx2;
 #endif
@@ -604,7 +603,8 @@ static void run_chunk(void *context, size_t index) {
     if (s->tangents)
         skin_tangents(s, first, end);
     else
-        choose_kernel(s, s->tallies != NULL)(s, first, end, s->tallies ? &s->tallies[index] : NULL);
+        choose_skin_kernel(s, s->tallies != NULL)(
+            s, first, end, s->tallies ? &s->tallies[index] : NULL);
 }
 
 static size_t chunk_count(const skin_stream *s) {

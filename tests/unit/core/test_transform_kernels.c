@@ -3,11 +3,23 @@
  * source is compiled here once more, with one. */
 #include "core/call/instruction_set.h"
 static core_level chosen_level(norma_isa isa);
-#define norma_core_level        chosen_level
-#define norma_transform_normals transform_as_chosen
-#include "core/matrix/transform_normals.c"
+#define norma_core_level                 chosen_level
+#define norma_transform_normals          transform_as_chosen
+#define norma_transform_positions        chosen_transform_positions
+#define norma_transform_positions_double chosen_transform_positions_double
+#define norma_core_perpendicular_tangent chosen_core_perpendicular_tangent
+#define norma_transform_tangents         chosen_transform_tangents
+#define norma_orthogonalise_tangents     chosen_orthogonalise_tangents
+#define norma_interpolate_normal         chosen_interpolate_normal
+#include "core/matrix/transform.c"
 #undef norma_core_level
 #undef norma_transform_normals
+#undef norma_transform_positions
+#undef norma_transform_positions_double
+#undef norma_core_perpendicular_tangent
+#undef norma_transform_tangents
+#undef norma_orthogonalise_tangents
+#undef norma_interpolate_normal
 
 #include "check.h"
 #include "oracle/shapes.h"

@@ -1,10 +1,10 @@
-/* pack_normals.c: unit vectors as signed normalised integers, c / 127 or c / 32767, and back.
+/* pack.c: unit vectors as signed normalised integers, c / 127 or c / 32767, and back.
  *
  * Rounding to the nearest code can make a vector whose length a reader no longer takes for 1: the
  * Khronos validator allows 0.00674, and (67, 76, 78) / 127 is 1.00680 long. Then the nearest code
  * that passes is taken; every passing code that can be nearest lies within one step of the rounded
  * one. */
-#include "core/matrix/stream.h"
+#include "core/matrix/matrix.h"
 
 #define LENGTH_TOLERANCE 0.00674 /* of the unit length */
 
@@ -14,7 +14,7 @@ static int passes(const int code[3], int scale) {
     return fabs(sqrt(square) / scale - 1.0) <= LENGTH_TOLERANCE;
 }
 
-static double distance(const int code[3], const double target[3]) {
+static double code_distance(const int code[3], const double target[3]) {
     double sum = 0.0;
     for (int i = 0; i < 3; i++) sum += (code[i] - target[i]) * (code[i] - target[i]);
     return sum;
@@ -32,7 +32,7 @@ static void nearest_passing(const double target[3], int scale, const int rounded
             if (tried[i] > scale) tried[i] = scale;
             if (tried[i] < -scale) tried[i] = -scale;
         }
-        const double d = distance(tried, target);
+        const double d = code_distance(tried, target);
         if (d < best && passes(tried, scale)) {
             best = d;
             memcpy(code, tried, sizeof tried);
@@ -91,7 +91,7 @@ norma_result norma_encode_snorm16(
     return encode_all(&normals, 32767, (unsigned char *)out, out_stride, sizeof *out, capacity);
 }
 
-static norma_result decode(
+static norma_result decode_all(
     norma_vec3_view codes, float scale, float *out, size_t out_stride, size_t capacity) {
     norma_result result = norma_input_check(&codes);
     if (!result)
@@ -112,12 +112,12 @@ static norma_result decode(
 
 norma_result norma_decode_snorm8(const int8_t *codes, size_t stride, size_t count, float *out,
     size_t out_stride, size_t capacity) {
-    return decode((norma_vec3_view){codes, count, stride, NORMA_FORMAT_INT8}, 127.0f, out,
+    return decode_all((norma_vec3_view){codes, count, stride, NORMA_FORMAT_INT8}, 127.0f, out,
         out_stride, capacity);
 }
 
 norma_result norma_decode_snorm16(const int16_t *codes, size_t stride, size_t count, float *out,
     size_t out_stride, size_t capacity) {
-    return decode((norma_vec3_view){codes, count, stride, NORMA_FORMAT_INT16}, 32767.0f, out,
+    return decode_all((norma_vec3_view){codes, count, stride, NORMA_FORMAT_INT16}, 32767.0f, out,
         out_stride, capacity);
 }
