@@ -56,7 +56,7 @@ clashes=$(printf '%s\n' "$all_names" | awk '{ print $2 }' | sort | uniq -d)
 switch_of() { # FILE
     case $1 in
         core/topology/*) echo NORMA_WITHOUT_ORIENT ;;
-        core/plan/morph_*) echo NORMA_WITHOUT_MORPHS ;;
+        core/plan/morph*) echo NORMA_WITHOUT_MORPHS ;;
         core/plan/*) echo NORMA_WITHOUT_PLANS ;;
         core/tangent/*) echo NORMA_WITHOUT_TANGENTS ;;
     esac

@@ -1,6 +1,7 @@
-/* morph_normals.c: norma_morph_normals. Vertices that share a normal in the base are one vertex of
+/* morph.c: norma_morph_normals. Vertices that share a normal in the base are one vertex of
  * a mesh that is then morphed; both normals come from that mesh, by one plan, so that no seam opens
  * and where nothing moves the delta is exactly zero. */
+#include "core/plan/plan.h"
 #include "core/face/triangle.h"
 #include "core/mesh/input_mesh.h"
 #include "core/mesh/weld.h"
@@ -21,7 +22,7 @@ typedef struct morph {
 
 /* ---- groups: one (welded) position, and the bits of one normal */
 
-static void key_of(const morph *m, uint32_t vertex, double key[4]) {
+static void key_of_vertex(const morph *m, uint32_t vertex, double key[4]) {
     key[0] = (double)norma_core_welded(&m->mesh, vertex);
     key[1] = key[2] = key[3] = 0;
     if (!m->normals) return;
@@ -29,7 +30,7 @@ static void key_of(const morph *m, uint32_t vertex, double key[4]) {
     for (int k = 1; k < 4; k++) key[k] += 0.0; /* -0 becomes 0 */
 }
 
-static size_t hash_of(const double key[4]) {
+static size_t hash_of_key(const double key[4]) {
     uint64_t hash = 0, bits[4];
     memcpy(bits, key, sizeof bits);
     for (int k = 0; k < 4; k++) {
@@ -39,13 +40,13 @@ static size_t hash_of(const double key[4]) {
     return (size_t)hash;
 }
 
-static void find_groups(morph *m, uint32_t *table, size_t size) {
+static void find_morph_groups(morph *m, uint32_t *table, size_t size) {
     for (uint32_t v = 0; v < m->mesh.positions.count; v++) {
         double key[4], other[4];
-        key_of(m, v, key);
-        size_t at = hash_of(key) & (size - 1);
+        key_of_vertex(m, v, key);
+        size_t at = hash_of_key(key) & (size - 1);
         for (; table[at]; at = (at + 1) & (size - 1)) {
-            key_of(m, m->first_of[table[at] - 1], other);
+            key_of_vertex(m, m->first_of[table[at] - 1], other);
             if (memcmp(key, other, sizeof key) == 0) break;
         }
         if (!table[at]) {
@@ -62,7 +63,7 @@ static norma_result group(morph *m) {
     uint32_t *table = norma_core_allocate(m->call, size, sizeof *table);
     if (!table) return NORMA_ERROR_MEMORY;
     memset(table, 0, size * sizeof *table);
-    find_groups(m, table, size);
+    find_morph_groups(m, table, size);
     norma_core_release(m->call, table, size, sizeof *table);
     for (size_t c = 0; c < m->mesh.corner_count; c++)
         m->corners[c] = m->group_of[norma_core_corner(&m->mesh, c)];
@@ -123,7 +124,7 @@ static norma_result normals_at(
         (float *)normals, m->group_count, NULL);
 }
 
-static norma_result prepare(morph *m) {
+static norma_result prepare_base(morph *m) {
     const norma_options options = plan_options(m, NULL);
     norma_result result = norma_core_weld(m->call, &m->mesh);
     if (result == NORMA_OK && !take_room(m)) result = NORMA_ERROR_MEMORY;
@@ -163,7 +164,7 @@ static int delta_of(const morph *m, uint32_t vertex, float smallest, float delta
     return square > (double)smallest * (double)smallest;
 }
 
-static void add_target(const morph *m, float smallest, morph_output *out) {
+static void add_target_deltas(const morph *m, float smallest, morph_output *out) {
     for (uint32_t v = 0; v < m->mesh.positions.count; v++) {
         float delta[3];
         if (!delta_of(m, v, smallest, delta)) continue;
@@ -180,18 +181,18 @@ static norma_result each_target(morph *m, const norma_vec3_view *targets, size_t
         const norma_result result = normals_at(m, &targets[t], m->moved, m->reasons);
         if (result != NORMA_OK) return result;
         if (starts) starts[t] = out->count;
-        add_target(m, smallest, out);
+        add_target_deltas(m, smallest, out);
         if (norma_core_progress(m->call, (double)t / (double)count)) return NORMA_CANCELLED;
     }
     if (starts) starts[count] = out->count;
     return NORMA_OK;
 }
 
-static norma_result fill(morph *m, const norma_vec3_view *targets, size_t count, float smallest,
-    size_t *starts, morph_output *out, size_t capacity) {
+static norma_result fill_deltas(morph *m, const norma_vec3_view *targets, size_t count,
+    float smallest, size_t *starts, morph_output *out, size_t capacity) {
     const size_t vertices = m->mesh.positions.count;
     morph_output counted = {0, NULL, NULL};
-    norma_result result = prepare(m);
+    norma_result result = prepare_base(m);
     const int must_fit = out->vertices || out->deltas,
               fits = count == 0 || vertices <= capacity / count;
     if (result == NORMA_OK && must_fit && !fits)
@@ -224,7 +225,7 @@ norma_result norma_morph_normals(const norma_mesh *base, const norma_vec3_view *
         result = check_view(&targets[t], m.mesh.positions.count);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &m.mesh);
     if (result != NORMA_OK) return result;
-    result = fill(&m, targets, target_count, smallest, target_starts, &out, capacity);
+    result = fill_deltas(&m, targets, target_count, smallest, target_starts, &out, capacity);
     give_room(&m);
     return result;
 }

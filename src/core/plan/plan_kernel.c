@@ -1,39 +1,119 @@
-/* face_block_sums.c: the loops in which an update spends its time: eight triangles at a time are
+/* plan_kernel.c: a block's faces measured and its groups summed. */
+#include "core/plan/plan.h"
+
+/* ---- Triangles weighed by their angles, eight in the registers of AVX-512, from
+ * corners to rows. Loops over lanes take 16.8 cycles a triangle, these 14.4. */
+
+#if defined(CORE_HAS_AVX512)
+#include "core/face/vectors_avx512.h"
+
+#define VECTORS(name) core_avx512_##name
+#define IN_VECTORS    CORE_IN_REGISTERS
+typedef core_avx512_vector vector;
+typedef core_avx512_mask mask;
+#include "core/face/measure_triangles.template.h"
+
+CORE_IN_REGISTERS __m512d two_rows(const double *low, const double *high) {
+    return _mm512_insertf64x4(
+        _mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high), 1);
+}
+
+/* Corner k of eight triangles, axis by axis. at: their vertices, three by three. */
+CORE_IN_REGISTERS void read_corner_of_eight(
+    const double (*rows)[4], const uint16_t *at, int k, __m512d axis[3]) {
+    const __m512d a = two_rows(rows[at[k]], rows[at[6 + k]]),
+                  b = two_rows(rows[at[3 + k]], rows[at[9 + k]]);
+    const __m512d c = two_rows(rows[at[12 + k]], rows[at[18 + k]]),
+                  d = two_rows(rows[at[15 + k]], rows[at[21 + k]]);
+    const __m512d xz_low = _mm512_unpacklo_pd(a, b), xz_high = _mm512_unpacklo_pd(c, d);
+    axis[0] = _mm512_shuffle_f64x2(xz_low, xz_high, 0x88);
+    axis[1] = _mm512_shuffle_f64x2(_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d), 0x88);
+    axis[2] = _mm512_shuffle_f64x2(xz_low, xz_high, 0xdd);
+}
+
+CORE_IN_REGISTERS void open_eight_faces(
+    const double (*rows)[4], const uint16_t *at, opened_faces *o) {
+    __m512d p[3][3];
+    for (int k = 0; k < 3; k++) read_corner_of_eight(rows, at, k, p[k]);
+    open_points(p, NORMA_WEIGHT_ANGLE, o);
+}
+
+CORE_IN_REGISTERS void keep_eight_faces(
+    const opened_faces *o, const sloped_faces *s, uint32_t begin, block_room *room) {
+    __m512d weight[3];
+    weigh_faces(s, weight);
+    core_avx512_store_rows(
+        o->normal[0], o->normal[1], o->normal[2], _mm512_set1_pd(1), room->normals + begin);
+    for (int k = 0; k < 3; k++)
+        _mm512_storeu_pd(room->weights + ((size_t)k << BLOCK_FACE_BITS) + begin, weight[k]);
+}
+
+static void list_doubted_of_eight(
+    const block_view *t, uint32_t begin, unsigned sure, block_room *room) {
+    for (uint32_t i = 0; i < CORE_LANES && begin + i < t->face_count; i++)
+        if (!(sure >> i & 1U)) room->doubted[room->doubted_count++] = (uint16_t)(begin + i);
+}
+
+/* The next eight are read and multiplied while this one's divisions are under way: what waits for
+ * them would otherwise keep the processor from seeing that far ahead. */
+CORE_FOR_AVX512 static void core_block_angles_avx512(
+    const block_view *t, block_some eights, block_room *room) {
+    const double(*rows)[4] = (const double(*)[4])room->positions;
+    uint32_t number = eights.count && eights.numbers ? eights.numbers[0] : 0;
+    opened_faces o;
+    if (eights.count) open_eight_faces(rows, t->corners + (size_t)3 * CORE_LANES * number, &o);
+    for (uint32_t i = 0; i < eights.count; i++) {
+        const uint32_t after = i + 1 < eights.count ? i + 1 : i,
+                       next = eights.numbers ? eights.numbers[after] : after;
+        sloped_faces s;
+        opened_faces opened;
+        slope_faces(&o, &s);
+        open_eight_faces(rows, t->corners + (size_t)3 * CORE_LANES * next, &opened);
+        norma_core_ask_ahead(&room->ahead);
+        keep_eight_faces(&o, &s, number * CORE_LANES, room);
+        if (o.sure != UINT8_MAX) list_doubted_of_eight(t, number * CORE_LANES, o.sure, room);
+        o = opened;
+        number = next;
+    }
+}
+#endif
+
+/* ---- The loops in which an update spends its time: eight triangles at a time are
  * read, measured and kept as rows; groups sum rows in the order of their members. Compiled for each
  * instruction set; what is computed is what norma_vertex_normals computes, by the same steps. */
+
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("no-tree-slp-vectorize") /* this compiler takes rows that are read whole      \
                                                  apart again, number by number */
 #endif
 #include "core/vertex/normalize_simd.h"
 #include "core/face/measure_simd.h"
-#include "core/plan/face_block_avx512.h"
 
-CORE_INLINE uint32_t number_at(block_some some, uint32_t i) {
+CORE_INLINE uint32_t number_of_some(block_some some, uint32_t i) {
     return some.numbers ? some.numbers[i] : i;
 }
 
 /* Some in a row, or by number; the last one again where there are no more. */
 CORE_INLINE void name_some(block_some some, uint32_t begin, uint32_t count, uint32_t *out) {
     for (uint32_t i = 0; i < count; i++)
-        out[i] = number_at(some, begin + i < some.count ? begin + i : some.count - 1);
+        out[i] = number_of_some(some, begin + i < some.count ? begin + i : some.count - 1);
 }
 
 /* ---- positions */
 
 #if defined(CORE_HAS_SHUFFLES)
 typedef core_d4 zero_sum; /* 0 as long as all are finite */
-CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero) {
+CORE_INLINE void load_vertex(const unsigned char *at, double out[4], zero_sum *zero) {
     const core_d4 v = __builtin_convertvector(core_load_three(at), core_d4);
     core_store_row(out, v);
     *zero += v - v;
 }
-CORE_INLINE int is_zero(const zero_sum *zero) {
+CORE_INLINE int is_zero_position(const zero_sum *zero) {
     return ((*zero)[0] + (*zero)[1]) + ((*zero)[2] + (*zero)[3]) == 0;
 }
 #else
 typedef double zero_sum;
-CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero) {
+CORE_INLINE void load_vertex(const unsigned char *at, double out[4], zero_sum *zero) {
     float v[3];
     memcpy(v, at, sizeof v);
     for (int k = 0; k < 3; k++) {
@@ -42,20 +122,20 @@ CORE_INLINE void load_one(const unsigned char *at, double out[4], zero_sum *zero
     }
     out[3] = 0;
 }
-CORE_INLINE int is_zero(const zero_sum *zero) { return *zero == 0; }
+CORE_INLINE int is_zero_position(const zero_sum *zero) { return *zero == 0; }
 #endif
 
-CORE_INLINE int load_floats(const block_view *t, const block_some *eights,
+CORE_INLINE int load_vertex_floats(const block_view *t, const block_some *eights,
     const unsigned char *data, size_t stride, double (*out)[4]) {
     zero_sum zero = {0};
     for (uint32_t v = 0; v < t->vertex_count && !eights; v++)
-        load_one(data + t->vertices[v] * stride, out[v], &zero);
+        load_vertex(data + t->vertices[v] * stride, out[v], &zero);
     for (uint32_t i = 0; eights && i < eights->count; i++) {
-        const uint16_t *at = t->corners + (size_t)3 * CORE_LANES * number_at(*eights, i);
+        const uint16_t *at = t->corners + (size_t)3 * CORE_LANES * number_of_some(*eights, i);
         for (uint32_t c = 0; c < 3 * CORE_LANES; c++)
-            load_one(data + t->vertices[at[c]] * stride, out[at[c]], &zero);
+            load_vertex(data + t->vertices[at[c]] * stride, out[at[c]], &zero);
     }
-    return is_zero(&zero);
+    return is_zero_position(&zero);
 }
 
 /* ---- triangles */
@@ -86,11 +166,11 @@ CORE_INLINE void read_four(
     }
 }
 
-CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch) {
+CORE_INLINE void read_vertex_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch) {
     for (int first = 0; first < CORE_LANES; first += 4) read_four(rows, at, first, batch);
 }
 #else
-CORE_INLINE void read_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch) {
+CORE_INLINE void read_vertex_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch) {
     for (int x = 0; x < 3; x++)
         for (int i = 0; i < CORE_LANES; i++) {
             const double p0 = rows[at[3 * i]][x], p1 = rows[at[3 * i + 1]][x],
@@ -112,14 +192,14 @@ CORE_INLINE void keep_batch(const core_batch *batch, uint32_t eight, block_room 
             sizeof batch->weight[k]);
 }
 
-CORE_INLINE int all_sure(const block_batch *batches, uint32_t count) {
+CORE_INLINE int all_batches_sure(const block_batch *batches, uint32_t count) {
     double sure[CORE_LANES] = {0};
     for (uint32_t b = 0; b < count; b++)
         for (int i = 0; i < CORE_LANES; i++) sure[i] += batches[b].measured.sure[i];
     return core_lanes_total(sure) == (double)count * CORE_LANES;
 }
 
-static void list_doubted(
+static void list_doubted_faces(
     const block_view *t, const block_batch *batches, uint32_t count, block_room *room) {
     for (uint32_t i = 0; i < count * CORE_LANES; i++) {
         const uint32_t face = batches[i / CORE_LANES].eight * CORE_LANES + i % CORE_LANES;
@@ -154,13 +234,13 @@ CORE_INLINE void measure_some(const block_view *t, block_some eights, block_room
     for (uint32_t begin = 0; begin < eights.count; begin += at_once) {
         const uint32_t count = eights.count - begin < at_once ? eights.count - begin : at_once;
         for (uint32_t i = 0; i < count; i++) {
-            batches[i].eight = number_at(eights, begin + i);
-            read_batch((const double(*)[4])room->positions,
+            batches[i].eight = number_of_some(eights, begin + i);
+            read_vertex_batch((const double(*)[4])room->positions,
                 t->corners + (size_t)3 * CORE_LANES * batches[i].eight, &batches[i].measured);
             norma_core_ask_ahead(&room->ahead);
         }
         measure_batches(batches, count, weight, room);
-        if (!all_sure(batches, count)) list_doubted(t, batches, count, room);
+        if (!all_batches_sure(batches, count)) list_doubted_faces(t, batches, count, room);
     }
 }
 
@@ -170,14 +250,14 @@ CORE_INLINE void measure_some(const block_view *t, block_some eights, block_room
 #if defined(CORE_HAS_SHUFFLES)
 typedef core_d4 group_sum;
 CORE_INLINE group_sum no_votes(void) { return (group_sum){0, 0, 0, -0.0}; }
-CORE_INLINE group_sum add_row(group_sum sum, const double *row, double weight) {
+CORE_INLINE group_sum add_vote_row(group_sum sum, const double *row, double weight) {
     return sum + core_load_row(row) * (core_d4){weight, weight, weight, weight};
 }
 CORE_INLINE void keep_sum(group_sum sum, vertex_sum *out) { core_store_row(&out->x, sum); }
 #else
 typedef vertex_sum group_sum;
 CORE_INLINE group_sum no_votes(void) { return (group_sum){0, 0, 0, -0.0}; }
-CORE_INLINE group_sum add_row(group_sum sum, const double *row, double weight) {
+CORE_INLINE group_sum add_vote_row(group_sum sum, const double *row, double weight) {
     return (group_sum){sum.x + row[0] * weight, sum.y + row[1] * weight, sum.z + row[2] * weight,
         sum.weight + row[3] * weight};
 }
@@ -194,17 +274,18 @@ CORE_INLINE group_members members_of(const block_view *t, uint32_t group) {
     return (group_members){t->members + begin, norma_core_block_start(t, group + 1) - begin};
 }
 
-CORE_INLINE group_sum add_member(const block_view *t, const block_room *room, group_members of,
-    uint32_t i, int polygons, group_sum sum) {
+CORE_INLINE group_sum add_group_member(const block_view *t, const block_room *room,
+    group_members of, uint32_t i, int polygons, group_sum sum) {
     const uint32_t member = of.numbers[i];
-    return add_row(sum,
+    return add_vote_row(sum,
         room->normals[polygons ? t->corner_faces[member] : member & (BLOCK_FACES - 1U)],
         room->weights[member]);
 }
 
 CORE_INLINE void add_rest(const block_view *t, const block_room *room, group_members of,
     uint32_t from, int polygons, group_sum sum, vertex_sum *out) {
-    for (uint32_t i = from; i < of.count; i++) sum = add_member(t, room, of, i, polygons, sum);
+    for (uint32_t i = from; i < of.count; i++)
+        sum = add_group_member(t, room, of, i, polygons, sum);
     keep_sum(sum, out);
 }
 
@@ -218,10 +299,10 @@ CORE_INLINE void sum_four(const block_view *t, const uint32_t groups[4], const b
                    cd = c.count < d.count ? c.count : d.count, together = ab < cd ? ab : cd;
     group_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
     for (uint32_t i = 0; i < together; i++) {
-        sum_a = add_member(t, room, a, i, polygons, sum_a);
-        sum_b = add_member(t, room, b, i, polygons, sum_b);
-        sum_c = add_member(t, room, c, i, polygons, sum_c);
-        sum_d = add_member(t, room, d, i, polygons, sum_d);
+        sum_a = add_group_member(t, room, a, i, polygons, sum_a);
+        sum_b = add_group_member(t, room, b, i, polygons, sum_b);
+        sum_c = add_group_member(t, room, c, i, polygons, sum_c);
+        sum_d = add_group_member(t, room, d, i, polygons, sum_d);
     }
     add_rest(t, room, a, together, polygons, sum_a, out);
     add_rest(t, room, b, together, polygons, sum_b, out + 1);
@@ -234,13 +315,13 @@ CORE_INLINE const uint16_t *sum_listed(
     const uint16_t *members, uint32_t count, const block_room *room, vertex_sum *out) {
     group_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
     for (const uint16_t *end = members + (size_t)4 * count; members < end; members += 4) {
-        sum_a = add_row(
+        sum_a = add_vote_row(
             sum_a, room->normals[members[0] & (BLOCK_FACES - 1U)], room->weights[members[0]]);
-        sum_b = add_row(
+        sum_b = add_vote_row(
             sum_b, room->normals[members[1] & (BLOCK_FACES - 1U)], room->weights[members[1]]);
-        sum_c = add_row(
+        sum_c = add_vote_row(
             sum_c, room->normals[members[2] & (BLOCK_FACES - 1U)], room->weights[members[2]]);
-        sum_d = add_row(
+        sum_d = add_vote_row(
             sum_d, room->normals[members[3] & (BLOCK_FACES - 1U)], room->weights[members[3]]);
     }
     keep_sum(sum_a, out);
@@ -281,7 +362,7 @@ typedef struct finisher {
 
 /* Eight sums become normals while the next ones are added up, in two steps: see normalize_simd.h.
  */
-CORE_INLINE int sum_all(
+CORE_INLINE int sum_all_groups(
     const block_view *t, block_some groups, finisher finish, block_room *room, int polygons) {
     const uint32_t eights = norma_core_block_eights(groups.count);
     const uint16_t *members = t->fours;
@@ -303,20 +384,21 @@ CORE_INLINE int sum_all(
            decide_each(t, groups, room, polygons);
 }
 
-CORE_INLINE int sum_groups(
+CORE_INLINE int sum_block_groups(
     const block_view *t, block_some groups, finisher finish, block_room *room) {
     const block_some row = {NULL, groups.count};
-    if (t->corner_faces) return sum_all(t, groups, finish, room, 1);
-    return groups.numbers ? sum_all(t, groups, finish, room, 0) : sum_all(t, row, finish, room, 0);
+    if (t->corner_faces) return sum_all_groups(t, groups, finish, room, 1);
+    return groups.numbers ? sum_all_groups(t, groups, finish, room, 0)
+                          : sum_all_groups(t, row, finish, room, 0);
 }
 
 /* ---- for each instruction set */
 
 static int load_portable(const block_view *t, const block_some *eights, const unsigned char *data,
     size_t stride, double (*out)[4]) {
-    return load_floats(t, eights, data, stride, out);
+    return load_vertex_floats(t, eights, data, stride, out);
 }
-static void measure_portable(
+static void measure_block_portable(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     block_batch batch;
     CORE_LOOP_FOR_WEIGHT(weight, measure_some, t, eights, room, &batch, 1)
@@ -328,28 +410,28 @@ static void directions_portable(const core_lengths *of, float (*normals)[3]) {
     core_lanes_directions(of, normals);
 }
 static int sum_portable(const block_view *t, block_some groups, block_room *room) {
-    return sum_groups(t, groups, (finisher){lengths_portable, directions_portable}, room);
+    return sum_block_groups(t, groups, (finisher){lengths_portable, directions_portable}, room);
 }
 
 #if defined(CORE_HAS_X86)
 CORE_FOR_AVX2 static int load_avx2(const block_view *t, const block_some *eights,
     const unsigned char *data, size_t stride, double (*out)[4]) {
-    return load_floats(t, eights, data, stride, out);
+    return load_vertex_floats(t, eights, data, stride, out);
 }
 CORE_INLINE void measure_triangles(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     block_batch batches[BATCHES_AT_ONCE];
     CORE_LOOP_FOR_WEIGHT(weight, measure_some, t, eights, room, batches, BATCHES_AT_ONCE)
 }
-CORE_FOR_AVX2 static void measure_avx2(
+CORE_FOR_AVX2 static void measure_block_avx2(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     measure_triangles(t, eights, weight, room);
 }
 #if defined(CORE_HAS_AVX512)
-CORE_FOR_AVX512 static void measure_avx512(
+CORE_FOR_AVX512 static void measure_block_avx512(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     if (weight == NORMA_WEIGHT_ANGLE)
-        norma_core_block_angles_avx512(t, eights, room);
+        core_block_angles_avx512(t, eights, room);
     else
         measure_triangles(t, eights, weight, room);
 }
@@ -361,7 +443,7 @@ CORE_FOR_AVX2 static void directions_avx2(const core_lengths *of, float (*normal
     core_lanes_directions(of, normals);
 }
 CORE_FOR_AVX2 static int sum_avx2(const block_view *t, block_some groups, block_room *room) {
-    return sum_groups(t, groups, (finisher){lengths_avx2, directions_avx2}, room);
+    return sum_block_groups(t, groups, (finisher){lengths_avx2, directions_avx2}, room);
 }
 
 /* Rows are of four: wider registers do not help to sum them, nor to finish sums. */
@@ -369,17 +451,17 @@ block_kernels norma_core_block_kernels(norma_isa isa) {
     switch (norma_core_level(isa)) {
 #if defined(CORE_HAS_AVX512)
     case CORE_AVX512:
-        return (block_kernels){load_avx2, measure_avx512, sum_avx2};
+        return (block_kernels){load_avx2, measure_block_avx512, sum_avx2};
 #endif
     case CORE_AVX2:
-        return (block_kernels){load_avx2, measure_avx2, sum_avx2};
+        return (block_kernels){load_avx2, measure_block_avx2, sum_avx2};
     default:
-        return (block_kernels){load_portable, measure_portable, sum_portable};
+        return (block_kernels){load_portable, measure_block_portable, sum_portable};
     }
 }
 #else
 block_kernels norma_core_block_kernels(norma_isa isa) {
     (void)isa;
-    return (block_kernels){load_portable, measure_portable, sum_portable};
+    return (block_kernels){load_portable, measure_block_portable, sum_portable};
 }
 #endif
