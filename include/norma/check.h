@@ -169,6 +169,11 @@ typedef struct norma_check_options {
     /* Nonzero: norma_fix_document with unsafe fixes turns open parts (N304) as a majority of rays
      * suggests. */
     int open_by_rays;
+
+    /* norma_fix_document: unsafe fixes are for findings of this severity and above;
+     * NORMA_SEVERITY_NONE: for all. norma check --fix-unsafe does not touch informations unless
+     * their rules are selected. */
+    norma_severity fix_from;
 } norma_check_options;
 
 /* A surface in memory, described as a document describes one primitive. Set members without data to
@@ -287,6 +292,22 @@ typedef struct norma_fix_summary {
  * only be closed. */
 NORMA_API norma_document_result norma_fix_document(norma_document *document,
     const norma_check_options *options, int unsafe, norma_fix_summary *summary,
+    norma_document_error *error);
+
+/* Tries what findings offer: each rule's fix by itself, on a copy of the document. A finding that
+ * its fix would not remove offers none from then on (its fix is NORMA_FIX_NONE, and
+ * norma_finding_command returns 0), and its message ends with the reason.
+ *
+ *   document   what was checked; it stays as it is
+ *   options    as for norma_check_document; rules and max_samples are ignored
+ *   from       findings below this severity are left as they are
+ *   findings   those of norma_check_document
+ *   error      written on failure; or NULL
+ *
+ * Cost: two checks, and two to four more for each rule that offers a fix; memory for a copy of the
+ * file. Errors: those of norma_fix_document. */
+NORMA_API norma_document_result norma_document_try_fixes(norma_document *document,
+    const norma_check_options *options, norma_severity from, norma_findings *findings,
     norma_document_error *error);
 
 /* Deprecated names of version 0.1. */

@@ -90,11 +90,17 @@ static PyObject *check(PyObject *self, PyObject *arguments) {
         .progress_user = &w};
     norma_document_result result = norma_document_open(path, &opening, &document, &error);
     const int unreadable = result != NORMA_DOCUMENT_OK;
-    if (!unreadable)
-        result = norma_check_document(document, &options, &findings, &error);
-    else if (result != NORMA_DOCUMENT_ERROR_MEMORY)
+    if (!unreadable) result = norma_check_document(document, &options, &findings, &error);
+    if (!unreadable && result == NORMA_DOCUMENT_OK)
+        result =
+            norma_document_try_fixes(document, &options, NORMA_SEVERITY_INFO, findings, &error);
+    if (unreadable && result != NORMA_DOCUMENT_ERROR_MEMORY)
         findings = norma_check_unreadable(&error, norma_file_format_of_path(path), &options);
     norma_document_close(document);
+    if (result != NORMA_DOCUMENT_OK && !unreadable) {
+        norma_findings_free(findings);
+        findings = NULL;
+    }
     if (norma_py_take_lock(&w)) {
         norma_findings_free(findings);
         return NULL;
@@ -115,8 +121,8 @@ static PyObject *notes_since(const norma_document *document, size_t first) {
     return list;
 }
 
-/* document_fix(document, profile, mask of rules in bytes or None, unsafe, open by rays, threads) ->
- * (changed, fixes left out, [notes]), or why it was refused */
+/* document_fix(document, profile, mask of rules in bytes or None, unsafe (2: of informations too),
+ * open by rays, threads) -> (changed, fixes left out, [notes]), or why it was refused */
 static PyObject *document_fix(PyObject *self, PyObject *arguments) {
     PyObject *capsule;
     const char *mask;
@@ -126,7 +132,7 @@ static PyObject *document_fix(PyObject *self, PyObject *arguments) {
     norma_fix_summary s;
     norma_document_error error = {0};
     (void)self;
-    if (!PyArg_ParseTuple(arguments, "Oiz#ppI", &capsule, &profile, &mask, &mask_size, &unsafe,
+    if (!PyArg_ParseTuple(arguments, "Oiz#ipI", &capsule, &profile, &mask, &mask_size, &unsafe,
             &open_by_rays, &threads))
         return NULL;
     norma_document *document = PyCapsule_GetPointer(capsule, norma_py_document);
@@ -139,7 +145,8 @@ static PyObject *document_fix(PyObject *self, PyObject *arguments) {
         .threads = threads,
         .progress = norma_py_let_signals_in,
         .progress_user = &w,
-        .open_by_rays = open_by_rays};
+        .open_by_rays = open_by_rays,
+        .fix_from = unsafe > 1 ? NORMA_SEVERITY_NONE : NORMA_SEVERITY_WARNING};
     const norma_document_result result = norma_fix_document(document, &options, unsafe, &s, &error);
     if (norma_py_take_lock(&w)) return NULL;
     if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);

@@ -211,8 +211,9 @@ class Document:
         open_by_rays: bool = False,
         threads: Optional[int] = None,
     ) -> FixSummary:
-        """Fixes what `check` finds, as `norma check --fix` does; `unsafe` as `--fix-unsafe` does. A
-        fix after which some rule would find more is left out. The other arguments are those of
+        """Fixes what `check` finds, as `norma check --fix` does; `unsafe` as `--fix-unsafe` does:
+        informations are left as they are unless `select` names their rules. A fix after which some
+        rule would find more is left out. The other arguments are those of
         `check`; open_by_rays turns open surfaces (N304) as most rays suggest.
 
         >>> import norma_mesh as norma
@@ -222,7 +223,7 @@ class Document:
         kind = choice("profile", profile, PROFILES)
         mask = mask_of(select, ignore)
         with self._lock:
-            answer = _norma.document_fix(self._document, kind, mask, bool(unsafe), bool(open_by_rays), thread_count(threads))
+            answer = _norma.document_fix(self._document, kind, mask, (2 if select is not None else 1) if unsafe else 0, bool(open_by_rays), thread_count(threads))
         if len(answer) == 2:
             raise_document(answer)
         changed, left_out, notes = answer

@@ -247,6 +247,17 @@ size_t norma_findings_count(const norma_findings *findings) {
 const norma_finding *norma_findings_get(const norma_findings *findings, size_t index) {
     return findings && index < findings->count ? &findings->entries[index].finding : NULL;
 }
+norma_finding *norma_findings_change(norma_findings *findings, size_t index) {
+    return &findings->entries[index].finding;
+}
+int norma_finding_withdraw(norma_finding *finding, const char *message) {
+    char *copy = copy_text(message);
+    if (!copy) return 0;
+    free((void *)(uintptr_t)finding->message);
+    finding->message = copy;
+    finding->fix = NORMA_FIX_NONE;
+    return 1;
+}
 norma_check_profile norma_findings_profile(const norma_findings *findings) {
     return findings ? findings->profile : NORMA_CHECK_PROFILE_AUTO;
 }

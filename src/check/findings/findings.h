@@ -19,6 +19,11 @@ struct norma_findings {
 norma_findings *norma_findings_new(norma_check_profile profile); /* NULL: out of memory */
 void norma_findings_sort(norma_findings *findings);              /* by place, rule, severity */
 
+/* To be changed: by norma_finding_withdraw, which takes its fix from it and gives it another
+ * message. 0: out of memory. */
+norma_finding *norma_findings_change(norma_findings *findings, size_t index);
+int norma_finding_withdraw(norma_finding *finding, const char *message);
+
 /* Fills in the positions of samples, as locate finds that of their vertex or else the middle of
  * their face. */
 typedef norma_document_result check_locate(void *context, norma_sample *sample);

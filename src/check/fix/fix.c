@@ -1,16 +1,22 @@
 /* fix.c: norma_fix_document: a plan for what the rules found is tried on a copy of the document,
  * step by step, until nothing more is to be done, and then carried out, if by all rules the copy is
- * no worse than the document was. Where it is, each rule's fix is tried in turn with those that did
- * no harm before it: the ones that harm are left out, first at the meshes that suffer, then
- * everywhere. */
+ * no worse than the document was. Where it is, the rules' fixes are halved until those that harm
+ * stand alone: they are left out, first at the meshes that suffer, then everywhere.
+ * norma_document_try_fixes: the same trial, of each rule by itself, for the fixes that findings
+ * offer. */
+#include "check/findings/findings.h"
 #include "check/fix/fix_trial.h"
 #include "io/format/for_fixes.h"
 #include <stdlib.h>
 #include <string.h>
 
+/* Trials end after so many checks: what is not tried by then is left out, and told. */
+enum { MOST_CHECKS = 40 };
+
 typedef struct harm { /* why the fix of a rule was left out */
     uint8_t by[CHECK_RULE_COUNT];
-    int loose; /* edges came open */
+    int loose;   /* edges came open */
+    int untried; /* there was no time to find out */
 } harm;
 
 typedef struct fixing {
@@ -21,12 +27,13 @@ typedef struct fixing {
     harm *harms; /* of each rule */
     fix_measure before;
     fix_trial best; /* whose plans do no harm; count 0: none yet */
+    size_t checks;  /* so far */
     norma_fix_summary *summary;
     norma_document_error *error;
 } fixing;
 
-static norma_document_result fail_memory(const fixing *f) {
-    if (f->error) *f->error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
+static norma_document_result fail_memory(norma_document_error *error) {
+    if (error) *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
     return NORMA_DOCUMENT_ERROR_MEMORY;
 }
 
@@ -46,7 +53,49 @@ static int report_progress(void *user, double fraction) {
     return p->progress(p->user, p->last);
 }
 
+/* ---- beginning and end */
+
+/* wanted: a byte for each rule; NULL: all. progress: made by the caller. */
+static norma_document_result begin(
+    fixing *f, const norma_check_options *options, const uint8_t *wanted, fix_progress *progress) {
+    if (options) f->request.options = *options;
+    norma_check_options *own = &f->request.options;
+    own->struct_size = sizeof *own;
+    own->max_samples = SIZE_MAX; /* every element is wanted */
+    own->rules = NULL;
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+        f->request.wanted[rule] = !wanted || wanted[rule];
+    f->request.by_rays = own->open_by_rays;
+    f->request.from = own->fix_from;
+    if (own->progress) {
+        *progress = (fix_progress){own->progress, own->progress_user, 0, 0};
+        own->progress = report_progress;
+        own->progress_user = progress;
+    }
+    f->harms = calloc(CHECK_RULE_COUNT, sizeof *f->harms);
+    return f->harms ? NORMA_DOCUMENT_OK : fail_memory(f->error);
+}
+
+static void forget_places(fixing *f, size_t count) {
+    while (f->request.place_count > count) free(f->places[--f->request.place_count].where);
+}
+
+static void end(fixing *f) {
+    forget_places(f, 0);
+    free(f->places);
+    free(f->harms);
+    norma_fix_trial_free(&f->best);
+    norma_fix_measure_free(&f->before);
+}
+
 /* ---- trials */
+
+/* Every element that any rule finds, once: plans are made of it, and trials compared with it. */
+static norma_document_result look(fixing *f) {
+    if (f->before.findings) return NORMA_DOCUMENT_OK;
+    f->checks++;
+    return norma_fix_find(f->document, &f->request, &f->before.findings, f->error);
+}
 
 /* trial: to be freed in any case. harmful: by what it is worse, if it is. */
 static norma_document_result try_request(
@@ -55,20 +104,23 @@ static norma_document_result try_request(
     *trial = (fix_trial){0};
     *harmful = (harm){0};
     *is_worse = 0;
-    norma_document_result result = norma_fix_make_plan(f->document, &f->request, &plan, f->error);
+    norma_document_result result = look(f);
+    if (!result)
+        result = norma_fix_make_plan(f->document, &f->request, f->before.findings, &plan, f->error);
     if (result) return result;
     if (norma_fix_plan_is_empty(&plan)) {
         trial->plans[trial->count++] = plan;
         return result;
     }
     f->request.changes_maps |= plan.greens != NULL;
-    if (!f->before.findings)
-        result = norma_fix_measure(f->document, &f->request, &f->before, f->error);
+    if (!f->before.has_loose)
+        result = norma_fix_count_loose(f->document, &f->request, &f->before, f->error);
     if (result) {
         norma_fix_plan_free(&plan);
         return result;
     }
     result = norma_fix_try(f->document, &f->request, &plan, trial, f->error);
+    f->checks += trial->count + 1;
     if (!result) *is_worse = norma_fix_find_worse(&f->before, &trial->after, harmful->by);
     harmful->loose = !result && trial->after.loose > f->before.loose;
     return result;
@@ -112,10 +164,6 @@ static int leave_out_at(fixing *f, check_rule rule, const char *where) {
     return 1;
 }
 
-static void forget_places(fixing *f, size_t count) {
-    while (f->request.place_count > count) free(f->places[--f->request.place_count].where);
-}
-
 /* Leaves the rule out at the places where others report more. Returns how many those are; 0: out of
  * memory, or the harm has no place of its own. */
 static size_t leave_out_where_worse(
@@ -136,21 +184,16 @@ static size_t leave_out_where_worse(
     return f->request.place_count - places;
 }
 
-/* With the fixes that did no harm, and this one. */
-static norma_document_result try_rule(fixing *f, check_rule rule) {
-    fix_trial trial;
-    harm harmful;
-    int worse;
+/* The rule alone, of which harmful is known: at the places where it does no harm, or nowhere. */
+static norma_document_result leave_out(
+    fixing *f, check_rule rule, const fix_trial *failed, harm harmful) {
     const size_t places = f->request.place_count;
-    f->request.left_out[rule] = 0;
-    norma_document_result result = try_request(f, &trial, &harmful, &worse);
-    if (!result && worse) {
-        f->harms[rule] = harmful;
-        if (leave_out_where_worse(f, rule, &trial, &harmful)) {
-            norma_fix_trial_free(&trial);
-            result = try_request(f, &trial, &harmful, &worse);
-        }
-    }
+    fix_trial trial = {0};
+    int worse = 1;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    f->harms[rule] = harmful;
+    if (leave_out_where_worse(f, rule, failed, &harmful))
+        result = try_request(f, &trial, &harmful, &worse);
     if (!result && !worse) {
         keep_trial(f, &trial);
     } else {
@@ -161,12 +204,40 @@ static norma_document_result try_rule(fixing *f, check_rule rule) {
     return result;
 }
 
+static void leave_out_untried(fixing *f, const check_rule *rules, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        f->request.left_out[rules[i]] = 1;
+        f->harms[rules[i]].untried = 1;
+    }
+}
+
+/* These rules' fixes, which are left out at present, with those that did no harm. */
+static norma_document_result try_rules(fixing *f, const check_rule *rules, size_t count) {
+    fix_trial trial;
+    harm harmful;
+    int worse;
+    if (f->checks >= MOST_CHECKS) return leave_out_untried(f, rules, count), NORMA_DOCUMENT_OK;
+    for (size_t i = 0; i < count; i++) f->request.left_out[rules[i]] = 0;
+    norma_document_result result = try_request(f, &trial, &harmful, &worse);
+    if (!result && !worse)
+        keep_trial(f, &trial);
+    else if (!result && count == 1)
+        result = leave_out(f, rules[0], &trial, harmful);
+    norma_fix_trial_free(&trial);
+    if (result || !worse || count == 1) return result;
+    for (size_t i = 0; i < count; i++) f->request.left_out[rules[i]] = 1;
+    result = try_rules(f, rules, count / 2);
+    return result ? result : try_rules(f, rules + count / 2, count - count / 2);
+}
+
 static norma_document_result leave_out_harmful(fixing *f, const uint8_t *asked) {
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++) f->request.left_out[rule] = asked[rule];
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT && !result; rule++)
-        if (asked[rule]) result = try_rule(f, (check_rule)rule);
-    return result;
+    check_rule rules[CHECK_RULE_COUNT];
+    size_t count = 0;
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+        if (asked[rule]) rules[count++] = (check_rule)rule;
+    for (size_t i = 0; i < count; i++) f->request.left_out[rules[i]] = 1;
+    norma_document_result result = try_rules(f, rules, count / 2);
+    return result ? result : try_rules(f, rules + count / 2, count - count / 2);
 }
 
 /* All fixes at once first: they seldom harm. */
@@ -175,33 +246,79 @@ static norma_document_result find_fixes(fixing *f) {
     harm harmful;
     int worse;
     uint8_t asked[CHECK_RULE_COUNT] = {0};
+    size_t rules = 0, rule = 0;
     norma_document_result result = try_request(f, &trial, &harmful, &worse);
     for (size_t i = 0; i < trial.count; i++)
-        for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
-            asked[rule] |= trial.plans[i].asked[rule];
-    if (!result && !worse) keep_trial(f, &trial);
+        for (size_t k = 0; k < CHECK_RULE_COUNT; k++) asked[k] |= trial.plans[i].asked[k];
+    for (size_t k = 0; k < CHECK_RULE_COUNT; k++)
+        if (asked[k]) rules++, rule = k;
+    if (!result && !worse)
+        keep_trial(f, &trial);
+    else if (!result && rules == 1)
+        result = leave_out(f, (check_rule)rule, &trial, harmful);
     norma_fix_trial_free(&trial);
-    return !result && worse ? leave_out_harmful(f, asked) : result;
+    return !result && worse && rules > 1 ? leave_out_harmful(f, asked) : result;
+}
+
+/* ---- why a fix was left out, or changed nothing */
+
+static void describe_harm(const harm *h, char by[CHECK_MESSAGE]) {
+    char text[CHECK_MESSAGE];
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    by[0] = '\0';
+    if (h->untried) {
+        norma_check_message(
+            by, "to find out whether it does harm takes too long with all the others; select it");
+        return;
+    }
+    for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
+        if (h->by[i]) {
+            norma_check_message(
+                text, "%s%s%s %s", by, by[0] ? ", " : "", rules[i].id, rules[i].name);
+            memcpy(by, text, sizeof text);
+        }
+    if (h->loose && !by[0])
+        norma_check_message(by, "closed edges would become open");
+    else if (by[0]) {
+        norma_check_message(text, "%s would report more than before", by);
+        memcpy(by, text, sizeof text);
+    }
+}
+
+static const char *why_idle(check_rule rule) {
+    return rule == RULE_N502 ? "no two of its corners are equal in all attributes"
+           : rule == RULE_N701
+               ? "the mesh is as large as its distance from the origin, so moving it does not help"
+           : rule == RULE_N201 || rule == RULE_N202 || rule == RULE_N206
+               ? "no normal at these vertices would fix it: the faces at them face opposite ways, "
+                 "are degenerate, or occur twice"
+           : rule == RULE_N404 || rule == RULE_N405
+               ? "a polygon that crosses itself has no inside that could be cut into triangles"
+               : "no change that this fix can make would help";
+}
+
+/* What the plans say of it; NULL: nothing. */
+static const fix_note *find_note(const fix_trial *trial, check_rule rule) {
+    for (size_t i = 0; i < trial->count; i++)
+        for (size_t k = 0; k < trial->plans[i].note_count; k++)
+            if (trial->plans[i].notes[k].rules & FIX_RULE(rule)) return &trial->plans[i].notes[k];
+    return NULL;
+}
+
+static int is_left_out(const fixing *f, check_rule rule) {
+    int left_out = f->request.left_out[rule];
+    for (size_t i = 0; i < f->request.place_count; i++) left_out |= f->places[i].rule == rule;
+    return left_out;
 }
 
 /* ---- what was found is done, and said */
 
 static void note_harm(fixing *f, check_rule rule, const char *where) {
-    char text[CHECK_MESSAGE], by[CHECK_MESSAGE] = "";
+    char text[CHECK_MESSAGE], by[CHECK_MESSAGE];
     size_t count;
     const norma_rule *rules = norma_rules(&count);
-    for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
-        if (f->harms[rule].by[i]) {
-            norma_check_message(
-                text, "%s%s%s %s", by, by[0] ? ", " : "", rules[i].id, rules[i].name);
-            memcpy(by, text, sizeof by);
-        }
-    if (f->harms[rule].loose && !by[0])
-        norma_check_message(by, "closed edges would become open");
-    else if (by[0]) {
-        norma_check_message(text, "%s would report more than before", by);
-        memcpy(by, text, sizeof by);
-    }
+    describe_harm(&f->harms[rule], by);
     norma_check_message(text, where ? "%s %s is not fixed at %s: %s" : "%s %s is not fixed%s: %s",
         rules[rule].id, rules[rule].name, where ? where : "", by);
     norma_document_add_note(f->document, "%s", text);
@@ -215,8 +332,6 @@ static void note_left_out(fixing *f) {
         if (f->request.left_out[rule]) note_harm(f, (check_rule)rule, NULL);
 }
 
-/* ---- fixes that changed nothing */
-
 static size_t count_of(const norma_findings *findings, const norma_rule *rule) {
     size_t sum = 0;
     for (size_t i = 0; i < norma_findings_count(findings); i++) {
@@ -226,36 +341,16 @@ static size_t count_of(const norma_findings *findings, const norma_rule *rule) {
     return sum;
 }
 
-/* Whether some note tells already why. */
-static int is_told(const fixing *f, const norma_rule *rule) {
-    for (size_t i = 0; i < f->request.place_count; i++)
-        if (&norma_rules(NULL)[f->places[i].rule] == rule) return 1;
-    for (size_t i = 0; i < f->best.count; i++)
-        for (size_t k = 0; k < f->best.plans[i].note_count; k++)
-            if (strstr(f->best.plans[i].notes[k], rule->id)) return 1;
-    for (size_t i = 0; i < norma_document_note_count(f->document); i++)
-        if (strstr(norma_document_note(f->document, i), rule->id)) return 1;
-    return 0;
-}
-
-static const char *why_idle(check_rule rule) {
-    return rule == RULE_N502 ? "no two of its corners are equal in all attributes"
-           : rule == RULE_N701
-               ? "the mesh is as large as its distance from the origin, so moving it does not help"
-           : rule == RULE_N201 || rule == RULE_N202 || rule == RULE_N206
-               ? "no normal at these vertices would fix it: the faces at them face opposite ways, "
-                 "are degenerate, or occur twice"
-               : "no change that this fix can make would help";
-}
-
-static void note_idle(fixing *f, const uint8_t *asked) {
+/* told: rules of which the document's format has said why. */
+static void note_idle(fixing *f, const uint8_t *asked, uint64_t told) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
     for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++) {
         char text[CHECK_MESSAGE];
         const size_t after = count_of(f->best.after.findings, &rules[rule]);
         if (!asked[rule] || rule == RULE_N304 || /* of it by_rays tells */
-            f->request.left_out[rule] || is_told(f, &rules[rule]) ||
+            is_left_out(f, (check_rule)rule) || find_note(&f->best, (check_rule)rule) ||
+            told & FIX_RULE(rule) ||
             (f->best.after.findings && after < count_of(f->before.findings, &rules[rule])))
             continue;
         norma_check_message(text, "%s %s is not fixed: %s", rules[rule].id, rules[rule].name,
@@ -268,20 +363,25 @@ static void note_idle(fixing *f, const uint8_t *asked) {
 static norma_document_result carry_out(fixing *f) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     const fix_trial *best = &f->best;
-    for (size_t i = 0; i < best->count && !result; i++)
+    uint64_t told = 0;
+    for (size_t i = 0; i < best->count && !result; i++) {
+        const size_t notes = norma_document_note_count(f->document);
         result = norma_fix_apply(f->document, &best->plans[i], f->request.options.threads,
             &f->summary->changed, f->error);
+        if (best->plans[i].greens && norma_document_note_count(f->document) > notes)
+            told |= FIX_RULE(RULE_N812);
+    }
     if (result) return result;
     if (best->count) {
         const fix_plan *last = &best->plans[best->count - 1], *first = &best->plans[0];
         for (size_t i = 0; i < last->note_count; i++)
-            norma_document_add_note(f->document, "%s", last->notes[i]);
+            norma_document_add_note(f->document, "%s", last->notes[i].text);
         f->summary->by_rays = first->by_rays;
         f->summary->undecided = first->undecided;
         f->summary->least_confidence = first->least_confidence;
     }
     note_left_out(f);
-    if (best->count) note_idle(f, best->plans[0].asked);
+    if (best->count) note_idle(f, best->plans[0].asked, told);
     return result;
 }
 
@@ -289,29 +389,112 @@ norma_document_result norma_fix_document(norma_document *document,
     const norma_check_options *options, int unsafe, norma_fix_summary *summary,
     norma_document_error *error) {
     norma_fix_summary unwanted;
-    fix_progress progress = {0};
+    fix_progress progress;
     fixing f = {.document = document,
         .request.unsafe = unsafe,
         .summary = summary ? summary : &unwanted,
         .error = error};
     *f.summary = (norma_fix_summary){0};
-    if (options) f.request.options = *options;
-    f.request.options.struct_size = sizeof f.request.options;
-    f.request.options.max_samples = SIZE_MAX; /* every element is wanted */
-    f.request.by_rays = f.request.options.open_by_rays;
-    if (f.request.options.progress) {
-        progress =
-            (fix_progress){f.request.options.progress, f.request.options.progress_user, 0, 0};
-        f.request.options.progress = report_progress;
-        f.request.options.progress_user = &progress;
-    }
-    f.harms = calloc(CHECK_RULE_COUNT, sizeof *f.harms);
-    norma_document_result result = f.harms ? find_fixes(&f) : fail_memory(&f);
+    norma_document_result result = begin(&f, options, options ? options->rules : NULL, &progress);
+    f.request.reads_maps = unsafe && f.request.wanted[RULE_N812];
+    if (!result) result = find_fixes(&f);
     if (!result) result = carry_out(&f);
-    forget_places(&f, 0);
-    free(f.places);
-    free(f.harms);
-    norma_fix_trial_free(&f.best);
-    norma_fix_measure_free(&f.before);
+    end(&f);
+    return result;
+}
+
+/* ---- fixes that findings offer, tried */
+
+static size_t count_left(
+    const norma_findings *findings, const norma_finding *like, int only_fixed) {
+    size_t sum = 0;
+    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        if (finding->rule == like->rule && strcmp(finding->where, like->where) == 0 &&
+            (!only_fixed || finding->fix != NORMA_FIX_NONE))
+            sum += finding->count;
+    }
+    return sum;
+}
+
+static void describe_left(const fixing *f, check_rule rule, char why[CHECK_MESSAGE]) {
+    const fix_note *note = find_note(&f->best, rule);
+    if (is_left_out(f, rule))
+        describe_harm(&f->harms[rule], why);
+    else
+        norma_check_message(why, "%s",
+            note              ? note->why
+            : f->best.said[0] ? f->best.said
+                              : why_idle(rule));
+}
+
+/* What is not offered any more says why. 0: out of memory. */
+static int judge_offer(const fixing *f, norma_finding *finding, check_rule rule) {
+    const norma_findings *after =
+        f->best.after.findings ? f->best.after.findings : f->before.findings;
+    const size_t before = count_left(f->before.findings, finding, 0),
+                 fixable = count_left(f->before.findings, finding, 1),
+                 left = count_left(after, finding, 0),
+                 stays = fixable + left > before ? fixable + left - before : 0;
+    char why[CHECK_MESSAGE], text[CHECK_MESSAGE];
+    if (!stays) return 1;
+    describe_left(f, rule, why);
+    if (stays < fixable)
+        norma_check_message(
+            text, "%s; a fix leaves %z of %z: %s", finding->message, stays, fixable, why);
+    else
+        norma_check_message(text, "%s; no fix: %s", finding->message, why);
+    return norma_finding_withdraw(finding, text);
+}
+
+static norma_document_result try_offer(
+    fixing *f, check_rule rule, norma_fix fix, norma_severity from, norma_findings *findings) {
+    f->request.unsafe = fix == NORMA_FIX_UNSAFE;
+    memset(f->request.wanted, 0, sizeof f->request.wanted);
+    f->request.wanted[rule] = 1;
+    f->checks = 0;
+    norma_document_result result = find_fixes(f);
+    if (result && result != NORMA_DOCUMENT_CANCELLED && f->before.findings) {
+        /* The command would fail in the same way. */
+        norma_check_message(f->best.said, "it fails: %s", f->error->message);
+        result = NORMA_DOCUMENT_OK;
+    }
+    for (size_t i = 0; i < norma_findings_count(findings) && !result; i++) {
+        norma_finding *finding = norma_findings_change(findings, i);
+        if (norma_fix_is_rule(finding, rule) && finding->fix == fix && finding->severity >= from &&
+            !judge_offer(f, finding, rule))
+            result = fail_memory(f->error);
+    }
+    forget_places(f, 0);
+    f->request.left_out[rule] = 0;
+    norma_fix_trial_free(&f->best);
+    return result;
+}
+
+static int is_offered(
+    const norma_findings *findings, check_rule rule, norma_fix fix, norma_severity from) {
+    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        if (norma_fix_is_rule(finding, rule) && finding->fix == fix && finding->severity >= from)
+            return 1;
+    }
+    return 0;
+}
+
+norma_document_result norma_document_try_fixes(norma_document *document,
+    const norma_check_options *options, norma_severity from, norma_findings *findings,
+    norma_document_error *error) {
+    fix_progress progress;
+    norma_fix_summary summary = {0};
+    norma_document_error unwanted;
+    fixing f = {.document = document, .summary = &summary, .error = error ? error : &unwanted};
+    norma_document_result result = begin(&f, options, NULL, &progress);
+    f.request.from = NORMA_SEVERITY_NONE; /* as if they were selected */
+    f.request.reads_maps = is_offered(findings, RULE_N812, NORMA_FIX_UNSAFE, from);
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+        for (int fix = NORMA_FIX_SAFE; fix <= NORMA_FIX_UNSAFE && !result; fix++)
+            if (is_offered(findings, (check_rule)rule, (norma_fix)fix, from))
+                result = try_offer(&f, (check_rule)rule, (norma_fix)fix, from, findings);
+    end(&f);
     return result;
 }

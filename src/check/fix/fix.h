@@ -12,14 +12,26 @@ typedef struct fix_left_out {
 } fix_left_out;
 
 typedef struct fix_request {
-    norma_check_options options; /* max_samples: all of them */
-    int unsafe, by_rays;         /* by_rays: open parts are turned (N304) */
-    int changes_maps;            /* normal maps are then measured too */
+    norma_check_options options;      /* max_samples: all of them; rules: NULL */
+    uint8_t wanted[CHECK_RULE_COUNT]; /* rules that were selected */
+    int unsafe, by_rays;              /* by_rays: open parts are turned (N304) */
+    norma_severity from; /* of unsafe fixes: findings below this severity are left as they are */
+    int reads_maps;      /* normal maps are looked at before anything is fixed */
+    int changes_maps;    /* and measured afterwards */
     uint8_t left_out[CHECK_RULE_COUNT];
     const fix_left_out *places; /* a rule at one mesh or node */
     size_t place_count;
 } fix_request;
 int norma_fix_may(const fix_request *request, const norma_finding *finding);
+
+/* What could not be done. */
+#define FIX_RULE(rule) ((uint64_t)1 << (rule))
+_Static_assert(CHECK_RULE_COUNT <= 64, "a bit for each rule");
+typedef struct fix_note {
+    char *text;
+    const char *why; /* the reason in it */
+    uint64_t rules;  /* whose fix it is about */
+} fix_note;
 
 /* One step: what is to be done to each mesh, then to the whole document. (fix_plan.c) */
 typedef struct fix_plan {
@@ -32,16 +44,19 @@ typedef struct fix_plan {
     uint8_t asked[CHECK_RULE_COUNT]; /* rules whose fixes these are */
     size_t by_rays, undecided;       /* as in norma_fix_summary */
     double least_confidence;
-    char **notes; /* what could not be done, and why */
+    fix_note *notes;
     size_t note_count;
 } fix_plan;
+/* found: all that the rules find in the document, every element; NULL: they look now. After an
+ * error there is nothing to free. */
 norma_document_result norma_fix_make_plan(norma_document *document, const fix_request *request,
-    fix_plan *plan, norma_document_error *error); /* after an error there is nothing to free */
+    const norma_findings *found, fix_plan *plan, norma_document_error *error);
 int norma_fix_plan_is_empty(const fix_plan *plan);
 int norma_fix_plan_moves(const fix_plan *plan); /* whether faces or positions do not stay */
 norma_document_result norma_fix_apply(norma_document *document, const fix_plan *plan,
     uint32_t threads, int *changed, norma_document_error *error);
-void norma_fix_note(fix_plan *plan, const char *text); /* without memory it is lost */
+/* why: a constant, and a part of text. Without memory it is lost. */
+void norma_fix_note(fix_plan *plan, uint64_t rules, const char *text, const char *why);
 void norma_fix_plan_free(fix_plan *plan);
 
 typedef struct fix_mesh {
@@ -130,6 +145,8 @@ norma_document_result norma_fix_open_whole(
     const fix_group *group, fix_whole *whole, norma_result *how);
 void norma_fix_close_whole(fix_whole *whole);
 int norma_fix_join(fix_whole *whole); /* 0: out of memory */
+/* turn_bodies.c: marks the faces that a rule's findings name, counted over all meshes; 1: any. */
+int norma_fix_mark_named(const fix_whole *whole, check_rule rule, uint8_t *marks);
 /* inward_bodies.c: named: a mark for each face of all meshes; those of whole bodies in which a face
  * is marked become marked. */
 norma_result norma_fix_whole_bodies(const core_mesh *meshes, size_t count, uint8_t *named);

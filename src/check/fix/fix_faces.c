@@ -34,13 +34,13 @@ static uint32_t *find_parts(const core_mesh *mesh) {
 /* ---- windings */
 
 static void note_undecided(const fix_mesh *m, check_rule rule, size_t faces) {
+    static const char why[] = "neither volume nor rays show which side is outward";
     char text[CHECK_MESSAGE];
-    size_t count;
-    norma_check_message(text,
-        "%s %s is not fixed%s%s for %z face%s: neither volume nor rays show which side is outward",
-        norma_rules(&count)[rule].id, norma_rules(&count)[rule].name, *m->info.where ? " at " : "",
-        m->info.where, faces, norma_check_plural(faces));
-    norma_fix_note(m->plan, text);
+    const norma_rule *rules = norma_rules(NULL);
+    norma_check_message(text, "%s %s is not fixed%s%s for %z face%s: %s", rules[rule].id,
+        rules[rule].name, *m->info.where ? " at " : "", m->info.where, faces,
+        norma_check_plural(faces), why);
+    norma_fix_note(m->plan, FIX_RULE(rule), text, why);
 }
 
 static int is_shown(const fix_mesh *m, size_t face) {
@@ -210,7 +210,8 @@ static void note_kept(const fix_mesh *m, const uint8_t *named, const uint8_t *dr
         "is the only face of a primitive: face%s %s%s",
         kept, kept == 1 ? " is" : "s are", *m->info.where ? " at " : "", m->info.where,
         kept == 1 ? "it" : "them", norma_check_plural(kept), list, kept > FEW ? ", ..." : "");
-    norma_fix_note(m->plan, text);
+    norma_fix_note(m->plan, FIX_RULE(RULE_N401) | FIX_RULE(RULE_N305), text,
+        "closed edges would become open, or a primitive would have no face");
 }
 
 static norma_result drop_named(fix_mesh *m) {

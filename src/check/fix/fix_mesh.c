@@ -21,10 +21,11 @@ int norma_fix_may(const fix_request *request, const norma_finding *finding) {
     size_t count;
     const check_rule rule = (check_rule)(finding->rule - norma_rules(&count));
     /* Of N201 and N301 it is told why nothing is changed where nothing is shown to be wrong. */
-    const int turns = request->unsafe && (rule == RULE_N201 || rule == RULE_N301 ||
-                                             (rule == RULE_N304 && request->by_rays));
-    return (turns || finding->fix == NORMA_FIX_SAFE ||
-               (finding->fix == NORMA_FIX_UNSAFE && request->unsafe)) &&
+    const int by_rays = request->unsafe && rule == RULE_N304 && request->by_rays,
+              turns = rule == RULE_N201 || rule == RULE_N301,
+              unsafe = request->unsafe && finding->severity >= request->from &&
+                       (finding->fix == NORMA_FIX_UNSAFE || turns);
+    return request->wanted[rule] && (by_rays || unsafe || finding->fix == NORMA_FIX_SAFE) &&
            !is_left_out(request, finding, rule);
 }
 
@@ -57,12 +58,12 @@ int norma_fix_mark(
     return any;
 }
 
-void norma_fix_note(fix_plan *plan, const char *text) {
-    char **notes = realloc(plan->notes, (plan->note_count + 1) * sizeof *notes);
+void norma_fix_note(fix_plan *plan, uint64_t rules, const char *text, const char *why) {
+    fix_note *notes = realloc(plan->notes, (plan->note_count + 1) * sizeof *notes);
     const size_t size = strlen(text) + 1;
+    char *copy = notes ? malloc(size) : NULL;
     if (notes) plan->notes = notes;
-    if (notes && (notes[plan->note_count] = malloc(size)))
-        memcpy(notes[plan->note_count++], text, size);
+    if (copy) notes[plan->note_count++] = (fix_note){memcpy(copy, text, size), why, rules};
 }
 
 /* ---- a mesh as it will be */

@@ -167,7 +167,7 @@ static void note_left(const fix_mesh *m, size_t facets, const char *why) {
     if (!facets) return;
     norma_check_message(text, "N205 facet-normal-mismatch is not fixed for %z facet%s: %s", facets,
         norma_check_plural(facets), why);
-    norma_fix_note(m->plan, text);
+    norma_fix_note(m->plan, FIX_RULE(RULE_N205), text, why);
 }
 
 /* Those that differ from their winding, and those whose winding is reversed. */

@@ -9,7 +9,7 @@
 typedef struct mender {
     norma_document *document;
     const fix_request *request;
-    norma_findings *findings;
+    const norma_findings *findings;
     fix_plan *plan;
     uint8_t **turned; /* of each mesh marks of faces, or NULL */
     uint8_t **sides;  /* of each mesh which faces are turned, or NULL */
@@ -150,7 +150,7 @@ void norma_fix_plan_free(fix_plan *plan) {
         for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++)
             free((void *)(uintptr_t)blocks[k]);
     }
-    for (size_t i = 0; i < plan->note_count; i++) free(plan->notes[i]);
+    for (size_t i = 0; i < plan->note_count; i++) free(plan->notes[i].text);
     free(plan->notes);
     free(plan->edits);
     free(plan->recentred);
@@ -220,7 +220,9 @@ static norma_document_result plan_rest(mender *m) {
 static int opposes(const mender *m) {
     for (size_t i = 0; i < norma_findings_count(m->findings); i++) {
         const norma_finding *finding = norma_findings_get(m->findings, i);
-        if (norma_fix_is_rule(finding, RULE_N205) && finding->worst_value > 90) return 1;
+        if (norma_fix_is_rule(finding, RULE_N205) && m->request->wanted[RULE_N205] &&
+            finding->worst_value > 90)
+            return 1;
     }
     return 0;
 }
@@ -243,16 +245,31 @@ static norma_document_result plan_all(mender *m) {
     return result ? result : plan_rest(m);
 }
 
+/* The rules that a fix may follow: those that lead to none need not look. */
+static norma_document_result look(norma_document *document, const fix_request *request,
+    norma_findings **findings, norma_document_error *error) {
+    norma_check_options options = request->options;
+    uint8_t rules[CHECK_RULE_COUNT];
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++) {
+        const norma_fix fix = norma_rules(NULL)[rule].fix;
+        rules[rule] = request->wanted[rule] && !request->left_out[rule] &&
+                      (fix != NORMA_FIX_NONE || (rule == RULE_N304 && request->by_rays));
+    }
+    options.rules = rules;
+    return norma_check_document(document, &options, findings, error);
+}
+
 norma_document_result norma_fix_make_plan(norma_document *document, const fix_request *request,
-    fix_plan *plan, norma_document_error *error) {
+    const norma_findings *found, fix_plan *plan, norma_document_error *error) {
+    norma_findings *own = NULL;
     mender m = {.document = document,
         .request = request,
         .plan = plan,
         .mesh_count = norma_document_mesh_count(document),
         .error = error};
     *plan = (fix_plan){0};
-    norma_document_result result =
-        norma_check_document(document, &request->options, &m.findings, error);
+    norma_document_result result = found ? NORMA_DOCUMENT_OK : look(document, request, &own, error);
+    m.findings = found ? found : own;
     if (!result) result = plan_all(&m);
     for (size_t i = 0; m.turned && m.sides && m.smooth && i < m.mesh_count; i++) {
         free(m.turned[i]);
@@ -262,7 +279,7 @@ norma_document_result norma_fix_make_plan(norma_document *document, const fix_re
     free((void *)m.turned);
     free((void *)m.sides);
     free((void *)m.smooth);
-    norma_findings_free(m.findings);
+    norma_findings_free(own);
     if (result) norma_fix_plan_free(plan);
     return result;
 }

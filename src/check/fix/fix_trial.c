@@ -51,8 +51,8 @@ static norma_result count_loose_of(const norma_mesh *mesh, uint32_t threads, siz
     return result;
 }
 
-static norma_document_result count_loose(norma_document *document, const fix_request *request,
-    size_t *count, norma_document_error *error) {
+norma_document_result norma_fix_count_loose(norma_document *document, const fix_request *request,
+    fix_measure *measure, norma_document_error *error) {
     const size_t meshes = norma_document_mesh_count(document);
     size_t *indices = calloc(meshes + 1, sizeof *indices), of;
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -67,11 +67,12 @@ static norma_document_result count_loose(norma_document *document, const fix_req
         result = norma_fix_open_whole(&these, &whole, &how);
         if (!result && !how && whole.face_count)
             how = norma_fix_join(&whole)
-                      ? count_loose_of(&whole.mesh, request->options.threads, count)
+                      ? count_loose_of(&whole.mesh, request->options.threads, &measure->loose)
                       : NORMA_ERROR_MEMORY;
         norma_fix_close_whole(&whole);
     }
     free(indices);
+    measure->has_loose = 1;
     if (result || !how) return result;
     return fail(error,
         how == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_MALFORMED,
@@ -80,20 +81,28 @@ static norma_document_result count_loose(norma_document *document, const fix_req
 
 /* ---- better or worse */
 
-/* All rules; those that look into images only where a fix changes some. */
-norma_document_result norma_fix_measure(norma_document *document, const fix_request *request,
-    fix_measure *measure, norma_document_error *error) {
+/* By all rules; by those that look into images only where that is asked for. */
+static norma_document_result find(norma_document *document, const fix_request *request, int maps,
+    size_t max_samples, norma_findings **findings, norma_document_error *error) {
     norma_check_options options = request->options;
     uint8_t rules[CHECK_RULE_COUNT];
     memset(rules, 1, sizeof rules);
-    rules[RULE_N811] = rules[RULE_N812] = (uint8_t)request->changes_maps;
+    rules[RULE_N811] = rules[RULE_N812] = (uint8_t)(maps != 0);
     options.rules = rules;
-    options.max_samples = 1;
-    *measure = (fix_measure){0};
-    norma_document_result result =
-        norma_check_document(document, &options, &measure->findings, error);
-    if (!result) result = count_loose(document, request, &measure->loose, error);
-    return result;
+    options.max_samples = max_samples;
+    return norma_check_document(document, &options, findings, error);
+}
+
+norma_document_result norma_fix_find(norma_document *document, const fix_request *request,
+    norma_findings **findings, norma_document_error *error) {
+    return find(document, request, request->reads_maps, SIZE_MAX, findings, error);
+}
+
+static norma_document_result measure_copy(norma_document *copy, const fix_request *request,
+    fix_measure *measure, norma_document_error *error) {
+    const norma_document_result result =
+        find(copy, request, request->changes_maps, 1, &measure->findings, error);
+    return result ? result : norma_fix_count_loose(copy, request, measure, error);
 }
 
 void norma_fix_measure_free(fix_measure *measure) {
@@ -165,7 +174,7 @@ static norma_document_result take_steps(norma_document *copy, const fix_request 
         next.by_rays = request->by_rays && norma_fix_plan_moves(plan);
         /* What one turn of a map does not make right, another would only undo. */
         next.left_out[RULE_N812] |= plan->greens != NULL;
-        result = norma_fix_make_plan(copy, &next, &trial->plans[trial->count], error);
+        result = norma_fix_make_plan(copy, &next, NULL, &trial->plans[trial->count], error);
         trial->count += !result;
     }
     return result;
@@ -177,8 +186,11 @@ norma_document_result norma_fix_try(norma_document *document, const fix_request 
     *trial = (fix_trial){.plans = {*first}, .count = 1};
     *first = (fix_plan){0};
     norma_document_result result = norma_document_copy(document, &copy, error);
+    const size_t notes = norma_document_note_count(copy);
     if (!result) result = take_steps(copy, request, trial, error);
-    if (!result) result = norma_fix_measure(copy, request, &trial->after, error);
+    if (!result) result = measure_copy(copy, request, &trial->after, error);
+    if (!result && norma_document_note_count(copy) > notes)
+        norma_check_message(trial->said, "%s", norma_document_note(copy, notes));
     norma_document_close(copy);
     return result;
 }

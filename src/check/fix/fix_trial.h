@@ -7,9 +7,13 @@ enum { FIX_MOST_STEPS = 8 };
 
 typedef struct fix_measure { /* of a document, by all rules */
     norma_findings *findings;
+    int has_loose;
     size_t loose; /* edges along which faces do not run as often one way as the other */
 } fix_measure;
-norma_document_result norma_fix_measure(norma_document *document, const fix_request *request,
+/* Every element that any rule finds, to be freed by the caller. */
+norma_document_result norma_fix_find(norma_document *document, const fix_request *request,
+    norma_findings **findings, norma_document_error *error);
+norma_document_result norma_fix_count_loose(norma_document *document, const fix_request *request,
     fix_measure *measure, norma_document_error *error);
 void norma_fix_measure_free(fix_measure *measure);
 
@@ -21,6 +25,7 @@ typedef struct fix_trial {
     fix_plan plans[FIX_MOST_STEPS]; /* of each step, until nothing more is to be done */
     size_t count;
     fix_measure after;
+    char said[CHECK_MESSAGE]; /* by the format: what it could not do; "": nothing */
 } fix_trial;
 /* first: the plan for the document as it is; it becomes the trial's. */
 norma_document_result norma_fix_try(norma_document *document, const fix_request *request,

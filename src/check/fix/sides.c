@@ -3,7 +3,7 @@
  * open. Rays say nothing of a material that is seen from both sides. The primitives of a glTF mesh
  * are looked at together. */
 #include "check/fix/fix.h"
-#include "check/rules/mesh_rules.h"
+#include "check/rules/conflicts.h"
 #include "core/topology/topology.h"
 #include <stdlib.h>
 #include <string.h>
@@ -43,6 +43,26 @@ static norma_document_result share_out(
     return result;
 }
 
+/* The faces whose sides matter: those that are named, those that are turned with a whole body, and
+ * those at edges that two faces run along the same way. Rays are cast from the pieces of these
+ * alone, as the rules do. NULL: out of memory. */
+static uint8_t *mark_asked(const fix_whole *whole, const core_topology *topology) {
+    static const check_rule rules[] = {RULE_N201, RULE_N205};
+    const fix_group *group = whole->group;
+    uint8_t *asked = calloc(whole->face_count + 1, 1);
+    if (!asked) return NULL;
+    (void)norma_check_count_conflicts(topology, asked);
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+        (void)norma_fix_mark_named(whole, rules[i], asked);
+    size_t begin = 0;
+    for (size_t i = 0; i < group->count; begin += whole->meshes[i++].face_count) {
+        const uint8_t *turned = group->turned[group->indices[i]];
+        for (size_t f = 0; turned && f < whole->meshes[i].face_count; f++)
+            asked[begin + f] |= turned[f];
+    }
+    return asked;
+}
+
 /* Those of an STL by their stored normals, where nothing else decides. */
 static norma_document_result judge_whole(fix_whole *whole, uint8_t *sides, norma_result *how) {
     const fix_group *group = whole->group;
@@ -58,7 +78,10 @@ static norma_document_result judge_whole(fix_whole *whole, uint8_t *sides, norma
     if (result || !whole->face_count) return result;
     *how = norma_core_side_judge_open(&whole->mesh, &options, &judge);
     if (*how) return result;
-    *how = norma_core_side_judge_ask(&judge, 0, whole->face_count, NULL, sides);
+    uint8_t *asked = mark_asked(whole, &judge.topology);
+    *how = asked ? norma_core_side_judge_ask(&judge, 0, whole->face_count, asked, sides)
+                 : NORMA_ERROR_MEMORY;
+    free(asked);
     if (!*how && info.normals == NORMA_NORMALS_PER_FACET)
         *how = norma_check_sides_by_facets(&judge, &data.normals, sides);
     norma_core_side_judge_close(&judge);

@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The faces that a rule's findings name, counted over all meshes. */
-static int mark_named(const fix_whole *t, check_rule rule, uint8_t *marks) {
+int norma_fix_mark_named(const fix_whole *t, check_rule rule, uint8_t *marks) {
     const fix_group *g = t->group;
     size_t begin = 0;
     int any = 0;
@@ -118,8 +117,8 @@ static norma_result turn_shells(fix_whole *t, uint8_t *marks) {
 
 static norma_result turn(fix_whole *t, uint8_t *inward, uint8_t *open) {
     norma_result result = NORMA_OK;
-    if (mark_named(t, RULE_N302, inward)) result = turn_shells(t, inward);
-    if (result || !mark_named(t, RULE_N304, open)) return result;
+    if (norma_fix_mark_named(t, RULE_N302, inward)) result = turn_shells(t, inward);
+    if (result || !norma_fix_mark_named(t, RULE_N304, open)) return result;
     result = norma_fix_whole_bodies(t->meshes, t->group->count, open);
     return result ? result : ask_rays(t, open);
 }

@@ -44,6 +44,11 @@ static void choose_rules(const file_check *check, uint8_t mask[CHECK_RULES]) {
     }
 }
 
+/* What is no fault is changed only where its rule is named. */
+static int is_selecting(const file_check *check) {
+    return check->settings->has_select || check->config->has_select;
+}
+
 static norma_check_options choose_options(const file_check *check, const uint8_t *rules) {
     const check_settings *settings = check->settings;
     return (norma_check_options){.struct_size = sizeof(norma_check_options),
@@ -54,7 +59,8 @@ static norma_check_options choose_options(const file_check *check, const uint8_t
         .threads = settings->threads,
         .progress = settings->progress,
         .progress_user = settings->progress_user,
-        .open_by_rays = settings->open_by_rays};
+        .open_by_rays = settings->open_by_rays,
+        .fix_from = is_selecting(check) ? NORMA_SEVERITY_NONE : NORMA_SEVERITY_WARNING};
 }
 
 static int fail_on(const file_check *check) {
@@ -209,11 +215,32 @@ static norma_document_result open_and_judge(file_check *check) {
     return judge_in_parts(check, &options);
 }
 
+/* A command is printed where it removes its finding, as a trial shows; else the reason. */
+static norma_document_result try_offers(file_check *check, const check_format *format) {
+    const check_settings *settings = check->settings;
+    const check_config *config = check->config;
+    const int mended = findings_of(check) != check->findings,
+              is_text = format == &check_format_text;
+    int changes = config->override_count > 0;
+    uint8_t rules[CHECK_RULES];
+    if (settings->quiet || format == &check_format_line || !document_of(check))
+        return NORMA_DOCUMENT_OK;
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule) changes |= config->severity[rule] != 0;
+    choose_rules(check, rules);
+    const norma_check_options options = choose_options(check, rules);
+    return norma_document_try_fixes(document_of(check), &options,
+        is_text && !settings->list_infos && !changes ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
+        mended ? check->mended.findings : check->findings, &check->error);
+}
+
 /* What could not be fixed is not offered again. */
 static norma_fix offered_fix(const file_check *check, const norma_finding *finding) {
     const int fix = check->fix_status ? CHECK_FIX_NOTHING : check->settings->fix;
     const int tried =
-        finding->fix == NORMA_FIX_SAFE ? fix != CHECK_FIX_NOTHING : fix == CHECK_FIX_UNSAFE;
+        finding->fix == NORMA_FIX_SAFE
+            ? fix != CHECK_FIX_NOTHING
+            : fix == CHECK_FIX_UNSAFE &&
+                  (is_selecting(check) || finding->severity >= NORMA_SEVERITY_WARNING);
     return tried ? NORMA_FIX_NONE : finding->fix;
 }
 
@@ -337,6 +364,7 @@ void check_one_file(const check_settings *settings, const check_config *config,
         snprintf(check.error.message, sizeof check.error.message, "%s", settings->lost);
     norma_document_result result =
         settings->lost ? NORMA_DOCUMENT_ERROR_FILE : open_and_judge(&check);
+    if (!result) result = try_offers(&check, format);
     if (result)
         report_unreadable(&check, format, out, totals);
     else

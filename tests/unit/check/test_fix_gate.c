@@ -242,6 +242,76 @@ static void progress_never_falls(void **state) {
     norma_document_close(document);
 }
 
+/* ---- what findings offer, tried */
+
+static norma_findings *tried(norma_document *document, norma_severity from) {
+    norma_findings *findings;
+    assert_int_equal(norma_check_document(document, NULL, &findings, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_try_fixes(document, NULL, from, findings, NULL), NORMA_DOCUMENT_OK);
+    return findings;
+}
+
+static const norma_finding *finding_of(const norma_findings *findings, const char *rule) {
+    for (size_t i = 0; i < norma_findings_count(findings); i++)
+        if (strcmp(norma_findings_get(findings, i)->rule->id, rule) == 0)
+            return norma_findings_get(findings, i);
+    fail_msg("%s is not found", rule);
+    return NULL;
+}
+
+/* Whatever is offered removes its finding, from a document that the trials left as it was; what is
+ * not offered says why. */
+static void an_offer_keeps_its_promise(void **state) {
+    (void)state;
+    norma_document *document = open_polygons();
+    norma_findings *findings = tried(document, NORMA_SEVERITY_INFO);
+    const norma_finding *folded = finding_of(findings, "N404");
+    size_t size, offers = 0;
+    assert_int_equal(folded->fix, NORMA_FIX_NONE);
+    assert_non_null(strstr(folded->message, "no fix: N305 duplicate-faces would report more"));
+    assert_int_equal(norma_finding_command(folded, "a.obj", NULL, NULL, 0), 0);
+    assert_int_equal(finding_of(findings, "N405")->fix, NORMA_FIX_UNSAFE);
+    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        if (finding->fix == NORMA_FIX_NONE) continue;
+        norma_document *other = open_polygons();
+        assert_int_equal(fix(other, finding->rule->id).changed, 1);
+        assert_int_equal(count_of(other, finding->rule->id), 0);
+        norma_document_close(other);
+        offers++;
+    }
+    assert_true(offers > 1);
+    unsigned char *bytes = scene_output(document, &size);
+    assert_int_equal(size, strlen(polygons));
+    assert_memory_equal(bytes, polygons, size);
+    free(bytes);
+    norma_findings_free(findings);
+    /* Informations are not tried where nobody reads of them. */
+    findings = tried(document, NORMA_SEVERITY_WARNING);
+    assert_null(strstr(finding_of(findings, "N405")->message, "no fix"));
+    assert_int_equal(finding_of(findings, "N404")->fix, NORMA_FIX_NONE);
+    norma_findings_free(findings);
+    norma_document_close(document);
+}
+
+/* A bent square (N405, an information) is cut where that is asked for by name. */
+static void informations_are_left(void **state) {
+    (void)state;
+    static const char bent[] = "v 6 0 0\nv 8 0 0\nv 8 2 .5\nv 6 2 0\nf 1 2 3 4\n";
+    for (int from = NORMA_SEVERITY_NONE; from <= NORMA_SEVERITY_WARNING; from++) {
+        norma_document *document = scene_reopen((const unsigned char *)bent, strlen(bent), "a.obj");
+        norma_fix_summary summary;
+        const norma_check_options options = {
+            .struct_size = sizeof options, .fix_from = (norma_severity)from};
+        assert_int_equal(
+            norma_fix_document(document, &options, 1, &summary, NULL), NORMA_DOCUMENT_OK);
+        assert_int_equal(summary.changed, from < NORMA_SEVERITY_WARNING);
+        assert_int_equal(count_of(document, "N405") > 0, from == NORMA_SEVERITY_WARNING);
+        norma_document_close(document);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(only_the_fix_that_harms_is_left_out),
@@ -253,6 +323,8 @@ int main(void) {
         cmocka_unit_test(degenerate_faces_that_are_kept_are_named),
         cmocka_unit_test(the_only_face_of_a_primitive_stays),
         cmocka_unit_test(progress_never_falls),
+        cmocka_unit_test(an_offer_keeps_its_promise),
+        cmocka_unit_test(informations_are_left),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,7 +30,8 @@ unsigned char *WEB_EXPORT(document_pack)(
 /* numbers: whether anything changed. Nonzero: error says why. */
 int WEB_EXPORT(document_fix)(
     norma_document *document, int unsafe, double numbers[1], norma_document_error *error) {
-    const norma_check_options options = {.struct_size = sizeof options, .threads = 1};
+    const norma_check_options options = {
+        .struct_size = sizeof options, .threads = 1, .fix_from = NORMA_SEVERITY_WARNING};
     norma_fix_summary summary = {0};
     *error = (norma_document_error){0};
     const norma_document_result result =
