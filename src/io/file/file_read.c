@@ -19,7 +19,7 @@ enum { FIRST_READ = 1 << 16, SMALL_FILE = 1 << 18, AT_ONCE = 1 << 24 };
 
 /* ---- reading */
 
-static int is_cancelled(const file_reading *how) {
+static int file_is_cancelled(const file_reading *how) {
     return how && how->progress && how->progress(how->progress_user, 0);
 }
 
@@ -30,7 +30,7 @@ static int read_into(
         const size_t left = capacity - *size;
         const ssize_t got = read(descriptor, data + *size, left < AT_ONCE ? left : AT_ONCE);
         if (got < 0 && errno != EINTR) return errno;
-        if (is_cancelled(how)) return FILE_CANCELLED;
+        if (file_is_cancelled(how)) return FILE_CANCELLED;
         if (got == 0) return 0;
         *size += got > 0 ? (size_t)got : 0;
     }
@@ -191,7 +191,7 @@ struct file_window {
     file_stamp stamp;
 };
 
-static int look_at(file_window *window) {
+static int file_look_at(file_window *window) {
     struct stat status;
     if (fstat(window->descriptor, &status)) return errno;
     if (S_ISDIR(status.st_mode)) return EISDIR;
@@ -205,7 +205,7 @@ int norma_window_open(const char *path, file_window **window) {
     if (!made) return ENOMEM;
     do made->descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe would block */
     while (made->descriptor < 0 && errno == EINTR);
-    const int error = made->descriptor < 0 ? errno : look_at(made);
+    const int error = made->descriptor < 0 ? errno : file_look_at(made);
     if (error)
         norma_window_close(made);
     else

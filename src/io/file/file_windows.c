@@ -15,7 +15,7 @@
 
 enum { BUFFER_SIZE = 1 << 18, FIRST_READ = 1 << 16, MOST_NAMES = 10000, AT_ONCE = 1 << 24 };
 
-static int error_of(DWORD error) {
+static int windows_error_of(DWORD error) {
     static const struct {
         DWORD system;
         int error;
@@ -59,7 +59,7 @@ static int open_handle(const char *path, DWORD access, DWORD share, DWORD how, H
         FILE_ATTRIBUTE_NORMAL | (how == OPEN_EXISTING ? FILE_FLAG_BACKUP_SEMANTICS : 0), NULL);
     const DWORD error = GetLastError();
     free(name);
-    return *handle == INVALID_HANDLE_VALUE ? error_of(error) : 0;
+    return *handle == INVALID_HANDLE_VALUE ? windows_error_of(error) : 0;
 }
 
 /* ---- what a file is */
@@ -82,7 +82,7 @@ static file_stamp stamp_of(const BY_HANDLE_FILE_INFORMATION *info) {
         .known = !(info->dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY)};
 }
 
-static int stamp_path(const char *path, file_stamp *stamp) {
+static int windows_stamp_path(const char *path, file_stamp *stamp) {
     HANDLE handle;
     BY_HANDLE_FILE_INFORMATION info;
     if (open_handle(path, 0, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, OPEN_EXISTING,
@@ -94,30 +94,30 @@ static int stamp_path(const char *path, file_stamp *stamp) {
     return is_known;
 }
 
-static int is_same_file(const file_stamp *a, const file_stamp *b) {
+static int windows_is_same_file(const file_stamp *a, const file_stamp *b) {
     return a->device == b->device && a->inode == b->inode;
 }
 
 static int are_equal(const file_stamp *a, const file_stamp *b) {
-    return is_same_file(a, b) && a->size == b->size && a->seconds == b->seconds &&
+    return windows_is_same_file(a, b) && a->size == b->size && a->seconds == b->seconds &&
            a->nanoseconds == b->nanoseconds;
 }
 
 int norma_file_has_changed(const char *path, const file_stamp *stamp) {
     file_stamp now;
-    return stamp->known && stamp_path(path, &now) && now.known && is_same_file(&now, stamp) &&
-           !are_equal(&now, stamp);
+    return stamp->known && windows_stamp_path(path, &now) && now.known &&
+           windows_is_same_file(&now, stamp) && !are_equal(&now, stamp);
 }
 
 int norma_file_is_unchanged(const char *path, const file_stamp *stamp) {
     file_stamp now;
-    return stamp_path(path, &now) && now.known && are_equal(&now, stamp);
+    return windows_stamp_path(path, &now) && now.known && are_equal(&now, stamp);
 }
 
 int norma_file_same(const char *a, const char *b) {
     file_stamp of_a, of_b;
-    return strcmp(a, b) == 0 ||
-           (stamp_path(a, &of_a) && stamp_path(b, &of_b) && is_same_file(&of_a, &of_b));
+    return strcmp(a, b) == 0 || (windows_stamp_path(a, &of_a) && windows_stamp_path(b, &of_b) &&
+                                    windows_is_same_file(&of_a, &of_b));
 }
 
 int norma_file_is_stream(const char *path) {
@@ -148,7 +148,7 @@ int norma_file_is_link(const char *path) {
 
 /* ---- reading */
 
-static int read_to_end(
+static int windows_read_to_end(
     HANDLE handle, uint64_t expected, const file_reading *how, file_bytes *bytes) {
     if (expected >= SIZE_MAX / 2) return EFBIG;
     size_t capacity = expected ? (size_t)expected + 1 : FIRST_READ, size = 0;
@@ -163,7 +163,7 @@ static int read_to_end(
         if (!ReadFile(handle, data + size,
                 (DWORD)(capacity - size < AT_ONCE ? capacity - size : AT_ONCE), &got, NULL) &&
             GetLastError() != ERROR_BROKEN_PIPE) {
-            const int error = error_of(GetLastError());
+            const int error = windows_error_of(GetLastError());
             free(data);
             return error;
         }
@@ -192,7 +192,7 @@ int norma_file_open(const char *path, const file_reading *how, file_bytes *bytes
     const file_stamp before = is_file ? stamp_of(&info) : (file_stamp){0};
     error = !is_file        ? FILE_NOT_REGULAR
             : !before.known ? EISDIR
-                            : read_to_end(handle, before.size, how, bytes);
+                            : windows_read_to_end(handle, before.size, how, bytes);
     if (!error && information(handle, &after)) {
         const file_stamp now = stamp_of(&after);
         bytes->stamp = before;
@@ -219,7 +219,7 @@ struct file_writer {
     unsigned char buffer[BUFFER_SIZE];
 };
 
-static size_t folder_length(const char *path) {
+static size_t windows_folder_length(const char *path) {
     size_t length = strlen(path);
     while (length > 0 && path[length - 1] != '/' && path[length - 1] != '\\' &&
            path[length - 1] != ':')
@@ -227,7 +227,7 @@ static size_t folder_length(const char *path) {
     return length;
 }
 
-static char *join(const char *path, size_t folder, const char *name) {
+static char *windows_join(const char *path, size_t folder, const char *name) {
     const size_t length = strlen(name);
     char *joined = malloc(folder + length + 1);
     if (joined) {
@@ -237,13 +237,13 @@ static char *join(const char *path, size_t folder, const char *name) {
     return joined;
 }
 
-static int open_temporary(file_writer *writer) {
+static int windows_open_temporary(file_writer *writer) {
     int error = EEXIST;
     for (unsigned number = 0; number < MOST_NAMES && error == EEXIST; ++number) {
         char name[64];
         snprintf(
             name, sizeof name, ".norma-%lu-%u.tmp", (unsigned long)GetCurrentProcessId(), number);
-        char *temporary = join(writer->target, folder_length(writer->target), name);
+        char *temporary = windows_join(writer->target, windows_folder_length(writer->target), name);
         if (!temporary) return ENOMEM;
         error = open_handle(temporary, GENERIC_READ | GENERIC_WRITE | DELETE,
             FILE_SHARE_READ | FILE_SHARE_DELETE, CREATE_NEW, &writer->handle);
@@ -255,7 +255,7 @@ static int open_temporary(file_writer *writer) {
     return error;
 }
 
-static int open_target(file_writer *writer) {
+static int windows_open_target(file_writer *writer) {
     file_stamp old;
     wchar_t *name = wide(writer->target);
     if (!name) return EINVAL;
@@ -264,11 +264,11 @@ static int open_target(file_writer *writer) {
     if (norma_file_is_stream(writer->target))
         return open_handle(writer->target, GENERIC_WRITE, FILE_SHARE_READ | FILE_SHARE_WRITE,
             OPEN_EXISTING, &writer->handle);
-    writer->replaces = stamp_path(writer->target, &old);
+    writer->replaces = windows_stamp_path(writer->target, &old);
     if (writer->replaces && !old.known) return EISDIR;
     return attributes != INVALID_FILE_ATTRIBUTES && attributes & FILE_ATTRIBUTE_READONLY
                ? EACCES
-               : open_temporary(writer);
+               : windows_open_temporary(writer);
 }
 
 int norma_file_writer_open(const char *path, file_writer **writer) {
@@ -276,8 +276,8 @@ int norma_file_writer_open(const char *path, file_writer **writer) {
     file_writer *made = calloc(1, sizeof *made);
     if (!made) return ENOMEM;
     made->handle = INVALID_HANDLE_VALUE;
-    made->target = join(path, 0, path);
-    const int error = made->target ? open_target(made) : ENOMEM;
+    made->target = windows_join(path, 0, path);
+    const int error = made->target ? windows_open_target(made) : ENOMEM;
     if (error)
         norma_file_writer_abandon(made);
     else
@@ -300,12 +300,12 @@ int norma_file_writers_meet(file_writer *a, file_writer *b) {
     return strcmp(a->target, b->target) == 0 ? 2 : 0;
 }
 
-static int write_all(file_writer *writer, const unsigned char *bytes, size_t size) {
+static int windows_write_all(file_writer *writer, const unsigned char *bytes, size_t size) {
     while (size > 0 && !writer->error) {
         DWORD written = 0;
         if (!WriteFile(
                 writer->handle, bytes, (DWORD)(size < AT_ONCE ? size : AT_ONCE), &written, NULL))
-            writer->error = error_of(GetLastError());
+            writer->error = windows_error_of(GetLastError());
         else if (written == 0)
             writer->error = EIO;
         bytes += written;
@@ -314,32 +314,33 @@ static int write_all(file_writer *writer, const unsigned char *bytes, size_t siz
     return writer->error;
 }
 
-static int flush_buffer(file_writer *writer) {
+static int windows_flush_buffer(file_writer *writer) {
     const size_t used = writer->used;
     writer->used = 0;
-    return write_all(writer, writer->buffer, used);
+    return windows_write_all(writer, writer->buffer, used);
 }
 
 int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size) {
     if (writer->error || size == 0) return writer->error;
-    if (size > BUFFER_SIZE - writer->used && flush_buffer(writer)) return writer->error;
-    if (size >= BUFFER_SIZE) return write_all(writer, bytes, size);
+    if (size > BUFFER_SIZE - writer->used && windows_flush_buffer(writer)) return writer->error;
+    if (size >= BUFFER_SIZE) return windows_write_all(writer, bytes, size);
     memcpy(writer->buffer + writer->used, bytes, size);
     writer->used += size;
     return 0;
 }
 
-static OVERLAPPED place_of(uint64_t offset) {
+static OVERLAPPED windows_place_of(uint64_t offset) {
     return (OVERLAPPED){.Offset = (DWORD)offset, .OffsetHigh = (DWORD)(offset >> 32)};
 }
 
 /* All of them, at an offset; 0, an error, or short_error at the end of the file. */
 static int read_at(HANDLE handle, uint64_t offset, void *bytes, size_t size, int short_error) {
     for (unsigned char *at = bytes; size > 0;) {
-        OVERLAPPED place = place_of(offset);
+        OVERLAPPED place = windows_place_of(offset);
         DWORD got = 0;
         if (!ReadFile(handle, at, (DWORD)(size < AT_ONCE ? size : AT_ONCE), &got, &place))
-            return GetLastError() == ERROR_HANDLE_EOF ? short_error : error_of(GetLastError());
+            return GetLastError() == ERROR_HANDLE_EOF ? short_error
+                                                      : windows_error_of(GetLastError());
         if (got == 0) return short_error;
         at += got;
         offset += got;
@@ -355,18 +356,18 @@ static void return_to_end(HANDLE handle) {
 }
 
 int norma_file_writer_read(file_writer *writer, uint64_t offset, void *bytes, size_t size) {
-    if (flush_buffer(writer)) return writer->error;
+    if (windows_flush_buffer(writer)) return writer->error;
     const int error = read_at(writer->handle, offset, bytes, size, EIO);
     return_to_end(writer->handle);
     return error;
 }
 
 int norma_file_writer_patch(file_writer *writer, uint64_t offset, const void *bytes, size_t size) {
-    if (flush_buffer(writer)) return writer->error;
-    OVERLAPPED place = place_of(offset);
+    if (windows_flush_buffer(writer)) return writer->error;
+    OVERLAPPED place = windows_place_of(offset);
     DWORD written = 0;
     if (!WriteFile(writer->handle, bytes, (DWORD)size, &written, &place) || written != size)
-        writer->error = written ? EIO : error_of(GetLastError());
+        writer->error = written ? EIO : windows_error_of(GetLastError());
     return_to_end(writer->handle);
     return writer->error;
 }
@@ -376,9 +377,9 @@ int norma_file_writer_name(file_writer *writer) { return (void)writer, 0; }
 const char *norma_file_writer_temporary(const file_writer *writer) { return writer->temporary; }
 
 int norma_file_writer_prepare(file_writer *writer) {
-    if (!writer->error && !flush_buffer(writer) && writer->temporary &&
+    if (!writer->error && !windows_flush_buffer(writer) && writer->temporary &&
         !FlushFileBuffers(writer->handle))
-        writer->error = error_of(GetLastError());
+        writer->error = windows_error_of(GetLastError());
     return writer->error;
 }
 
@@ -388,23 +389,23 @@ static int look_at_expected(file_writer *writer) {
                : FILE_CHANGED;
 }
 
-static int put_in_place(file_writer *writer) {
+static int windows_put_in_place(file_writer *writer) {
     const HANDLE handle = writer->handle;
     writer->handle = INVALID_HANDLE_VALUE;
-    if (!CloseHandle(handle)) return error_of(GetLastError());
+    if (!CloseHandle(handle)) return windows_error_of(GetLastError());
     if (!writer->temporary) return 0;
     wchar_t *from = wide(writer->temporary), *to = wide(writer->target);
     int error = !from || !to ? ENOMEM
                 : MoveFileExW(from, to, MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH)
                     ? 0
-                    : error_of(GetLastError());
+                    : windows_error_of(GetLastError());
     free(from);
     free(to);
     if (error) return error;
     free(writer->temporary);
     writer->temporary = NULL;
     writer->placed = 1;
-    if (writer->expected && !stamp_path(writer->target, writer->expected))
+    if (writer->expected && !windows_stamp_path(writer->target, writer->expected))
         writer->expected->known = 0;
     return 0;
 }
@@ -417,7 +418,7 @@ static void remove_file(const char *path) {
 
 int norma_file_writers_commit(file_writer **writers, size_t count, size_t *failed) {
     static int (*const steps[])(file_writer *) = {
-        norma_file_writer_prepare, look_at_expected, put_in_place};
+        norma_file_writer_prepare, look_at_expected, windows_put_in_place};
     size_t done = 0;
     int error = 0;
     for (size_t step = 0; step < sizeof steps / sizeof *steps && !error; ++step)
@@ -493,26 +494,26 @@ int norma_folder_make(const char *path, int *made) {
     *made = name && CreateDirectoryW(name, NULL);
     const DWORD error = *made || !name ? 0 : GetLastError();
     free(name);
-    return !name ? EINVAL : error && error != ERROR_ALREADY_EXISTS ? error_of(error) : 0;
+    return !name ? EINVAL : error && error != ERROR_ALREADY_EXISTS ? windows_error_of(error) : 0;
 }
 
 int norma_folder_visit(const char *path, int (*visit)(void *user, const char *name), void *user) {
     WIN32_FIND_DATAW entry;
     char name[4 * MAX_PATH];
-    char *pattern = join(path, strlen(path), "\\*");
+    char *pattern = windows_join(path, strlen(path), "\\*");
     wchar_t *wide_pattern = pattern ? wide(pattern) : NULL;
     HANDLE found = wide_pattern ? FindFirstFileW(wide_pattern, &entry) : INVALID_HANDLE_VALUE;
     DWORD error = found == INVALID_HANDLE_VALUE ? GetLastError() : 0;
     free(wide_pattern);
     free(pattern);
-    if (error) return error_of(error);
+    if (error) return windows_error_of(error);
     do {
         const int size =
             WideCharToMultiByte(CP_UTF8, 0, entry.cFileName, -1, name, sizeof name, NULL, NULL);
         if (size > 0 && visit(user, name)) break;
     } while (FindNextFileW(found, &entry) || (error = GetLastError(), 0));
     FindClose(found);
-    return error && error != ERROR_NO_MORE_FILES ? error_of(error) : 0;
+    return error && error != ERROR_NO_MORE_FILES ? windows_error_of(error) : 0;
 }
 
 void norma_folder_remove(const char *path) {

@@ -134,7 +134,7 @@ static int copy_named(const attribute_copy *copy, const char *names, size_t size
 }
 
 /* A folder may have given its own list to the new file (acl(5), default ACLs). */
-static int copy_attributes(const char *from, int to, int is_anothers) {
+static int file_copy_attributes(const char *from, int to, int is_anothers) {
     if (fremovexattr(to, ACCESS_LIST) && !is_missing(errno)) return errno;
     if (listxattr(from, NULL, 0) <= 0) return 0;
     char *names = malloc(3 * (size_t)MOST_BYTES);
@@ -147,7 +147,7 @@ static int copy_attributes(const char *from, int to, int is_anothers) {
     return error;
 }
 #else
-static int copy_attributes(const char *from, int to, int is_anothers) {
+static int file_copy_attributes(const char *from, int to, int is_anothers) {
     return (void)from, (void)to, (void)is_anothers, 0;
 }
 #endif
@@ -163,7 +163,7 @@ static int file_keep_attributes(const char *from, const struct stat *old, int to
         mode &= 0777;
         if (fchown(to, (uid_t)-1, old->st_gid)) mode &= (mode_t)(0707 | (mode & 07) << 3);
     }
-    const int error = copy_attributes(from, to, is_anothers);
+    const int error = file_copy_attributes(from, to, is_anothers);
     if (!error) return fchmod(to, mode) ? errno : 0;
     return error == ENOMEM || error == ENOSPC || error == EDQUOT ? error : FILE_ATTRIBUTES;
 }
@@ -202,7 +202,7 @@ static size_t folder_length(const char *path) {
 }
 
 /* The first folder bytes of path, then name; NULL: out of memory. */
-static char *join(const char *path, size_t folder, const char *name) {
+static char *file_join(const char *path, size_t folder, const char *name) {
     size_t length = strlen(name);
     char *joined = malloc(folder + length + 1);
     if (!joined) return NULL;
@@ -212,8 +212,8 @@ static char *join(const char *path, size_t folder, const char *name) {
 }
 
 /* Follows the symbolic links at the end of path, also to a file that is not there yet. */
-static int resolve(const char *path, char **resolved) {
-    char *current = join(path, 0, path), link[PATH_MAX + 1];
+static int file_resolve(const char *path, char **resolved) {
+    char *current = file_join(path, 0, path), link[PATH_MAX + 1];
     for (int hops = 0; current; ++hops) {
         ssize_t length = readlink(current, link, PATH_MAX);
         if (length < 0) {
@@ -225,7 +225,7 @@ static int resolve(const char *path, char **resolved) {
             return ELOOP;
         }
         link[length] = '\0';
-        char *next = join(current, link[0] == '/' ? 0 : folder_length(current), link);
+        char *next = file_join(current, link[0] == '/' ? 0 : folder_length(current), link);
         free(current);
         current = next;
     }
@@ -234,7 +234,7 @@ static int resolve(const char *path, char **resolved) {
 
 /* A number of its own for most targets (FNV-1a), so that thousands of temporary files in one folder
  * do not try each other's names. */
-static unsigned number_of(const char *target) {
+static unsigned file_number_of(const char *target) {
     uint32_t hash = 2166136261u;
     for (; *target; ++target) hash = (hash ^ (unsigned char)*target) * 16777619u;
     return hash;
@@ -248,8 +248,8 @@ static int name_temporary(file_writer *writer,
     for (unsigned tries = 0; tries < MOST_NAMES && (error == EEXIST || error == EINTR); ++tries) {
         char name[64];
         snprintf(name, sizeof name, ".norma-%ld-%u.tmp", (long)getpid(),
-            tries ? number_of(writer->target) + tries : 0);
-        char *temporary = join(writer->target, folder_length(writer->target), name);
+            tries ? file_number_of(writer->target) + tries : 0);
+        char *temporary = file_join(writer->target, folder_length(writer->target), name);
         error = temporary ? make(writer, temporary, mode) : ENOMEM;
         if (!error)
             writer->temporary = temporary;
@@ -273,7 +273,7 @@ static void name_of_descriptor(int descriptor, char name[48]) {
 
 /* 0: not on this file system, or not without /proc. */
 static int open_nameless(file_writer *writer, mode_t mode) {
-    char name[48], *folder = join(writer->target, folder_length(writer->target), ".");
+    char name[48], *folder = file_join(writer->target, folder_length(writer->target), ".");
     if (!folder) return 0;
     writer->descriptor = open(folder, O_RDWR | O_TMPFILE | O_CLOEXEC, mode);
     free(folder);
@@ -291,7 +291,7 @@ static int make_link(file_writer *writer, const char *temporary, mode_t mode) {
     return linkat(AT_FDCWD, name, AT_FDCWD, temporary, AT_SYMLINK_FOLLOW) ? errno : 0;
 }
 
-static int write_all(file_writer *writer, const unsigned char *bytes, size_t size);
+static int file_write_all(file_writer *writer, const unsigned char *bytes, size_t size);
 static int flush_descriptor(int descriptor);
 
 /* For a file system that gives no name to what it made without one: what was written is copied to a
@@ -307,7 +307,7 @@ static int copy_to_named(file_writer *writer) {
     for (off_t at = 0; !error && at < status.st_size;) {
         const ssize_t got = pread(from, writer->buffer, BUFFER_SIZE, at);
         if (got > 0) {
-            error = write_all(writer, writer->buffer, (size_t)got);
+            error = file_write_all(writer, writer->buffer, (size_t)got);
             at += got;
         } else if (got == 0 || errno != EINTR) {
             error = got == 0 ? EIO : errno;
@@ -357,8 +357,9 @@ int norma_file_writer_open(const char *path, file_writer **writer) {
     made->descriptor = made->held = made->folder = -1;
     /* The links of /proc/self/fd name no path that could be opened, so what is no regular file is
      * not resolved. */
-    int error = norma_file_is_stream(path) ? ((made->target = join(path, 0, path)) ? 0 : ENOMEM)
-                                           : resolve(path, &made->target);
+    int error = norma_file_is_stream(path)
+                    ? ((made->target = file_join(path, 0, path)) ? 0 : ENOMEM)
+                    : file_resolve(path, &made->target);
     if (!error) error = (made->buffer = malloc(BUFFER_SIZE)) ? open_target(made) : ENOMEM;
     if (error) {
         norma_file_writer_abandon(made);
@@ -384,7 +385,7 @@ void norma_file_writer_batch(file_writer *writer, int alone) {
 
 /* ---- writing */
 
-static int write_all(file_writer *writer, const unsigned char *bytes, size_t size) {
+static int file_write_all(file_writer *writer, const unsigned char *bytes, size_t size) {
     while (size > 0 && !writer->error) {
         ssize_t written =
             write(writer->descriptor, bytes, size < WRITE_AT_ONCE ? size : WRITE_AT_ONCE);
@@ -406,14 +407,14 @@ static int write_all(file_writer *writer, const unsigned char *bytes, size_t siz
 static int flush_buffer(file_writer *writer) {
     size_t used = writer->used;
     writer->used = 0;
-    return write_all(writer, writer->buffer, used);
+    return file_write_all(writer, writer->buffer, used);
 }
 
 int norma_file_writer_write(file_writer *writer, const void *bytes, size_t size) {
     if (writer->error || size == 0) return writer->error;
     writer->prepared = 0;
     if (size > BUFFER_SIZE - writer->used && flush_buffer(writer)) return writer->error;
-    if (size >= BUFFER_SIZE) return write_all(writer, bytes, size);
+    if (size >= BUFFER_SIZE) return file_write_all(writer, bytes, size);
     memcpy(writer->buffer + writer->used, bytes, size);
     writer->used += size;
     return 0;
@@ -524,7 +525,7 @@ static int hold_expected(file_writer *writer) {
 /* The new name must survive a crash as well. */
 static int open_folder(file_writer *writer) {
     if (!writer->nameless && !writer->temporary) return 0;
-    char *folder = join(writer->target, folder_length(writer->target), ".");
+    char *folder = file_join(writer->target, folder_length(writer->target), ".");
     const int error = folder ? folder_open(folder, &writer->folder) : ENOMEM;
     free(folder);
     return error;
@@ -626,7 +627,7 @@ static int flush_batch(file_writer **writers, size_t count) {
 
 static int flush_folder_of(const char *target, size_t length) {
     int descriptor = -1;
-    char *folder = join(target, length, ".");
+    char *folder = file_join(target, length, ".");
     int error = folder ? folder_open(folder, &descriptor) : ENOMEM;
     if (!error && descriptor >= 0) error = folder_flush(descriptor);
     if (descriptor >= 0) close(descriptor);

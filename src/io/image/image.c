@@ -27,7 +27,7 @@ static void png_give_up(png_structp png, image_result result) {
 
 /* ---- reading */
 
-static void read_bytes(png_structp png, png_bytep out, png_size_t size) {
+static void image_read_bytes(png_structp png, png_bytep out, png_size_t size) {
     png_source *source = png_get_io_ptr(png);
     if (size > source->size - source->at) png_error(png, "cut off");
     memcpy(out, source->bytes + source->at, size);
@@ -45,7 +45,7 @@ static image_result png_read(void *job, void (*read)(png_structp png, png_infop 
         if (!source->result) source->result = IMAGE_BROKEN;
     } else {
         png_set_user_limits(png, IMAGE_MOST_SIDE, IMAGE_MOST_SIDE);
-        png_set_read_fn(png, source, read_bytes);
+        png_set_read_fn(png, source, image_read_bytes);
         png_read_info(png, info);
         read(png, info, job);
     }
@@ -55,7 +55,7 @@ static image_result png_read(void *job, void (*read)(png_structp png, png_infop 
 
 /* ---- writing */
 
-static void append(png_structp png, png_bytep bytes, png_size_t size) {
+static void image_append(png_structp png, png_bytep bytes, png_size_t size) {
     growing_bytes *out = png_get_io_ptr(png);
     norma_io_append(out, bytes, size);
     if (out->failed) png_error(png, "out of memory");
@@ -70,7 +70,7 @@ image_result norma_png_write(growing_bytes *out,
         png_destroy_write_struct(&png, &info);
         return IMAGE_MEMORY;
     }
-    png_set_write_fn(png, out, append, flush);
+    png_set_write_fn(png, out, image_append, flush);
     write(png, info, job);
     png_destroy_write_struct(&png, &info);
     return IMAGE_OK;
@@ -168,7 +168,7 @@ static void fail_jpeg(j_common_ptr jpeg) {
 }
 static void say_nothing(j_common_ptr jpeg) { (void)jpeg; }
 
-static void give_up(struct jpeg_decompress_struct *jpeg, jpeg_job *job, image_result result) {
+static void image_give_up(struct jpeg_decompress_struct *jpeg, jpeg_job *job, image_result result) {
     job->result = result;
     fail_jpeg((j_common_ptr)jpeg);
 }
@@ -184,19 +184,19 @@ static void refuse_made_up(j_common_ptr jpeg, int level) {
 static void begin_jpeg(struct jpeg_decompress_struct *jpeg, jpeg_job *job) {
     jpeg_read_header(jpeg, TRUE);
     if (jpeg->jpeg_color_space == JCS_CMYK || jpeg->jpeg_color_space == JCS_YCCK)
-        give_up(jpeg, job, IMAGE_CMYK);
+        image_give_up(jpeg, job, IMAGE_CMYK);
     const size_t width = jpeg->image_width, height = jpeg->image_height;
     if (width > IMAGE_MOST_SIDE || height > IMAGE_MOST_SIDE ||
         !norma_image_may_decode(job->size, 3 * width * height) ||
         (jpeg_has_multiple_scans(jpeg) && !norma_image_may_hold(job->size, 6 * width * height)))
-        give_up(jpeg, job, IMAGE_TOO_LARGE);
+        image_give_up(jpeg, job, IMAGE_TOO_LARGE);
     jpeg->out_color_space = JCS_RGB;
     jpeg->dct_method = JDCT_ISLOW;
     jpeg_start_decompress(jpeg);
     job->row = malloc(3 * width);
     job->with_alpha = malloc(4 * width);
     if (!job->row || !job->with_alpha || !job->sink->begin(job->sink->user, width, height))
-        give_up(jpeg, job, IMAGE_MEMORY);
+        image_give_up(jpeg, job, IMAGE_MEMORY);
 }
 
 static const uint8_t *add_alpha(jpeg_job *job, size_t width) {
@@ -245,7 +245,7 @@ static image_result image_read_jpeg(
 
 /* ---- Samples as a PNG, without a word beside them. */
 
-static void write_rows(png_structp png, png_infop info, const void *raster) {
+static void image_write_rows(png_structp png, png_infop info, const void *raster) {
     const image_raster *r = raster;
     png_set_IHDR(png, info, (png_uint_32)r->width, (png_uint_32)r->height, r->depth, r->color_type,
         r->interlace, PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
@@ -256,7 +256,7 @@ static void write_rows(png_structp png, png_infop info, const void *raster) {
 }
 
 static image_result image_write_png(const image_raster *raster, growing_bytes *out) {
-    return norma_png_write(out, write_rows, raster);
+    return norma_png_write(out, image_write_rows, raster);
 }
 
 /* ---- A PNG with its green channel inverted. The pixels alone are encoded anew, at the same
@@ -336,14 +336,14 @@ static void add_turned(growing_bytes *out, const unsigned char *chunk, int depth
 }
 
 /* Whether it holds colours that pixels name, or that are transparent. */
-static int is_turned(const unsigned char *chunk, int color_type) {
+static int image_is_turned(const unsigned char *chunk, int color_type) {
     const size_t length = number_at(chunk);
     return color_type == PNG_COLOR_TYPE_PALETTE
                ? is(chunk, "PLTE") && length <= 768
                : is(chunk, "tRNS") && length == 6 && color_type == PNG_COLOR_TYPE_RGB;
 }
 
-static int is_kept(const unsigned char *chunk) {
+static int image_is_kept(const unsigned char *chunk) {
     static const char *const known[] = {"cHRM", "gAMA", "iCCP", "sBIT", "sRGB", "cICP", "bKGD",
         "mDCV", "cLLI", "hIST", "tRNS", "sPLT", "tIME"};
     const int critical = !(chunk[4] & 0x20), safe_to_copy = chunk[7] & 0x20;
@@ -378,16 +378,16 @@ static void add_chunks(const png_turning *job, const growing_bytes *encoded, gro
         if (is(chunk, "IDAT") && encoded) {
             if (!has_pixels) add_pixels(out, encoded);
             has_pixels = 1;
-        } else if (is_turned(chunk, job->raster.color_type)) {
+        } else if (image_is_turned(chunk, job->raster.color_type)) {
             add_turned(out, chunk, job->raster.depth);
-        } else if (is_kept(chunk)) {
+        } else if (image_is_kept(chunk)) {
             norma_io_append(out, chunk, CHUNK + number_at(chunk));
         }
     }
     norma_io_append(out, end, sizeof end);
 }
 
-static image_result turn(png_turning *job, growing_bytes *out) {
+static image_result image_turn(png_turning *job, growing_bytes *out) {
     growing_bytes encoded = {0};
     const int type = job->raster.color_type, has_palette = type == PNG_COLOR_TYPE_PALETTE;
     if (!has_palette && !(type & PNG_COLOR_MASK_COLOR)) return IMAGE_GREY;
@@ -404,7 +404,7 @@ static image_result turn(png_turning *job, growing_bytes *out) {
 static image_result image_turn_png(const unsigned char *bytes, size_t size, growing_bytes *out) {
     png_turning job = {.source = {.bytes = bytes, .size = size}};
     image_result result = png_read(&job, read_raster);
-    if (!result) result = turn(&job, out);
+    if (!result) result = image_turn(&job, out);
     free(job.raster.pixels);
     return result;
 }
@@ -424,7 +424,7 @@ static int begin_turned(void *user, size_t width, size_t height) {
     return r->pixels != NULL;
 }
 
-static void keep_row(void *user, size_t y, const uint8_t *pixels) {
+static void image_keep_row(void *user, size_t y, const uint8_t *pixels) {
     const image_raster *r = user;
     unsigned char *out = r->pixels + y * r->stride;
     for (size_t i = 0; i < r->stride; ++i)
@@ -433,7 +433,7 @@ static void keep_row(void *user, size_t y, const uint8_t *pixels) {
 
 static image_result image_turn_jpeg(const unsigned char *bytes, size_t size, growing_bytes *out) {
     image_raster raster = {.pixels = NULL};
-    const image_sink sink = {3, begin_turned, keep_row, &raster};
+    const image_sink sink = {3, begin_turned, image_keep_row, &raster};
     image_result result = image_read_jpeg(bytes, size, &sink);
     if (!result) result = image_write_png(&raster, out);
     free(raster.pixels);

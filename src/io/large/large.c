@@ -13,7 +13,7 @@ static const size_t BYTES_A_CORNER = 192, MOST_CORNERS = (size_t)3 << 20;
 
 /* ---- opening */
 
-static int open_part(walk_ply *w) {
+static int walk_open_part(walk_ply *w) {
     large_budget *budget = &w->ply.file->budget;
     const size_t least = (size_t)3 * LARGE_FACES_IN_BLOCK;
     w->offsets = norma_large_take(budget, w->chunk_count + 1, sizeof *w->offsets);
@@ -33,7 +33,7 @@ static norma_document_result walk_ply_open(large_file *file, walk_ply *w) {
     norma_document_result result = norma_large_ply_open(file, &w->ply);
     if (result) return result;
     w->chunk_count = (size_t)(w->ply.faces / LARGE_CHUNK) + (w->ply.faces % LARGE_CHUNK != 0);
-    if (!open_part(w)) return norma_large_fail_memory(file);
+    if (!walk_open_part(w)) return norma_large_fail_memory(file);
     w->offsets[0] = w->ply.face ? w->ply.face->begin : 0;
     return NORMA_DOCUMENT_OK;
 }
@@ -103,7 +103,7 @@ static norma_document_result walk_ply_vertices(
 
 /* ---- faces */
 
-static size_t chunk_faces(const walk_ply *w, size_t chunk) {
+static size_t walk_chunk_faces(const walk_ply *w, size_t chunk) {
     const uint64_t left = w->ply.faces - (uint64_t)chunk * LARGE_CHUNK;
     return left < LARGE_CHUNK ? (size_t)left : LARGE_CHUNK;
 }
@@ -111,27 +111,28 @@ static size_t chunk_faces(const walk_ply *w, size_t chunk) {
 static norma_document_result read_chunk(walk_ply *w, size_t chunk) {
     uint64_t offset = w->offsets[chunk];
     const norma_document_result result = norma_large_ply_chunk(
-        &w->ply, (uint64_t)chunk * LARGE_CHUNK, chunk_faces(w, chunk), &offset);
+        &w->ply, (uint64_t)chunk * LARGE_CHUNK, walk_chunk_faces(w, chunk), &offset);
     if (!result) w->offsets[chunk + 1] = offset;
     return result;
 }
 
-static void *grow(walk_ply *w, void *block, size_t count, size_t size) {
+static void *walk_grow(walk_ply *w, void *block, size_t count, size_t size) {
     return norma_large_grow(&w->ply.file->budget, block, w->corner_room, count, size);
 }
 
 /* A chunk of large polygons may need more than a part was given. */
-static int make_room(walk_ply *w, size_t corners) {
+static int walk_make_room(walk_ply *w, size_t corners) {
     const size_t count = w->corner_count + corners;
     if (count <= w->corner_room) return 1;
     if (count > UINT32_MAX) return 0; /* starts of faces are 32 bits */
-    uint32_t *grown_corners = grow(w, w->corners, count, sizeof *w->corners);
+    uint32_t *grown_corners = walk_grow(w, w->corners, count, sizeof *w->corners);
     if (grown_corners) w->corners = grown_corners;
     uint32_t *grown_vertices =
-        grown_corners ? grow(w, w->vertices, count, sizeof *w->vertices) : NULL;
+        grown_corners ? walk_grow(w, w->vertices, count, sizeof *w->vertices) : NULL;
     if (grown_vertices) w->vertices = grown_vertices;
-    void *positions =
-        grown_vertices ? grow(w, w->positions, count, norma_large_position_size(&w->ply)) : NULL;
+    void *positions = grown_vertices
+                          ? walk_grow(w, w->positions, count, norma_large_position_size(&w->ply))
+                          : NULL;
     if (positions) w->positions = positions;
     if (positions) w->corner_room = count;
     return positions != NULL;
@@ -139,7 +140,7 @@ static int make_room(walk_ply *w, size_t corners) {
 
 static int take_chunk(walk_ply *w) {
     const large_faces *faces = &w->ply.chunk;
-    if (!make_room(w, faces->corner_count)) return 0;
+    if (!walk_make_room(w, faces->corner_count)) return 0;
     memcpy(
         w->corners + w->corner_count, faces->corners, faces->corner_count * sizeof *faces->corners);
     for (size_t i = 0; i < faces->corner_count; ++i) {
@@ -155,7 +156,7 @@ static int take_chunk(walk_ply *w) {
 }
 
 /* Whole blocks of chunks from *chunk on, as many as fit, and one at least. */
-static norma_document_result take_faces(walk_ply *w, size_t *chunk) {
+static norma_document_result walk_take_faces(walk_ply *w, size_t *chunk) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     w->first_face = *chunk * LARGE_CHUNK;
     w->corner_count = w->face_count = w->starts[0] = 0;
@@ -178,7 +179,7 @@ static norma_document_result take_faces(walk_ply *w, size_t *chunk) {
     return result;
 }
 
-static void number_vertices(walk_ply *w) {
+static void walk_number_vertices(walk_ply *w) {
     const size_t least = w->least, count = w->corner_count ? (size_t)w->most - least + 1 : 0;
     w->named.count = count;
     norma_large_bits_clear(&w->named);
@@ -191,7 +192,7 @@ static void number_vertices(walk_ply *w) {
         if (norma_large_bits_has(&w->named, v)) w->vertices[at++] = (uint32_t)(least + v);
 }
 
-static norma_document_result gather_positions(walk_ply *w) {
+static norma_document_result walk_gather_positions(walk_ply *w) {
     large_ply *ply = &w->ply;
     const size_t size = norma_large_position_size(ply), end = w->corner_count ? w->most + 1U : 0;
     unsigned char *out = w->positions;
@@ -223,10 +224,10 @@ static norma_document_result walk_ply_surface(
     walk_ply *w, large_visit_surface *visit, void *context) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t chunk = 0; chunk < w->chunk_count && !result;) {
-        result = take_faces(w, &chunk);
+        result = walk_take_faces(w, &chunk);
         if (result) break;
-        number_vertices(w);
-        result = gather_positions(w);
+        walk_number_vertices(w);
+        result = walk_gather_positions(w);
         const large_surface part = surface_of(w);
         if (!result) result = visit(context, &part);
         if (!result) result = norma_large_tell(w->ply.file, (double)chunk / (double)w->chunk_count);
@@ -308,22 +309,22 @@ static norma_document_result large_describe_ply(
 /* ---- The public calls for files larger than memory. */
 
 enum { FIRST_VERSION = sizeof(norma_large_options) };
-static const uint64_t USUAL_MEMORY = (uint64_t)1 << 29, MEMORY_FOR_THREADS = (uint64_t)1 << 26;
+static const uint64_t WALK_USUAL_MEMORY = (uint64_t)1 << 29, MEMORY_FOR_THREADS = (uint64_t)1 << 26;
 
 /* ---- options */
 
 static norma_large_options large_options_of(const norma_large_options *given) {
     norma_large_options options;
     norma_document_copy_options(&options, sizeof options, FIRST_VERSION, given);
-    if (!options.max_memory) options.max_memory = USUAL_MEMORY;
+    if (!options.max_memory) options.max_memory = WALK_USUAL_MEMORY;
     return options;
 }
 
-static norma_file_format format_of(const char *path, norma_file_format format) {
+static norma_file_format walk_format_of(const char *path, norma_file_format format) {
     return format ? format : norma_file_format_of_path(path);
 }
 
-static norma_document_result fail_argument(norma_document_error *error, const char *what) {
+static norma_document_result walk_fail_argument(norma_document_error *error, const char *what) {
     return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", what);
 }
 
@@ -344,8 +345,8 @@ norma_document_result norma_large_compute(const char *input, const char *output,
     norma_compute_summary unwanted;
     large_file file;
     norma_document_clear(error);
-    if (!input || !output) return fail_argument(error, "no path was given");
-    const norma_file_format format = format_of(input, options.format);
+    if (!input || !output) return walk_fail_argument(error, "no path was given");
+    const norma_file_format format = walk_format_of(input, options.format);
     if (format != NORMA_FILE_PLY && format != NORMA_FILE_STL)
         return large_fail_format(input, error);
     norma_document_copy_options(
@@ -353,7 +354,7 @@ norma_document_result norma_large_compute(const char *input, const char *output,
     /* Each thread takes megabytes for its stack. */
     if (options.max_memory < MEMORY_FOR_THREADS) chosen.threads = 1;
     const char *bad = norma_document_bad_compute_option(&chosen);
-    if (bad) return fail_argument(error, bad);
+    if (bad) return walk_fail_argument(error, bad);
     summary = summary ? summary : &unwanted;
     *summary = (norma_compute_summary){0};
     large_compute job = {.file = &file, .output = output, .options = &options};
@@ -375,9 +376,9 @@ norma_document_result norma_large_describe(const char *path, const norma_large_o
     const norma_large_options options = large_options_of(given);
     large_file file;
     norma_document_clear(error);
-    if (!path || !description) return fail_argument(error, "no path or no place was given");
+    if (!path || !description) return walk_fail_argument(error, "no path or no place was given");
     *description =
-        (norma_large_description){.format = format_of(path, options.format), .encoding = ""};
+        (norma_large_description){.format = walk_format_of(path, options.format), .encoding = ""};
     if (description->format != NORMA_FILE_PLY && description->format != NORMA_FILE_STL)
         return large_fail_format(path, error);
     norma_document_result result =
@@ -422,7 +423,7 @@ int norma_large_need(const char *path, norma_file_format format, uint64_t *bytes
     large_file file;
     int possible = 0;
     uint64_t need = 0;
-    format = path ? format_of(path, format) : NORMA_FILE_UNKNOWN;
+    format = path ? walk_format_of(path, format) : NORMA_FILE_UNKNOWN;
     if (format == NORMA_FILE_PLY || format == NORMA_FILE_STL) {
         if (norma_large_open(path, &options, format, &file, &error) == NORMA_DOCUMENT_OK)
             need = format == NORMA_FILE_STL ? need_of_stl(&file, &possible)
@@ -460,7 +461,7 @@ static norma_document_result open_walk(
                                        : walk_ply_open(&w->file, &w->ply);
 }
 
-static void describe(const large_walk *w, norma_mesh_info *info) {
+static void walk_describe(const large_walk *w, norma_mesh_info *info) {
     *info = (norma_mesh_info){.name = "", .where = "", .encoding = ""};
     w->file.document->functions->mesh_info(w->file.document, 0, info);
     if (w->format == NORMA_FILE_PLY) {
@@ -478,7 +479,7 @@ norma_document_result norma_large_walk_open(const char *path, const norma_large_
     const norma_document_result result = open_walk(w, path, options, error);
     w->file.progress = progress;
     w->file.progress_user = progress_user;
-    if (!result) describe(w, info);
+    if (!result) walk_describe(w, info);
     return result;
 }
 

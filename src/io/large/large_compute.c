@@ -82,7 +82,7 @@ static norma_document_result add_query(query_batch *batch, size_t element) {
 
 /* ---- one block */
 
-static double distance(const core_mesh *mesh, uint32_t a, uint32_t b) {
+static double passes_distance(const core_mesh *mesh, uint32_t a, uint32_t b) {
     double p[3], q[3], sum = 0;
     norma_core_position(mesh, a, p);
     norma_core_position(mesh, b, q);
@@ -90,12 +90,12 @@ static double distance(const core_mesh *mesh, uint32_t a, uint32_t b) {
     return sum;
 }
 
-static void ask(query_batch *batch, core_nearest *nearest, size_t first) {
+static void passes_ask(query_batch *batch, core_nearest *nearest, size_t first) {
     for (size_t i = 0; i < batch->count; ++i) {
         const uint32_t position = (uint32_t)(batch->site_capacity + i);
         const uint32_t site = norma_core_nearest_find(nearest, position);
         if (site == UINT32_MAX) continue;
-        const double away = distance(nearest->mesh, site, position);
+        const double away = passes_distance(nearest->mesh, site, position);
         if (batch->sources[i] != UINT32_MAX && !(away < batch->distances[i])) continue;
         batch->sources[i] = (uint32_t)(first + site);
         batch->distances[i] = away;
@@ -125,7 +125,7 @@ static norma_result search_block(query_batch *batch, size_t first, size_t count)
         if (!norma_large_bits_has(sites->without, first + i))
             norma_core_nearest_add(&nearest, (uint32_t)i, (uint32_t)i);
     result = norma_core_nearest_plant(&nearest, batch->count);
-    if (!result) ask(batch, &nearest, first);
+    if (!result) passes_ask(batch, &nearest, first);
     norma_core_nearest_end(&nearest);
     return result;
 }
@@ -237,7 +237,7 @@ static norma_document_result measure_block(stl_passes *p, size_t count, norma_re
         norma_face_normals(&mesh, &core, p->stl.block->normals, count, report));
 }
 
-static int is_wanted(const stl_passes *p, size_t facet, float stored[3]) {
+static int passes_is_wanted(const stl_passes *p, size_t facet, float stored[3]) {
     norma_stl_load(p->stl.state, facet, stored, NULL);
     return norma_policy_wants_facet(p->job->policy.options->only, stored);
 }
@@ -255,7 +255,7 @@ static norma_document_result choose_normals(stl_passes *p, size_t first, size_t 
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t i = 0; i < count && !result; ++i) {
         float stored[3];
-        const int wanted = is_wanted(p, i, stored);
+        const int wanted = passes_is_wanted(p, i, stored);
         if (p->stl.block->reasons[i]) result = note_missing(p, first + i);
         if (p->stl.block->reasons[i] || !wanted)
             memcpy(p->stl.block->normals + 3 * i, stored, sizeof stored);
@@ -263,7 +263,7 @@ static norma_document_result choose_normals(stl_passes *p, size_t first, size_t 
     return result;
 }
 
-static norma_document_result compute_block(stl_passes *p, size_t first, size_t count) {
+static norma_document_result passes_compute_block(stl_passes *p, size_t first, size_t count) {
     norma_compute_summary *summary = p->job->policy.summary;
     norma_report report;
     norma_document_result result = norma_large_stl_read(&p->stl, first, count);
@@ -284,7 +284,7 @@ static norma_document_result compute_blocks(stl_passes *p) {
     norma_document_result result = norma_large_output_copy(&p->output, 0, STL_HEADER);
     for (size_t first = 0; first < p->stl.facets && !result; first += LARGE_FACETS) {
         const size_t left = p->stl.facets - first;
-        result = compute_block(p, first, left < LARGE_FACETS ? left : LARGE_FACETS);
+        result = passes_compute_block(p, first, left < LARGE_FACETS ? left : LARGE_FACETS);
         if (!result) result = norma_large_tell(p->file, (double)first / (double)p->stl.facets);
     }
     return result;
@@ -314,7 +314,7 @@ static norma_document_result fill_facet(void *context, uint32_t facet, uint32_t 
     if (source != UINT32_MAX) memcpy(normal, p->stl.block->normals, sizeof normal);
     norma_policy_point_up(normal);
     if (!result) result = norma_large_stl_read(&p->stl, facet, 1);
-    if (result || !is_wanted(p, 0, stored)) return result;
+    if (result || !passes_is_wanted(p, 0, stored)) return result;
     ++summary->filled;
     summary->changed |= norma_stl_replace_normals(p->stl.block->bytes, 0, 1, normal);
     return norma_large_output_patch(&p->output, STL_HEADER + (uint64_t)facet * STL_FACET,
@@ -417,7 +417,7 @@ typedef struct ply_passes {
 
 /* ---- what is asked */
 
-static norma_document_result refuse(const large_file *file, const char *what) {
+static norma_document_result passes_refuse(const large_file *file, const char *what) {
     return norma_document_fail(file->document, file->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
         "does not fit into the memory allowed, and %s the whole file; allow more memory", what);
 }
@@ -425,41 +425,31 @@ static norma_document_result refuse(const large_file *file, const char *what) {
 static norma_document_result check_options(const large_compute *job) {
     const norma_compute_options *options = job->policy.options;
     if (job->policy.summary->shading != NORMA_SHADING_SMOOTH)
-        return refuse(job->file, "flat normals and creases need");
+        return passes_refuse(job->file, "flat normals and creases need");
     if (options->weld == NORMA_WELD_DISTANCE && options->weld_distance > 0)
-        return refuse(job->file, "welding by a distance needs");
+        return passes_refuse(job->file, "welding by a distance needs");
     return NORMA_DOCUMENT_OK;
 }
 
-static const ply_element *vertex_of(const ply_passes *p) { return p->ply.vertex; }
+static const ply_element *passes_vertex_of(const ply_passes *p) { return p->ply.vertex; }
 
-static size_t block_size(const ply_passes *p, size_t first, size_t end) {
+static size_t passes_block_size(const ply_passes *p, size_t first, size_t end) {
     (void)p;
     return end - first < LARGE_BLOCK ? end - first : LARGE_BLOCK;
 }
 
-/* As ply_compute.c judges a stored normal. */
-static int is_broken(const double stored[3], double scale) {
-    double normal[3];
-    for (int axis = 0; axis < 3; ++axis) {
-        normal[axis] = stored[axis] / scale;
-        if (scale > 1 && normal[axis] < -1) normal[axis] = -1;
-    }
-    return norma_normal_is_broken(normal, scale == 127 ? 8 : 32);
-}
-
-static norma_document_result find_broken(ply_passes *p, int *any) {
-    const double scale =
-        norma_ply_normal_scale(&p->ply.state->header, vertex_of(p), p->ply.state->header.normal);
+static norma_document_result passes_find_broken(ply_passes *p, int *any) {
+    const double scale = norma_ply_normal_scale(
+        &p->ply.state->header, passes_vertex_of(p), p->ply.state->header.normal);
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = 0; first < p->ply.vertices && !result && !*any; first += LARGE_BLOCK) {
-        const size_t count = block_size(p, first, p->ply.vertices);
+        const size_t count = passes_block_size(p, first, p->ply.vertices);
         double *stored;
         large_view view;
         result = norma_large_ply_stored(&p->ply, first, count, &stored, &view);
         if (result) return result;
         norma_large_ply_look_away(&p->ply, &view);
-        for (size_t i = 0; i < count; ++i) *any |= is_broken(stored + 3 * i, scale);
+        for (size_t i = 0; i < count; ++i) *any |= norma_ply_is_broken(stored + 3 * i, scale);
         free(stored);
     }
     return result;
@@ -477,7 +467,7 @@ static int differs(
 }
 
 /* normals: changed into what is stored. */
-static norma_document_result write_block(
+static norma_document_result passes_write_block(
     ply_passes *p, size_t first, size_t count, float *normals, const uint8_t *reasons) {
     large_file *file = p->file;
     ply_edit *edit = &p->ply.state->edit;
@@ -501,18 +491,18 @@ static norma_document_result write_block(
     return result ? result : norma_large_output_result(&p->output);
 }
 
-static norma_document_result write_part(ply_passes *p, const large_part *part) {
+static norma_document_result passes_write_part(ply_passes *p, const large_part *part) {
     norma_compute_summary *summary = p->job->policy.summary;
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = part->begin; first < part->end && !result; first += LARGE_BLOCK) {
-        const size_t count = block_size(p, first, part->end), at = first - part->begin;
+        const size_t count = passes_block_size(p, first, part->end), at = first - part->begin;
         for (size_t i = 0; i < count; ++i) {
             if (!part->reasons[at + i]) continue;
             norma_large_bits_set(&p->without, first + i);
             ++p->without_count;
             norma_large_count_reason(&summary->report, part->reasons[at + i], first + i);
         }
-        result = write_block(p, first, count, part->normals + 3 * at, part->reasons + at);
+        result = passes_write_block(p, first, count, part->normals + 3 * at, part->reasons + at);
         if (!result)
             result = norma_large_tell(
                 p->file, 0.9 + 0.1 * (double)at / (double)(part->end - part->begin));
@@ -551,7 +541,7 @@ static norma_document_result run_passes(ply_passes *p, double from, double to) {
         norma_large_stage(p->file, from + (to - from) * done,
             from + (to - from) * (double)part.end / (double)vertices);
         result = compute_part(p, &part);
-        if (!result) result = write_part(p, &part);
+        if (!result) result = passes_write_part(p, &part);
         norma_large_add_count(
             &p->job->policy.summary->report.degenerate_faces, &part.degenerate, 0);
         begin = part.end;
@@ -562,7 +552,8 @@ static norma_document_result run_passes(ply_passes *p, double from, double to) {
 
 /* ---- what has no normal */
 
-static norma_document_result read_positions(void *context, size_t first, size_t count, void *out) {
+static norma_document_result passes_read_positions(
+    void *context, size_t first, size_t count, void *out) {
     return norma_large_ply_positions(context, first, count, out);
 }
 
@@ -612,12 +603,12 @@ static norma_document_result fill_one(void *context, uint32_t vertex, uint32_t s
     return patch_row(p, vertex, normal);
 }
 
-static norma_document_result fill_nearest(ply_passes *p) {
+static norma_document_result passes_fill_nearest(ply_passes *p) {
     const large_sites sites = {.file = p->file,
         .count = p->ply.vertices,
         .without = &p->without,
         .single = p->ply.single,
-        .positions = read_positions,
+        .positions = passes_read_positions,
         .context = &p->ply,
         .anchor = p->parts.anchor,
         .core = &p->parts.core};
@@ -628,7 +619,7 @@ static norma_document_result fill_nearest(ply_passes *p) {
 /* With --only broken, all others get their stored bytes back. */
 static norma_document_result restore_block(ply_passes *p, size_t first, size_t count) {
     const ply_header *header = &p->ply.state->header;
-    const double scale = norma_ply_normal_scale(header, vertex_of(p), header->normal);
+    const double scale = norma_ply_normal_scale(header, passes_vertex_of(p), header->normal);
     unsigned char *rows = malloc(count * p->row.size);
     double *stored = NULL;
     large_view view;
@@ -640,7 +631,7 @@ static norma_document_result restore_block(ply_passes *p, size_t first, size_t c
         result =
             norma_large_output_read(&p->output, row_place(p, first), rows, count * p->row.size);
     for (size_t i = 0; i < count && !result; ++i) {
-        if (is_broken(stored + 3 * i, scale)) continue;
+        if (norma_ply_is_broken(stored + 3 * i, scale)) continue;
         if (norma_large_bits_has(&p->without, first + i)) --p->job->policy.summary->filled;
         for (int axis = 0; axis < 3; ++axis)
             norma_ply_put(rows + i * p->row.size + p->row.normal[axis],
@@ -659,7 +650,7 @@ static norma_document_result restore_unbroken(ply_passes *p) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     p->job->policy.summary->changed = 1;
     for (size_t first = 0; first < p->ply.vertices && !result; first += LARGE_BLOCK)
-        result = restore_block(p, first, block_size(p, first, p->ply.vertices));
+        result = restore_block(p, first, passes_block_size(p, first, p->ply.vertices));
     return result;
 }
 
@@ -672,7 +663,7 @@ static norma_document_result find_anchor(ply_passes *p) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = 0; !p->ply.single && first < p->ply.vertices && !result;
          first += LARGE_BLOCK) {
-        const size_t count = block_size(p, first, p->ply.vertices);
+        const size_t count = passes_block_size(p, first, p->ply.vertices);
         const double *at = p->ply.scratch;
         result = norma_large_ply_positions(&p->ply, first, count, p->ply.scratch);
         for (size_t i = 0; i < count && !result; ++i, at += 3) {
@@ -686,7 +677,7 @@ static norma_document_result find_anchor(ply_passes *p) {
     return result;
 }
 
-static norma_document_result find_equal(ply_passes *p) {
+static norma_document_result passes_find_equal(ply_passes *p) {
     large_budget *budget = &p->file->budget;
     int any = 0;
     p->parts.core.weld = NORMA_WELD_NONE;
@@ -708,23 +699,24 @@ static norma_document_result begin_output(ply_passes *p) {
         norma_large_ply_write_header(&p->ply, norma_large_output_write, &p->output, &p->row);
     for (int axis = 0; axis < 3 && p->had; ++axis)
         p->job->policy.summary->changed |=
-            norma_ply_property(header, vertex_of(p), header->normal[axis])->type !=
+            norma_ply_property(header, passes_vertex_of(p), header->normal[axis])->type !=
             edit->normal_types[axis];
     if (!result) result = norma_large_output_result(&p->output);
     norma_large_stage(p->file, 0.27, 0.28);
-    if (!result) result = norma_large_output_copy(&p->output, header->body, vertex_of(p)->begin);
+    if (!result)
+        result = norma_large_output_copy(&p->output, header->body, passes_vertex_of(p)->begin);
     p->rows_begin = p->output.written;
     return result;
 }
 
-static norma_document_result prepare(ply_passes *p) {
+static norma_document_result passes_prepare(ply_passes *p) {
     large_file *file = p->file;
     p->parts = (large_parts){
         .ply = &p->ply, .survey = &p->survey, .core = p->job->policy.core, .share = 1};
     p->parts.core.fallback = NORMA_FALLBACK_ZERO;
     norma_large_stage(file, 0.15, 0.27);
     norma_document_result result = find_anchor(p);
-    if (!result) result = find_equal(p);
+    if (!result) result = passes_find_equal(p);
     if (!result && !norma_large_bits_open(&file->budget, p->ply.vertices, &p->without))
         result = norma_large_fail_memory(file);
     return result;
@@ -737,32 +729,32 @@ static norma_document_result copy_whole(ply_passes *p) {
     return norma_large_output_copy(&p->output, 0, p->file->size);
 }
 
-static norma_document_result compute_all(ply_passes *p) {
+static norma_document_result passes_compute_all(ply_passes *p) {
     large_file *file = p->file;
-    norma_document_result result = prepare(p);
+    norma_document_result result = passes_prepare(p);
     if (!result) result = begin_output(p);
     if (!result) result = run_passes(p, 0.28, 0.9);
     norma_large_stage(file, 0.9, 0.95);
-    if (!result) result = norma_large_output_copy(&p->output, vertex_of(p)->end, file->size);
+    if (!result) result = norma_large_output_copy(&p->output, passes_vertex_of(p)->end, file->size);
     norma_large_stage(file, 0.95, 1);
-    if (!result) result = fill_nearest(p);
+    if (!result) result = passes_fill_nearest(p);
     if (!result && p->only_broken) result = restore_unbroken(p);
     norma_large_bits_close(&file->budget, &p->parts.equal);
     norma_large_bits_close(&file->budget, &p->without);
     return result;
 }
 
-static norma_document_result compute(ply_passes *p) {
+static norma_document_result passes_compute(ply_passes *p) {
     norma_compute_summary *summary = p->job->policy.summary;
     const norma_only only = p->job->policy.options->only;
     int broken = 0;
     if (p->survey.corners == 0 || (only == NORMA_ONLY_MISSING && p->had)) return copy_whole(p);
     if (p->only_broken) {
-        norma_document_result result = find_broken(p, &broken);
+        norma_document_result result = passes_find_broken(p, &broken);
         if (result || !broken) return result ? result : copy_whole(p);
     }
     summary->changed = !p->had;
-    return compute_all(p);
+    return passes_compute_all(p);
 }
 
 norma_document_result norma_large_compute_ply(large_compute *job) {
@@ -780,7 +772,7 @@ norma_document_result norma_large_compute_ply(large_compute *job) {
         summary->faces = (size_t)p.ply.faces;
         summary->vertices_before = summary->vertices_after = p.ply.vertices;
         norma_large_add_count(&summary->report.degenerate_faces, &p.survey.empty, 0);
-        result = compute(&p);
+        result = passes_compute(&p);
     }
     result = norma_large_output_close(&p.output, result, job->options->size);
     norma_large_survey_close(&p.ply, &p.survey);

@@ -52,7 +52,7 @@ void *norma_large_grow(
 
 /* ---- for the core */
 
-static void *allocate(void *user, size_t size, size_t alignment) {
+static void *large_allocate(void *user, size_t size, size_t alignment) {
     void *block = NULL;
     const size_t bytes = claim(user, 1, size);
     if (!bytes) return NULL;
@@ -66,7 +66,7 @@ static void *allocate(void *user, size_t size, size_t alignment) {
     return block;
 }
 
-static void release(void *user, void *block, size_t size) {
+static void large_release(void *user, void *block, size_t size) {
     release_claim(user, 1, size);
 #if defined(_WIN32)
     _aligned_free(block);
@@ -76,31 +76,31 @@ static void release(void *user, void *block, size_t size) {
 }
 
 norma_allocator norma_large_allocator(large_budget *budget) {
-    return (norma_allocator){allocate, release, budget};
+    return (norma_allocator){large_allocate, large_release, budget};
 }
 
 /* ---- A set of vertices, a bit each. Members before one are counted from a number for each word
  * of 64, so that members can be numbered without a list of them. */
 
-static size_t words_of(size_t count) { return count / 64 + 1; }
+static size_t large_words_of(size_t count) { return count / 64 + 1; }
 
 int norma_large_bits_open(large_budget *budget, size_t count, large_bits *bits) {
     *bits = (large_bits){.count = count};
-    bits->words = norma_large_take_zeroed(budget, words_of(count), sizeof *bits->words);
-    bits->before = norma_large_take_zeroed(budget, words_of(count), sizeof *bits->before);
+    bits->words = norma_large_take_zeroed(budget, large_words_of(count), sizeof *bits->words);
+    bits->before = norma_large_take_zeroed(budget, large_words_of(count), sizeof *bits->before);
     if (bits->words && bits->before) return 1;
     norma_large_bits_close(budget, bits);
     return 0;
 }
 
 void norma_large_bits_close(large_budget *budget, large_bits *bits) {
-    norma_large_give(budget, bits->words, words_of(bits->count), sizeof *bits->words);
-    norma_large_give(budget, bits->before, words_of(bits->count), sizeof *bits->before);
+    norma_large_give(budget, bits->words, large_words_of(bits->count), sizeof *bits->words);
+    norma_large_give(budget, bits->before, large_words_of(bits->count), sizeof *bits->before);
     *bits = (large_bits){0};
 }
 
 void norma_large_bits_clear(large_bits *bits) {
-    memset(bits->words, 0, words_of(bits->count) * sizeof *bits->words);
+    memset(bits->words, 0, large_words_of(bits->count) * sizeof *bits->words);
 }
 
 void norma_large_bits_set_range(large_bits *bits, size_t begin, size_t end) {
@@ -119,7 +119,7 @@ static uint32_t ones(uint64_t word) {
 
 size_t norma_large_bits_count(large_bits *bits) {
     uint32_t sum = 0;
-    for (size_t word = 0; word < words_of(bits->count); ++word) {
+    for (size_t word = 0; word < large_words_of(bits->count); ++word) {
         bits->before[word] = sum;
         sum += ones(bits->words[word]);
     }

@@ -7,14 +7,14 @@
 
 /* ---- hashes */
 
-static uint64_t mix(uint64_t x) {
+static uint64_t part_mix(uint64_t x) {
     x = (x ^ x >> 32) * UINT64_C(0xd6e8feb86659fd93);
     x = (x ^ x >> 32) * UINT64_C(0xd6e8feb86659fd93);
     return x ^ x >> 32;
 }
 
 /* 0 where it is not a number, and so equal to nothing. -0 is 0. */
-static uint64_t hash_of(const double position[3]) {
+static uint64_t part_hash_of(const double position[3]) {
     uint64_t sum = 0;
     for (int k = 0; k < 3; ++k) {
         const double p = position[k] + 0.0;
@@ -24,7 +24,7 @@ static uint64_t hash_of(const double position[3]) {
         sum = (sum ^ bits) * UINT64_C(0x9e3779b97f4a7c15) + (uint64_t)k + 1;
         sum ^= sum >> 29;
     }
-    const uint64_t hash = mix(sum);
+    const uint64_t hash = part_mix(sum);
     return hash ? hash : 1;
 }
 
@@ -37,28 +37,28 @@ static norma_document_result hash_block(
         double position[3];
         for (size_t k = 0; k < 3; ++k)
             position[k] = ply->single ? (double)floats[3 * i + k] : ply->scratch[3 * i + k];
-        hashes[i] = hash_of(position);
+        hashes[i] = part_hash_of(position);
     }
     return result;
 }
 
-static size_t block_size(const large_ply *ply, size_t first) {
+static size_t part_block_size(const large_ply *ply, size_t first) {
     return ply->vertices - first < LARGE_BLOCK ? ply->vertices - first : LARGE_BLOCK;
 }
 
 /* ---- which are equal to any other */
 
-static const uint64_t EMPTY = UINT64_MAX;
+static const uint64_t PART_EMPTY = UINT64_MAX;
 
 typedef struct seen_table {
     uint64_t *slots; /* the upper half of a hash, and the first vertex that has it */
     size_t size;     /* a power of two */
 } seen_table;
 
-static void meet(seen_table *table, uint64_t hash, size_t vertex, large_bits *equal) {
+static void meet_equal(seen_table *table, uint64_t hash, size_t vertex, large_bits *equal) {
     const uint64_t upper = hash >> 32 << 32;
     size_t slot = (size_t)hash & (table->size - 1);
-    for (; table->slots[slot] != EMPTY; slot = (slot + 1) & (table->size - 1))
+    for (; table->slots[slot] != PART_EMPTY; slot = (slot + 1) & (table->size - 1))
         if (table->slots[slot] >> 32 << 32 == upper) {
             norma_large_bits_set(equal, (size_t)(uint32_t)table->slots[slot]);
             norma_large_bits_set(equal, vertex);
@@ -68,7 +68,7 @@ static void meet(seen_table *table, uint64_t hash, size_t vertex, large_bits *eq
 }
 
 /* Of the parts into which hashes fall evenly, one. */
-static size_t part_of(uint64_t hash, size_t parts) {
+static size_t share_of_hash(uint64_t hash, size_t parts) {
     return (size_t)(((hash >> 8 & UINT32_MAX) * parts) >> 32);
 }
 
@@ -77,16 +77,16 @@ static norma_document_result meet_part(large_ply *ply, seen_table *table, uint64
     norma_document_result result = NORMA_DOCUMENT_OK;
     memset(table->slots, 0xff, table->size * sizeof *table->slots);
     for (size_t first = 0; first < ply->vertices && !result; first += LARGE_BLOCK) {
-        const size_t count = block_size(ply, first);
+        const size_t count = part_block_size(ply, first);
         result = hash_block(ply, first, count, hashes);
 #if defined(__GNUC__)
         for (size_t i = 0; i < count && !result; ++i)
-            if (hashes[i] && part_of(hashes[i], parts) == part)
+            if (hashes[i] && share_of_hash(hashes[i], parts) == part)
                 __builtin_prefetch(&table->slots[(size_t)hashes[i] & (table->size - 1)], 1, 1);
 #endif
         for (size_t i = 0; i < count && !result; ++i)
-            if (hashes[i] && part_of(hashes[i], parts) == part)
-                meet(table, hashes[i], first + i, equal);
+            if (hashes[i] && share_of_hash(hashes[i], parts) == part)
+                meet_equal(table, hashes[i], first + i, equal);
         if (!result && first / LARGE_BLOCK % 32 == 0)
             result = norma_large_tell(
                 ply->file, ((double)part + (double)first / (double)ply->vertices) / (double)parts);
@@ -142,7 +142,7 @@ static int has_hash(const hash_set *set, uint64_t hash) {
     return set->slots[slot] != 0;
 }
 
-static norma_document_result gather(large_ply *ply, const large_bits *equal, size_t begin,
+static norma_document_result part_gather(large_ply *ply, const large_bits *equal, size_t begin,
     size_t end, hash_set *set, uint64_t *hashes) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = begin; first < end && !result; first += LARGE_BLOCK) {
@@ -159,7 +159,7 @@ static norma_document_result match(large_ply *ply, const large_bits *equal, cons
     uint64_t *hashes, large_bits *members) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = 0; first < ply->vertices && !result; first += LARGE_BLOCK) {
-        const size_t count = block_size(ply, first);
+        const size_t count = part_block_size(ply, first);
         if (!norma_large_bits_any(equal, first, first + count)) continue;
         result = hash_block(ply, first, count, hashes);
         for (size_t i = 0; i < count && !result; ++i)
@@ -183,7 +183,7 @@ static norma_document_result large_add_equal(
     set.slots = norma_large_take_zeroed(budget, set.size, sizeof *set.slots);
     norma_document_result result =
         hashes && set.slots ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MEMORY;
-    if (!result) result = gather(ply, equal, begin, end, &set, hashes);
+    if (!result) result = part_gather(ply, equal, begin, end, &set, hashes);
     if (!result) result = match(ply, equal, &set, hashes, members);
     norma_large_give(budget, set.slots, set.size, sizeof *set.slots);
     norma_large_give(budget, hashes, LARGE_BLOCK, sizeof *hashes);
@@ -263,7 +263,7 @@ size_t norma_large_part_count(const large_parts *parts) {
 
 /* ---- faces */
 
-static int make_room(const large_parts *parts, large_part *part, size_t corners) {
+static int part_make_room(const large_parts *parts, large_part *part, size_t corners) {
     large_budget *budget = &parts->ply->file->budget;
     const size_t needed = part->corner_count + corners;
     if (needed > UINT32_MAX) return 0; /* starts of faces are 32 bits: a smaller part */
@@ -291,13 +291,13 @@ static int touches(const large_bits *members, const uint32_t *corners, size_t co
     return any;
 }
 
-static int take_faces(const large_parts *parts, large_part *part) {
+static int part_take_faces(const large_parts *parts, large_part *part) {
     const large_faces *faces = &parts->ply->chunk;
     for (size_t i = 0; i < faces->count; ++i) {
         const uint32_t *corners = faces->corners + faces->starts[i];
         const size_t count = faces->starts[i + 1] - faces->starts[i];
         if (!touches(&part->members, corners, count)) continue;
-        if (!make_room(parts, part, count)) return 0;
+        if (!part_make_room(parts, part, count)) return 0;
         for (size_t k = 0; k < count; ++k) {
             part->corners[part->corner_count + k] = corners[k];
             norma_large_bits_set(&part->needed, corners[k]);
@@ -309,10 +309,10 @@ static int take_faces(const large_parts *parts, large_part *part) {
     return 1;
 }
 
-static norma_document_result gather_faces(const large_parts *parts, large_part *part) {
+static norma_document_result part_gather_faces(const large_parts *parts, large_part *part) {
     const large_survey *survey = parts->survey;
     norma_document_result result = NORMA_DOCUMENT_OK;
-    if (!make_room(parts, part, 0)) return NORMA_DOCUMENT_ERROR_MEMORY;
+    if (!part_make_room(parts, part, 0)) return NORMA_DOCUMENT_ERROR_MEMORY;
     if (part->starts) part->starts[0] = 0;
     for (size_t i = 0; i < survey->chunk_count && !result; ++i) {
         const large_chunk *chunk = &survey->chunks[i];
@@ -324,7 +324,7 @@ static norma_document_result gather_faces(const large_parts *parts, large_part *
         part->chunk_begins[part->chunk_count++] = (uint32_t)part->face_count;
         result = norma_large_ply_chunk(
             parts->ply, (uint64_t)i * LARGE_CHUNK, norma_large_chunk_faces(parts->ply, i), &offset);
-        if (!result && !take_faces(parts, part)) result = NORMA_DOCUMENT_ERROR_MEMORY;
+        if (!result && !part_take_faces(parts, part)) result = NORMA_DOCUMENT_ERROR_MEMORY;
         if (!result && i % 64 == 0)
             result =
                 norma_large_tell(parts->ply->file, 0.4 * (double)i / (double)survey->chunk_count);
@@ -332,7 +332,7 @@ static norma_document_result gather_faces(const large_parts *parts, large_part *
     return result;
 }
 
-static void number_corners(large_part *part) {
+static void part_number_corners(large_part *part) {
     const size_t range = part->end - part->begin;
     for (size_t c = 0; c < part->corner_count; ++c) {
         const size_t vertex = part->corners[c];
@@ -344,7 +344,7 @@ static void number_corners(large_part *part) {
 
 /* ---- vertices */
 
-static norma_document_result gather_positions(const large_parts *parts, large_part *part) {
+static norma_document_result part_gather_positions(const large_parts *parts, large_part *part) {
     large_ply *ply = parts->ply;
     const size_t size = norma_large_position_size(ply);
     unsigned char *out = part->positions;
@@ -364,7 +364,7 @@ static norma_document_result gather_positions(const large_parts *parts, large_pa
 
 /* ---- the core */
 
-static norma_mesh mesh_of(const large_parts *parts, const large_part *part) {
+static norma_mesh part_mesh_of(const large_parts *parts, const large_part *part) {
     return (norma_mesh){
         .positions = {.data = part->positions,
             .count = part->count,
@@ -381,7 +381,7 @@ typedef struct part_progress {
     norma_document_result result;
 } part_progress;
 
-static int tell(void *user, double fraction) {
+static int part_tell(void *user, double fraction) {
     part_progress *progress = user;
     progress->result = norma_large_tell(progress->file, 0.5 + 0.4 * fraction);
     return progress->result != NORMA_DOCUMENT_OK;
@@ -415,9 +415,9 @@ static norma_document_result number_in_file(
 }
 
 /* Each face without a direction counts in the part that has its first corner. */
-static norma_document_result count_degenerate(const large_parts *parts, large_part *part) {
+static norma_document_result part_count_degenerate(const large_parts *parts, large_part *part) {
     large_budget *budget = &parts->ply->file->budget;
-    const norma_mesh mesh = mesh_of(parts, part);
+    const norma_mesh mesh = part_mesh_of(parts, part);
     float *normals = norma_large_take(budget, part->face_count, 3 * sizeof *normals);
     uint8_t *reasons = norma_large_take(budget, part->face_count, 1);
     norma_options core = parts->core;
@@ -443,9 +443,9 @@ static norma_document_result count_degenerate(const large_parts *parts, large_pa
                              : number_in_file(parts, part, first, &part->degenerate.first);
 }
 
-static norma_document_result run_core(const large_parts *parts, large_part *part) {
+static norma_document_result part_run_core(const large_parts *parts, large_part *part) {
     large_budget *budget = &parts->ply->file->budget;
-    const norma_mesh mesh = mesh_of(parts, part);
+    const norma_mesh mesh = part_mesh_of(parts, part);
     norma_options core = parts->core;
     norma_report report;
     part_progress progress = {.file = parts->ply->file};
@@ -454,19 +454,19 @@ static norma_document_result run_core(const large_parts *parts, large_part *part
     if (!part->all_normals || !part->all_reasons) return NORMA_DOCUMENT_ERROR_MEMORY;
     core.reasons = part->all_reasons;
     core.allocator = norma_large_allocator(budget);
-    core.progress = tell;
+    core.progress = part_tell;
     core.progress_user = &progress;
     const norma_result failed =
         norma_vertex_normals(&mesh, &core, part->all_normals, part->count, &report);
     if (failed) return result_of(parts, failed, &progress);
     part->normals = part->all_normals + 3 * part->first;
     part->reasons = part->all_reasons + part->first;
-    return report.degenerate_faces.count ? count_degenerate(parts, part) : NORMA_DOCUMENT_OK;
+    return report.degenerate_faces.count ? part_count_degenerate(parts, part) : NORMA_DOCUMENT_OK;
 }
 
 /* ---- a part as a whole */
 
-static int open_part(const large_parts *parts, large_part *part) {
+static int part_open_part(const large_parts *parts, large_part *part) {
     large_budget *budget = &parts->ply->file->budget;
     const size_t chunks = parts->survey->chunk_count;
     part->chunks = norma_large_take(budget, chunks, sizeof *part->chunks);
@@ -479,7 +479,7 @@ static int open_part(const large_parts *parts, large_part *part) {
 norma_document_result norma_large_part_compute(const large_parts *parts, large_part *part) {
     large_budget *budget = &parts->ply->file->budget;
     part->degenerate = (norma_count){0, SIZE_MAX};
-    if (!open_part(parts, part)) return NORMA_DOCUMENT_ERROR_MEMORY;
+    if (!part_open_part(parts, part)) return NORMA_DOCUMENT_ERROR_MEMORY;
     norma_large_bits_set_range(&part->members, part->begin, part->end);
     norma_large_bits_set_range(&part->needed, part->begin, part->end);
     if (parts->anchor != UINT32_MAX) norma_large_bits_set(&part->needed, parts->anchor);
@@ -487,15 +487,15 @@ norma_document_result norma_large_part_compute(const large_parts *parts, large_p
     if (parts->equal.words)
         result = large_add_equal(parts->ply, &parts->equal, part->begin, part->end, &part->members);
     if (!result) norma_large_bits_count(&part->members);
-    if (!result) result = gather_faces(parts, part);
+    if (!result) result = part_gather_faces(parts, part);
     if (result) return result;
     part->count = norma_large_bits_count(&part->needed);
     part->first = norma_large_bits_before(&part->needed, part->begin);
-    number_corners(part);
+    part_number_corners(part);
     part->positions = norma_large_take(budget, part->count, norma_large_position_size(parts->ply));
     if (!part->positions) return NORMA_DOCUMENT_ERROR_MEMORY;
-    result = gather_positions(parts, part);
-    return result ? result : run_core(parts, part);
+    result = part_gather_positions(parts, part);
+    return result ? result : part_run_core(parts, part);
 }
 
 void norma_large_part_close(const large_parts *parts, large_part *part) {

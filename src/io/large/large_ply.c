@@ -12,7 +12,7 @@ static norma_document_result fail_whole(const large_file *file, const char *what
         "%s, and %s; %s", file->source.why, what, file->source.instead);
 }
 
-static norma_document_result read_header(large_file *file, ply_state *state) {
+static norma_document_result large_read_header(large_file *file, ply_state *state) {
     norma_document *document = file->document;
     document->functions = &norma_ply_functions;
     state->bytes = document->source.data;
@@ -30,7 +30,7 @@ static const char *why_whole(const ply_state *state) {
     return NULL;
 }
 
-static norma_document_result walk_row(
+static norma_document_result large_walk_row(
     large_ply *ply, const ply_element *element, uint64_t row, int is_read);
 
 /* Elements with lists that are not read are walked row by row. */
@@ -38,7 +38,7 @@ static norma_document_result walk_element(large_ply *ply, ply_element *element, 
     norma_document_result result = NORMA_DOCUMENT_OK;
     norma_large_reader_seek(&ply->rows, *at);
     for (uint64_t row = 0; row < element->count && !result; ++row)
-        result = walk_row(ply, element, row, 0);
+        result = large_walk_row(ply, element, row, 0);
     *at = norma_large_reader_tell(&ply->rows);
     return result;
 }
@@ -92,7 +92,7 @@ norma_document_result norma_large_ply_open(large_file *file, large_ply *ply) {
     ply->rows.file = ply->blocks.file = file;
     ply->state = file->document->state = norma_io_allocate(1, sizeof *ply->state);
     if (!ply->state) return norma_large_fail_memory(file);
-    norma_document_result result = read_header(file, ply->state);
+    norma_document_result result = large_read_header(file, ply->state);
     if (result) return result;
     const ply_header *header = &ply->state->header;
     const char *whole = why_whole(ply->state);
@@ -225,7 +225,7 @@ norma_document_result norma_large_ply_write_rows(
 
 /* ---- faces */
 
-static int make_room(large_ply *ply, size_t more) {
+static int large_make_room(large_ply *ply, size_t more) {
     large_faces *chunk = &ply->chunk;
     const size_t needed = chunk->corner_count + more;
     if (needed <= chunk->capacity) return 1;
@@ -239,7 +239,7 @@ static int make_room(large_ply *ply, size_t more) {
 }
 
 /* Of the list of a row: count of them at `at`. */
-static norma_document_result take_corners(
+static norma_document_result large_take_corners(
     large_ply *ply, const unsigned char *at, size_t count, uint64_t offset, uint64_t face) {
     const ply_header *header = &ply->state->header;
     const ply_type type = norma_ply_property(header, ply->face, header->face_list)->type;
@@ -257,7 +257,7 @@ static norma_document_result take_corners(
 }
 
 /* A row of any kind, of faces perhaps read into the chunk. */
-static norma_document_result walk_row(
+static norma_document_result large_walk_row(
     large_ply *ply, const ply_element *element, uint64_t row, int is_read) {
     const ply_header *header = &ply->state->header;
     large_reader *reader = &ply->rows;
@@ -282,8 +282,9 @@ static norma_document_result walk_row(
             at = norma_large_peek(reader, size < SMALL_BUFFER ? (size_t)size : SIZE_MAX);
             if (!at && reader->result) return reader->result;
             if (!at) return fail_whole(ply->file, "a face is longer than a megabyte");
-            if (!make_room(ply, (size_t)items)) return norma_large_fail_memory(ply->file);
-            norma_document_result result = take_corners(ply, at + first, (size_t)items, begin, row);
+            if (!large_make_room(ply, (size_t)items)) return norma_large_fail_memory(ply->file);
+            norma_document_result result =
+                large_take_corners(ply, at + first, (size_t)items, begin, row);
             if (result) return result;
         }
         norma_large_reader_seek(reader, norma_large_reader_tell(reader) + size);
@@ -298,7 +299,7 @@ size_t norma_large_even_row(const large_ply *ply) {
            3 * norma_ply_type_size(norma_ply_property(header, ply->face, header->face_list)->type);
 }
 
-static int are_triangles(
+static int large_are_triangles(
     const large_ply *ply, const unsigned char *rows, size_t count, size_t row_size) {
     const ply_header *header = &ply->state->header;
     const ply_type type = norma_ply_property(header, ply->face, header->face_list)->count_type;
@@ -319,12 +320,12 @@ norma_document_result norma_large_are_even(
     const size_t row_size = norma_large_even_row(ply);
     norma_large_reader_seek(&ply->rows, offset);
     const unsigned char *rows = norma_large_peek(&ply->rows, count * row_size);
-    *are_even = rows && are_triangles(ply, rows, count, row_size);
+    *are_even = rows && large_are_triangles(ply, rows, count, row_size);
     return ply->rows.result;
 }
 
 /* *done: whether all rows were triangles. */
-static norma_document_result read_triangles(
+static norma_document_result large_read_triangles(
     large_ply *ply, uint64_t first, size_t count, int *done) {
     const ply_header *header = &ply->state->header;
     const ply_property *property = norma_ply_property(header, ply->face, header->face_list);
@@ -333,16 +334,16 @@ static norma_document_result read_triangles(
                          norma_ply_type_size(property->count_type);
     const unsigned char *rows = row_size ? norma_large_peek(&ply->rows, count * row_size) : NULL;
     const uint64_t begin = norma_large_reader_tell(&ply->rows);
-    *done = rows && are_triangles(ply, rows, count, row_size);
+    *done = rows && large_are_triangles(ply, rows, count, row_size);
     if (!*done) return ply->rows.result;
-    if (!make_room(ply, 3 * count)) return norma_large_fail_memory(ply->file);
+    if (!large_make_room(ply, 3 * count)) return norma_large_fail_memory(ply->file);
     const int native = norma_ply_is_native(header->encoding) &&
                        (property->type == PLY_INT32 || property->type == PLY_UINT32);
     if (!native || norma_ply_copy_triangles(rows + items, row_size, count, ply->chunk.corners) >=
                        ply->vertices)
         for (size_t i = 0; i < count; ++i) {
-            norma_document_result result =
-                take_corners(ply, rows + i * row_size + items, 3, begin + i * row_size, first + i);
+            norma_document_result result = large_take_corners(
+                ply, rows + i * row_size + items, 3, begin + i * row_size, first + i);
             if (result) return result;
         }
     ply->chunk.corner_count = 3 * count;
@@ -359,9 +360,9 @@ norma_document_result norma_large_ply_chunk(
     chunk->corner_count = 0;
     chunk->starts[0] = 0;
     norma_large_reader_seek(&ply->rows, *offset);
-    norma_document_result result = read_triangles(ply, first, count, &done);
+    norma_document_result result = large_read_triangles(ply, first, count, &done);
     for (size_t i = 0; i < count && !result && !done; ++i) {
-        result = walk_row(ply, ply->face, first + i, 1);
+        result = large_walk_row(ply, ply->face, first + i, 1);
         chunk->starts[i + 1] = (uint32_t)chunk->corner_count;
     }
     *offset = norma_large_reader_tell(&ply->rows);

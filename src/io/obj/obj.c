@@ -86,7 +86,7 @@ static uint32_t *slot_of(const walk *w, const char *text, size_t length) {
         w->table, w->table_size, norma_core_hash(text, length), has_name, &search);
 }
 
-static int grow_table(walk *w) {
+static int scene_grow_table(walk *w) {
     size_t larger = w->table_size ? 2 * w->table_size : 64;
     uint32_t *table = norma_io_allocate(larger, sizeof *table);
     if (!table) return 0;
@@ -102,7 +102,7 @@ static int grow_table(walk *w) {
 static void use_material(walk *w, const char *text, size_t length) {
     const char *zero = memchr(text, 0, length);
     length = zero ? (size_t)(zero - text) : length;
-    if (2 * w->name_count >= w->table_size && !grow_table(w)) {
+    if (2 * w->name_count >= w->table_size && !scene_grow_table(w)) {
         w->failed = 1;
         return;
     }
@@ -123,7 +123,7 @@ static void use_material(walk *w, const char *text, size_t length) {
 
 /* ---- statements */
 
-static void read_material(walk *w, const char *p) {
+static void scene_read_material(walk *w, const char *p) {
     p = norma_obj_skip_blanks(p, w->end);
     const char *end = norma_obj_statement_end(p, w->end, NULL);
     while (end > p && norma_obj_is_blank(end[-1])) --end;
@@ -160,7 +160,7 @@ static uint32_t texture_of(const walk *w, const obj_corner *corner) {
     return number == UINT32_MAX - 2 ? UINT32_MAX : number;
 }
 
-static void read_face(walk *w, const char *p) {
+static void scene_read_face(walk *w, const char *p) {
     obj_corner corner;
     size_t first = w->corner;
     for (p = norma_obj_skip_blanks(p, w->end);
@@ -198,25 +198,25 @@ static int is_word(const char *p, const char *end, const char *word, size_t leng
 }
 
 /* Where its line ends. */
-static const char *read_statement(walk *w, const char *p) {
+static const char *scene_read_statement(walk *w, const char *p) {
     const char *rest = p, *plain = NULL;
     if (*p == 'f' && is_word(p, w->end, "f", 1)) plain = read_plain_face(w, p + 1);
     if (plain) return plain;
     if (*p == 'f' && norma_obj_keyword(p, w->end, &rest) == OBJ_FACE)
-        read_face(w, rest);
+        scene_read_face(w, rest);
     else if (*p == 'v' && is_word(p, w->end, "vt", 2))
         read_texcoord(w, p + 2);
     else if (*p == 'u' && is_word(p, w->end, "usemtl", 6))
-        read_material(w, p + 6);
+        scene_read_material(w, p + 6);
     return norma_obj_statement_end(p, w->end, NULL);
 }
 
-static void read_all(walk *w) {
+static void scene_walk_all(walk *w) {
     const char *text = (const char *)w->document->source.data;
     if (w->document->source.size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) text += 3;
     for (const char *p = text; p < w->end && !w->failed;) {
         p = norma_obj_skip_blanks(p, w->end);
-        p = p < w->end ? norma_obj_skip_end(read_statement(w, p), w->end) : p;
+        p = p < w->end ? norma_obj_skip_end(scene_read_statement(w, p), w->end) : p;
     }
 }
 
@@ -244,7 +244,7 @@ static int several(const walk *w) {
 }
 
 /* vt numbers past the last one name none. */
-static void keep_texcoords(walk *w, norma_mesh_attributes *made) {
+static void scene_keep_texcoords(walk *w, norma_mesh_attributes *made) {
     int any = 0;
     for (size_t i = 0; i < w->corner; ++i) {
         if (w->corner_texcoords[i] >= w->texcoord_count) w->corner_texcoords[i] = UINT32_MAX;
@@ -272,7 +272,7 @@ static uint8_t fault_of(const obj_state *state, size_t face) {
     return bad ? 2 : with && without;
 }
 
-static void judge_normals(walk *w, norma_mesh_attributes *made) {
+static void obj_judge_normals(walk *w, norma_mesh_attributes *made) {
     const obj_state *state = w->state;
     uint8_t *faults = NULL;
     for (size_t face = 0; state->corner_normals && face < state->face_count; ++face) {
@@ -303,11 +303,11 @@ static norma_document_result walk_all(norma_document *document, norma_document_e
         norma_scene_allocate(scene, state->corner_count, sizeof *w.corner_texcoords);
     w.face_materials = norma_scene_allocate(scene, state->face_count, sizeof *w.face_materials);
     w.failed = !made || !list || !w.corner_texcoords || !w.face_materials;
-    if (!w.failed) read_all(&w);
+    if (!w.failed) scene_walk_all(&w);
     if (!w.failed) {
         *made = (norma_mesh_attributes){.material = SIZE_MAX, .tangent_encoding = "", .ignore = ""};
-        keep_texcoords(&w, made);
-        judge_normals(&w, made);
+        scene_keep_texcoords(&w, made);
+        obj_judge_normals(&w, made);
         if (w.face && w.face_materials[0] != UINT32_MAX) made->material = w.face_materials[0];
         if (several(&w)) made->face_materials = w.face_materials;
         list[0] = made;
@@ -320,7 +320,8 @@ static norma_document_result walk_all(norma_document *document, norma_document_e
     return w.failed ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_unread(norma_document *document, norma_document_error *error) {
+static norma_document_result scene_read_unread(
+    norma_document *document, norma_document_error *error) {
     const obj_state *state = document->state;
     norma_unread *unread = norma_scene_allocate(document->scene, 1, sizeof *unread);
     if (!unread) return norma_document_fail_memory(document, error);
@@ -331,17 +332,17 @@ static norma_document_result read_unread(norma_document *document, norma_documen
     return NORMA_DOCUMENT_OK;
 }
 
-const scene_functions norma_obj_scene = {.materials = walk_all, .unread = read_unread};
+const scene_functions norma_obj_scene = {.materials = walk_all, .unread = scene_read_unread};
 
 /* ---- OBJ as a document: one mesh, its positions as doubles, a normal for each corner that names
  * one. */
 
-static size_t mesh_count(const norma_document *document) {
+static size_t obj_mesh_count(const norma_document *document) {
     (void)document;
     return 1;
 }
 
-static norma_document_result mesh_info(
+static norma_document_result obj_mesh_info(
     const norma_document *document, size_t index, norma_mesh_info *info) {
     const obj_state *state = document->state;
     (void)index;
@@ -412,8 +413,8 @@ static int visit_files(const norma_document *document, norma_visit_file *visit, 
 const format_functions norma_obj_functions = {.open = norma_edited_open,
     .close = norma_edited_close,
     .edited = &norma_obj_edited,
-    .mesh_count = mesh_count,
-    .mesh_info = mesh_info,
+    .mesh_count = obj_mesh_count,
+    .mesh_info = obj_mesh_info,
     .mesh_data = mesh_data,
     .compute = norma_obj_compute,
     .transform = norma_obj_transform,

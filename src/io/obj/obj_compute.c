@@ -38,18 +38,18 @@ static const float *normal_at(const obj_numbering *n, size_t place) {
     return n->normals + 3 * (n->order ? n->order[place] : place);
 }
 
-static size_t share_of(uint64_t hash) { return (size_t)(hash >> 56); }
+static size_t obj_share_of(uint64_t hash) { return (size_t)(hash >> 56); }
 /* The lower half of the hash, above where a place goes: most others are told apart by it, without a
  * look at normals that lie far apart. */
-static uint64_t tag_of(uint64_t hash) { return hash << 32; }
-static uint32_t place_of(uint64_t tagged) { return (uint32_t)tagged; }
+static uint64_t obj_tag_of(uint64_t hash) { return hash << 32; }
+static uint32_t obj_place_of(uint64_t tagged) { return (uint32_t)tagged; }
 
 static void count_shares(void *context, size_t slice) {
     numberer *w = context;
     uint32_t *counts = w->counts + slice * SHARES;
     const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
     for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
-        ++counts[share_of(hash_normal(normal_at(w->n, i)))];
+        ++counts[obj_share_of(hash_normal(normal_at(w->n, i)))];
 }
 
 static void place_shares(numberer *w) {
@@ -65,22 +65,22 @@ static void place_shares(numberer *w) {
     w->starts[SHARES] = at;
 }
 
-static void deal(void *context, size_t slice) {
+static void obj_deal(void *context, size_t slice) {
     numberer *w = context;
     uint32_t *next = w->counts + slice * SHARES;
     const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
     for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i) {
         const uint64_t hash = hash_normal(normal_at(w->n, i));
-        w->dealt[next[share_of(hash)]++] = tag_of(hash) | i;
+        w->dealt[next[obj_share_of(hash)]++] = obj_tag_of(hash) | i;
     }
 }
 
-static int are_equal(const obj_numbering *n, uint32_t a, uint32_t b) {
+static int obj_are_equal(const obj_numbering *n, uint32_t a, uint32_t b) {
     return memcmp(normal_at(n, a), normal_at(n, b), 3 * sizeof(float)) == 0;
 }
 
 /* A slot: a place + 1 below its normal's tag; 0: free. */
-static void find_firsts(void *context, size_t share) {
+static void obj_find_firsts(void *context, size_t share) {
     numberer *w = context;
     const size_t begin = w->starts[share], end = w->starts[share + 1];
     size_t size = 16;
@@ -89,19 +89,19 @@ static void find_firsts(void *context, size_t share) {
     uint64_t *slots = norma_io_allocate(size, sizeof *slots);
     w->failed[share] = !slots;
     for (size_t i = begin; slots && i < end; ++i) {
-        const uint32_t place = place_of(w->dealt[i]);
+        const uint32_t place = obj_place_of(w->dealt[i]);
         const uint64_t tag = w->dealt[i] - place;
         size_t slot = (size_t)(tag >> 32) & (size - 1);
-        while (slots[slot] && (slots[slot] - place_of(slots[slot]) != tag ||
-                                  !are_equal(w->n, place_of(slots[slot]) - 1, place)))
+        while (slots[slot] && (slots[slot] - obj_place_of(slots[slot]) != tag ||
+                                  !obj_are_equal(w->n, obj_place_of(slots[slot]) - 1, place)))
             slot = (slot + 1) & (size - 1);
         if (!slots[slot]) slots[slot] = tag | (place + 1);
-        w->first[place] = place_of(slots[slot]) - 1;
+        w->first[place] = obj_place_of(slots[slot]) - 1;
     }
     free(slots);
 }
 
-static void count_firsts(void *context, size_t slice) {
+static void obj_count_firsts(void *context, size_t slice) {
     numberer *w = context;
     const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
     size_t count = 0;
@@ -146,11 +146,11 @@ static obj_numbered number(numberer *w) {
     obj_numbering *n = w->n;
     if (!run_slices(w, w->slices, count_shares)) return OBJ_NUMBERED_CANCELLED;
     place_shares(w);
-    if (!run_slices(w, w->slices, deal) || !run_slices(w, SHARES, find_firsts))
+    if (!run_slices(w, w->slices, obj_deal) || !run_slices(w, SHARES, obj_find_firsts))
         return OBJ_NUMBERED_CANCELLED;
     for (size_t share = 0; share < SHARES; ++share)
         if (w->failed[share]) return OBJ_NUMBERED_MEMORY;
-    if (!run_slices(w, w->slices, count_firsts)) return OBJ_NUMBERED_CANCELLED;
+    if (!run_slices(w, w->slices, obj_count_firsts)) return OBJ_NUMBERED_CANCELLED;
     sum_firsts(w);
     n->unique = norma_io_block(n->unique_count, 3 * sizeof *n->unique);
     n->numbers = norma_io_block(n->element_count, sizeof *n->numbers);
@@ -195,7 +195,7 @@ typedef struct computation {
 /* ---- which corners */
 
 /* A face without normals: none of its corners names one that is there. */
-static int lacks_normals(const obj_state *state, size_t face) {
+static int obj_lacks_normals(const obj_state *state, size_t face) {
     for (size_t c = norma_obj_face_start(state, face); c < norma_obj_face_start(state, face + 1);
          ++c)
         if (norma_obj_normal(state, c) < OBJ_BAD_NORMAL) return 0;
@@ -204,7 +204,7 @@ static int lacks_normals(const obj_state *state, size_t face) {
 
 /* A corner that names a normal which is not there always gets one: left alone, it would come to
  * name one of the new ones. */
-static int is_wanted(const computation *c, size_t corner) {
+static int obj_is_wanted(const computation *c, size_t corner) {
     const norma_only only = c->policy.options->only;
     const uint32_t normal = norma_obj_normal(c->state, corner);
     if (normal == OBJ_BAD_NORMAL) return 1;
@@ -228,12 +228,12 @@ static int choose_corners(computation *c, size_t *count) {
     if (!c->wanted) return 0;
     *count = 0;
     for (size_t face = 0; face < state->face_count; ++face) {
-        int whole = lacks_normals(state, face);
+        int whole = obj_lacks_normals(state, face);
         for (size_t corner = norma_obj_face_start(state, face);
              corner < norma_obj_face_start(state, face + 1); ++corner) {
             const int kept =
                 locked && locked[face] && norma_obj_normal(state, corner) < OBJ_BAD_NORMAL;
-            c->wanted[corner] = (uint8_t)(!kept && (whole || is_wanted(c, corner)));
+            c->wanted[corner] = (uint8_t)(!kept && (whole || obj_is_wanted(c, corner)));
             *count += c->wanted[corner];
         }
     }
@@ -287,7 +287,7 @@ static size_t number_old(const computation *c, uint32_t *numbers) {
 
 /* ---- elements become numbers */
 
-static size_t element_of(const computation *c, size_t face, size_t corner) {
+static size_t obj_element_of(const computation *c, size_t face, size_t corner) {
     if (c->made.points) return c->made.points[corner];
     return c->made.elements == NORMALS_OF_POSITIONS ? c->state->corners[corner]
            : c->made.elements == NORMALS_OF_FACES   ? face
@@ -327,7 +327,7 @@ static int order_elements(computation *c, obj_numbering *numbering) {
     for (size_t face = 0; face < state->face_count; ++face)
         for (size_t corner = norma_obj_face_start(state, face);
              corner < norma_obj_face_start(state, face + 1); ++corner) {
-            const size_t element = element_of(c, face, corner);
+            const size_t element = obj_element_of(c, face, corner);
             if (seen[element] || (c->wanted && !c->wanted[corner])) continue;
             seen[element] = 1;
             numbering->order[numbering->count++] = (uint32_t)element;
@@ -352,7 +352,7 @@ static void renumber_slice(void *context, size_t slice) {
                 r->corner_normals[corner] = old == OBJ_NO_NORMAL ? old : r->old_numbers[old];
             else
                 r->corner_normals[corner] =
-                    (uint32_t)r->kept + r->numbers[element_of(c, face, corner)];
+                    (uint32_t)r->kept + r->numbers[obj_element_of(c, face, corner)];
         }
 }
 
@@ -407,7 +407,7 @@ static int replace_normals(
 }
 
 /* Numbers for all corners. */
-static obj_numbered number_corners(computation *c, obj_numbering *numbering, renumbering *r) {
+static obj_numbered obj_number_corners(computation *c, obj_numbering *numbering, renumbering *r) {
     const obj_state *state = c->state;
     r->slices = norma_io_slices(c->made.count, LEAST_SLICE);
     if (norma_io_tasks_watched(&c->policy.core, r->slices, finish_normals, r))
@@ -435,7 +435,7 @@ static void take_corner_normals(obj_state *state, uint32_t *corner_normals) {
     state->normals_replaced = 1;
 }
 
-static norma_document_result store(computation *c) {
+static norma_document_result obj_store(computation *c) {
     obj_state *state = c->state;
     uint32_t *old_numbers = norma_io_allocate(state->normal_count, sizeof *old_numbers);
     renumbering r = {
@@ -444,7 +444,8 @@ static norma_document_result store(computation *c) {
         .element_count = c->made.count,
         .count = c->made.points ? c->made.count : 0,
         .options = &c->policy.core};
-    obj_numbered numbered = old_numbers ? number_corners(c, &numbering, &r) : OBJ_NUMBERED_MEMORY;
+    obj_numbered numbered =
+        old_numbers ? obj_number_corners(c, &numbering, &r) : OBJ_NUMBERED_MEMORY;
     const int idle = !numbered && says_so_already(c, numbering.unique, r.kept, r.corner_normals);
     if (!numbered && !idle && !replace_normals(state, &numbering, old_numbers, r.kept))
         numbered = OBJ_NUMBERED_MEMORY;
@@ -462,12 +463,12 @@ static norma_document_result store(computation *c) {
     return numbered ? norma_document_fail_memory(c->document, c->error) : NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result run(computation *c) {
+static norma_document_result number_and_keep(computation *c) {
     size_t wanted;
     if (!choose_corners(c, &wanted)) return norma_document_fail_memory(c->document, c->error);
     if (!wanted) return NORMA_DOCUMENT_OK;
     const norma_result result = compute_elements(c);
-    return result ? norma_document_fail_core(c->document, c->error, result) : store(c);
+    return result ? norma_document_fail_core(c->document, c->error, result) : obj_store(c);
 }
 
 norma_document_result norma_obj_compute(norma_document *document,
@@ -479,7 +480,7 @@ norma_document_result norma_obj_compute(norma_document *document,
     c.policy.shared = document->shared;
     summary->faces = state->face_count;
     summary->vertices_before = summary->vertices_after = state->position_count;
-    norma_document_result result = run(&c);
+    norma_document_result result = number_and_keep(&c);
     free(c.wanted);
     norma_computed_normals_free(&c.made);
     return result;
@@ -488,7 +489,7 @@ norma_document_result norma_obj_compute(norma_document *document,
 /* ---- Positions under a matrix, normals under its normal matrix, faces turned round
  * where it mirrors. */
 
-static int is_identity(const double m[16], int columns) {
+static int obj_is_identity(const double m[16], int columns) {
     for (int i = 0; i < 4 * columns; ++i)
         if (i % 4 != 3 && m[i] != (i % 5 == 0)) return 0;
     return 1;
@@ -511,7 +512,7 @@ static int extent_is_float(const double *positions, size_t count) {
     return farthest <= 16 * extent && extent > 1e-30 && farthest < 1e30;
 }
 
-static norma_document_result move_positions(norma_document *document, obj_state *state,
+static norma_document_result obj_move_positions(norma_document *document, obj_state *state,
     const double matrix[16], norma_document_error *error) {
     const norma_vec3_view view = {state->positions, state->position_count, 0, NORMA_FORMAT_DOUBLE};
     if (!state->position_count) return NORMA_DOCUMENT_OK;
@@ -536,7 +537,7 @@ static norma_document_result move_positions(norma_document *document, obj_state 
 }
 
 /* The factor that brings the largest of nine numbers near 1, so that floats hold them. */
-static void to_floats(const double matrix[9], float floats[9]) {
+static void obj_to_floats(const double matrix[9], float floats[9]) {
     double largest = 0;
     int exponent;
     for (int i = 0; i < 9; ++i) largest = fmax(largest, fabs(matrix[i]));
@@ -565,7 +566,7 @@ static norma_result turn_normals(
     size_t lost = 0;
     float *turned = norma_io_allocate(state->normal_count, 3 * sizeof *turned);
     if (!turned) return NORMA_ERROR_MEMORY;
-    to_floats(normal_matrix, matrix);
+    obj_to_floats(normal_matrix, matrix);
     norma_result result =
         state->normal_count ? norma_transform_normals(matrix, view, turned, 0, state->normal_count)
                             : NORMA_OK;
@@ -578,7 +579,7 @@ static norma_result turn_normals(
     return result;
 }
 
-static void swap(uint32_t *a, uint32_t *b) {
+static void obj_swap(uint32_t *a, uint32_t *b) {
     uint32_t c = *a;
     *a = *b;
     *b = c;
@@ -589,8 +590,9 @@ static void reverse_faces(obj_state *state) {
         for (size_t a = norma_obj_face_start(state, face) + 1,
                     b = norma_obj_face_start(state, face + 1) - 1;
              a < b; ++a, --b) {
-            swap(&state->corners[a], &state->corners[b]);
-            if (state->corner_normals) swap(&state->corner_normals[a], &state->corner_normals[b]);
+            obj_swap(&state->corners[a], &state->corners[b]);
+            if (state->corner_normals)
+                obj_swap(&state->corner_normals[a], &state->corner_normals[b]);
         }
     state->faces_reversed = !state->faces_reversed;
 }
@@ -607,13 +609,13 @@ norma_document_result norma_obj_transform(norma_document *document,
         norma_normal_matrix_double(options->matrix, NORMA_WINDING_REVERSED, normal_matrix, &info);
     if (result) return norma_document_fail_core(document, error, result);
     summary->mirrored = info.mirrored;
-    if (is_identity(options->matrix, 4) || (!state->position_count && !state->normal_count))
+    if (obj_is_identity(options->matrix, 4) || (!state->position_count && !state->normal_count))
         return NORMA_DOCUMENT_OK;
     norma_document_result told = norma_stored_normals_progress(document, options, 0, error);
-    if (!told) told = move_positions(document, state, options->matrix, error);
+    if (!told) told = obj_move_positions(document, state, options->matrix, error);
     if (told) return told;
     summary->changed = 1;
-    if (!is_identity(options->matrix, 3)) result = turn_normals(document, state, normal_matrix);
+    if (!obj_is_identity(options->matrix, 3)) result = turn_normals(document, state, normal_matrix);
     if (result) return norma_document_fail_core(document, error, result);
     if (info.mirrored) reverse_faces(state);
     if (info.mirrored && state->has_surfaces)

@@ -55,7 +55,7 @@ typedef struct addition {
 
 /* Makes space for more elements behind the used ones. If the array must grow, it grows to what the
  * rest of the text would hold if it were like this part. No thread copies meanwhile. */
-static int reserve(
+static int obj_reserve(
     gathering *g, addition more, void *array, size_t *room, size_t used, size_t size) {
     void *block;
     memcpy(&block, array, sizeof block);
@@ -79,8 +79,9 @@ static int reserve_corner_normals(gathering *g, const obj_part *part) {
     obj_state *state = g->state;
     const int first = !state->corner_normals;
     if (first && !part->names_normals) return 1;
-    if (!reserve(g, (addition){part, part->first_face, part->corner_count}, &state->corner_normals,
-            &state->corner_normal_room, state->corner_count, sizeof(uint32_t)))
+    if (!obj_reserve(g, (addition){part, part->first_face, part->corner_count},
+            &state->corner_normals, &state->corner_normal_room, state->corner_count,
+            sizeof(uint32_t)))
         return 0;
     if (first && state->corner_count)
         memset(state->corner_normals, 0xff, state->corner_count * sizeof(uint32_t));
@@ -92,7 +93,7 @@ static int reserve_face_starts(gathering *g, const obj_part *part) {
     obj_state *state = g->state;
     const int first = !state->face_starts;
     if (first && !part->has_polygons) return 1;
-    if (!reserve(g, (addition){part, part->first_face, part->face_count}, &state->face_starts,
+    if (!obj_reserve(g, (addition){part, part->first_face, part->face_count}, &state->face_starts,
             &state->face_room, state->face_count + 1, sizeof(uint32_t)))
         return 0;
     for (size_t i = 0; first && i <= state->face_count; ++i)
@@ -106,22 +107,22 @@ static int reserve_all(gathering *g, const obj_part *part) {
                    normals = {part, part->first_normal, part->normal_count},
                    corners = {part, part->first_face, part->corner_count},
                    others = {part, SIZE_MAX, part->other_count};
-    return (!positions.count || reserve(g, positions, &s->positions, &s->position_room,
+    return (!positions.count || obj_reserve(g, positions, &s->positions, &s->position_room,
                                     s->position_count, 3 * sizeof(double))) &&
-           (!corners.count || reserve(g, corners, &s->corners, &s->corner_room, s->corner_count,
+           (!corners.count || obj_reserve(g, corners, &s->corners, &s->corner_room, s->corner_count,
                                   sizeof(uint32_t))) &&
-           (!normals.count || reserve(g, normals, &s->normals, &s->normal_room, s->normal_count,
+           (!normals.count || obj_reserve(g, normals, &s->normals, &s->normal_room, s->normal_count,
                                   3 * sizeof(float))) &&
-           (!normals.count || reserve(g, normals, &s->normal_offsets, &s->normal_offset_room,
+           (!normals.count || obj_reserve(g, normals, &s->normal_offsets, &s->normal_offset_room,
                                   s->normal_count, sizeof(size_t))) &&
-           (!others.count || reserve(g, others, &s->other_normals, &s->other_room, s->other_count,
-                                 sizeof(uint32_t))) &&
+           (!others.count || obj_reserve(g, others, &s->other_normals, &s->other_room,
+                                 s->other_count, sizeof(uint32_t))) &&
            reserve_corner_normals(g, part) && reserve_face_starts(g, part);
 }
 
 /* ---- in turn */
 
-static int too_many(const obj_state *state, const obj_part *part) {
+static int obj_too_many(const obj_state *state, const obj_part *part) {
     return part->position_count > OBJ_MOST - state->position_count ||
            part->normal_count > OBJ_MOST - state->normal_count ||
            part->corner_count > OBJ_MOST - state->corner_count;
@@ -211,7 +212,7 @@ static void add_counts(gathering *g, const obj_part *part) {
 static norma_document_result take_turn(gathering *g, obj_part *part, size_t index, place *to) {
     obj_state *state = g->state;
     if (part->result) return part->result;
-    if (too_many(state, part)) return NORMA_DOCUMENT_ERROR_UNSUPPORTED;
+    if (obj_too_many(state, part)) return NORMA_DOCUMENT_ERROR_UNSUPPORTED;
     if (!resolve_relatives(state, part)) return NORMA_DOCUMENT_ERROR_MALFORMED;
     if (!reserve_all(g, part) || !add_runs(g, part) || !take_name(state, part))
         return NORMA_DOCUMENT_ERROR_MEMORY;
@@ -323,7 +324,7 @@ static int cut(gathering *g, const char *start) {
     return 1;
 }
 
-static norma_document_result run(gathering *g, norma_document_error *error) {
+static norma_document_result gather_all(gathering *g, norma_document_error *error) {
     const norma_options options = {.struct_size = sizeof options,
         .threads = g->document->threads,
         .progress = norma_watch_tell,
@@ -348,7 +349,7 @@ static void free_spares(gathering *g) {
 }
 
 /* The text from its beginning, for the message. */
-static norma_document_result tell(
+static norma_document_result obj_tell(
     const gathering *g, const char *start, norma_document_error *error) {
     obj_part part = {.text = g->text, .begin = start, .end = g->end, .whole = 1};
     norma_document_result result = norma_obj_read_part(g->document, &part, error);
@@ -409,7 +410,7 @@ static void add_note(
         length, token, norma_obj_line(g->text, token));
 }
 
-static norma_document_result fail_unknown(const gathering *g, norma_document_error *error) {
+static norma_document_result obj_fail_unknown(const gathering *g, norma_document_error *error) {
     char line[24];
     const char *word = g->unknown.first, *word_end = norma_obj_token_end(word, g->end);
     line[norma_number_format_integer(norma_obj_line(g->text, word), line)] = 0;
@@ -418,10 +419,10 @@ static norma_document_result fail_unknown(const gathering *g, norma_document_err
         word_end - word > 40 ? 40 : (int)(word_end - word), word);
 }
 
-static norma_document_result check_whole(
+static norma_document_result obj_check_whole(
     gathering *g, const char *start, norma_document *document, norma_document_error *error) {
     obj_state *state = g->state;
-    if (!g->known && g->unknown.count) return fail_unknown(g, error);
+    if (!g->known && g->unknown.count) return obj_fail_unknown(g, error);
     if (state->corner_count && g->last_position >= state->position_count)
         return fail_position(g, start, error);
     if (g->last_normal >= state->normal_count) mark_bad_normals(state);
@@ -442,7 +443,7 @@ static int is_utf16(const unsigned char *bytes, size_t size) {
                (!bytes[0] && bytes[1]) || (bytes[0] && !bytes[1]));
 }
 
-static norma_document_result gather(
+static norma_document_result obj_gather(
     gathering *g, const char *start, norma_document *document, norma_document_error *error) {
     if (!cut(g, start) || pthread_mutex_init(&g->lock, NULL))
         return norma_document_fail_memory(document, error);
@@ -450,14 +451,14 @@ static norma_document_result gather(
         pthread_mutex_destroy(&g->lock);
         return norma_document_fail_memory(document, error);
     }
-    norma_document_result result = run(g, error);
+    norma_document_result result = gather_all(g, error);
     free_spares(g);
     pthread_cond_destroy(&g->moved);
     pthread_mutex_destroy(&g->lock);
     if (result == NORMA_DOCUMENT_ERROR_MEMORY) return norma_document_fail_memory(document, error);
     if (result == NORMA_DOCUMENT_ERROR_MALFORMED || result == NORMA_DOCUMENT_ERROR_UNSUPPORTED)
-        return tell(g, start, error);
-    if (!result) result = check_whole(g, start, document, error);
+        return obj_tell(g, start, error);
+    if (!result) result = obj_check_whole(g, start, document, error);
     return result;
 }
 
@@ -481,7 +482,7 @@ norma_document_result norma_obj_read(norma_document *document, norma_document_er
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "UTF-16 text; expected ASCII or UTF-8 (convert it first)");
     const int marked = size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0;
-    return gather(&g, g.text + (marked ? 3 : 0), document, error);
+    return obj_gather(&g, g.text + (marked ? 3 : 0), document, error);
 }
 
 /* ---- The state of an OBJ document: read, let go, and read again once its changes have
@@ -514,7 +515,7 @@ static void free_content(void *content) {
     free(state->hard_edges);
 }
 
-static int has_edit(const void *content) {
+static int obj_has_edit(const void *content) {
     const obj_state *state = content;
     return state->normals_replaced || state->normals_turned || state->positions_moved ||
            state->faces_reversed || state->reverse_faces || state->drop_faces || state->cut_faces ||
@@ -522,7 +523,7 @@ static int has_edit(const void *content) {
 }
 
 const edited_format norma_obj_edited = {
-    sizeof(obj_state), 1, has_edit, free_content, norma_obj_read};
+    sizeof(obj_state), 1, obj_has_edit, free_content, norma_obj_read};
 
 norma_mesh norma_obj_mesh(const obj_state *state) {
     static const double nowhere[3];
@@ -546,7 +547,7 @@ norma_mesh norma_obj_mesh(const obj_state *state) {
 
 enum { COLOURS = 31 };
 
-static int compare_numbers(const void *a, const void *b) {
+static int obj_compare_numbers(const void *a, const void *b) {
     int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
     return x < y ? -1 : x > y;
 }
@@ -561,7 +562,7 @@ static int64_t *distinct_groups(const obj_state *state, size_t *count) {
         if (state->runs[i].group && end > state->runs[i].first_face)
             groups[used++] = state->runs[i].group;
     }
-    qsort(groups, used, sizeof *groups, compare_numbers);
+    qsort(groups, used, sizeof *groups, obj_compare_numbers);
     *count = 0;
     for (size_t i = 0; i < used; ++i)
         if (i == 0 || groups[i] != groups[i - 1]) groups[(*count)++] = groups[i];
@@ -574,7 +575,7 @@ static void number_faces(
     for (size_t i = 0; i < state->run_count; ++i) {
         size_t end = i + 1 < state->run_count ? state->runs[i + 1].first_face : state->face_count;
         const int64_t *found = state->runs[i].group ? bsearch(&state->runs[i].group, groups, count,
-                                                          sizeof *groups, compare_numbers)
+                                                          sizeof *groups, obj_compare_numbers)
                                                     : NULL;
         for (size_t face = state->runs[i].first_face; face < end; ++face)
             numbers[face] = found ? (uint32_t)(found - groups) + 1 : 0;

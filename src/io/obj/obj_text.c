@@ -12,7 +12,7 @@
 
 /* A backslash at p, then nothing but blanks up to the line end: the byte after that, else NULL. At
  * the end of the text it joins nothing. */
-static const char *joined(const char *p, const char *end) {
+static const char *obj_joined(const char *p, const char *end) {
     if (*p != '\\') return NULL;
     do ++p;
     while (p < end && norma_obj_is_blank(*p));
@@ -26,18 +26,18 @@ const char *norma_obj_skip_joined(const char *p, const char *end) {
             ++p;
             continue;
         }
-        const char *next = joined(p, end);
+        const char *next = obj_joined(p, end);
         if (!next) break;
         p = next;
     }
     return p;
 }
 
-int norma_obj_is_joined(const char *p, const char *end) { return joined(p, end) != NULL; }
+int norma_obj_is_joined(const char *p, const char *end) { return obj_joined(p, end) != NULL; }
 
 const char *norma_obj_token_end(const char *p, const char *end) {
     while (p < end && !norma_obj_is_blank(*p) && !norma_obj_is_end(*p) &&
-           (*p != '\\' || !joined(p, end)))
+           (*p != '\\' || !obj_joined(p, end)))
         ++p;
     return p;
 }
@@ -61,7 +61,7 @@ typedef char text_vector __attribute__((vector_size(16)));
 #endif
 
 /* The first byte that may end a statement, begin a comment or join a line; end if there is none. */
-static const char *find_mark(const char *p, const char *end) {
+static const char *obj_find_mark(const char *p, const char *end) {
 #if BY_VECTOR
     for (text_vector bytes; end - p >= 16; p += 16) {
         uint64_t marks[2];
@@ -92,11 +92,11 @@ static const char *find_mark(const char *p, const char *end) {
 /* In slices, so that a cancel is noticed soon. */
 static const char *find_mark_watched(const char *p, const char *end, norma_watch *watch) {
     for (; end - p > WATCH_BYTES; p += WATCH_BYTES) {
-        const char *mark = find_mark(p, p + WATCH_BYTES);
+        const char *mark = obj_find_mark(p, p + WATCH_BYTES);
         if (mark < p + WATCH_BYTES) return mark;
         if (norma_watch_cancelled(watch)) return end;
     }
-    return find_mark(p, end);
+    return obj_find_mark(p, end);
 }
 
 const char *norma_obj_find_statement_end(const char *p, const char *end, norma_watch *watch) {
@@ -135,7 +135,7 @@ static const struct {
     {"csh", OBJ_OTHER}, {"bsp", OBJ_OTHER}, {"bzp", OBJ_OTHER}, {"cdc", OBJ_OTHER},
     {"cdp", OBJ_OTHER}, {"res", OBJ_OTHER}};
 
-static obj_kind look_up(const char *word, size_t length) {
+static obj_kind obj_look_up(const char *word, size_t length) {
     for (size_t i = 0; i < sizeof keywords / sizeof keywords[0]; ++i)
         if (strlen(keywords[i].word) == length && memcmp(keywords[i].word, word, length) == 0)
             return keywords[i].kind;
@@ -150,7 +150,7 @@ obj_kind norma_obj_look_up_keyword(const char *p, const char *end, const char **
     *rest = p;
     if (p >= end || norma_obj_is_end(*p) || *p == '#') return OBJ_NOTHING;
     *rest = norma_obj_token_end(p, end);
-    return look_up(p, (size_t)(*rest - p));
+    return obj_look_up(p, (size_t)(*rest - p));
 }
 
 /* The digits at *p, fewer than 18, with something else behind them. 0: something else stands there,
@@ -244,7 +244,7 @@ static norma_document_result fail_count(const reader *r, const char *what) {
         "more than 4294967293 %s; this version reads no more", what);
 }
 
-static norma_document_result fail_memory(const reader *r) {
+static norma_document_result obj_fail_memory(const reader *r) {
     return norma_document_fail_memory(r->document, r->error);
 }
 
@@ -277,7 +277,7 @@ static int is_long(uint64_t plain, const char *p, const char *end) {
 
 /* What follows a number in its token is passed over, as other readers do ("3.1+e2" is 3.1), and
  * noted; but not a comma, which were a decimal one. *has_long is set if a number is long. */
-static norma_document_result read_numbers(
+static norma_document_result obj_read_numbers(
     reader *r, const char **p, double numbers[3], const char *expected, int *has_long) {
     for (int i = 0; i < 3; ++i) {
         uint64_t plain = UINT64_MAX;
@@ -296,14 +296,15 @@ static norma_document_result read_numbers(
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_position(reader *r, const char **p) {
+static norma_document_result obj_read_position(reader *r, const char **p) {
     obj_part *part = r->part;
     if (part->position_count >= OBJ_MOST) return fail_count(r, "positions");
     if (!RESERVE(
             r, part->positions, part->position_room, part->position_count + 1, 3 * sizeof(double)))
-        return fail_memory(r);
-    norma_document_result result = read_numbers(r, p, part->positions + 3 * part->position_count,
-        "one of a position's three numbers", &part->has_long_positions);
+        return obj_fail_memory(r);
+    norma_document_result result =
+        obj_read_numbers(r, p, part->positions + 3 * part->position_count,
+            "one of a position's three numbers", &part->has_long_positions);
     part->position_count += result == NORMA_DOCUMENT_OK;
     return result;
 }
@@ -317,7 +318,7 @@ static void see_first(const reader *r, size_t *first) {
     if (*first == SIZE_MAX) *first = (size_t)(r->statement - r->part->text);
 }
 
-static norma_document_result read_normal(reader *r, const char **p) {
+static norma_document_result obj_read_normal(reader *r, const char **p) {
     obj_part *part = r->part;
     size_t count = part->normal_count;
     double numbers[3];
@@ -325,9 +326,9 @@ static norma_document_result read_normal(reader *r, const char **p) {
     if (count >= OBJ_MOST) return fail_count(r, "normals");
     if (!RESERVE(r, part->normals, part->normal_room, count + 1, 3 * sizeof(float)) ||
         !RESERVE(r, part->normal_offsets, part->normal_offset_room, count + 1, sizeof(size_t)))
-        return fail_memory(r);
+        return obj_fail_memory(r);
     norma_document_result result =
-        read_numbers(r, p, numbers, "one of a normal's three numbers", &has_long);
+        obj_read_numbers(r, p, numbers, "one of a normal's three numbers", &has_long);
     if (result) return result;
     see_first(r, &part->first_normal);
     for (int i = 0; i < 3; ++i) part->normals[3 * count + (size_t)i] = to_float(numbers[i]);
@@ -341,7 +342,7 @@ static norma_document_result read_normal(reader *r, const char **p) {
 /* The number that an index means, of an element in slot of a list, where count of what it names
  * stand before it in the part; UINT32_MAX: none. What counts back is remembered, and nothing yet.
  */
-static norma_document_result resolve(
+static norma_document_result obj_resolve(
     reader *r, int64_t index, size_t count, obj_list list, size_t slot, uint32_t *number) {
     obj_part *part = r->part;
     if (index >= 0 || part->whole) {
@@ -351,7 +352,7 @@ static norma_document_result resolve(
     *number = 0;
     if (!RESERVE(r, part->relatives, part->relative_room, part->relative_count + 1,
             sizeof(obj_relative)))
-        return fail_memory(r);
+        return obj_fail_memory(r);
     const int64_t least = -(int64_t)OBJ_MOST - 1; /* farther back is before all that may be there */
     part->relatives[part->relative_count++] =
         (obj_relative){list, slot, (index < least ? 2 * least : index) + (int64_t)count};
@@ -366,7 +367,7 @@ static norma_document_result name_normal(reader *r, const obj_corner *corner, ui
     if (!part->names_normals && part->corner_count)
         memset(part->corner_normals, 0xff, part->corner_count * sizeof *part->corner_normals);
     part->names_normals = 1;
-    norma_document_result result = resolve(
+    norma_document_result result = obj_resolve(
         r, corner->normal, part->normal_count, OBJ_OF_CORNER_NORMAL, part->corner_count, normal);
     if (result || (corner->normal < 0 && !part->whole)) return result;
     if (*normal == UINT32_MAX)
@@ -378,16 +379,16 @@ static norma_document_result name_normal(reader *r, const obj_corner *corner, ui
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result add_corner(reader *r, const obj_corner *corner) {
+static norma_document_result obj_add_corner(reader *r, const obj_corner *corner) {
     obj_part *part = r->part;
     size_t count = part->corner_count;
     uint32_t position, normal;
     if (count >= OBJ_MOST) return fail_count(r, "corners");
     if (!RESERVE(r, part->corners, part->corner_room, count + 1, sizeof(uint32_t)) ||
         !RESERVE(r, part->corner_normals, part->corner_normal_room, count + 1, sizeof(uint32_t)))
-        return fail_memory(r);
+        return obj_fail_memory(r);
     norma_document_result result =
-        resolve(r, corner->position, part->position_count, OBJ_OF_CORNER, count, &position);
+        obj_resolve(r, corner->position, part->position_count, OBJ_OF_CORNER, count, &position);
     if (!result && position == UINT32_MAX)
         return fail_at(r, corner->begin,
             corner->position ? "a position that stands before this face"
@@ -435,7 +436,7 @@ static size_t add_plain_corners(reader *r, const char **p) {
 static norma_document_result end_face(reader *r, size_t corners) {
     obj_part *part = r->part;
     if (!RESERVE(r, part->face_ends, part->face_room, part->face_count + 1, sizeof(uint32_t)))
-        return fail_memory(r);
+        return obj_fail_memory(r);
     see_first(r, &part->first_face);
     part->has_polygons |= corners != 3;
     part->face_ends[part->face_count++] = (uint32_t)part->corner_count;
@@ -452,7 +453,7 @@ static norma_document_result read_face(reader *r, const char **p) {
         if (*p >= r->end || norma_obj_is_end(**p) || **p == '#') break;
         if (!norma_obj_corner(*p, r->end, &corner))
             return fail_at(r, *p, "a corner (v, v/vt, v//vn or v/vt/vn)");
-        norma_document_result result = add_corner(r, &corner);
+        norma_document_result result = obj_add_corner(r, &corner);
         if (result) return result;
         *p = corner.end;
     }
@@ -481,8 +482,8 @@ static norma_document_result read_referring(reader *r, const char **p) {
             uint32_t normal;
             if (!RESERVE(r, part->other_normals, part->other_room, part->other_count + 1,
                     sizeof(uint32_t)))
-                return fail_memory(r);
-            norma_document_result result = resolve(r, corner.normal, part->normal_count,
+                return obj_fail_memory(r);
+            norma_document_result result = obj_resolve(r, corner.normal, part->normal_count,
                 OBJ_OF_OTHER_NORMAL, part->other_count, &normal);
             if (result) return result;
             part->other_normals[part->other_count++] =
@@ -513,7 +514,7 @@ static norma_document_result read_smoothing(reader *r, const char **p) {
     if (!off && norma_number_parse_integer(*p, r->end, &group) != token_end)
         group = group_of_text(*p, token_end);
     if (!RESERVE(r, part->runs, part->run_room, part->run_count + 1, sizeof(obj_run)))
-        return fail_memory(r);
+        return obj_fail_memory(r);
     part->runs[part->run_count++] = (obj_run){part->face_count, group};
     return NORMA_DOCUMENT_OK;
 }
@@ -558,9 +559,9 @@ static norma_document_result read_statement(reader *r, const char **p) {
     r->part->known |= kind != OBJ_NOTHING && kind != OBJ_UNKNOWN;
     switch (kind) {
     case OBJ_POSITION:
-        return read_position(r, p);
+        return obj_read_position(r, p);
     case OBJ_NORMAL:
-        return read_normal(r, p);
+        return obj_read_normal(r, p);
     case OBJ_FACE:
         return read_face(r, p);
     case OBJ_REFERRING:

@@ -22,7 +22,7 @@ typedef struct marking {
     int marked[KINDS]; /* the name in force is asked for */
 } marking;
 
-static int ask(const marking *m, const char *name, size_t length) {
+static int obj_ask(const marking *m, const char *name, size_t length) {
     char *copy = norma_io_copy_text(name, length);
     const int result = copy ? m->asks(m->user, copy) : -1;
     free(copy);
@@ -35,16 +35,16 @@ static int ask_names(const marking *m, const char *p, int kind) {
     p = norma_obj_skip_blanks(p, m->end);
     const char *end = norma_obj_statement_end(p, m->end, NULL);
     while (end > p && norma_obj_is_blank(end[-1])) --end;
-    int asked = ask(m, p, (size_t)(end - p));
+    int asked = obj_ask(m, p, (size_t)(end - p));
     while (kind == 1 && asked == 0 && p < end) {
         const char *word = norma_obj_token_end(p, end);
-        asked = ask(m, p, (size_t)(word - p));
+        asked = obj_ask(m, p, (size_t)(word - p));
         p = word > p ? norma_obj_skip_blanks(word, end) : end;
     }
     return asked;
 }
 
-static int kind_of(const char *p, size_t length) {
+static int obj_kind_of(const char *p, size_t length) {
     for (int kind = 0; kind < KINDS; ++kind)
         if (strlen(KEYWORDS[kind]) == length && memcmp(KEYWORDS[kind], p, length) == 0) return kind;
     return -1;
@@ -67,7 +67,7 @@ int norma_obj_mark_faces(
         p = norma_obj_skip_blanks(p, m.end);
         if (p >= m.end) break;
         const obj_kind is = norma_obj_keyword(p, m.end, &rest);
-        const int kind = kind_of(p, (size_t)(rest - p));
+        const int kind = obj_kind_of(p, (size_t)(rest - p));
         if (kind >= 0 && (m.marked[kind] = ask_names(&m, rest, kind)) < 0) return 0;
         if (is == OBJ_FACE && face < state->face_count && face_has_corner(rest, m.end))
             marks[face++] = (uint8_t)(m.marked[0] | m.marked[1] | m.marked[2]);
@@ -92,7 +92,7 @@ typedef struct text_walk {
     int has_curves;     /* free-form geometry names positions in ways of its own */
 } text_walk;
 
-static text_span words_of(const char *p, const char *end) {
+static text_span obj_words_of(const char *p, const char *end) {
     text_span span = {norma_obj_skip_blanks(p, end), NULL};
     span.end = span.begin;
     for (p = span.begin; p < end && !norma_obj_is_end(*p) && *p != '#';
@@ -118,7 +118,7 @@ static int walk_text(
         const char *word = p;
         const obj_kind kind = norma_obj_keyword(p, end, &rest);
         if (kind == OBJ_POSITION && positions < state->position_count)
-            walk->positions[positions++] = words_of(rest, end);
+            walk->positions[positions++] = obj_words_of(rest, end);
         else if (kind == OBJ_FACE && has_corner(rest, end) && faces++ == face)
             walk->before_face = positions;
         walk->has_curves |= kind == OBJ_SURFACE || (kind == OBJ_REFERRING && rest - word > 1);
@@ -129,7 +129,7 @@ static int walk_text(
 
 /* ---- equal ones */
 
-static const unsigned char *row_of(const void *context, size_t row, size_t *length) {
+static const unsigned char *obj_row_of(const void *context, size_t row, size_t *length) {
     const text_span *span = (const text_span *)context + row;
     *length = (size_t)(span->end - span->begin);
     return (const unsigned char *)span->begin;
@@ -155,7 +155,7 @@ norma_document_result norma_obj_equal_vertices(
         walk_text(state, changed ? (const char *)written.data : (const char *)document->source.data,
             changed ? written.size : document->source.size, SIZE_MAX, &walk);
     if (fine && !walk.has_curves)
-        fine = norma_equal_rows(row_of, walk.positions, state->position_count, first);
+        fine = norma_equal_rows(obj_row_of, walk.positions, state->position_count, first);
     for (size_t v = 0; fine && walk.has_curves && v < state->position_count; ++v)
         first[v] = (uint32_t)v;
     free(walk.positions);
@@ -230,7 +230,7 @@ static const char *first_line_ending(const norma_document *document, size_t *siz
     return p < end ? p : "\n";
 }
 
-static norma_document_result fill(norma_document *document, const norma_mesh_edit *edit,
+static norma_document_result obj_fill(norma_document *document, const norma_mesh_edit *edit,
     obj_vertices *v, norma_document_error *error) {
     const obj_state *state = document->state;
     const size_t kept = count_kept(edit);
@@ -265,7 +265,7 @@ norma_document_result norma_obj_edit_vertices(
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "vertices and other things cannot change at once; change one after the other");
     state->vertices = norma_io_allocate(1, sizeof *state->vertices);
-    return state->vertices ? fill(document, edit, state->vertices, error)
+    return state->vertices ? obj_fill(document, edit, state->vertices, error)
                            : norma_document_fail_memory(document, error);
 }
 
@@ -287,9 +287,11 @@ typedef struct writer {
 } writer;
 
 /* It is cancelled, and what would be written matters no more. */
-static int stops(writer *w, const char *p) { return norma_watch_passed(w->watch, &w->asked, p); }
+static int obj_stops(writer *w, const char *p) {
+    return norma_watch_passed(w->watch, &w->asked, p);
+}
 
-static void put(writer *w, const char *begin, const char *end) {
+static void obj_put(writer *w, const char *begin, const char *end) {
     for (; end - begin > WATCH_BYTES; begin += WATCH_BYTES) {
         if (norma_watch_cancelled(w->watch)) return;
         norma_sink_put(w->sink, begin, WATCH_BYTES);
@@ -299,7 +301,7 @@ static void put(writer *w, const char *begin, const char *end) {
 
 /* Copies up to p, and goes on after next. */
 static void copy_then_skip(writer *w, const char *p, const char *next) {
-    put(w, w->pending, p);
+    obj_put(w, w->pending, p);
     w->pending = next;
 }
 
@@ -368,8 +370,8 @@ static void write_kept_normal(writer *w, size_t normal, line_ending ending) {
     w->pending = begin;
     norma_obj_keyword(p, w->end, &rest);
     if (w->state->normals_turned) rewrite_normal(w, rest, normal);
-    put(w, w->pending, after);
-    if (after == end) put(w, ending.begin, ending.end);
+    obj_put(w, w->pending, after);
+    if (after == end) obj_put(w, ending.begin, ending.end);
     w->pending = pending;
 }
 
@@ -397,7 +399,7 @@ static void put_number(writer *w, const obj_corner *corner, uint32_t normal) {
 }
 
 /* Whether a token of the source names its normal as it has to. */
-static int says(const writer *w, const obj_corner *corner, uint32_t normal) {
+static int obj_says(const writer *w, const obj_corner *corner, uint32_t normal) {
     return !w->state->normals_replaced || normal >= OBJ_BAD_NORMAL ||
            (corner->has_normal && corner->normal == (int64_t)normal + 1);
 }
@@ -449,9 +451,9 @@ static const char *rewrite_face(writer *w, const char *p) {
     const uint32_t *normals = w->state->corner_normals + begin;
     normals += rewrite_plain_corners(w, &p, normals, end - begin);
     obj_corner corner;
-    for (; !stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
+    for (; !obj_stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
          p = corner.end, ++normals)
-        if (!says(w, &corner, *normals)) {
+        if (!obj_says(w, &corner, *normals)) {
             copy_then_skip(w, corner.texture_end, corner.end);
             put_number(w, &corner, *normals);
         }
@@ -462,7 +464,7 @@ static const char *rewrite_face(writer *w, const char *p) {
 static size_t gather_tokens(writer *w, const char *p) {
     size_t count = 0;
     obj_corner corner;
-    for (; !stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
+    for (; !obj_stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
          p = corner.end) {
         void *grown = norma_io_grow(w->tokens, &w->token_room, count + 1, sizeof *w->tokens);
         w->out_of_memory |= !grown;
@@ -476,12 +478,12 @@ static size_t gather_tokens(writer *w, const char *p) {
 static void put_token(writer *w, const char *p) {
     obj_corner corner;
     norma_obj_corner(p, w->end, &corner);
-    put(w, corner.begin, corner.end);
+    obj_put(w, corner.begin, corner.end);
 }
 
 /* Its triangles, each a statement that begins as the face's does, on a line of its own; what
  * follows the face on its line follows the last. */
-static void cut_face(writer *w, const char *begin, const char *p) {
+static void obj_cut_face(writer *w, const char *begin, const char *p) {
     const uint32_t *triangles = w->state->cut_corners + 3 * norma_obj_face_start(w->state, w->face);
     const size_t count = gather_tokens(w, p);
     obj_corner last;
@@ -490,10 +492,10 @@ static void cut_face(writer *w, const char *begin, const char *p) {
     const line_ending ending = ending_like(w, first);
     norma_obj_corner(w->tokens[count - 1], w->end, &last);
     copy_then_skip(w, first, last.end);
-    for (size_t t = 0; t + 2 < count && !stops(w, w->tokens[t]); ++t, triangles += 3) {
+    for (size_t t = 0; t + 2 < count && !obj_stops(w, w->tokens[t]); ++t, triangles += 3) {
         if (t > 0) {
-            put(w, ending.begin, ending.end);
-            put(w, begin, first);
+            obj_put(w, ending.begin, ending.end);
+            obj_put(w, begin, first);
         }
         for (int k = 0; k < 3; ++k) {
             if (k > 0) norma_sink_put(w->sink, " ", 1);
@@ -506,15 +508,15 @@ static void cut_face(writer *w, const char *begin, const char *p) {
 static void reverse_face(writer *w, const char *p) {
     const size_t begin = norma_obj_face_start(w->state, w->face), count = gather_tokens(w, p);
     obj_corner slot, corner;
-    for (size_t i = 0; i < count && !stops(w, w->tokens[i]); ++i) {
+    for (size_t i = 0; i < count && !obj_stops(w, w->tokens[i]); ++i) {
         uint32_t normal = norma_obj_normal(w->state, begin + i);
         norma_obj_corner(w->tokens[i], w->end, &slot);
         norma_obj_corner(w->tokens[i ? count - i : 0], w->end, &corner);
         copy_then_skip(w, slot.begin, slot.end);
-        if (says(w, &corner, normal)) {
-            put(w, corner.begin, corner.end);
+        if (obj_says(w, &corner, normal)) {
+            obj_put(w, corner.begin, corner.end);
         } else {
-            put(w, corner.begin, corner.texture_end);
+            obj_put(w, corner.begin, corner.texture_end);
             put_number(w, &corner, normal);
         }
     }
@@ -547,7 +549,8 @@ static void renumber_face(writer *w, const char *p) {
     const uint32_t *numbers = w->state->vertices->corners + norma_obj_face_start(w->state, w->face);
     const size_t before = lines_before(w, 1);
     obj_corner corner;
-    for (; !stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner); p = corner.end)
+    for (; !obj_stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
+         p = corner.end)
         put_position(w, &corner, *numbers++, before);
 }
 
@@ -555,7 +558,7 @@ static void renumber_face(writer *w, const char *p) {
 static void renumber_referring(writer *w, const char *p) {
     const size_t before = lines_before(w, 0);
     obj_corner corner;
-    for (; !stops(w, p) && at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
+    for (; !obj_stops(w, p) && at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
         if (!norma_obj_corner(p, w->end, &corner)) continue;
         const uint32_t old = norma_obj_resolve(corner.position, w->position);
         if (old < w->state->position_count && w->state->vertices->numbers[old] != OBJ_NO_VERTEX)
@@ -570,10 +573,10 @@ static int is_dropped(const writer *w, size_t position) {
 
 static void rewrite_referring(writer *w, const char *p) {
     obj_corner corner;
-    for (; !stops(w, p) && at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
+    for (; !obj_stops(w, p) && at_token(w, &p); p = norma_obj_token_end(p, w->end)) {
         if (!norma_obj_corner(p, w->end, &corner) || !corner.has_normal) continue;
         uint32_t normal = w->state->other_normals[w->other++];
-        if (!says(w, &corner, normal)) {
+        if (!obj_says(w, &corner, normal)) {
             copy_then_skip(w, corner.texture_end, corner.end);
             put_number(w, &corner, normal);
         }
@@ -599,7 +602,7 @@ static const char *write_face(writer *w, const char *begin, const char *p) {
     }
     if (state->vertices) renumber_face(w, first);
     if (!drops && state->cut_faces && state->cut_faces[face])
-        cut_face(w, begin, first);
+        obj_cut_face(w, begin, first);
     else if (!drops &&
              (state->faces_reversed || (state->reverse_faces && state->reverse_faces[face])))
         reverse_face(w, first);
@@ -644,7 +647,8 @@ static const char *write_statement(writer *w, const char *begin, obj_kind kind, 
  */
 static void write_statements(writer *w, const char *begin, const char *from, const char *end) {
     w->asked = begin;
-    for (const char *p = begin; p < end && !w->sink->failed && !w->out_of_memory && !stops(w, p);) {
+    for (const char *p = begin;
+         p < end && !w->sink->failed && !w->out_of_memory && !obj_stops(w, p);) {
         const char *statement = p, *rest;
         if (p == from) {
             w->sink->used = 0;
@@ -707,7 +711,7 @@ static void make_text(
     free((void *)w.tokens);
 }
 
-static void make_normals(const pieces *p, size_t slice, norma_data_run *piece) {
+static void obj_make_normals(const pieces *p, size_t slice, norma_data_run *piece) {
     const size_t begin = slice * SLICE, left = p->state->normal_count - begin,
                  end = begin + (left < SLICE ? left : SLICE);
     writer w = {.state = p->state, .sink = &piece->sink, .text = p->text, .end = p->end};
@@ -718,12 +722,12 @@ static void make_normals(const pieces *p, size_t slice, norma_data_run *piece) {
             write_kept_normal(&w, i, p->ending);
 }
 
-static void make_run(void *context, size_t index, norma_data_run *piece) {
+static void obj_make_run(void *context, size_t index, norma_data_run *piece) {
     const pieces *p = context;
     const obj_stretch *stretches = p->state->stretches;
     const int behind = index > p->split + p->slices;
     if (index > p->split && !behind) {
-        make_normals(p, index - p->split - 1, piece);
+        obj_make_normals(p, index - p->split - 1, piece);
         return;
     }
     const size_t stretch = behind ? index - p->slices - 1 : index;
@@ -762,7 +766,7 @@ norma_document_result norma_obj_write(norma_document *document, const char *path
     (void)path;
     find_split(&p, &count);
     switch (norma_write_ordered(
-        (norma_ordered_how){document->threads, p.watch}, count, make_run, &p, write, user)) {
+        (norma_ordered_how){document->threads, p.watch}, count, obj_make_run, &p, write, user)) {
     case NORMA_ORDERED_REFUSED:
         return norma_document_fail(
             document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");

@@ -9,7 +9,7 @@
 /* ---- The state of a PLY document: read, let go, and read again once its changes have
  * become bytes. */
 
-static void free_content(void *content) {
+static void ply_free_content(void *content) {
     ply_state *state = content;
     norma_ply_free_edit(&state->edit);
     norma_ply_free_mesh(&state->mesh);
@@ -18,7 +18,7 @@ static void free_content(void *content) {
     free(state->header.properties);
 }
 
-static int has_edit(const void *state) { return norma_ply_has_edit(state); }
+static int ply_has_edit(const void *state) { return norma_ply_has_edit(state); }
 
 static norma_document_result read_source(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
@@ -29,7 +29,8 @@ static norma_document_result read_source(norma_document *document, norma_documen
     return result ? result : norma_ply_read_mesh(document, error);
 }
 
-const edited_format norma_ply_edited = {sizeof(ply_state), 0, has_edit, free_content, read_source};
+const edited_format norma_ply_edited = {
+    sizeof(ply_state), 0, ply_has_edit, ply_free_content, read_source};
 
 /* ---- Vertices of a PLY as a list of copies of old ones: rows that stay or go, further
  * ones behind them; and which rows are equal. */
@@ -51,7 +52,7 @@ typedef struct span_rows {
     const ply_span *spans;
 } span_rows;
 
-static const unsigned char *row_of(const void *context, size_t row, size_t *length) {
+static const unsigned char *ply_row_of(const void *context, size_t row, size_t *length) {
     const span_rows *rows = context;
     *length = rows->spans[row].length;
     return rows->bytes + rows->spans[row].offset;
@@ -71,7 +72,7 @@ static norma_document_result ply_equal_vertices(
         result = norma_ply_row_spans(
             document, norma_ply_element(&state->header, state->header.vertex), &spans, error);
     const span_rows rows = {state->bytes, spans};
-    if (!result && !norma_equal_rows(row_of, &rows, state->vertices, first))
+    if (!result && !norma_equal_rows(ply_row_of, &rows, state->vertices, first))
         result = norma_document_fail_memory(document, error);
     free(spans);
     return result;
@@ -125,7 +126,7 @@ static uint8_t *copy_marks(const uint8_t *marks, size_t count) {
 
 /* Where the values of a vertex of the edit lie among those of a change: by old rows, added ones
  * behind them. */
-static size_t place_of(
+static size_t ply_place_of(
     const ply_state *state, const norma_mesh_edit *edit, size_t kept, size_t vertex) {
     if (!edit->source_vertices) return vertex;
     return vertex < kept ? edit->source_vertices[vertex] : state->vertices + vertex - kept;
@@ -176,7 +177,7 @@ static norma_document_result edit_normals(
     }
     for (size_t i = 0; !result && i < count; ++i)
         for (size_t axis = 0; axis < 3 && norma_edit_says(edit->set_normals, i); ++axis)
-            values[3 * place_of(state, edit, kept, i) + axis] = (double)codes[3 * i + axis];
+            values[3 * ply_place_of(state, edit, kept, i) + axis] = (double)codes[3 * i + axis];
     free(codes);
     if (result)
         free(values);
@@ -198,7 +199,7 @@ static norma_document_result edit_positions(
             norma_ply_property(&state->header, vertex, state->header.position[axis])->type;
     for (size_t i = 0; !result && i < count; ++i)
         if (norma_edit_says(edit->set_positions, i))
-            memcpy(state->edit.positions + 3 * place_of(state, edit, kept, i),
+            memcpy(state->edit.positions + 3 * ply_place_of(state, edit, kept, i),
                 edit->positions + 3 * i, 3 * sizeof(double));
     return result;
 }
@@ -232,7 +233,7 @@ static norma_document_result cut_faces(
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result edit_faces(
+static norma_document_result ply_edit_faces(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_mesh *mesh = &state->mesh;
@@ -284,14 +285,14 @@ norma_document_result norma_ply_edit(
                            "faces cannot be cut and reversed at once; do one after the other")
                      : cut_faces(document, edit, error);
     if (!result && (edit->reverse_faces || edit->drop_faces))
-        result = edit_faces(document, edit, error);
+        result = ply_edit_faces(document, edit, error);
     return result ? result : norma_edited_flush(document, error);
 }
 
 /* ---- What a PLY's vertices have beside positions and normals: UVs and colours, by the
  * names that programs give them. */
 
-static int find(const ply_state *state, const ply_element *element, const char *name) {
+static int ply_find(const ply_state *state, const ply_element *element, const char *name) {
     for (size_t i = 0; i < element->property_count; ++i) {
         const ply_property *property = norma_ply_property(&state->header, element, (int)i);
         if (!norma_ply_is_list(property) && norma_ply_span_is(state, property->name, name))
@@ -308,7 +309,7 @@ typedef struct float_columns {
     double scale;
 } float_columns;
 
-static norma_document_result read_floats(norma_document *document, const ply_element *element,
+static norma_document_result ply_read_floats(norma_document *document, const ply_element *element,
     const float_columns *columns, float *out, norma_document_error *error) {
     double *values;
     norma_document_result result =
@@ -321,13 +322,13 @@ static norma_document_result read_floats(norma_document *document, const ply_ele
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_texcoords(norma_document *document, const ply_element *vertex,
+static norma_document_result ply_read_texcoords(norma_document *document, const ply_element *vertex,
     norma_mesh_attributes *attributes, norma_document_error *error) {
     static const char *const names[][2] = {
         {"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}, {"texcoord_u", "texcoord_v"}};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
-        int u = find(document->state, vertex, names[i][0]),
-            v = find(document->state, vertex, names[i][1]);
+        int u = ply_find(document->state, vertex, names[i][0]),
+            v = ply_find(document->state, vertex, names[i][1]);
         const float_columns uv = {{u, v, v}, 2, 2, 1};
         if (u == PLY_NONE || v == PLY_NONE) continue;
         float *texcoords =
@@ -335,7 +336,7 @@ static norma_document_result read_texcoords(norma_document *document, const ply_
         if (!texcoords) return norma_document_fail_memory(document, error);
         attributes->texcoords = texcoords;
         attributes->texcoord_count = (size_t)vertex->count;
-        return read_floats(document, vertex, &uv, texcoords, error);
+        return ply_read_floats(document, vertex, &uv, texcoords, error);
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -344,11 +345,11 @@ static double color_scale(ply_type type) {
     return type == PLY_UINT8 ? 255 : type == PLY_UINT16 ? 65535 : 1;
 }
 
-static norma_document_result read_colors(norma_document *document, const ply_element *vertex,
+static norma_document_result ply_read_colors(norma_document *document, const ply_element *vertex,
     norma_mesh_attributes *attributes, norma_document_error *error) {
     const ply_state *state = document->state;
-    const int rgb[3] = {
-        find(state, vertex, "red"), find(state, vertex, "green"), find(state, vertex, "blue")};
+    const int rgb[3] = {ply_find(state, vertex, "red"), ply_find(state, vertex, "green"),
+        ply_find(state, vertex, "blue")};
     if (rgb[0] == PLY_NONE || rgb[1] == PLY_NONE || rgb[2] == PLY_NONE) return NORMA_DOCUMENT_OK;
     float *colors =
         norma_scene_allocate(document->scene, (size_t)vertex->count, 4 * sizeof *colors);
@@ -357,20 +358,21 @@ static norma_document_result read_colors(norma_document *document, const ply_ele
     attributes->colors = colors;
     const float_columns color = {{rgb[0], rgb[1], rgb[2]}, 3, 4,
         color_scale(norma_ply_property(&state->header, vertex, rgb[0])->type)};
-    return read_floats(document, vertex, &color, colors, error);
+    return ply_read_floats(document, vertex, &color, colors, error);
 }
 
-static norma_document_result read_attributes(norma_document *document, size_t mesh,
+static norma_document_result ply_read_attributes(norma_document *document, size_t mesh,
     norma_mesh_attributes *attributes, norma_document_error *error) {
     const ply_state *state = document->state;
     const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
     (void)mesh;
     if (!vertex) return NORMA_DOCUMENT_OK;
-    norma_document_result result = read_texcoords(document, vertex, attributes, error);
-    return result ? result : read_colors(document, vertex, attributes, error);
+    norma_document_result result = ply_read_texcoords(document, vertex, attributes, error);
+    return result ? result : ply_read_colors(document, vertex, attributes, error);
 }
 
-static norma_document_result read_unread(norma_document *document, norma_document_error *error) {
+static norma_document_result ply_read_unread(
+    norma_document *document, norma_document_error *error) {
     const ply_state *state = document->state;
     norma_scene *scene = document->scene;
     norma_unread *unread = norma_scene_allocate(scene, 1, sizeof *unread);
@@ -386,7 +388,8 @@ static norma_document_result read_unread(norma_document *document, norma_documen
     return NORMA_DOCUMENT_OK;
 }
 
-const scene_functions norma_ply_scene = {.attributes = read_attributes, .unread = read_unread};
+const scene_functions norma_ply_scene = {
+    .attributes = ply_read_attributes, .unread = ply_read_unread};
 
 /* ---- PLY documents. The file's bytes stay as they are; what compute and transform change is
  * kept beside them until it is written, or until another change needs to see it: then it becomes
@@ -397,7 +400,7 @@ static size_t count_meshes(const norma_document *document) {
     return 1;
 }
 
-static const char *encoding_of(const ply_state *state) {
+static const char *ply_encoding_of(const ply_state *state) {
     const ply_header *header = &state->header;
     const ply_element *vertex = norma_ply_element(header, header->vertex);
     if (header->encoding == PLY_ASCII) return "text";
@@ -418,7 +421,7 @@ static norma_document_result describe_mesh(
     info->triangles = state->triangles;
     if (state->header.normal[0] != PLY_NONE) {
         info->normals = NORMA_NORMALS_PER_VERTEX;
-        info->encoding = encoding_of(state);
+        info->encoding = ply_encoding_of(state);
     } else if (state->edit.normals || state->edit.stored_normals) {
         info->normals = NORMA_NORMALS_PER_VERTEX;
         info->encoding = state->header.encoding == PLY_ASCII ? "text" : "float";
@@ -464,7 +467,7 @@ static norma_document_result give_mesh(
 }
 
 /* "comment TextureFile NAME" in the header, as MeshLab and others write it. */
-static int visit_files(const norma_document *document, norma_visit_file *visit, void *user) {
+static int ply_visit_files(const norma_document *document, norma_visit_file *visit, void *user) {
     static const char word[] = "comment TextureFile ", last[] = "end_header";
     const char *at = (const char *)document->source.data, *end = at + document->source.size;
     int stop = 0;
@@ -492,6 +495,6 @@ const format_functions norma_ply_functions = {
     .edit = norma_ply_edit,
     .equal_vertices = ply_equal_vertices,
     .write = norma_ply_write,
-    .visit_files = visit_files,
+    .visit_files = ply_visit_files,
     .scene = &norma_ply_scene,
 };

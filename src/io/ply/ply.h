@@ -237,6 +237,8 @@ static inline float norma_ply_normal_value(double stored, double scale) {
     const double value = stored / scale;
     return (float)(scale > 1 && value < -1 ? -1 : value);
 }
+/* As it was stored, with that scale: whole codes decode, the lowest stands for -1 as well. */
+int norma_ply_is_broken(const double stored[3], double scale);
 /* The types that normals are written in: as stored where that holds unit vectors, else float. */
 void norma_ply_normal_types(const ply_header *header, const ply_element *element,
     const int properties[3], ply_type types[3]);

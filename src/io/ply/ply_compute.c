@@ -67,14 +67,13 @@ static void free_job(ply_job *job) {
     free(job->added);
 }
 
-static norma_document_result fail_memory(const ply_job *job) {
+static norma_document_result ply_fail_memory(const ply_job *job) {
     return norma_document_fail_memory(job->document, job->error);
 }
 
 /* ---- what is to be done */
 
-/* As whole codes decode: the lowest stands for -1 as well. */
-static int is_broken(const double stored[3], double scale) {
+int norma_ply_is_broken(const double stored[3], double scale) {
     double normal[3];
     for (int axis = 0; axis < 3; ++axis) {
         normal[axis] = stored[axis] / scale;
@@ -83,16 +82,16 @@ static int is_broken(const double stored[3], double scale) {
     return norma_normal_is_broken(normal, scale == 127 ? 8 : 32);
 }
 
-static norma_document_result find_broken(ply_job *job, size_t *broken) {
+static norma_document_result ply_find_broken(ply_job *job, size_t *broken) {
     ply_state *state = job->state;
     const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
     norma_document_result result = norma_ply_read_columns(
         job->document, vertex, state->header.normal, &job->stored, job->error);
     job->wanted = norma_io_allocate(state->vertices, 1);
-    if (!result && !job->wanted) return fail_memory(job);
+    if (!result && !job->wanted) return ply_fail_memory(job);
     const double scale = norma_ply_normal_scale(&state->header, vertex, state->header.normal);
     for (size_t i = 0; !result && i < state->vertices; ++i) {
-        job->wanted[i] = (uint8_t)is_broken(job->stored + 3 * i, scale);
+        job->wanted[i] = (uint8_t)norma_ply_is_broken(job->stored + 3 * i, scale);
         *broken += job->wanted[i];
     }
     return result;
@@ -153,14 +152,14 @@ static norma_document_result gather_split_mesh(const ply_job *job, split_mesh *s
     const size_t vertices = job->state->vertices;
     split->mesh = norma_ply_core_mesh(job->state);
     uint8_t *used = norma_io_allocate(vertices, 1);
-    if (!used) return fail_memory(job);
+    if (!used) return ply_fail_memory(job);
     for (size_t i = 0; i < mesh->corner_count; ++i) used[mesh->corners[i]] = 1;
     for (size_t i = 0; i < vertices; ++i) split->idle += !used[i];
     int ok = split->idle == 0;
     if (!ok && split->idle <= (UINT32_MAX - mesh->corner_count) / 3)
         ok = append_idle(split, used, vertices);
     free(used);
-    return ok ? NORMA_DOCUMENT_OK : fail_memory(job);
+    return ok ? NORMA_DOCUMENT_OK : ply_fail_memory(job);
 }
 
 /* How many of the faces appended count as degenerate: a vertex that is not finite makes none. */
@@ -223,7 +222,7 @@ typedef struct placing {
     size_t count, slices;
 } placing;
 
-static void place_slice(void *context, size_t slice) {
+static void ply_place_slice(void *context, size_t slice) {
     const placing *p = context;
     const size_t end = norma_io_slice(p->count, p->slices, slice + 1);
     for (size_t i = norma_io_slice(p->count, p->slices, slice); i < end; ++i)
@@ -239,12 +238,12 @@ static norma_document_result place_vertices(ply_job *job, split_mesh *split) {
         placing p = {
             .place = place, .corners = split->made.points, .count = job->state->mesh.corner_count};
         p.slices = norma_io_slices(p.count, LEAST_SLICE);
-        norma_io_tasks(job->policy.core.threads, p.slices, place_slice, &p);
+        norma_io_tasks(job->policy.core.threads, p.slices, ply_place_slice, &p);
         job->corners = split->made.points;
         split->made.points = NULL;
     }
     free(place);
-    return ok ? NORMA_DOCUMENT_OK : fail_memory(job);
+    return ok ? NORMA_DOCUMENT_OK : ply_fail_memory(job);
 }
 
 static norma_document_result compute_split(ply_job *job) {
@@ -272,7 +271,7 @@ static norma_document_result keep_stored(ply_job *job) {
     ply_edit *edit = &job->state->edit;
     const size_t vertices = job->state->vertices, count = vertices + job->added_count;
     double *all = realloc(job->stored, (count ? count : 1) * 3 * sizeof *all);
-    if (!all) return fail_memory(job);
+    if (!all) return ply_fail_memory(job);
     job->stored = NULL;
     edit->stored_normals = all;
     for (size_t i = 0; i < count; ++i)
@@ -283,7 +282,7 @@ static norma_document_result keep_stored(ply_job *job) {
 
 /* The sign of a stored zero says nothing: it stays, so that a file whose normals are right already
  * stays as it is. */
-static norma_document_result keep_zero_signs(const ply_job *job) {
+static norma_document_result ply_keep_zero_signs(const ply_job *job) {
     const ply_state *state = job->state;
     double *stored = NULL;
     if (state->header.normal[0] == PLY_NONE || job->stored) return NORMA_DOCUMENT_OK;
@@ -296,7 +295,7 @@ static norma_document_result keep_zero_signs(const ply_job *job) {
     return result;
 }
 
-static norma_document_result take_result(ply_job *job) {
+static norma_document_result ply_take_result(ply_job *job) {
     ply_state *state = job->state;
     ply_edit *edit = &state->edit;
     const ply_header *header = &state->header;
@@ -307,7 +306,7 @@ static norma_document_result take_result(ply_job *job) {
             header, norma_ply_element(header, header->vertex), header->normal, edit->normal_types);
     norma_document_result result = norma_ply_encode_normals(job->document, edit->normal_types,
         job->normals, state->vertices + job->added_count, job->error);
-    if (!result) result = keep_zero_signs(job);
+    if (!result) result = ply_keep_zero_signs(job);
     if (result) return result;
     if (job->stored) {
         result = keep_stored(job);
@@ -323,20 +322,20 @@ static norma_document_result take_result(ply_job *job) {
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result compute_all(ply_job *job) {
+static norma_document_result ply_compute_all(ply_job *job) {
     norma_document_result result;
     size_t broken = 0;
     norma_compute_summary *summary = job->policy.summary;
     if (job->policy.options->only == NORMA_ONLY_BROKEN &&
         job->state->header.normal[0] != PLY_NONE) {
-        result = find_broken(job, &broken);
+        result = ply_find_broken(job, &broken);
         if (result || broken == 0) return result;
     }
     result = summary->shading == NORMA_SHADING_SMOOTH ? compute_smooth(job) : compute_split(job);
     if (result) return result;
     norma_policy_fill(&job->policy, job->normals, job->reasons,
         job->state->vertices + job->added_count, job->wanted, job->state->vertices);
-    result = take_result(job);
+    result = ply_take_result(job);
     if (!result) result = norma_ply_drop_idle_edit(job->document, &summary->changed, job->error);
     summary->vertices_after = job->state->vertices + job->state->edit.added_count;
     return result;
@@ -364,7 +363,7 @@ norma_document_result norma_ply_compute(norma_document *document,
         return NORMA_DOCUMENT_OK;
     if (options->only == NORMA_ONLY_MISSING && state->header.normal[0] != PLY_NONE)
         return NORMA_DOCUMENT_OK;
-    result = compute_all(&job);
+    result = ply_compute_all(&job);
     free_job(&job);
     return result;
 }
@@ -476,7 +475,8 @@ static norma_document_result transform_normals(
 
 /* ---- faces */
 
-static norma_document_result reverse_faces(norma_document *document, norma_document_error *error) {
+static norma_document_result ply_reverse_faces(
+    norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_mesh *mesh = &state->mesh;
     if (mesh->corner_count == 0) return NORMA_DOCUMENT_OK;
@@ -504,7 +504,7 @@ norma_document_result norma_ply_transform(norma_document *document,
     if (result) return result;
     result = transform_positions(document, options->matrix, error);
     if (!result) result = transform_normals(document, &carrier, error);
-    if (!result && carrier.mirrored) result = reverse_faces(document, error);
+    if (!result && carrier.mirrored) result = ply_reverse_faces(document, error);
     if (!result) result = norma_ply_drop_idle_edit(document, &summary->changed, error);
     return result ? result : norma_stored_normals_progress(document, options, 1, error);
 }

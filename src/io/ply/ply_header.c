@@ -36,14 +36,14 @@ int norma_ply_is_native(ply_encoding encoding) {
     return encoding == (first ? PLY_LITTLE_ENDIAN : PLY_BIG_ENDIAN);
 }
 
-static uint64_t load(const unsigned char *at, size_t size, ply_encoding encoding) {
+static uint64_t ply_load(const unsigned char *at, size_t size, ply_encoding encoding) {
     uint64_t bits = 0;
     for (size_t i = 0; i < size; ++i)
         bits = bits << 8 | at[encoding == PLY_BIG_ENDIAN ? i : size - 1 - i];
     return bits;
 }
 
-static void store(unsigned char *at, size_t size, ply_encoding encoding, uint64_t bits) {
+static void ply_store(unsigned char *at, size_t size, ply_encoding encoding, uint64_t bits) {
     for (size_t i = 0; i < size; ++i)
         at[encoding == PLY_BIG_ENDIAN ? size - 1 - i : i] = (unsigned char)(bits >> (8 * i));
 }
@@ -55,29 +55,29 @@ int64_t norma_ply_get_integer(const unsigned char *at, ply_type type, ply_encodi
     case PLY_UINT8:
         return *at;
     case PLY_INT16: {
-        int64_t value = (int64_t)load(at, 2, encoding);
+        int64_t value = (int64_t)ply_load(at, 2, encoding);
         return value < 0x8000 ? value : value - 0x10000;
     }
     case PLY_UINT16:
-        return (int64_t)load(at, 2, encoding);
+        return (int64_t)ply_load(at, 2, encoding);
     case PLY_INT32: {
-        int64_t value = (int64_t)load(at, 4, encoding);
+        int64_t value = (int64_t)ply_load(at, 4, encoding);
         return value < INT64_C(0x80000000) ? value : value - INT64_C(0x100000000);
     }
     default:
-        return (int64_t)load(at, 4, encoding);
+        return (int64_t)ply_load(at, 4, encoding);
     }
 }
 
 double norma_ply_get(const unsigned char *at, ply_type type, ply_encoding encoding) {
     if (type == PLY_FLOAT) {
-        uint32_t bits = (uint32_t)load(at, 4, encoding);
+        uint32_t bits = (uint32_t)ply_load(at, 4, encoding);
         float value;
         memcpy(&value, &bits, sizeof value);
         return (double)value;
     }
     if (type == PLY_DOUBLE) {
-        uint64_t bits = load(at, 8, encoding);
+        uint64_t bits = ply_load(at, 8, encoding);
         double value;
         memcpy(&value, &bits, sizeof value);
         return value;
@@ -90,13 +90,13 @@ void norma_ply_put(unsigned char *at, ply_type type, ply_encoding encoding, doub
         float narrow = (float)value;
         uint32_t bits;
         memcpy(&bits, &narrow, sizeof bits);
-        store(at, 4, encoding, bits);
+        ply_store(at, 4, encoding, bits);
     } else if (type == PLY_DOUBLE) {
         uint64_t bits;
         memcpy(&bits, &value, sizeof bits);
-        store(at, 8, encoding, bits);
+        ply_store(at, 8, encoding, bits);
     } else {
-        store(at, norma_ply_type_size(type), encoding, (uint64_t)(int64_t)value);
+        ply_store(at, norma_ply_type_size(type), encoding, (uint64_t)(int64_t)value);
     }
 }
 
@@ -279,17 +279,12 @@ static norma_document_result fail_line(
         place, "\"%.*s\": %s", length, (const char *)state->bytes + span.offset, what);
 }
 
-static int is_blank(unsigned char byte) {
-    return byte == ' ' || byte == '\t' || byte == '\r' || byte == '\n' || byte == '\v' ||
-           byte == '\f';
-}
-
 static void split_words(const ply_state *state, header_line *line) {
     line->word_count = 0;
     for (size_t at = line->begin; at < line->end;) {
-        while (at < line->end && is_blank(state->bytes[at])) ++at;
+        while (at < line->end && norma_is_blank(state->bytes[at])) ++at;
         size_t begin = at;
-        while (at < line->end && !is_blank(state->bytes[at])) ++at;
+        while (at < line->end && !norma_is_blank(state->bytes[at])) ++at;
         if (at > begin && line->word_count++ < MAX_WORDS)
             line->words[line->word_count - 1] = (ply_span){begin, at - begin};
     }
@@ -314,13 +309,13 @@ static int next_line(header_reader *reader) {
 /* From its first word, which it has, to the end of its last. */
 static ply_span whole_line(const ply_state *state, const header_line *line) {
     size_t begin = line->words[0].offset, end = line->end;
-    while (is_blank(state->bytes[end - 1])) --end;
+    while (norma_is_blank(state->bytes[end - 1])) --end;
     return (ply_span){begin, end - begin};
 }
 
 static norma_document_result read_magic(header_reader *reader) {
     ply_state *state = reader->state;
-    if (state->size < 4 || memcmp(state->bytes, "ply", 3) != 0 || !is_blank(state->bytes[3]))
+    if (state->size < 4 || memcmp(state->bytes, "ply", 3) != 0 || !norma_is_blank(state->bytes[3]))
         return norma_document_fail(reader->document, reader->error, NORMA_DOCUMENT_ERROR_MALFORMED,
             "1", "%s; a PLY file begins with the line \"ply\"",
             state->size == 0 ? "the file is empty" : "not a PLY file");
@@ -359,7 +354,7 @@ static norma_document_result read_format(header_reader *reader) {
         line->words[1]);
 }
 
-static norma_document_result read_element(header_reader *reader) {
+static norma_document_result ply_read_element(header_reader *reader) {
     const header_line *line = &reader->line;
     ply_state *state = reader->state;
     ply_header *header = &state->header;
@@ -459,7 +454,8 @@ static norma_document_result read_unknown(header_reader *reader, int has_format)
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result read_statement(header_reader *reader, int *has_format, int *ended) {
+static norma_document_result ply_read_statement(
+    header_reader *reader, int *has_format, int *ended) {
     const header_line *line = &reader->line;
     const ply_state *state = reader->state;
     if (line->word_count == 0) return NORMA_DOCUMENT_OK;
@@ -470,7 +466,7 @@ static norma_document_result read_statement(header_reader *reader, int *has_form
         *has_format = 1;
         return read_format(reader);
     }
-    if (*has_format && norma_ply_span_is(state, word, "element")) return read_element(reader);
+    if (*has_format && norma_ply_span_is(state, word, "element")) return ply_read_element(reader);
     if (*has_format && norma_ply_span_is(state, word, "property")) return read_property(reader);
     if (*has_format && norma_ply_span_is(state, word, "end_header") && line->word_count == 1) {
         *ended = 1;
@@ -609,7 +605,7 @@ norma_document_result norma_ply_read_header(norma_document *document, norma_docu
         if (!next_line(&reader))
             return fail_line(&reader, "the file ends within the header, before \"end_header\"",
                 (ply_span){0, 0});
-        result = read_statement(&reader, &has_format, &ended);
+        result = ply_read_statement(&reader, &has_format, &ended);
     }
     if (result) return result;
     state->header.body = reader.line.next;

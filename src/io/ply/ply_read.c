@@ -104,7 +104,7 @@ norma_document_result norma_ply_read_columns(norma_document *document, const ply
     return result;
 }
 
-static norma_format format_of(ply_type type) {
+static norma_format ply_format_of(ply_type type) {
     static const norma_format formats[] = {[PLY_INT8] = NORMA_FORMAT_INT8,
         [PLY_UINT8] = NORMA_FORMAT_UINT8,
         [PLY_INT16] = NORMA_FORMAT_INT16,
@@ -132,11 +132,12 @@ static int view_rows(const ply_state *state, const ply_element *element, const i
                                       norma_ply_offset_in_row(header, element, properties[0]),
         .count = (size_t)element->count,
         .stride = element->fixed_size,
-        .format = format_of(first->type)};
+        .format = ply_format_of(first->type)};
     return 1;
 }
 
-static norma_document_result read_positions(norma_document *document, norma_document_error *error) {
+static norma_document_result ply_read_positions(
+    norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_header *header = &state->header;
     const ply_element *vertex = norma_ply_element(header, header->vertex);
@@ -249,7 +250,7 @@ void norma_ply_free_lists(ply_lists *lists) {
 
 static size_t triangles_of(uint32_t corners) { return corners > 2 ? corners - 2 : 0; }
 
-static norma_document_result fail_index(norma_document *document, norma_document_error *error,
+static norma_document_result ply_fail_index(norma_document *document, norma_document_error *error,
     const char *element, size_t row, int64_t index) {
     const ply_state *state = document->state;
     const ply_element *of = norma_ply_element(
@@ -306,7 +307,7 @@ static norma_document_result read_plain_triangles(
         greatest = copy.greatest[i] > greatest ? copy.greatest[i] : greatest;
     for (size_t i = 0; greatest >= state->vertices && i < 3 * count; ++i)
         if (corners[i] >= state->vertices)
-            return fail_index(document, error, "face", i / 3,
+            return ply_fail_index(document, error, "face", i / 3,
                 norma_ply_property(&state->header, face, 0)->type == PLY_INT32
                     ? (int32_t)corners[i]
                     : (int64_t)corners[i]);
@@ -335,7 +336,7 @@ static norma_document_result take_face_lists(
         for (uint32_t k = 0; k < lists->counts[row]; ++k, ++corner) {
             if ((uint64_t)lists->items[corner] >=
                 state->vertices) /* a negative one is beyond all */
-                return fail_index(document, error, "face", row, lists->items[corner]);
+                return ply_fail_index(document, error, "face", row, lists->items[corner]);
             mesh->corners[corner] = (uint32_t)lists->items[corner];
         }
         if (mesh->face_starts) mesh->face_starts[row + 1] = (uint32_t)corner;
@@ -373,7 +374,7 @@ static norma_document_result check_strips(norma_document *document, const ply_li
     for (size_t row = 0; row < rows; items += lists->counts[row], ++row) {
         for (uint32_t k = 0; k < lists->counts[row]; ++k)
             if (items[k] < -1 || (items[k] >= 0 && (uint64_t)items[k] >= state->vertices))
-                return fail_index(document, error, "strip", row, items[k]);
+                return ply_fail_index(document, error, "strip", row, items[k]);
         *triangles += norma_ply_strip_triangles(items, lists->counts[row], NULL);
     }
     return NORMA_DOCUMENT_OK;
@@ -428,7 +429,8 @@ static norma_document_result read_strips(norma_document *document, norma_documen
 /* ---- the whole, or its counts alone */
 
 /* Without the items of the lists: a summary of faces reads their lengths only. */
-static norma_document_result count_faces(norma_document *document, norma_document_error *error) {
+static norma_document_result ply_count_faces(
+    norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_header *header = &state->header;
     const ply_element *face = norma_ply_element(header, header->face);
@@ -477,8 +479,8 @@ norma_document_result norma_ply_read_mesh(norma_document *document, norma_docume
     const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
     if (vertex->count > UINT32_MAX) return fail_too_many(document, error);
     state->vertices = (size_t)vertex->count;
-    norma_document_result result = whole ? read_positions(document, error) : NORMA_DOCUMENT_OK;
-    if (!result) result = whole ? read_faces(document, error) : count_faces(document, error);
+    norma_document_result result = whole ? ply_read_positions(document, error) : NORMA_DOCUMENT_OK;
+    if (!result) result = whole ? read_faces(document, error) : ply_count_faces(document, error);
     if (!result) result = read_strips(document, error);
     if (!result && whole && state->header.encoding == PLY_ASCII) {
         result = check_text_normals(document, vertex, state->header.normal, error);

@@ -203,7 +203,7 @@ static void add_value(row_writer *writer, const ply_item *item) {
 /* Triangles alone whose new corners are stored as they are in memory (rows of 13 bytes: a count of
  * one, three numbers of four): their count stays, the corners come from the side. 0: they are no
  * such. */
-static int add_triangle(row_writer *writer) {
+static int binary_add_triangle(row_writer *writer) {
     const ply_plan *plan = writer->plan;
     const size_t size = sizeof(uint32_t);
     if (plan->lists || plan->cut_rows || plan->element->triangle_row != 1 + 3 * size ||
@@ -220,7 +220,7 @@ static int add_triangle(row_writer *writer) {
 
 /* Skips move behind the values that neighbour them, so that three replaced numbers are one step
  * each way. */
-static void compile(row_writer *writer) {
+static void binary_compile(row_writer *writer) {
     size_t skipped = 0;
     for (size_t i = 0; i < writer->plan->item_count; ++i) {
         const ply_item *item = &writer->plan->items[i];
@@ -231,7 +231,7 @@ static void compile(row_writer *writer) {
         }
         if (skipped > 0) add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
         skipped = 0;
-        if (item->action == PLY_INDICES && add_triangle(writer)) continue;
+        if (item->action == PLY_INDICES && binary_add_triangle(writer)) continue;
         if (item->action == PLY_INDICES)
             add_step(writer, (row_step){.kind = STEP_INDICES, .item = item});
         else if (item->action == PLY_CORNERS)
@@ -333,7 +333,7 @@ static void put_corners(
             tuple);
 }
 
-static const unsigned char *run_step(
+static const unsigned char *binary_run_step(
     row_writer *writer, const row_step *step, const unsigned char *at, size_t row, size_t number) {
     switch (step->kind) {
     case STEP_COPY:
@@ -390,7 +390,7 @@ static const unsigned char *write_row(
     row_writer *writer, const unsigned char *at, size_t row, size_t number) {
     if (writer->spliced) return splice_row(writer, at, number);
     for (size_t i = 0; i < writer->step_count; ++i)
-        at = run_step(writer, &writer->steps[i], at, row, number);
+        at = binary_run_step(writer, &writer->steps[i], at, row, number);
     return at;
 }
 
@@ -498,7 +498,7 @@ norma_document_result norma_ply_write_rows(
     const size_t row_size = even_row(plan);
     writer.steps = norma_io_allocate(2 * plan->item_count + 1, sizeof *writer.steps);
     if (!writer.steps) return norma_document_fail_memory(document, error);
-    compile(&writer);
+    binary_compile(&writer);
     norma_document_result result = row_size && sink->write
                                        ? write_slices(document, &writer, row_size, error)
                                        : write_in_turn(document, &writer, error);

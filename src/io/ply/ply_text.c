@@ -6,14 +6,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static int is_blank(unsigned char byte) { return byte == ' ' || (byte >= '\t' && byte <= '\r'); }
-
 /* NULL: no more; skips white space and line breaks */
 static const unsigned char *ply_token(
     const unsigned char *at, const unsigned char *end, size_t *length) {
-    while (at < end && is_blank(*at)) ++at;
+    while (at < end && norma_is_blank(*at)) ++at;
     const unsigned char *begin = at;
-    while (at < end && !is_blank(*at)) ++at;
+    while (at < end && !norma_is_blank(*at)) ++at;
     *length = (size_t)(at - begin);
     return at > begin ? begin : NULL;
 }
@@ -40,7 +38,7 @@ typedef struct text_walker {
     const void *asked;                      /* where it was last asked whether to go on */
 } text_walker;
 
-static int is_cancelled(text_walker *walker) {
+static int text_is_cancelled(text_walker *walker) {
     return norma_watch_passed(norma_document_watch(walker->document), &walker->asked, walker->at);
 }
 
@@ -53,7 +51,8 @@ static norma_document_result fail_row(
         name.length > 60 ? 60 : (int)name.length, (const char *)state->bytes + name.offset, what);
 }
 
-static norma_document_result next_word(text_walker *walker, const char **text, size_t *length) {
+static norma_document_result text_next_word(
+    text_walker *walker, const char **text, size_t *length) {
     const unsigned char *word = ply_token(walker->at, walker->end, length);
     if (!word) return fail_row(walker, walker->end, "the file ends before the row does");
     walker->at = word + *length;
@@ -64,8 +63,9 @@ static norma_document_result next_word(text_walker *walker, const char **text, s
 static norma_document_result walk_value(text_walker *walker, int property, int64_t item) {
     const char *text = NULL;
     size_t length = 0;
-    norma_document_result result =
-        is_cancelled(walker) ? NORMA_DOCUMENT_CANCELLED : next_word(walker, &text, &length);
+    norma_document_result result = text_is_cancelled(walker)
+                                       ? NORMA_DOCUMENT_CANCELLED
+                                       : text_next_word(walker, &text, &length);
     if (!result && walker->visit &&
         walker->visit(walker->user, property, item, text, text + length))
         return fail_row(
@@ -76,7 +76,7 @@ static norma_document_result walk_value(text_walker *walker, int property, int64
 static norma_document_result walk_list(text_walker *walker, int property) {
     const char *text = NULL;
     size_t length = 0;
-    norma_document_result result = next_word(walker, &text, &length);
+    norma_document_result result = text_next_word(walker, &text, &length);
     if (result) return result;
     int64_t count;
     if (norma_number_parse_integer(text, text + length, &count) != text + length || count < 0)
@@ -97,7 +97,7 @@ static void end_row(text_walker *walker) {
     walker->row_end = walker->at;
     walker->surplus = NULL;
     for (; walker->at < walker->end && !norma_ply_ends_line(*walker->at); ++walker->at) {
-        if (is_cancelled(walker)) return;
+        if (text_is_cancelled(walker)) return;
         if (*walker->at == ' ' || *walker->at == '\t') continue;
         if (!walker->surplus) walker->surplus = walker->at;
         walker->row_end = walker->at + 1;
@@ -321,7 +321,7 @@ typedef struct text_writer {
 } text_writer;
 
 /* The sink takes nothing any more, or it is cancelled: of the rest nothing matters. */
-static int stops(text_writer *writer) {
+static int text_stops(text_writer *writer) {
     return writer->sink->failed || norma_watch_passed(writer->watch, &writer->asked, writer->at);
 }
 
@@ -335,7 +335,7 @@ static ply_span take_word(text_writer *writer) {
     return (ply_span){(size_t)(word - writer->state->bytes), length};
 }
 
-static void put_word(text_writer *writer, ply_span word) {
+static void text_put_word(text_writer *writer, ply_span word) {
     norma_sink_put(writer->sink, writer->state->bytes + word.offset, word.length);
 }
 
@@ -366,13 +366,13 @@ static int is_same_number(
     return item->type == PLY_FLOAT ? (float)old == (float)value : old == value;
 }
 
-static void put_value(text_writer *writer, const ply_item *item, size_t number) {
+static void text_put_value(text_writer *writer, const ply_item *item, size_t number) {
     char text[32];
     const double value = column_value(&item->column, number);
     if (item->source) {
         ply_span word = take_word(writer);
         if (is_same_number(writer, word, item, value)) {
-            put_word(writer, word);
+            text_put_word(writer, word);
             return;
         }
     } else {
@@ -384,22 +384,22 @@ static void put_value(text_writer *writer, const ply_item *item, size_t number) 
 
 /* ---- lists */
 
-static void put_list(text_writer *writer) {
+static void text_put_list(text_writer *writer) {
     ply_span word = take_word(writer);
-    put_word(writer, word);
-    for (int64_t left = integer_of(writer, word); left > 0 && !stops(writer); --left)
-        put_word(writer, take_word(writer));
+    text_put_word(writer, word);
+    for (int64_t left = integer_of(writer, word); left > 0 && !text_stops(writer); --left)
+        text_put_word(writer, take_word(writer));
 }
 
 static void skip_words(text_writer *writer, int64_t count) {
-    for (; count > 0 && !stops(writer); --count) {
+    for (; count > 0 && !text_stops(writer); --count) {
         size_t length = 0;
         writer->at = ply_token(writer->at, writer->end, &length);
         writer->at += length;
     }
 }
 
-static void put_triangle(text_writer *writer) {
+static void text_put_triangle(text_writer *writer) {
     const int64_t count = integer_of(writer, take_word(writer));
     put_integer(writer, 3);
     for (int k = 0; k < 3; ++k) {
@@ -409,28 +409,28 @@ static void put_triangle(text_writer *writer) {
     skip_words(writer, count);
 }
 
-static void put_face(text_writer *writer) {
+static void text_put_face(text_writer *writer) {
     if (writer->triangle) {
-        put_triangle(writer);
+        text_put_triangle(writer);
         return;
     }
     ply_span word = take_word(writer);
-    put_word(writer, word);
-    for (int64_t left = integer_of(writer, word); left > 0 && !stops(writer); --left) {
+    text_put_word(writer, word);
+    for (int64_t left = integer_of(writer, word); left > 0 && !text_stops(writer); --left) {
         ply_span index = take_word(writer);
         const uint32_t wanted = *writer->next_index++;
         if (integer_of(writer, index) == wanted)
-            put_word(writer, index);
+            text_put_word(writer, index);
         else
             put_integer(writer, wanted);
     }
 }
 
-static void put_strip(text_writer *writer) {
+static void text_put_strip(text_writer *writer) {
     ply_span word = take_word(writer);
     const uint32_t count = writer->plan->lists->counts[writer->row];
     put_integer(writer, count);
-    for (uint32_t i = 0; i < count && !stops(writer); ++i) {
+    for (uint32_t i = 0; i < count && !text_stops(writer); ++i) {
         norma_sink_put(writer->sink, " ", 1);
         put_integer(writer, *writer->next_item++);
     }
@@ -443,14 +443,14 @@ static void put_part(text_writer *writer, const ply_span *words, size_t count, s
     put_integer(writer, (int64_t)(3 * tuple));
     for (size_t i = 0; i < 3 * tuple; ++i) {
         norma_sink_put(writer->sink, " ", 1);
-        put_word(writer, words[writer->triangle[i / tuple] * tuple + i % tuple]);
+        text_put_word(writer, words[writer->triangle[i / tuple] * tuple + i % tuple]);
     }
     skip_words(writer, (int64_t)count);
 }
 
 /* Where faces turn, the first corner's tuple stays and the others turn round, as the corners do; a
  * triangle of a face that is cut has the tuples of its corners. 0: out of memory. */
-static int put_corners(text_writer *writer) {
+static int text_put_corners(text_writer *writer) {
     const ply_plan *plan = writer->plan;
     const ply_span word = take_word(writer);
     const size_t count = (size_t)integer_of(writer, word),
@@ -471,12 +471,12 @@ static int put_corners(text_writer *writer) {
     if (in_step && writer->triangle)
         put_part(writer, words, count, corners);
     else
-        put_word(writer, word);
-    for (size_t i = 0; i < count && !(in_step && writer->triangle) && !stops(writer); ++i) {
+        text_put_word(writer, word);
+    for (size_t i = 0; i < count && !(in_step && writer->triangle) && !text_stops(writer); ++i) {
         const size_t corner = tuple ? i / tuple : 0,
                      from = tuple && corner > 0 ? (corners - corner) * tuple + i % tuple : i;
         take_word(writer);
-        put_word(writer, words[from]);
+        text_put_word(writer, words[from]);
     }
     free(words);
     return 1;
@@ -486,17 +486,17 @@ static int put_corners(text_writer *writer) {
 
 static int put_item(text_writer *writer, const ply_item *item, size_t number) {
     if (item->action == PLY_VALUE)
-        put_value(writer, item, number);
+        text_put_value(writer, item, number);
     else if (item->action == PLY_CORNERS)
-        return put_corners(writer);
+        return text_put_corners(writer);
     else if (item->action == PLY_INDICES && writer->plan->lists)
-        put_strip(writer);
+        text_put_strip(writer);
     else if (item->action == PLY_INDICES)
-        put_face(writer);
+        text_put_face(writer);
     else if (norma_ply_is_list(item->source))
-        put_list(writer);
+        text_put_list(writer);
     else
-        put_word(writer, take_word(writer));
+        text_put_word(writer, take_word(writer));
     return 1;
 }
 
@@ -527,7 +527,7 @@ static int ends_in_line_break(const text_writer *writer) {
     return last == '\n' || last == '\r';
 }
 
-static norma_document_result write_added(
+static norma_document_result text_write_added(
     norma_document *document, text_writer *writer, norma_document_error *error) {
     const ply_plan *plan = writer->plan;
     ply_span *spans = NULL;
@@ -548,7 +548,7 @@ static norma_document_result write_added(
 
 /* Drops a row with the line break before it. Before the first row that stays there is no break, so
  * the break behind the dropped row goes instead. */
-static void drop_row(text_writer *writer, const ply_span *span) {
+static void text_drop_row(text_writer *writer, const ply_span *span) {
     if (writer->next_index) writer->next_index += norma_ply_row_corners(writer->plan, writer->row);
     writer->at = writer->state->bytes + span->offset + span->length;
     while (!writer->any && writer->at < writer->end &&
@@ -558,7 +558,7 @@ static void drop_row(text_writer *writer, const ply_span *span) {
 }
 
 /* As many copies of the row as it becomes triangles, on lines of their own. */
-static int cut_row(text_writer *writer, const ply_span *span) {
+static int text_cut_row(text_writer *writer, const ply_span *span) {
     const size_t corners = norma_ply_row_corners(writer->plan, writer->row);
     int ok = 1;
     writer->triangle =
@@ -591,11 +591,11 @@ norma_document_result norma_ply_write_text_rows(
     norma_document_result result = plan->dropped_rows || plan->cut_rows
                                        ? norma_ply_row_spans(document, plan->element, &spans, error)
                                        : NORMA_DOCUMENT_OK;
-    for (writer.row = 0; !result && writer.row < plan->element->count && !stops(&writer);
+    for (writer.row = 0; !result && writer.row < plan->element->count && !text_stops(&writer);
          ++writer.row) {
         if (plan->dropped_rows && plan->dropped_rows[writer.row])
-            drop_row(&writer, &spans[writer.row]);
-        else if (!(norma_ply_is_cut(plan, writer.row) ? cut_row(&writer, &spans[writer.row])
+            text_drop_row(&writer, &spans[writer.row]);
+        else if (!(norma_ply_is_cut(plan, writer.row) ? text_cut_row(&writer, &spans[writer.row])
                                                       : put_row(&writer, writer.row)))
             result = norma_document_fail_memory(document, error);
         else
@@ -604,5 +604,5 @@ norma_document_result norma_ply_write_text_rows(
     free(spans);
     if (result) return result;
     norma_sink_put(sink, writer.at, (size_t)(writer.end - writer.at));
-    return write_added(document, &writer, error);
+    return text_write_added(document, &writer, error);
 }

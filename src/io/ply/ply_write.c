@@ -29,7 +29,7 @@ void norma_ply_free_edit(ply_edit *edit) {
 
 /* ---- plans */
 
-static int axis_of(const int properties[3], int property) {
+static int ply_axis_of(const int properties[3], int property) {
     for (int axis = 0; axis < 3; ++axis)
         if (properties[axis] == property) return axis;
     return PLY_NONE;
@@ -66,7 +66,8 @@ static void plan_vertex(const ply_state *state, ply_plan *plan) {
     size_t count = 0;
     for (int i = 0; i < (int)plan->element->property_count; ++i) {
         const ply_property *property = norma_ply_property(header, plan->element, i);
-        const int position = axis_of(header->position, i), normal = axis_of(header->normal, i);
+        const int position = ply_axis_of(header->position, i),
+                  normal = ply_axis_of(header->normal, i);
         ply_item *item = &plan->items[count++];
         *item = (ply_item){
             .source = property, .type = property->type, .count_type = property->count_type};
@@ -88,7 +89,7 @@ static void plan_vertex(const ply_state *state, ply_plan *plan) {
 
 /* The narrowest type that counts up to value: the same, or a wider one that is signed or unsigned
  * as it was. */
-static ply_type widen(ply_type type, double value, int needs_sign) {
+static ply_type ply_widen(ply_type type, double value, int needs_sign) {
     static const ply_type signed_types[] = {PLY_INT8, PLY_INT16, PLY_INT32},
                           unsigned_types[] = {PLY_UINT8, PLY_UINT16, PLY_UINT32};
     const int is_signed = needs_sign || type == PLY_INT8 || type == PLY_INT16 || type == PLY_INT32;
@@ -121,14 +122,14 @@ static void plan_faces(const ply_state *state, ply_plan *plan) {
                                : &state->edit; /* rows without a list of corners are no faces */
     for (int i = 0; i < (int)plan->element->property_count; ++i) {
         const ply_property *property = norma_ply_property(header, plan->element, i);
-        const int normal = axis_of(header->face_normal, i);
+        const int normal = ply_axis_of(header->face_normal, i);
         ply_item *item = &plan->items[i];
         *item = (ply_item){
             .source = property, .type = property->type, .count_type = property->count_type};
         if (edit->corners && i == header->face_list) {
             item->action = PLY_INDICES;
-            item->type =
-                edit->added_count ? widen(property->type, highest_index(state), 0) : property->type;
+            item->type = edit->added_count ? ply_widen(property->type, highest_index(state), 0)
+                                           : property->type;
         } else if (edit->face_normals && normal != PLY_NONE) {
             *item = value_item(property, edit->face_normal_types[normal],
                 (ply_column){.floats = edit->face_normals + normal, .unit = 1});
@@ -224,8 +225,8 @@ static norma_document_result plan_strips(
         longest = lists->counts[row] > longest ? lists->counts[row] : longest;
     ply_item *item = &plan->items[header->strip_list];
     item->action = PLY_INDICES;
-    item->type = widen(item->type, highest_index(state), restarts);
-    item->count_type = widen(item->count_type, longest, 0);
+    item->type = ply_widen(item->type, highest_index(state), restarts);
+    item->count_type = ply_widen(item->count_type, longest, 0);
     plan->lists = lists;
     plan->changed = 1;
     return NORMA_DOCUMENT_OK;
@@ -313,7 +314,7 @@ static void write_header_part(header_writer *writer, const ply_plan *plan) {
 
 /* ---- all of it */
 
-static norma_document_result write_elements(norma_document *document, const ply_plan *plans,
+static norma_document_result ply_write_elements(norma_document *document, const ply_plan *plans,
     norma_sink *sink, norma_document_error *error) {
     const ply_state *state = document->state;
     header_writer writer = {.state = state, .sink = sink};
@@ -373,7 +374,7 @@ size_t norma_ply_written_row(
     if (!make_plan(document, (size_t)state->header.vertex, &plan, NULL, error))
         for (size_t i = 0; i < plan.item_count; ++i) {
             const ply_item *item = &plan.items[i];
-            const int own = item->source ? axis_of(state->header.normal, (int)i) : (int)axis++;
+            const int own = item->source ? ply_axis_of(state->header.normal, (int)i) : (int)axis++;
             if (item->action == PLY_VALUE && own != PLY_NONE) normal[own] = size;
             size += norma_ply_type_size(item->type);
         }
@@ -390,7 +391,7 @@ static norma_document_result write_changed(
         plans ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
     for (size_t i = 0; !result && i < state->header.element_count; ++i)
         result = make_plan(document, i, &plans[i], &lists, error);
-    if (!result) result = write_elements(document, plans, sink, error);
+    if (!result) result = ply_write_elements(document, plans, sink, error);
     for (size_t i = 0; plans && i < state->header.element_count; ++i) free(plans[i].items);
     free(plans);
     norma_ply_free_lists(&lists);

@@ -12,7 +12,7 @@
 /* ---- The state of an STL document: read, decoded, let go, and read again once its changes
  * have become bytes. */
 
-static void free_content(void *content) {
+static void stl_free_content(void *content) {
     stl_state *state = content;
     free(state->name);
     free(state->positions);
@@ -21,12 +21,13 @@ static void free_content(void *content) {
     free(state->vertices);
 }
 
-static int has_edit(const void *content) {
+static int stl_has_edit(const void *content) {
     const stl_state *state = content;
     return state->normals || state->vertices;
 }
 
-static norma_document_result read_source(norma_document *document, norma_document_error *error) {
+static norma_document_result stl_read_source(
+    norma_document *document, norma_document_error *error) {
     stl_state *state = document->state;
     state->bytes = document->source.data;
     state->size = document->source.size;
@@ -39,7 +40,8 @@ static norma_document_result read_source(norma_document *document, norma_documen
     return result;
 }
 
-const edited_format norma_stl_edited = {sizeof(stl_state), 0, has_edit, free_content, read_source};
+const edited_format norma_stl_edited = {
+    sizeof(stl_state), 0, stl_has_edit, stl_free_content, stl_read_source};
 
 static norma_document_result stl_drop_idle_edit(
     norma_document *document, int *changed, norma_document_error *error) {
@@ -83,7 +85,7 @@ static norma_mesh stl_core_mesh(const stl_state *state) {
 
 /* Puts the stored normals back where they are not to change, and the sign of zeros, which says
  * nothing. */
-static void keep_stored(stl_state *state, norma_only only) {
+static void stl_keep_stored(stl_state *state, norma_only only) {
     for (size_t i = 0; i < state->facets; ++i) {
         const float *stored = state->stored + 3 * i;
         const int stays = !norma_policy_wants_facet(only, stored);
@@ -188,7 +190,7 @@ static norma_document_result compute_normals(
     }
     norma_document_result result = compute_whole(document, policy, error);
     if (result) return result;
-    keep_stored(state, only);
+    stl_keep_stored(state, only);
     result = stl_drop_idle_edit(document, &policy->summary->changed, error);
     policy->summary->changed |= changed;
     return result;
@@ -240,7 +242,7 @@ static norma_document_result transform_vertices(
     return result;
 }
 
-static norma_document_result transform_normals(
+static norma_document_result stl_transform_normals(
     norma_document *document, const normal_carrier *carrier, norma_document_error *error) {
     stl_state *state = document->state;
     const size_t numbers = 3 * state->facets;
@@ -270,7 +272,7 @@ static norma_document_result stl_transform(norma_document *document,
     if (result) return result;
     result = stl_decode(document, error);
     if (!result) result = transform_vertices(document, options->matrix, carrier.mirrored, error);
-    if (!result) result = transform_normals(document, &carrier, error);
+    if (!result) result = stl_transform_normals(document, &carrier, error);
     if (!result) result = stl_drop_idle_edit(document, &summary->changed, error);
     return result ? result : norma_stored_normals_progress(document, options, 1, error);
 }
@@ -278,7 +280,7 @@ static norma_document_result stl_transform(norma_document *document,
 /* ---- Facets of an STL reversed, left out, their normals and corners replaced: the bytes of
  * all others are copied. */
 
-static size_t count_kept(const stl_state *state, const norma_mesh_edit *edit) {
+static size_t stl_count_kept(const stl_state *state, const norma_mesh_edit *edit) {
     size_t kept = 0;
     for (size_t facet = 0; facet < state->facets; ++facet)
         kept += !norma_edit_says(edit->drop_faces, facet);
@@ -319,7 +321,7 @@ static void edit_binary(const stl_state *state, const norma_mesh_edit *edit, nor
     unsigned char header[STL_HEADER];
     const unsigned char *at = state->bytes + STL_HEADER;
     memcpy(header, state->bytes, STL_HEADER);
-    store_32(header + 80, (uint32_t)count_kept(state, edit));
+    store_32(header + 80, (uint32_t)stl_count_kept(state, edit));
     norma_sink_put(sink, header, STL_HEADER);
     for (size_t facet = 0; facet < state->facets; ++facet, at += STL_FACET) {
         unsigned char copy[STL_FACET];
@@ -341,15 +343,13 @@ typedef struct text_editor {
     stl_word second[3];           /* the second corner of a facet that is reversed */
 } text_editor;
 
-static int is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-
 /* From the numbers of a facet's normal back over "facet normal", and over what stands before it on
  * its line if that is blank. */
 static const char *facet_begin(const text_editor *editor, const char *normal) {
     const char *p = normal;
     for (int words = 0; words < 2; ++words) {
-        while (p > editor->begin && is_blank(p[-1])) --p;
-        while (p > editor->begin && !is_blank(p[-1])) --p;
+        while (p > editor->begin && norma_is_blank(p[-1])) --p;
+        while (p > editor->begin && !norma_is_blank(p[-1])) --p;
     }
     while (p > editor->at && (p[-1] == ' ' || p[-1] == '\t')) --p;
     return p;
@@ -359,14 +359,14 @@ static const char *facet_begin(const text_editor *editor, const char *normal) {
 static const char *facet_end(const text_editor *editor, const char *last) {
     const char *p = last;
     for (int words = 0; words < 2; ++words) {
-        while (p < editor->end && is_blank(*p)) ++p;
-        while (p < editor->end && !is_blank(*p)) ++p;
+        while (p < editor->end && norma_is_blank(*p)) ++p;
+        while (p < editor->end && !norma_is_blank(*p)) ++p;
     }
     while (p < editor->end && (*p == ' ' || *p == '\t' || *p == '\r')) ++p;
     return p < editor->end && *p == '\n' ? p + 1 : p;
 }
 
-static void copy_to(text_editor *editor, const char *to) {
+static void stl_copy_to(text_editor *editor, const char *to) {
     if (to > editor->at) norma_sink_put(editor->sink, editor->at, (size_t)(to - editor->at));
     editor->at = to;
 }
@@ -379,7 +379,7 @@ static void put_numbers(
                         : editor->state->many_digits
                             ? norma_number_format_double(numbers[axis], text)
                             : norma_number_format_float((float)numbers[axis], text);
-        copy_to(editor, words[axis].text);
+        stl_copy_to(editor, words[axis].text);
         norma_sink_put(editor->sink, text, length);
         editor->at = words[axis].end;
     }
@@ -392,7 +392,7 @@ static int edit_part(
     (void)values;
     if (norma_edit_says(edit->drop_faces, facet)) {
         if (part == 0)
-            copy_to(editor, facet_begin(editor, words[0].text));
+            stl_copy_to(editor, facet_begin(editor, words[0].text));
         else if (part == 3)
             editor->at = facet_end(editor, words[2].end);
         return 0;
@@ -407,10 +407,10 @@ static int edit_part(
     if (!norma_edit_says(edit->reverse_faces, facet)) return 0;
     if (part == 2) memcpy(editor->second, words, sizeof editor->second);
     if (part == 3) { /* the numbers change places, what stands between them does not */
-        copy_to(editor, editor->second[0].text);
+        stl_copy_to(editor, editor->second[0].text);
         norma_sink_put(editor->sink, words[0].text, (size_t)(words[2].end - words[0].text));
         editor->at = editor->second[2].end;
-        copy_to(editor, words[0].text);
+        stl_copy_to(editor, words[0].text);
         norma_sink_put(editor->sink, editor->second[0].text,
             (size_t)(editor->second[2].end - editor->second[0].text));
         editor->at = words[2].end;
@@ -429,7 +429,7 @@ static norma_document_result edit_text(norma_document *document, const norma_mes
         .at = begin,
         .end = begin + state->size};
     norma_document_result result = norma_stl_scan(document, edit_part, &editor, error);
-    copy_to(&editor, editor.end);
+    stl_copy_to(&editor, editor.end);
     return result;
 }
 
@@ -461,12 +461,12 @@ norma_document_result norma_stl_edit(
 
 /* ---- describing */
 
-static size_t count_meshes(const norma_document *document) {
+static size_t stl_count_meshes(const norma_document *document) {
     (void)document;
     return 1;
 }
 
-static norma_document_result describe_mesh(
+static norma_document_result stl_describe_mesh(
     const norma_document *document, size_t index, norma_mesh_info *info) {
     const stl_state *state = document->state;
     (void)index;
@@ -478,7 +478,7 @@ static norma_document_result describe_mesh(
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result give_mesh(
+static norma_document_result stl_give_mesh(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
     (void)index;
     norma_document_result result = norma_edited_flush(document, error);
@@ -493,17 +493,17 @@ static norma_document_result give_mesh(
 
 /* ---- writing */
 
-static norma_document_result write_changed(
+static norma_document_result stl_write_changed(
     norma_document *document, norma_sink *sink, norma_document_error *error) {
     const stl_state *state = document->state;
     return state->binary ? norma_stl_write_binary(document, sink, error)
                          : norma_stl_write_text(document, sink, error);
 }
 
-static norma_document_result write_body(
+static norma_document_result stl_write_body(
     norma_document *document, norma_sink *sink, norma_document_error *error) {
     const stl_state *state = document->state;
-    if (state->normals || state->vertices) return write_changed(document, sink, error);
+    if (state->normals || state->vertices) return stl_write_changed(document, sink, error);
     norma_sink_put(sink, state->bytes, state->size);
     return NORMA_DOCUMENT_OK;
 }
@@ -511,16 +511,16 @@ static norma_document_result write_body(
 static norma_document_result write_stl(norma_document *document, const char *path,
     norma_write *write, void *user, norma_document_error *error) {
     (void)path;
-    return norma_rewrite(document, write_body, write, user, error);
+    return norma_rewrite(document, stl_write_body, write, user, error);
 }
 
 const format_functions norma_stl_functions = {
     .open = norma_edited_open,
     .close = norma_edited_close,
     .edited = &norma_stl_edited,
-    .mesh_count = count_meshes,
-    .mesh_info = describe_mesh,
-    .mesh_data = give_mesh,
+    .mesh_count = stl_count_meshes,
+    .mesh_info = stl_describe_mesh,
+    .mesh_data = stl_give_mesh,
     .compute = stl_compute,
     .transform = stl_transform,
     .edit = norma_stl_edit,

@@ -12,15 +12,15 @@ static uint32_t load_32(const unsigned char *at) {
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-static int is_little_endian(void) {
+static int stl_is_little_endian(void) {
     const uint16_t probe = 1;
     unsigned char first;
     memcpy(&first, &probe, 1);
     return first == 1;
 }
 
-static void load_floats(const unsigned char *at, float *out, size_t count) {
-    if (is_little_endian()) {
+static void stl_load_floats(const unsigned char *at, float *out, size_t count) {
+    if (stl_is_little_endian()) {
         memcpy(out, at, count * sizeof *out);
         return;
     }
@@ -31,7 +31,7 @@ static void load_floats(const unsigned char *at, float *out, size_t count) {
 }
 
 static void store_floats(unsigned char *at, const float *values, size_t count) {
-    if (is_little_endian()) {
+    if (stl_is_little_endian()) {
         memcpy(at, values, count * sizeof *values);
         return;
     }
@@ -92,8 +92,8 @@ norma_document_result norma_stl_read_binary(norma_document *document, norma_docu
 
 void norma_stl_load(const stl_state *state, size_t facet, float normal[3], float vertices[9]) {
     const unsigned char *at = state->bytes + STL_HEADER + facet * STL_FACET;
-    if (normal) load_floats(at, normal, 3);
-    if (vertices) load_floats(at + STL_NORMAL, vertices, 9);
+    if (normal) stl_load_floats(at, normal, 3);
+    if (vertices) stl_load_floats(at + STL_NORMAL, vertices, 9);
 }
 
 int norma_stl_replace_normals(
@@ -102,7 +102,7 @@ int norma_stl_replace_normals(
     int changed = 0;
     for (size_t i = 0; i < count; ++i, at += STL_FACET) {
         float stored[3], now[3];
-        load_floats(at, stored, 3);
+        stl_load_floats(at, stored, 3);
         for (size_t k = 0; k < 3; ++k)
             now[k] = norma_policy_keep_zero(normals[3 * i + k], (double)stored[k]);
         changed |= memcmp(now, stored, sizeof now) != 0;
@@ -179,17 +179,16 @@ typedef struct text_scanner {
     int stopped;       /* by that, or by the visitor */
 } text_scanner;
 
-static int is_blank(char byte) { return byte == ' ' || (byte >= '\t' && byte <= '\r'); }
-static int is_no_blank(char byte) { return !is_blank(byte); }
-static int is_in_line(char byte) { return byte != '\n' && byte != '\r'; }
+static int is_no_blank(int byte) { return !norma_is_blank(byte); }
+static int is_in_line(int byte) { return byte != '\n' && byte != '\r'; }
 
-static void stop(text_scanner *scanner) {
+static void stl_stop(text_scanner *scanner) {
     scanner->stopped = 1;
     scanner->at = scanner->end;
 }
 
 /* Past bytes of a kind, as many as there are. */
-static inline void pass(text_scanner *scanner, int (*is)(char byte)) {
+static inline void pass(text_scanner *scanner, int (*is)(int byte)) {
     const char *at = scanner->at;
     do {
         const size_t left = (size_t)(scanner->end - at);
@@ -197,26 +196,26 @@ static inline void pass(text_scanner *scanner, int (*is)(char byte)) {
         while (at < limit && is(*at)) ++at;
         scanner->at = at;
         if (at < limit) return;
-        if (norma_watch_cancelled(norma_document_watch(scanner->document))) stop(scanner);
+        if (norma_watch_cancelled(norma_document_watch(scanner->document))) stl_stop(scanner);
     } while (scanner->at < scanner->end);
 }
 
 /* The same of words, as many as there are. */
-static int is_cancelled(text_scanner *scanner) {
+static int stl_is_cancelled(text_scanner *scanner) {
     if (norma_watch_passed(norma_document_watch(scanner->document), &scanner->asked, scanner->at))
-        stop(scanner);
+        stl_stop(scanner);
     return scanner->stopped;
 }
 
 /* Empty at the end of the file. */
-static stl_word next_word(text_scanner *scanner) {
-    pass(scanner, is_blank);
+static stl_word stl_next_word(text_scanner *scanner) {
+    pass(scanner, norma_is_blank);
     const char *text = scanner->at;
     pass(scanner, is_no_blank);
     return (stl_word){text, scanner->at};
 }
 
-static int is_word(stl_word word, const char *lower) {
+static int stl_is_word(stl_word word, const char *lower) {
     const char *at = word.text;
     for (; at < word.end && *lower; ++at, ++lower) {
         char letter = *at >= 'A' && *at <= 'Z' ? (char)(*at - 'A' + 'a') : *at;
@@ -236,7 +235,7 @@ static size_t line_of(const text_scanner *scanner, const char *place) {
     return line;
 }
 
-static norma_document_result fail_word(
+static norma_document_result stl_fail_word(
     const text_scanner *scanner, stl_word word, const char *expected) {
     char place[32];
     if (scanner->stopped) return NORMA_DOCUMENT_CANCELLED;
@@ -251,44 +250,44 @@ static norma_document_result fail_word(
         expected);
 }
 
-static norma_document_result expect(text_scanner *scanner, const char *lower) {
-    stl_word word = next_word(scanner);
-    return is_word(word, lower) ? NORMA_DOCUMENT_OK : fail_word(scanner, word, lower);
+static norma_document_result stl_expect(text_scanner *scanner, const char *lower) {
+    stl_word word = stl_next_word(scanner);
+    return stl_is_word(word, lower) ? NORMA_DOCUMENT_OK : stl_fail_word(scanner, word, lower);
 }
 
 static norma_document_result scan_triple(text_scanner *scanner, int part) {
     stl_word words[3];
     double values[3];
     for (int axis = 0; axis < 3; ++axis) {
-        words[axis] = next_word(scanner);
+        words[axis] = stl_next_word(scanner);
         if (words[axis].text == words[axis].end ||
             norma_number_parse(words[axis].text, words[axis].end, &values[axis]) != words[axis].end)
-            return fail_word(scanner, words[axis], "a number");
+            return stl_fail_word(scanner, words[axis], "a number");
     }
     if (scanner->visit && scanner->visit(scanner->user, scanner->facet, part, words, values))
-        stop(scanner);
+        stl_stop(scanner);
     return scanner->stopped ? NORMA_DOCUMENT_CANCELLED : NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result scan_facet(text_scanner *scanner) {
-    if (is_cancelled(scanner)) return NORMA_DOCUMENT_CANCELLED;
-    norma_document_result result = expect(scanner, "normal");
+    if (stl_is_cancelled(scanner)) return NORMA_DOCUMENT_CANCELLED;
+    norma_document_result result = stl_expect(scanner, "normal");
     result = result ? result : scan_triple(scanner, 0);
-    result = result ? result : expect(scanner, "outer");
-    result = result ? result : expect(scanner, "loop");
+    result = result ? result : stl_expect(scanner, "outer");
+    result = result ? result : stl_expect(scanner, "loop");
     for (int part = 1; part <= 3 && !result; ++part) {
-        result = expect(scanner, "vertex");
+        result = stl_expect(scanner, "vertex");
         result = result ? result : scan_triple(scanner, part);
     }
-    result = result ? result : expect(scanner, "endloop");
-    result = result ? result : expect(scanner, "endfacet");
+    result = result ? result : stl_expect(scanner, "endloop");
+    result = result ? result : stl_expect(scanner, "endfacet");
     ++scanner->facet;
     return result;
 }
 
 /* What stands after "solid" on its line, as UTF-8: bytes beyond ASCII of some other encoding become
  * question marks. */
-static size_t utf8_length(const char *at, const char *end) {
+static size_t stl_utf8_length(const char *at, const char *end) {
     const unsigned char first = (unsigned char)*at;
     const size_t length = first < 0x80                    ? 1
                           : first >= 0xC2 && first < 0xE0 ? 2
@@ -301,20 +300,20 @@ static size_t utf8_length(const char *at, const char *end) {
     return length;
 }
 
-static norma_document_result take_name(text_scanner *scanner) {
+static norma_document_result stl_take_name(text_scanner *scanner) {
     stl_state *state = scanner->document->state;
     norma_watch *watch = norma_document_watch(scanner->document);
     const char *begin = scanner->at, *end;
     pass(scanner, is_in_line);
-    for (end = scanner->at; end > begin && is_blank(end[-1]);) --end;
-    while (begin < end && is_blank(*begin)) ++begin;
+    for (end = scanner->at; end > begin && norma_is_blank(end[-1]);) --end;
+    while (begin < end && norma_is_blank(*begin)) ++begin;
     if (state->name || scanner->stopped) return NORMA_DOCUMENT_OK;
     char *name = norma_io_allocate((size_t)(end - begin) + 1, 1);
     if (!name) return norma_document_fail_memory(scanner->document, scanner->error);
     state->name = name;
     for (scanner->asked = begin;
          begin < end && !norma_watch_passed(watch, &scanner->asked, begin);) {
-        size_t length = utf8_length(begin, end);
+        size_t length = stl_utf8_length(begin, end);
         *name++ = length ? *begin++ : '?';
         for (size_t i = 1; i < length; ++i) *name++ = *begin++;
         begin += length == 0;
@@ -325,10 +324,11 @@ static norma_document_result take_name(text_scanner *scanner) {
 static norma_document_result scan_statement(text_scanner *scanner, stl_word word) {
     if (!scanner->inside) {
         scanner->inside = 1;
-        return is_word(word, "solid") ? take_name(scanner) : fail_word(scanner, word, "solid");
+        return stl_is_word(word, "solid") ? stl_take_name(scanner)
+                                          : stl_fail_word(scanner, word, "solid");
     }
-    if (is_word(word, "facet")) return scan_facet(scanner);
-    if (!is_word(word, "endsolid")) return fail_word(scanner, word, "facet or endsolid");
+    if (stl_is_word(word, "facet")) return scan_facet(scanner);
+    if (!stl_is_word(word, "endsolid")) return stl_fail_word(scanner, word, "facet or endsolid");
     scanner->inside = 0;
     pass(scanner, is_in_line);
     return NORMA_DOCUMENT_OK;
@@ -336,7 +336,7 @@ static norma_document_result scan_statement(text_scanner *scanner, stl_word word
 
 static norma_document_result scan(text_scanner *scanner) {
     for (;;) {
-        stl_word word = next_word(scanner);
+        stl_word word = stl_next_word(scanner);
         if (word.text == word.end) return NORMA_DOCUMENT_OK;
         norma_document_result result = scan_statement(scanner, word);
         if (result) return result;
@@ -388,7 +388,7 @@ static int has_many_digits(const stl_word *word) {
     return digits - zeros > 9;
 }
 
-static int take_numbers(
+static int stl_take_numbers(
     void *user, size_t facet, int part, const stl_word words[3], const double values[3]) {
     stl_state *state = user;
     double *positions = state->positions;
@@ -409,7 +409,7 @@ norma_document_result norma_stl_decode_text(norma_document *document, norma_docu
         state->facets > SIZE_MAX / 72 ? NULL : norma_io_allocate(state->facets, 9 * sizeof(double));
     state->stored = norma_io_allocate(state->facets, 3 * sizeof(float));
     if (!state->positions || !state->stored) return norma_document_fail_memory(document, error);
-    return norma_stl_scan(document, take_numbers, state, error);
+    return norma_stl_scan(document, stl_take_numbers, state, error);
 }
 
 /* ---- writing */

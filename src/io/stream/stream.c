@@ -15,14 +15,14 @@
 
 /* ---- Work of the formats that threads share: the core's own threads, without its progress. */
 
-static void begin(core_call *call, uint32_t threads) {
+static void ordered_begin(core_call *call, uint32_t threads) {
     const norma_options options = {.struct_size = sizeof options, .threads = threads};
     norma_core_begin(call, &options);
 }
 
 void norma_io_tasks(uint32_t threads, size_t count, norma_task *task, void *context) {
     core_call call;
-    begin(&call, threads);
+    ordered_begin(&call, threads);
     if (count) norma_core_parallel(&call, count, task, context);
 }
 
@@ -54,7 +54,7 @@ int norma_io_tasks_watched(
 /* How many threads that number means: at least 1. */
 static size_t io_threads(uint32_t threads) {
     core_call call;
-    begin(&call, threads);
+    ordered_begin(&call, threads);
     return norma_core_workers(&call);
 }
 
@@ -154,7 +154,7 @@ typedef struct line { /* in which pieces stand */
     int stop;
 } line;
 
-static void make_run(line *l, size_t index) {
+static void ordered_make_run(line *l, size_t index) {
     norma_data_run *piece = &l->pieces[index % l->places];
     if (!piece->sink.block) norma_sink_flush(&piece->sink); /* its first block */
     piece->sink.used = 0;
@@ -164,23 +164,23 @@ static void make_run(line *l, size_t index) {
 }
 
 /* Takes a piece to make, if there is one whose place is free. */
-static int take(line *l, size_t *index) {
+static int ordered_take(line *l, size_t *index) {
     if (l->stop || l->next >= l->count || l->next >= l->handed_on + l->places) return 0;
     *index = l->next++;
     return 1;
 }
 
-static void *help(void *context) {
+static void *ordered_help(void *context) {
     line *l = context;
     size_t index;
     pthread_mutex_lock(&l->lock);
     while (!l->stop && l->next < l->count) {
-        if (!take(l, &index)) {
+        if (!ordered_take(l, &index)) {
             pthread_cond_wait(&l->room, &l->lock);
             continue;
         }
         pthread_mutex_unlock(&l->lock);
-        make_run(l, index);
+        ordered_make_run(l, index);
         pthread_mutex_lock(&l->lock);
         l->made[index % l->places] = 1;
         pthread_cond_signal(&l->ready);
@@ -213,9 +213,9 @@ static norma_ordered_result lead(line *l, norma_write *write, void *user) {
             l->made[place] = 0;
             ++l->handed_on;
             pthread_cond_broadcast(&l->room);
-        } else if (take(l, &index)) {
+        } else if (ordered_take(l, &index)) {
             pthread_mutex_unlock(&l->lock);
-            make_run(l, index);
+            ordered_make_run(l, index);
             pthread_mutex_lock(&l->lock);
             l->made[index % l->places] = 1;
         } else {
@@ -242,7 +242,7 @@ static size_t start_helpers(line *l, size_t threads, pthread_t helpers[MOST_HELP
     const int masked = pthread_sigmask(SIG_BLOCK, &all, &before) == 0;
 #endif
     while (started + 1 < threads && started < MOST_HELPERS && started + 1 < l->count &&
-           pthread_create(&helpers[started], NULL, help, l) == 0)
+           pthread_create(&helpers[started], NULL, ordered_help, l) == 0)
         ++started;
 #if !defined(_WIN32)
     if (masked) pthread_sigmask(SIG_SETMASK, &before, NULL);
@@ -250,7 +250,7 @@ static size_t start_helpers(line *l, size_t threads, pthread_t helpers[MOST_HELP
     return started;
 }
 
-static norma_ordered_result run(line *l, size_t threads, norma_write *write, void *user) {
+static norma_ordered_result ordered_run(line *l, size_t threads, norma_write *write, void *user) {
     pthread_t helpers[MOST_HELPERS];
     const size_t started = start_helpers(l, threads, helpers);
     norma_ordered_result result = lead(l, write, user);
@@ -263,7 +263,7 @@ static norma_ordered_result open_and_run(line *l, size_t threads, norma_write *w
     norma_ordered_result result = NORMA_ORDERED_MEMORY;
     if (pthread_cond_init(&l->ready, NULL) == 0) {
         if (pthread_cond_init(&l->room, NULL) == 0) {
-            result = run(l, threads, write, user);
+            result = ordered_run(l, threads, write, user);
             pthread_cond_destroy(&l->room);
         }
         pthread_cond_destroy(&l->ready);

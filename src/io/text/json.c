@@ -64,23 +64,25 @@ typedef struct parser {
     const void *asked; /* where it was last asked whether to go on */
 } parser;
 
-static int is_cancelled(parser *p) {
+static int json_is_cancelled(parser *p) {
     return norma_watch_passed(p->watch, &p->asked, p->text + p->at);
 }
 
-static int fail(parser *p, const char *expected) {
+static int json_fail(parser *p, const char *expected) {
     p->error->byte = p->at;
     p->error->expected = expected;
     return 0;
 }
 
-static int peek(const parser *p) { return p->at < p->size ? (unsigned char)p->text[p->at] : -1; }
+static int json_peek(const parser *p) {
+    return p->at < p->size ? (unsigned char)p->text[p->at] : -1;
+}
 
 static void skip_space(parser *p) {
     while (p->at < p->size &&
            (p->text[p->at] == ' ' || p->text[p->at] == '\n' || p->text[p->at] == '\r' ||
                p->text[p->at] == '\t') &&
-           (p->at % WATCH_BYTES != 0 || !is_cancelled(p)))
+           (p->at % WATCH_BYTES != 0 || !json_is_cancelled(p)))
         ++p->at;
 }
 
@@ -97,50 +99,50 @@ static json_token *add_token(parser *p, json_type type) {
     return token;
 }
 
-static int is_digit(int c) { return c >= '0' && c <= '9'; }
+static int json_is_digit(int c) { return c >= '0' && c <= '9'; }
 
-static int hex_value(int c) {
-    if (is_digit(c)) return c - '0';
+static int json_hex_value(int c) {
+    if (json_is_digit(c)) return c - '0';
     if (c >= 'a' && c <= 'f') return c - 'a' + 10;
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
 static int skip_digits(parser *p) {
-    if (!is_digit(peek(p))) return fail(p, "a digit");
-    while (is_digit(peek(p))) ++p->at;
+    if (!json_is_digit(json_peek(p))) return json_fail(p, "a digit");
+    while (json_is_digit(json_peek(p))) ++p->at;
     return 1;
 }
 
 static int skip_number(parser *p) {
-    if (peek(p) == '-') ++p->at;
-    if (peek(p) == '0')
+    if (json_peek(p) == '-') ++p->at;
+    if (json_peek(p) == '0')
         ++p->at;
     else if (!skip_digits(p))
         return 0;
-    if (peek(p) == '.') {
+    if (json_peek(p) == '.') {
         ++p->at;
         if (!skip_digits(p)) return 0;
     }
-    if (peek(p) == 'e' || peek(p) == 'E') {
+    if (json_peek(p) == 'e' || json_peek(p) == 'E') {
         ++p->at;
-        if (peek(p) == '+' || peek(p) == '-') ++p->at;
+        if (json_peek(p) == '+' || json_peek(p) == '-') ++p->at;
         return skip_digits(p);
     }
     return 1;
 }
 
 static int skip_escape(parser *p) {
-    int c = peek(p);
+    int c = json_peek(p);
     if (c == 'u') {
         for (int i = 1; i <= 4; ++i)
             if (p->at + (size_t)i >= p->size ||
-                hex_value((unsigned char)p->text[p->at + (size_t)i]) < 0)
-                return fail(p, "four hexadecimal digits after \\u");
+                json_hex_value((unsigned char)p->text[p->at + (size_t)i]) < 0)
+                return json_fail(p, "four hexadecimal digits after \\u");
         p->at += 5;
         return 1;
     }
     if (c < 0 || !strchr("\"\\/bfnrt", c) || c == 0)
-        return fail(p, "one of \"\\/bfnrtu after a backslash");
+        return json_fail(p, "one of \"\\/bfnrtu after a backslash");
     ++p->at;
     return 1;
 }
@@ -166,13 +168,13 @@ static size_t utf8_length(const unsigned char *bytes, size_t left) {
 static int skip_string(parser *p) {
     ++p->at;
     for (size_t bytes = 1; p->at < p->size; ++bytes) {
-        if (bytes % WATCH_BYTES == 0 && is_cancelled(p)) break;
+        if (bytes % WATCH_BYTES == 0 && json_is_cancelled(p)) break;
         unsigned char c = (unsigned char)p->text[p->at];
         if (c == '"') {
             ++p->at;
             return 1;
         }
-        if (c < 0x20) return fail(p, "no control character in a string");
+        if (c < 0x20) return json_fail(p, "no control character in a string");
         if (c == '\\') {
             ++p->at;
             if (!skip_escape(p)) return 0;
@@ -180,31 +182,31 @@ static int skip_string(parser *p) {
         }
         size_t length =
             c < 0x80 ? 1 : utf8_length((const unsigned char *)p->text + p->at, p->size - p->at);
-        if (length == 0) return fail(p, "valid UTF-8");
+        if (length == 0) return json_fail(p, "valid UTF-8");
         p->at += length;
     }
-    return fail(p, "the closing quote of a string");
+    return json_fail(p, "the closing quote of a string");
 }
 
 static int skip_word(parser *p, const char *word) {
     size_t length = strlen(word);
     if (p->size - p->at < length || memcmp(p->text + p->at, word, length) != 0)
-        return fail(p, "a value");
+        return json_fail(p, "a value");
     p->at += length;
     return 1;
 }
 
 /* A value that is no container. */
 static int parse_scalar(parser *p) {
-    int c = peek(p);
+    int c = json_peek(p);
     json_type type = c == '"'   ? JSON_STRING
                      : c == 't' ? JSON_TRUE
                      : c == 'f' ? JSON_FALSE
                      : c == 'n' ? JSON_NULL
                                 : JSON_NUMBER;
-    if (type == JSON_NUMBER && c != '-' && !is_digit(c)) return fail(p, "a value");
+    if (type == JSON_NUMBER && c != '-' && !json_is_digit(c)) return json_fail(p, "a value");
     uint32_t number = p->out->count;
-    if (!add_token(p, type)) return fail(p, NULL);
+    if (!add_token(p, type)) return json_fail(p, NULL);
     int ok = type == JSON_STRING   ? skip_string(p)
              : type == JSON_NUMBER ? skip_number(p)
                                    : skip_word(p, type == JSON_TRUE    ? "true"
@@ -215,9 +217,9 @@ static int parse_scalar(parser *p) {
 }
 
 static int open_container(parser *p) {
-    if (p->depth == JSON_DEPTH) return fail(p, "arrays and objects nested at most 256 deep");
+    if (p->depth == JSON_DEPTH) return json_fail(p, "arrays and objects nested at most 256 deep");
     uint32_t number = p->out->count;
-    if (!add_token(p, peek(p) == '{' ? JSON_OBJECT : JSON_ARRAY)) return fail(p, NULL);
+    if (!add_token(p, json_peek(p) == '{' ? JSON_OBJECT : JSON_ARRAY)) return json_fail(p, NULL);
     p->parent = number;
     ++p->depth;
     ++p->at;
@@ -235,10 +237,10 @@ static void close_container(parser *p) {
 
 static int parse_key(parser *p) {
     skip_space(p);
-    if (peek(p) != '"') return fail(p, "a member's name in quotes");
+    if (json_peek(p) != '"') return json_fail(p, "a member's name in quotes");
     if (!parse_scalar(p)) return 0;
     skip_space(p);
-    if (peek(p) != ':') return fail(p, "a colon");
+    if (json_peek(p) != ':') return json_fail(p, "a colon");
     ++p->at;
     return 1;
 }
@@ -254,24 +256,25 @@ static int parse_between(parser *p, int *done) {
         int object = container->type == JSON_OBJECT;
         ++container->size;
         skip_space(p);
-        if (peek(p) == ',') {
+        if (json_peek(p) == ',') {
             ++p->at;
             return !object || parse_key(p);
         }
-        if (peek(p) != (object ? '}' : ']'))
-            return fail(p, object ? "a comma or a closing brace" : "a comma or a closing bracket");
+        if (json_peek(p) != (object ? '}' : ']'))
+            return json_fail(
+                p, object ? "a comma or a closing brace" : "a comma or a closing bracket");
         close_container(p);
     }
 }
 
 static int parse_value(parser *p, int *ended) {
     skip_space(p);
-    int c = peek(p);
+    int c = json_peek(p);
     *ended = 1;
     if (c != '{' && c != '[') return parse_scalar(p);
     if (!open_container(p)) return 0;
     skip_space(p);
-    if (peek(p) == (c == '{' ? '}' : ']')) {
+    if (json_peek(p) == (c == '{' ? '}' : ']')) {
         close_container(p);
         return 1;
     }
@@ -292,11 +295,11 @@ int norma_json_parse(
         .asked = text};
     int done = 0, ended;
     while (!done) {
-        if (is_cancelled(&p)) return fail(&p, "no cancel");
+        if (json_is_cancelled(&p)) return json_fail(&p, "no cancel");
         if (!parse_value(&p, &ended) || (ended && !parse_between(&p, &done))) return 0;
     }
     skip_space(&p);
-    return p.at == size ? 1 : fail(&p, "nothing after the end");
+    return p.at == size ? 1 : json_fail(&p, "nothing after the end");
 }
 
 void norma_json_free(json *parsed) {
@@ -343,7 +346,7 @@ uint32_t norma_json_element(const json *j, uint32_t array, uint32_t index) {
 
 static uint32_t read_hex4(const char *at) {
     uint32_t value = 0;
-    for (int i = 0; i < 4; ++i) value = value * 16 + (uint32_t)hex_value((unsigned char)at[i]);
+    for (int i = 0; i < 4; ++i) value = value * 16 + (uint32_t)json_hex_value((unsigned char)at[i]);
     return value;
 }
 

@@ -31,7 +31,7 @@ struct json_edits {
     int failed;
 };
 
-static char *copy_text(const char *text) { return norma_io_copy_text(text, strlen(text)); }
+static char *json_copy_text(const char *text) { return norma_io_copy_text(text, strlen(text)); }
 
 json_edits *norma_json_edits_create(const json *j, uint32_t value) {
     const uint32_t tokens = value < j->count ? j->tokens[value].next - value : 0;
@@ -102,14 +102,14 @@ static int add_copy_of(json_edits *copy, const json_edits *edits) {
     for (; copy->count < edits->count; ++copy->count) {
         edit *e = &copy->list[copy->count];
         *e = edits->list[copy->count];
-        if (e->replacement && !(e->replacement = copy_text(e->replacement))) return 0;
+        if (e->replacement && !(e->replacement = json_copy_text(e->replacement))) return 0;
     }
     for (; copy->addition_count < edits->addition_count; ++copy->addition_count) {
         addition *to = &copy->additions[copy->addition_count];
         const addition *from = &edits->additions[copy->addition_count];
         *to = (addition){.next = from->next,
-            .text = copy_text(from->text),
-            .key = from->key ? copy_text(from->key) : NULL};
+            .text = json_copy_text(from->text),
+            .key = from->key ? json_copy_text(from->key) : NULL};
         if (!to->text || (from->key && !to->key)) {
             free(to->text);
             free(to->key);
@@ -137,7 +137,7 @@ int norma_json_edits_failed(const json_edits *edits) { return edits->failed; }
 int norma_json_edits_any(const json_edits *edits) { return edits->count > 0; }
 
 static void set_text(json_edits *edits, char **place, const char *text) {
-    char *copy = copy_text(text);
+    char *copy = json_copy_text(text);
     if (!copy) {
         edits->failed = 1;
         return;
@@ -162,7 +162,7 @@ static void mark_removed(json_edits *edits, uint32_t value) {
     if (e) e->child_removed = 1;
 }
 
-static void add(json_edits *edits, uint32_t container, const char *key, const char *text) {
+static void json_add(json_edits *edits, uint32_t container, const char *key, const char *text) {
     edit *e = edit_of(edits, container);
     addition *grown = e ? norma_io_grow(edits->additions, &edits->addition_capacity,
                               (size_t)edits->addition_count + 1, sizeof *grown)
@@ -173,8 +173,8 @@ static void add(json_edits *edits, uint32_t container, const char *key, const ch
     }
     edits->additions = grown;
     addition *added = &edits->additions[edits->addition_count];
-    *added =
-        (addition){.next = JSON_NONE, .text = copy_text(text), .key = key ? copy_text(key) : NULL};
+    *added = (addition){
+        .next = JSON_NONE, .text = json_copy_text(text), .key = key ? json_copy_text(key) : NULL};
     if (!added->text || (key && !added->key)) {
         free(added->text);
         free(added->key);
@@ -189,7 +189,7 @@ static void add(json_edits *edits, uint32_t container, const char *key, const ch
 }
 
 void norma_json_append(json_edits *edits, uint32_t array, const char *text) {
-    add(edits, array, NULL, text);
+    json_add(edits, array, NULL, text);
 }
 
 void norma_json_set(json_edits *edits, uint32_t object, const char *key, const char *text) {
@@ -206,7 +206,7 @@ void norma_json_set(json_edits *edits, uint32_t object, const char *key, const c
             return;
         }
     }
-    add(edits, object, key, text);
+    json_add(edits, object, key, text);
 }
 
 void norma_json_unset(json_edits *edits, uint32_t object, const char *key) {
@@ -313,7 +313,7 @@ static uint32_t last_value(const json *j, uint32_t container) {
     return last;
 }
 
-static void collect(const json_edits *edits, uint32_t root, splices *s) {
+static void json_collect(const json_edits *edits, uint32_t root, splices *s) {
     const json *j = edits->j;
     for (uint32_t token = root; token < j->tokens[root].next;) {
         const edit *e = find_edit(edits, token);
@@ -374,7 +374,7 @@ static void write_additions(const json_edits *edits, const edit *e, json_text *o
 int norma_json_write(const json_edits *edits, uint32_t value, json_text *out) {
     const json *j = edits->j;
     splices s = {0};
-    collect(edits, value, &s);
+    json_collect(edits, value, &s);
     if (s.count) qsort(s.list, s.count, sizeof *s.list, compare_splices);
     size_t at = value == 0 ? 0 : j->tokens[value].start,
            end = value == 0 ? j->size : j->tokens[value].end;

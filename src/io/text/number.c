@@ -120,7 +120,7 @@ typedef struct long_decimal { /* mantissa * 10^exponent, mantissa the first 19 s
     int inexact;             /* digits other than 0 follow the 19 */
 } long_decimal;
 
-static int is_digit(char c) { return (unsigned char)(c - '0') < 10; }
+static int number_is_digit(char c) { return (unsigned char)(c - '0') < 10; }
 
 /* value = q * 2^exponent, q's top bit set, and a little more where sticky. */
 static double round_to_double(uint64_t q, int exponent, int sticky) {
@@ -141,7 +141,7 @@ __extension__ typedef unsigned __int128 wide_word;
 static int leading_zeros(uint64_t value) { return __builtin_clzll(value); }
 
 /* mantissa * 10^exponent for |exponent| <= 27, where 5^27 < 2^63. */
-static double wide_to_double(uint64_t mantissa, int exponent) {
+static double number_wide_to_double(uint64_t mantissa, int exponent) {
     uint64_t five = 1;
     for (int i = exponent < 0 ? -exponent : exponent; i; --i) five *= 5;
     if (exponent >= 0) {
@@ -229,7 +229,7 @@ static double to_double(const long_decimal *number) {
                                 : (double)number->mantissa * power_of_ten[exponent];
 #if defined(__SIZEOF_INT128__)
         if (exponent >= -27 && exponent <= 27)
-            return wide_to_double(number->mantissa, (int)exponent);
+            return number_wide_to_double(number->mantissa, (int)exponent);
 #endif
     }
     if (exponent > 310) /* the mantissa is at least 1 */
@@ -275,7 +275,7 @@ static const char *parse_windows(const char *text, const char *end, double *valu
         *value = w == 0 ? (double)INFINITY : (double)NAN;
         text += w < 2 ? 4 : 5;
         if (text > end) return NULL;
-        while (text < end && is_digit(*text)) ++text;
+        while (text < end && number_is_digit(*text)) ++text;
         return text;
     }
     return NULL;
@@ -286,8 +286,8 @@ static const char *parse_exponent(const char *text, const char *end, int64_t *ex
     int negative = 0;
     int64_t value = 0;
     if (p < end && (*p == '+' || *p == '-')) negative = *p++ == '-';
-    if (p >= end || !is_digit(*p)) return text; /* "1e" is 1, then an e */
-    for (; p < end && is_digit(*p); ++p)
+    if (p >= end || !number_is_digit(*p)) return text; /* "1e" is 1, then an e */
+    for (; p < end && number_is_digit(*p); ++p)
         if (value < INT64_C(1000000000000)) value = 10 * value + (*p - '0');
     *exponent += negative ? -value : value;
     return p;
@@ -326,7 +326,7 @@ static const char *parse_plain(const char *text, const char *end, double *value)
         (*p | 0x20) == 'e' || *p == '#' || FLT_EVAL_METHOD != 0)
         return NULL;
     double magnitude = mantissa <= UINT64_C(1) << 53 ? (double)mantissa / power_of_ten[decimals]
-                                                     : wide_to_double(mantissa, -decimals);
+                                                     : number_wide_to_double(mantissa, -decimals);
     *value = negative ? -magnitude : magnitude;
     return p;
 }
@@ -346,7 +346,8 @@ static const char *parse_any(const char *text, const char *end, double *value) {
     const char *point = NULL;
     while (p < end && *p == '0') ++p;
     number.first = p;
-    while (p < end && is_digit(*p)) number.mantissa = 10 * number.mantissa + (uint64_t)(*p++ - '0');
+    while (p < end && number_is_digit(*p))
+        number.mantissa = 10 * number.mantissa + (uint64_t)(*p++ - '0');
     int64_t digits = p - number.first;
     if (p < end && *p == '.') {
         point = p++;
@@ -355,7 +356,7 @@ static const char *parse_any(const char *text, const char *end, double *value) {
             number.first = p;
         }
         const char *fraction = p;
-        while (p < end && is_digit(*p))
+        while (p < end && number_is_digit(*p))
             number.mantissa = 10 * number.mantissa + (uint64_t)(*p++ - '0');
         digits += p - fraction;
         number.exponent = -(p - point - 1);
@@ -401,7 +402,7 @@ const char *norma_number_parse_integer(const char *text, const char *end, int64_
     if (p < end && (*p == '-' || *p == '+')) negative = *p++ == '-';
     const char *first = p;
     const uint64_t limit = (uint64_t)INT64_MAX + (uint64_t)negative;
-    for (; p < end && is_digit(*p); ++p) {
+    for (; p < end && number_is_digit(*p); ++p) {
         uint64_t digit = (uint64_t)(*p - '0');
         if (magnitude > (limit - digit) / 10) return NULL;
         magnitude = 10 * magnitude + digit;

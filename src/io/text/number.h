@@ -4,6 +4,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Blanks between words, the ends of lines among them. */
+static inline int norma_is_blank(int byte) { return byte == ' ' || (byte >= '\t' && byte <= '\r'); }
+
 /* Reads the number that begins at text and ends before end: an optional sign, digits with an
  * optional point (".5" and "5." too), an optional exponent; or nan, inf, infinity in any case,
  * or 1.#INF, 1.#IND, 1.#QNAN as old Windows programs write them. *value is the double nearest to

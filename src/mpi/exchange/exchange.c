@@ -56,7 +56,7 @@ static uint64_t without_sign(int64_t number) {
     return result ^ UINT64_C(1) << 63;
 }
 
-static uint64_t extreme(const mpi_call *call, uint64_t mine, MPI_Op op) {
+static uint64_t mpi_extreme(const mpi_call *call, uint64_t mine, MPI_Op op) {
     const int64_t number = with_sign(mine);
     int64_t all = 0;
     MPI_Allreduce(&number, &all, 1, MPI_INT64_T, op, call->comm);
@@ -64,10 +64,10 @@ static uint64_t extreme(const mpi_call *call, uint64_t mine, MPI_Op op) {
 }
 
 uint64_t norma_mpi_largest(const mpi_call *call, uint64_t mine) {
-    return extreme(call, mine, MPI_MAX);
+    return mpi_extreme(call, mine, MPI_MAX);
 }
 uint64_t norma_mpi_least(const mpi_call *call, uint64_t mine) {
-    return extreme(call, mine, MPI_MIN);
+    return mpi_extreme(call, mine, MPI_MIN);
 }
 
 uint64_t norma_mpi_largest_before(const mpi_call *call, uint64_t mine) {
@@ -154,7 +154,7 @@ static void count_sent(mpi_call *call, const mpi_lists *out) {
     call->sent += records * out->record;
 }
 
-static void pass(mpi_call *call, const mpi_lists *out, mpi_lists *in) {
+static void mpi_pass(mpi_call *call, const mpi_lists *out, mpi_lists *in) {
     MPI_Datatype record;
     MPI_Type_contiguous((int)out->record, MPI_BYTE, &record);
     MPI_Type_commit(&record);
@@ -187,7 +187,7 @@ norma_result norma_mpi_exchange(
         MPI_Alltoall(out->counts, 1, MPI_INT, counts, 1, MPI_INT, call->comm);
         result = norma_mpi_agree(call, open_received(call, counts, out->record, in));
         if (result == NORMA_OK)
-            pass(call, out, in);
+            mpi_pass(call, out, in);
         else
             norma_mpi_lists_close(call, in);
     }
@@ -196,5 +196,5 @@ norma_result norma_mpi_exchange(
 }
 
 void norma_mpi_answer(mpi_call *call, const mpi_lists *answers, mpi_lists *in) {
-    pass(call, answers, in);
+    mpi_pass(call, answers, in);
 }

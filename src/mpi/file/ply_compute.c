@@ -25,7 +25,7 @@ typedef struct mpi_ply {
     unsigned char *positions;
 } mpi_ply;
 
-static int fail_memory(mpi_job *job) {
+static int rank_fail_memory(mpi_job *job) {
     return norma_mpi_fail(job, "%s: out of memory", job->input);
 }
 
@@ -73,7 +73,7 @@ static void close_ply(mpi_ply *p) {
 /* ---- where each rank's faces begin: where rows have one size, each knows; else the first rank
  * goes through all rows once and tells */
 
-static uint64_t begin_of(const mpi_ply *p, int rank) {
+static uint64_t rank_begin_of(const mpi_ply *p, int rank) {
     return norma_mpi_share_of(p->job, p->ply.faces, rank);
 }
 
@@ -85,10 +85,10 @@ static size_t chunk_before(uint64_t face, uint64_t end) {
 static int are_even(mpi_ply *p, int *all) {
     const size_t row = norma_large_even_row(&p->ply);
     const int rank = p->job->call.rank;
-    const uint64_t begin = p->ply.face ? p->ply.face->begin : 0, end = begin_of(p, rank + 1);
+    const uint64_t begin = p->ply.face ? p->ply.face->begin : 0, end = rank_begin_of(p, rank + 1);
     norma_document_result result = NORMA_DOCUMENT_OK;
     *all = !p->ply.faces || (row && p->ply.faces <= (p->file.size - begin) / row);
-    for (uint64_t f = begin_of(p, rank); f < end && *all && !result; f += LARGE_CHUNK)
+    for (uint64_t f = rank_begin_of(p, rank); f < end && *all && !result; f += LARGE_CHUNK)
         result = norma_large_are_even(&p->ply, begin + f * row, chunk_before(f, end), all);
     return fail_ply(p, result);
 }
@@ -99,7 +99,7 @@ static int find_begins(mpi_ply *p, uint64_t *begins) {
     begins[0] = p->ply.face->begin;
     for (int rank = 1; rank <= p->job->call.ranks && !result; rank++) {
         begins[rank] = begins[rank - 1];
-        for (const uint64_t end = begin_of(p, rank); face < end && !result;) {
+        for (const uint64_t end = rank_begin_of(p, rank); face < end && !result;) {
             const size_t some = chunk_before(face, end);
             result = norma_large_ply_chunk(&p->ply, face, some, &begins[rank]);
             face += some;
@@ -116,10 +116,10 @@ static int place_faces(mpi_ply *p, uint64_t *begin, int *triangles) {
     if (norma_mpi_failed(job, failed)) return 1;
     *triangles = norma_mpi_largest(&job->call, (uint64_t)!all) == 0;
     *begin = p->ply.face ? p->ply.face->begin : 0;
-    *begin += begin_of(p, job->call.rank) * norma_large_even_row(&p->ply);
+    *begin += rank_begin_of(p, job->call.rank) * norma_large_even_row(&p->ply);
     if (*triangles) return 0;
     uint64_t *begins = norma_core_allocate(&job->core, ranks + 1, sizeof *begins);
-    failed = begins ? job->call.rank == 0 && find_begins(p, begins) : fail_memory(job);
+    failed = begins ? job->call.rank == 0 && find_begins(p, begins) : rank_fail_memory(job);
     failed = norma_mpi_failed(job, failed);
     if (!failed) MPI_Bcast(begins, (int)ranks + 1, MPI_UINT64_T, 0, job->call.comm);
     if (!failed) *begin = begins[job->call.rank];
@@ -134,7 +134,7 @@ static int grow_corners(mpi_ply *p, size_t more) {
     if (p->corners + more <= p->corner_room) return 0;
     const size_t room = p->corners + more + p->corner_room / 2 + 1024;
     uint32_t *corner = room > UINT32_MAX ? NULL : norma_core_allocate(core, room, sizeof *corner);
-    if (!corner) return fail_memory(p->job);
+    if (!corner) return rank_fail_memory(p->job);
     if (p->corners) memcpy(corner, p->corner, p->corners * sizeof *corner);
     norma_core_release(core, p->corner, p->corner_room, sizeof *corner);
     p->corner = corner;
@@ -142,7 +142,7 @@ static int grow_corners(mpi_ply *p, size_t more) {
     return 0;
 }
 
-static int take_chunk(mpi_ply *p, size_t first) {
+static int rank_take_chunk(mpi_ply *p, size_t first) {
     const large_faces *chunk = &p->ply.chunk;
     if (grow_corners(p, chunk->corner_count)) return 1;
     if (chunk->corner_count)
@@ -154,64 +154,64 @@ static int take_chunk(mpi_ply *p, size_t first) {
 }
 
 static int open_faces(mpi_ply *p, int triangles) {
-    if (p->faces >= UINT32_MAX / 3) return fail_memory(p->job);
+    if (p->faces >= UINT32_MAX / 3) return rank_fail_memory(p->job);
     if (grow_corners(p, 3 * p->faces)) return 1;
     if (triangles) return 0;
     p->start_room = p->faces + 1;
     p->face_starts = norma_core_allocate(&p->job->core, p->start_room, sizeof *p->face_starts);
-    if (!p->face_starts) return fail_memory(p->job);
+    if (!p->face_starts) return rank_fail_memory(p->job);
     p->face_starts[0] = 0;
     return 0;
 }
 
-static int read_chunks(mpi_ply *p, uint64_t begin) {
-    const uint64_t first = begin_of(p, p->job->call.rank), end = first + p->faces;
+static int rank_read_chunks(mpi_ply *p, uint64_t begin) {
+    const uint64_t first = rank_begin_of(p, p->job->call.rank), end = first + p->faces;
     int failed = 0;
     for (uint64_t f = first; f < end && !failed; f += LARGE_CHUNK)
         failed = fail_ply(p, norma_large_ply_chunk(&p->ply, f, chunk_before(f, end), &begin)) ||
-                 take_chunk(p, (size_t)(f - first));
+                 rank_take_chunk(p, (size_t)(f - first));
     return failed;
 }
 
 /* Collective. */
-static int read_faces(mpi_ply *p) {
+static int rank_read_faces(mpi_ply *p) {
     const int rank = p->job->call.rank;
     uint64_t begin;
     int triangles;
-    p->faces = (size_t)(begin_of(p, rank + 1) - begin_of(p, rank));
+    p->faces = (size_t)(rank_begin_of(p, rank + 1) - rank_begin_of(p, rank));
     if (place_faces(p, &begin, &triangles)) return 1;
-    return norma_mpi_failed(p->job, open_faces(p, triangles) || read_chunks(p, begin));
+    return norma_mpi_failed(p->job, open_faces(p, triangles) || rank_read_chunks(p, begin));
 }
 
 /* ---- vertices: own ones, and others that faces name */
 
-static int is_own(const mpi_ply *p, uint32_t vertex) { return vertex - p->first < p->own; }
+static int rank_is_own(const mpi_ply *p, uint32_t vertex) { return vertex - p->first < p->own; }
 
-static size_t drop_repeated(uint64_t *numbers, size_t count) {
+static size_t rank_drop_repeated(uint64_t *numbers, size_t count) {
     size_t kept = 0;
     for (size_t i = 0; i < count; i++)
         if (!kept || numbers[i] != numbers[kept - 1]) numbers[kept++] = numbers[i];
     return kept;
 }
 
-static int list_vertices(mpi_ply *p) {
+static int rank_list_vertices(mpi_ply *p) {
     const core_call *core = &p->job->core;
     size_t most = 0, count = 0;
-    for (size_t c = 0; c < p->corners; c++) most += !is_own(p, p->corner[c]);
+    for (size_t c = 0; c < p->corners; c++) most += !rank_is_own(p, p->corner[c]);
     uint64_t *others = norma_core_allocate(core, most, sizeof *others);
-    if (!others) return fail_memory(p->job);
+    if (!others) return rank_fail_memory(p->job);
     for (size_t c = 0; c < p->corners; c++)
-        if (!is_own(p, p->corner[c])) others[count++] = p->corner[c];
+        if (!rank_is_own(p, p->corner[c])) others[count++] = p->corner[c];
     norma_core_sort_numbers(others, count);
-    count = drop_repeated(others, count);
+    count = rank_drop_repeated(others, count);
     uint64_t *ids = norma_core_allocate(core, p->own + count, sizeof *ids);
     for (size_t i = 0; ids && i < p->own; i++) ids[i] = p->first + i;
     if (ids && count) memcpy(ids + p->own, others, count * sizeof *ids);
     norma_core_release(core, others, most, sizeof *others);
-    if (!ids) return fail_memory(p->job);
+    if (!ids) return rank_fail_memory(p->job);
     p->vertex_ids = ids;
     p->others = count;
-    return p->own + count > UINT32_MAX - 1 ? fail_memory(p->job) : 0;
+    return p->own + count > UINT32_MAX - 1 ? rank_fail_memory(p->job) : 0;
 }
 
 typedef struct vertex_search {
@@ -224,21 +224,22 @@ static int is_lower(const void *context, size_t i) {
     return search->others[i] < search->vertex;
 }
 
-static uint32_t place_of(const mpi_ply *p, uint32_t vertex) {
+static uint32_t rank_place_of(const mpi_ply *p, uint32_t vertex) {
     const vertex_search search = {p->vertex_ids + p->own, vertex};
-    return (uint32_t)(is_own(p, vertex) ? vertex - p->first
-                                        : p->own + norma_core_bisect(p->others, is_lower, &search));
+    return (uint32_t)(rank_is_own(p, vertex)
+                          ? vertex - p->first
+                          : p->own + norma_core_bisect(p->others, is_lower, &search));
 }
 
 static size_t block_before(size_t v, size_t end) {
     return end - v < LARGE_BLOCK ? end - v : LARGE_BLOCK;
 }
 
-static int read_positions(mpi_ply *p) {
+static int rank_read_positions(mpi_ply *p) {
     const size_t size = norma_large_position_size(&p->ply);
     norma_document_result result = NORMA_DOCUMENT_OK;
     p->positions = norma_core_allocate(&p->job->core, p->own + p->others, size);
-    if (!p->positions) return fail_memory(p->job);
+    if (!p->positions) return rank_fail_memory(p->job);
     for (size_t v = 0; v < p->own && !result; v += LARGE_BLOCK)
         result = norma_large_ply_positions(
             &p->ply, (size_t)p->first + v, block_before(v, p->own), p->positions + v * size);
@@ -322,9 +323,9 @@ static norma_result fetch_others(const mpi_ply *p) {
 }
 
 /* Collective. */
-static int read_vertices(mpi_ply *p) {
-    if (norma_mpi_failed(p->job, list_vertices(p) || read_positions(p))) return 1;
-    for (size_t c = 0; c < p->corners; c++) p->corner[c] = place_of(p, p->corner[c]);
+static int rank_read_vertices(mpi_ply *p) {
+    if (norma_mpi_failed(p->job, rank_list_vertices(p) || rank_read_positions(p))) return 1;
+    for (size_t c = 0; c < p->corners; c++) p->corner[c] = rank_place_of(p, p->corner[c]);
     return norma_mpi_failed_result(p->job, fetch_others(p));
 }
 
@@ -350,7 +351,8 @@ static int write_here(void *user, const void *bytes, size_t size) {
 }
 
 /* The rows of own vertices, from the v-th on; normals become as they are stored. */
-static int write_rows(mpi_ply *p, size_t v, size_t count, float *normals, place_in_output *place) {
+static int rank_write_rows(
+    mpi_ply *p, size_t v, size_t count, float *normals, place_in_output *place) {
     double *stored;
     large_view view;
     norma_document_result result =
@@ -367,7 +369,7 @@ static int write_rows(mpi_ply *p, size_t v, size_t count, float *normals, place_
 }
 
 /* Collective, once the output is open; head: bytes of its header. */
-static int write_parts(mpi_ply *p, uint64_t head, const large_row *row, float *normals) {
+static int rank_write_parts(mpi_ply *p, uint64_t head, const large_row *row, float *normals) {
     mpi_job *job = p->job;
     const uint64_t body = p->ply.state->header.body, begin = p->ply.vertex->begin - body,
                    behind = p->ply.vertex->end,
@@ -381,11 +383,11 @@ static int write_parts(mpi_ply *p, uint64_t head, const large_row *row, float *n
     if (norma_mpi_copy_share(job, body, head, begin)) return 1;
     place.at = head + begin + p->first * row->size;
     for (size_t v = 0; v < p->own; v += LARGE_BLOCK)
-        if (write_rows(p, v, block_before(v, p->own), normals + 3 * v, &place)) return 1;
+        if (rank_write_rows(p, v, block_before(v, p->own), normals + 3 * v, &place)) return 1;
     return norma_mpi_copy_share(job, behind, behind_there, job->size - behind);
 }
 
-static int write_output(mpi_ply *p, float *normals) {
+static int rank_write_output(mpi_ply *p, float *normals) {
     mpi_job *job = p->job;
     uint64_t head = 0;
     large_row row;
@@ -396,21 +398,21 @@ static int write_output(mpi_ply *p, float *normals) {
     const uint64_t others =
         ply->vertex->begin - ply->state->header.body + job->size - ply->vertex->end;
     int failed = norma_mpi_open_output(job, head + others + job->vertices * row.size);
-    if (!failed) failed = write_parts(p, head, &row, normals);
+    if (!failed) failed = rank_write_parts(p, head, &row, normals);
     return norma_mpi_close_output(job, failed);
 }
 
 /* ---- all */
 
-static int copy_unchanged(mpi_job *job) {
+static int rank_copy_unchanged(mpi_job *job) {
     int failed = norma_mpi_open_output(job, job->size);
     if (!failed) failed = norma_mpi_copy_share(job, 0, 0, job->size);
     return norma_mpi_close_output(job, failed);
 }
 
-static int compute(mpi_ply *p) {
+static int rank_compute(mpi_ply *p) {
     mpi_job *job = p->job;
-    if (read_vertices(p)) return 1;
+    if (rank_read_vertices(p)) return 1;
     const size_t count = p->own + p->others;
     const norma_mesh mesh = {
         .positions = {.data = p->positions,
@@ -421,20 +423,21 @@ static int compute(mpi_ply *p) {
         .face_starts = p->face_starts,
         .face_count = p->face_starts ? p->faces : 0};
     float *normals = norma_core_allocate(&job->core, count, 3 * sizeof *normals);
-    int failed = norma_mpi_failed(job, normals ? 0 : fail_memory(job));
+    int failed = norma_mpi_failed(job, normals ? 0 : rank_fail_memory(job));
     if (!failed)
         failed = norma_mpi_failed_result(
             job, norma_mpi_vertex_normals(job->call.comm, &mesh, p->vertex_ids, NULL, &job->options,
                      normals, count, &job->report));
-    if (!failed) failed = write_output(p, normals);
+    if (!failed) failed = rank_write_output(p, normals);
     norma_core_release(&job->core, normals, count, 3 * sizeof *normals);
     return failed;
 }
 
 int norma_mpi_compute_ply(mpi_job *job) {
     mpi_ply p = {.job = job};
-    int failed = norma_mpi_failed(job, open_ply(&p)) || read_faces(&p);
-    if (!failed) failed = norma_mpi_sum(&job->call, p.corners) ? compute(&p) : copy_unchanged(job);
+    int failed = norma_mpi_failed(job, open_ply(&p)) || rank_read_faces(&p);
+    if (!failed)
+        failed = norma_mpi_sum(&job->call, p.corners) ? rank_compute(&p) : rank_copy_unchanged(job);
     close_ply(&p);
     return failed;
 }

@@ -19,7 +19,7 @@ void norma_mpi_count_memory(mpi_job *job, size_t size) {
     if (job->memory > job->most_memory) job->most_memory = job->memory;
 }
 
-static void *allocate(void *user, size_t size, size_t alignment) {
+static void *mpi_allocate(void *user, size_t size, size_t alignment) {
     mpi_job *job = user;
     (void)alignment; /* nothing here needs more than malloc's */
     void *block = norma_core_default_block(size);
@@ -28,14 +28,14 @@ static void *allocate(void *user, size_t size, size_t alignment) {
     return block;
 }
 
-static void release(void *user, void *block, size_t size) {
+static void mpi_release(void *user, void *block, size_t size) {
     mpi_job *job = user;
     job->memory -= size;
     free(block);
 }
 
 norma_result norma_mpi_open_job(mpi_job *job, MPI_Comm comm) {
-    job->options.allocator = (norma_allocator){allocate, release, job};
+    job->options.allocator = (norma_allocator){mpi_allocate, mpi_release, job};
     norma_core_begin(&job->core, &(norma_options){.struct_size = sizeof(norma_options),
                                      .allocator = job->options.allocator});
     return norma_mpi_begin(&job->call, comm, &job->core);
@@ -126,19 +126,19 @@ int norma_mpi_read(mpi_job *job, uint64_t offset, void *bytes, size_t size) {
 
 /* Launchers end a job, when a rank has died or someone has pressed Ctrl-C, by SIGTERM. The handler
  * has no other way to know the name. */
-static const char *volatile left_behind;
+static const char *volatile mpi_left_behind;
 
-static void tidy(int number) {
-    if (left_behind) unlink(left_behind);
+static void mpi_tidy(int number) {
+    if (mpi_left_behind) unlink(mpi_left_behind);
     signal(number, SIG_DFL);
     raise(number);
 }
 
 static void tidy_when_ended(const char *path) {
     static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    left_behind = path;
+    mpi_left_behind = path;
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i)
-        if (signal(numbers[i], path ? tidy : SIG_DFL) == SIG_IGN) signal(numbers[i], SIG_IGN);
+        if (signal(numbers[i], path ? mpi_tidy : SIG_DFL) == SIG_IGN) signal(numbers[i], SIG_IGN);
 }
 
 static int fail_output(mpi_job *job, int failed) {

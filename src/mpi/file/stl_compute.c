@@ -22,17 +22,17 @@ typedef struct stl_part {
     uint64_t *ids;
 } stl_part;
 
-static int fail_memory(mpi_job *job) {
+static int facets_fail_memory(mpi_job *job) {
     return norma_mpi_fail(job, "%s: out of memory", job->input);
 }
 
-static int open_part(stl_part *p) {
+static int facets_open_part(stl_part *p) {
     const core_call *core = &p->job->core;
     p->block = norma_core_allocate(core, STL_HEADER + FACETS * STL_FACET, 1);
     p->positions = norma_core_allocate(core, FACETS, 9 * sizeof *p->positions);
     p->normals = norma_core_allocate(core, FACETS, 3 * sizeof *p->normals);
     p->reasons = norma_core_allocate(core, FACETS, 1);
-    return p->block && p->positions && p->normals && p->reasons ? 0 : fail_memory(p->job);
+    return p->block && p->positions && p->normals && p->reasons ? 0 : facets_fail_memory(p->job);
 }
 
 static int open_kept(stl_part *p) {
@@ -43,10 +43,10 @@ static int open_kept(stl_part *p) {
     p->ids = norma_core_allocate(core, p->count, sizeof *p->ids);
     p->keep = p->kept_positions && p->kept_normals && p->kept_reasons && p->ids;
     for (size_t i = 0; i < p->count && p->keep; i++) p->ids[i] = p->first + i;
-    return p->keep ? 0 : fail_memory(p->job);
+    return p->keep ? 0 : facets_fail_memory(p->job);
 }
 
-static void close_part(stl_part *p) {
+static void facets_close_part(stl_part *p) {
     const core_call *core = &p->job->core;
     norma_core_release(core, p->block, STL_HEADER + FACETS * STL_FACET, 1);
     norma_core_release(core, p->positions, FACETS, 9 * sizeof *p->positions);
@@ -64,7 +64,7 @@ static uint64_t offset_of(const stl_part *p, size_t i) {
     return STL_HEADER + (p->first + i) * STL_FACET;
 }
 
-static int compute_block(stl_part *p, size_t begin, size_t count) {
+static int facets_compute_block(stl_part *p, size_t begin, size_t count) {
     const stl_state state = {.bytes = p->block, .binary = 1, .facets = count};
     norma_options options = p->job->options;
     if (norma_mpi_read(p->job, offset_of(p, begin), p->block + STL_HEADER, count * STL_FACET))
@@ -87,7 +87,7 @@ static int compute_block(stl_part *p, size_t begin, size_t count) {
     return 0;
 }
 
-static int write_block(stl_part *p, size_t begin, size_t count, float *normals) {
+static int facets_write_block(stl_part *p, size_t begin, size_t count, float *normals) {
     for (size_t i = 0; i < count; i++) norma_policy_point_up(normals + 3 * i);
     norma_stl_replace_normals(p->block, 0, count, normals);
     return norma_mpi_write(p->job, offset_of(p, begin), p->block + STL_HEADER, count * STL_FACET);
@@ -97,12 +97,12 @@ static int for_blocks(stl_part *p, int read, int write) {
     int failed = 0;
     for (size_t at = 0; at < p->count && !failed; at += FACETS) {
         const size_t count = p->count - at < FACETS ? p->count - at : FACETS;
-        if (read) failed = compute_block(p, at, count);
+        if (read) failed = facets_compute_block(p, at, count);
         if (!failed && !read)
             failed =
                 norma_mpi_read(p->job, offset_of(p, at), p->block + STL_HEADER, count * STL_FACET);
         if (!failed && write)
-            failed = write_block(p, at, count, read ? p->normals : p->kept_normals + 3 * at);
+            failed = facets_write_block(p, at, count, read ? p->normals : p->kept_normals + 3 * at);
     }
     return failed;
 }
@@ -121,9 +121,9 @@ static int fill_missing(stl_part *p) {
         p->job, norma_mpi_fill_nearest(&p->job->call, &sites, p->kept_reasons));
 }
 
-static int run(stl_part *p) {
+static int facets_run(stl_part *p) {
     mpi_job *job = p->job;
-    int failed = norma_mpi_failed(job, open_part(p));
+    int failed = norma_mpi_failed(job, facets_open_part(p));
     if (!failed) failed = norma_mpi_open_output(job, job->size);
     if (!failed && !job->call.rank)
         failed = norma_mpi_read(job, 0, p->block, STL_HEADER) ||
@@ -155,7 +155,7 @@ int norma_mpi_compute_stl(mpi_job *job) {
     part.count = (size_t)(norma_mpi_share_of(job, facets, job->call.rank + 1) - part.first);
     job->faces = facets;
     job->vertices = 3 * (uint64_t)facets;
-    failed = run(&part);
-    close_part(&part);
+    failed = facets_run(&part);
+    facets_close_part(&part);
     return failed;
 }

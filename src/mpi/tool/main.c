@@ -40,24 +40,24 @@ typedef struct settings {
 
 /* ---- the command line */
 
-static int refuse(settings *s, const char *word, const char *wrong) {
+static int tool_refuse(settings *s, const char *word, const char *wrong) {
     s->word = word;
     s->wrong = wrong;
     return 0;
 }
 
-static int set_weight(settings *s, const char *word) {
+static int tool_set_weight(settings *s, const char *word) {
     for (int w = 0; norma_weight_name((norma_weight)w); w++) {
         if (strcmp(word, norma_weight_name((norma_weight)w)) != 0) continue;
         s->job.options.weight = (norma_weight)w;
         return 1;
     }
-    return refuse(s, word,
+    return tool_refuse(s, word,
         "no such weight; expected angle, area, uniform, max, angle-area, visible "
         "or angle-lengths");
 }
 
-static int set_weld(settings *s, const char *word) {
+static int tool_set_weld(settings *s, const char *word) {
     norma_options *o = &s->job.options;
     char *end;
     o->weld = strcmp(word, "none") == 0    ? NORMA_WELD_NONE
@@ -66,7 +66,7 @@ static int set_weld(settings *s, const char *word) {
     if (o->weld != NORMA_WELD_DISTANCE) return 1;
     o->weld_distance = strtod(word, &end);
     if (end != word && !*end && isfinite(o->weld_distance) && o->weld_distance >= 0) return 1;
-    return refuse(s, word, "expected exact, none or a distance from 0 up in the file's unit");
+    return tool_refuse(s, word, "expected exact, none or a distance from 0 up in the file's unit");
 }
 
 typedef int set_option(settings *s, const char *word);
@@ -75,14 +75,14 @@ static const struct {
     const char *name;
     set_option *set;
 } VALUES[] = {
-    {"--weight", set_weight},
-    {"--weld", set_weld},
+    {"--weight", tool_set_weight},
+    {"--weld", tool_set_weld},
 };
 enum { VALUE_COUNT = sizeof VALUES / sizeof *VALUES };
 
 /* An option with a value; 0: refused. */
 static int set_value(settings *s, const char *name, const char *value) {
-    if (!value) return refuse(s, name, "needs a value");
+    if (!value) return tool_refuse(s, name, "needs a value");
     for (size_t i = 0; i < VALUE_COUNT; i++)
         if (strcmp(name, VALUES[i].name) == 0) return VALUES[i].set(s, value);
     s->job.output = value;
@@ -101,22 +101,22 @@ static int set_flag(settings *s, const char *word) {
     else if (strcmp(word, "--quiet") == 0)
         s->quiet = 1;
     else if (strcmp(word, "--smooth") != 0)
-        return refuse(s, word, "no such option (see norma-mpi --help)");
+        return tool_refuse(s, word, "no such option (see norma-mpi --help)");
     return 1;
 }
 
 /* The source is never replaced, nor what is no file. */
-static int check_output(settings *s) {
+static int tool_check_output(settings *s) {
     struct stat in, out;
     const char *from = strrchr(s->job.input, '.'), *to = strrchr(s->job.output, '.');
     if (!from || !to || strcasecmp(from, to) != 0)
-        return refuse(
+        return tool_refuse(
             s, s->job.output, "the output has the input's format; give it the same ending");
     if (lstat(s->job.output, &out) != 0) return 1;
     if (stat(s->job.input, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
-        return refuse(s, s->job.output, "this is the input; norma-mpi writes another file");
+        return tool_refuse(s, s->job.output, "this is the input; norma-mpi writes another file");
     return S_ISREG(out.st_mode) ||
-           refuse(s, s->job.output, "this exists and is not a regular file");
+           tool_refuse(s, s->job.output, "this exists and is not a regular file");
 }
 
 static int read_arguments(settings *s, int argc, char **argv) {
@@ -127,21 +127,22 @@ static int read_arguments(settings *s, int argc, char **argv) {
         } else if (argv[i][0] == '-') {
             if (!set_flag(s, argv[i])) return 0;
         } else if (s->job.input) {
-            return refuse(s, argv[i], "one input is enough");
+            return tool_refuse(s, argv[i], "one input is enough");
         } else {
             s->job.input = argv[i];
         }
     }
     if (argc < 2 || strcmp(argv[1], "compute") != 0)
-        return refuse(s, argc < 2 ? "norma-mpi" : argv[1], "expected: norma-mpi compute IN -o OUT");
+        return tool_refuse(
+            s, argc < 2 ? "norma-mpi" : argv[1], "expected: norma-mpi compute IN -o OUT");
     if (!s->job.input || !s->job.output)
-        return refuse(s, "compute", "expected an input, and -o with an output");
-    return check_output(s);
+        return tool_refuse(s, "compute", "expected an input, and -o with an output");
+    return tool_check_output(s);
 }
 
 /* ---- the summary */
 
-static void print_text(const char *text) { /* as JSON */
+static void tool_print_text(const char *text) { /* as JSON */
     putchar('"');
     for (const unsigned char *at = (const unsigned char *)text; *at; at++) {
         if (*at == '"' || *at == '\\')
@@ -158,9 +159,9 @@ static void print_json(const mpi_job *job, uint64_t memory) {
     const norma_report *r = &job->report;
     const unsigned long long vertices = job->vertices;
     printf("{\"input\": ");
-    print_text(job->input);
+    tool_print_text(job->input);
     printf(", \"output\": ");
-    print_text(job->output);
+    tool_print_text(job->output);
     printf(", \"faces\": %llu, \"vertices\": {\"before\": %llu, \"after\": %llu}",
         (unsigned long long)job->faces, vertices, vertices);
     printf(", \"weight\": \"%s\", \"crease_deg\": null, \"hard_edges\": null",
@@ -209,7 +210,7 @@ static int same_job(mpi_job *job) {
            strncmp(theirs[1], job->output, sizeof theirs[1] - 1) == 0;
 }
 
-static int run(mpi_job *job) {
+static int tool_run(mpi_job *job) {
     const int stl = has_extension(job->input, ".stl"), ply = has_extension(job->input, ".ply");
     int failed = same_job(job)
                      ? 0
@@ -226,12 +227,12 @@ static int run(mpi_job *job) {
 
 /* The gravest of all ranks: who misunderstood the command line must not leave the others waiting.
  */
-static int run_all(settings *s, int understood) {
+static int tool_run_all(settings *s, int understood) {
     mpi_job *job = &s->job;
     if (norma_mpi_open_job(job, MPI_COMM_WORLD) != NORMA_OK) return 3;
     if (!understood) norma_mpi_fail(job, "norma-mpi: \"%s\": %s", s->word, s->wrong);
     int status = norma_mpi_failed(job, !understood) ? 2 : 0;
-    if (!status) status = run(job) ? 3 : 0;
+    if (!status) status = tool_run(job) ? 3 : 0;
     if (status && !job->call.rank) fprintf(stderr, "%s\n", job->message);
     if (!status) {
         const uint64_t most = norma_mpi_largest(&job->call, job->most_memory);
@@ -258,7 +259,7 @@ int main(int argc, char **argv) {
         if (!rank && help) fputs(HELP, stdout);
         if (!rank && !help) printf("norma-mpi %s\n", norma_version());
     } else {
-        status = run_all(&s, read_arguments(&s, argc, argv));
+        status = tool_run_all(&s, read_arguments(&s, argc, argv));
     }
     MPI_Finalize();
     return status;

@@ -160,7 +160,7 @@ enum { LEAST_BUDGET = 1 << 18, BUDGET_OF_TRIANGLE = 8 };
 
 /* ---- each rank by itself, without reading its arrays */
 
-static norma_result check_shape(
+static norma_result mpi_check_shape(
     const mpi_call *call, const mpi_input *input, core_mesh *mesh, core_output *output) {
     const norma_result result = norma_core_mesh_shape(input->mesh, mesh);
     if (result != NORMA_OK) return result;
@@ -171,7 +171,7 @@ static norma_result check_shape(
 
 /* ---- all together */
 
-static uint64_t bits_of(double number) {
+static uint64_t mpi_bits_of(double number) {
     uint64_t bits;
     memcpy(&bits, &number, sizeof bits);
     return bits;
@@ -181,9 +181,9 @@ static int same_options(const mpi_call *call) {
     const norma_options *o = &call->core->options;
     uint64_t numbers[] = {(uint64_t)o->weight, (uint64_t)o->weld, (uint64_t)o->non_manifold,
         (uint64_t)o->fallback, 0, 0, 0, 0};
-    if (o->weld == NORMA_WELD_DISTANCE) numbers[4] = bits_of(o->weld_distance + 0.0);
+    if (o->weld == NORMA_WELD_DISTANCE) numbers[4] = mpi_bits_of(o->weld_distance + 0.0);
     for (size_t k = 0; k < 3 && o->fallback == NORMA_FALLBACK_GIVEN; k++)
-        numbers[5 + k] = bits_of((double)o->fallback_normal[k] + 0.0);
+        numbers[5 + k] = mpi_bits_of((double)o->fallback_normal[k] + 0.0);
     return norma_mpi_all_equal(call, numbers, sizeof numbers / sizeof *numbers);
 }
 
@@ -215,7 +215,7 @@ static int ranks_ascend(const mpi_call *call, const mpi_face_order *faces) {
     return norma_mpi_largest(call, (uint64_t)!fine) == 0;
 }
 
-static norma_result order_faces(
+static norma_result mpi_order_faces(
     const mpi_call *call, const uint64_t *ids, mpi_part *part, const core_mesh *mesh) {
     const uint64_t before = norma_mpi_sum_before(call, mesh->face_count);
     const uint64_t with = norma_mpi_sum(call, mesh->face_count && ids);
@@ -303,7 +303,7 @@ static norma_result open_checked(
     mpi_call *call, const mpi_input *input, core_mesh *mesh, mpi_part *part) {
     norma_result result = norma_mpi_step(call, 0, norma_core_mesh_content(call->core, mesh));
     if (result == NORMA_OK) result = agree_on_scale(call, mesh, &part->doubles);
-    if (result == NORMA_OK) result = order_faces(call, input->face_ids, part, mesh);
+    if (result == NORMA_OK) result = mpi_order_faces(call, input->face_ids, part, mesh);
     if (result == NORMA_OK) result = open_prepared(call, part, mesh);
     return result;
 }
@@ -312,7 +312,7 @@ norma_result norma_mpi_open_part(
     mpi_call *call, norma_result begun, const mpi_input *input, mpi_part *part) {
     core_mesh mesh;
     *part = (mpi_part){.vertex_ids = input->vertex_ids};
-    if (begun == NORMA_OK) begun = check_shape(call, input, &mesh, &part->output);
+    if (begun == NORMA_OK) begun = mpi_check_shape(call, input, &mesh, &part->output);
     const norma_result result = norma_mpi_agree(call, begun);
     if (result != NORMA_OK) return result;
     const int same = same_options(call);

@@ -44,7 +44,7 @@ static void write_key(const mpi_keys *keys, size_t v, unsigned char *key) {
 }
 
 /* The highest bits choose the home, lower ones the round, the lowest the place in a table. */
-static int home_of(const mpi_call *call, uint64_t hash) {
+static int mpi_home_of(const mpi_call *call, uint64_t hash) {
     return (int)((hash >> 32) * (uint64_t)call->ranks >> 32);
 }
 static uint64_t round_of(const share_work *work, uint64_t hash) {
@@ -54,7 +54,7 @@ static uint64_t round_of(const share_work *work, uint64_t hash) {
 int norma_mpi_home_of_number(const mpi_call *call, uint64_t number) {
     unsigned char key[sizeof number];
     memcpy(key, &number, sizeof number);
-    return home_of(call, norma_core_hash(key, sizeof key));
+    return mpi_home_of(call, norma_core_hash(key, sizeof key));
 }
 
 /* ---- sending */
@@ -70,7 +70,7 @@ static void for_round(share_work *work, share_see *see, void *context) {
         write_key(work->keys, v, key);
         const uint64_t hash = norma_core_hash(key, work->key_size);
         if (round_of(work, hash) == work->round)
-            see(work, v, home_of(work->call, hash), key, context);
+            see(work, v, mpi_home_of(work->call, hash), key, context);
     }
 }
 
@@ -161,14 +161,14 @@ static void group_record(key_table *table, size_t record) {
 }
 
 /* Nobody asks another rank about a position that has no votes, or no other rank. */
-static int is_alone(const share_work *work, const key_group *group) {
+static int mpi_is_alone(const share_work *work, const key_group *group) {
     return group->voters == 0 || (work->lend && group->ranks == 1);
 }
 
-static norma_result give_slots(const share_work *work, key_table *table) {
+static norma_result mpi_give_slots(const share_work *work, key_table *table) {
     uint64_t *slots = &work->sharing->slots[work->call->rank];
     for (uint32_t g = 0; g < table->group_count; g++) {
-        if (is_alone(work, &table->groups[g])) continue;
+        if (mpi_is_alone(work, &table->groups[g])) continue;
         if (*slots >= MOST_SLOTS) return NORMA_ERROR_OVERFLOW;
         table->groups[g].answer = (uint32_t)(*slots)++;
     }
@@ -180,7 +180,7 @@ enum { ANSWER_OWN = 0, ANSWER_SHARED, ANSWER_ASKED, ANSWER_LENT };
 /* What is told to the rank of a record. */
 static uint32_t answer_to(const share_work *work, const key_group *group, int votes) {
     const uint32_t lends = work->lend && group->voters == 1;
-    if (is_alone(work, group)) return (uint32_t)ANSWER_OWN << ANSWER_BITS;
+    if (mpi_is_alone(work, group)) return (uint32_t)ANSWER_OWN << ANSWER_BITS;
     const uint32_t kind = !votes ? ANSWER_ASKED : lends ? ANSWER_LENT : ANSWER_SHARED;
     return kind << ANSWER_BITS | group->answer;
 }
@@ -191,7 +191,7 @@ static norma_result answer_keys(const share_work *work, const mpi_lists *in, mpi
     norma_result result = open_table(work->call, &table);
     if (result == NORMA_OK) {
         for (size_t i = 0; i < table.count; i++) group_record(&table, i);
-        result = give_slots(work, &table);
+        result = mpi_give_slots(work, &table);
     }
     if (result == NORMA_OK)
         result = norma_mpi_lists_like(work->call, in, sizeof(uint32_t), answers);

@@ -7,7 +7,7 @@
 /* ---- Triangles are measured eight at a time, as the core does; what doubles do not decide,
  * and polygons, by themselves. */
 
-static norma_weight weight_of(const mpi_visit *visit) {
+static norma_weight mpi_weight_of(const mpi_visit *visit) {
     const norma_weight weight = visit->prepared->call->options.weight;
     return weight == NORMA_WEIGHT_VISIBLE ? NORMA_WEIGHT_UNIFORM : weight;
 }
@@ -23,12 +23,12 @@ static void visit_one(const mpi_visit *visit, size_t f) {
     for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) {
         if (!norma_core_is_kept(mesh, f, c)) continue;
         visit->vote(visit->context, f, c,
-            norma_core_corner_weight(mesh, weight_of(visit), f, &face, c), face.normal);
+            norma_core_corner_weight(mesh, mpi_weight_of(visit), f, &face, c), face.normal);
     }
 }
 
 static void visit_lane(const mpi_visit *visit, const core_batch *batch, int lane, size_t f) {
-    const norma_weight weight = weight_of(visit);
+    const norma_weight weight = mpi_weight_of(visit);
     const int even = core_weighed(weight) == CORE_BY_FACE;
     const double normal[3] = {
         batch->normal[0][lane], batch->normal[1][lane], batch->normal[2][lane]};
@@ -41,7 +41,7 @@ static void visit_lane(const mpi_visit *visit, const core_batch *batch, int lane
 
 static void visit_triangles(const mpi_visit *visit, const size_t *faces, int count) {
     const core_prepared_mesh *prepared = visit->prepared;
-    const norma_weight weight = weight_of(visit);
+    const norma_weight weight = mpi_weight_of(visit);
     core_batch batch;
     int edged[CORE_LANES];
     for (int i = 0; i < CORE_LANES; i++)
@@ -96,7 +96,7 @@ static void read_vote(const unsigned char *record, slot_vote *v) {
     memcpy(v->row, record + sizeof v->slot, sizeof v->row);
 }
 
-static uint64_t face_of(const unsigned char *record) {
+static uint64_t mpi_face_of(const unsigned char *record) {
     uint64_t face;
     memcpy(&face, record + sizeof(uint32_t) + 4 * sizeof(double), sizeof face);
     return face;
@@ -143,7 +143,7 @@ static int is_over(const merge *m, int rank) {
 }
 
 static void look_at_next(merge *m, int rank) {
-    m->face[rank] = face_of(norma_mpi_record(m->in, (size_t)m->next[rank]));
+    m->face[rank] = mpi_face_of(norma_mpi_record(m->in, (size_t)m->next[rank]));
 }
 
 static void begin_merge(merge *m, int ranks) {
@@ -242,7 +242,7 @@ typedef struct slot_normals {
     uint64_t first;
 } slot_normals;
 
-static void keep_normal(void *context, const slot_vote *v) {
+static void mpi_keep_normal(void *context, const slot_vote *v) {
     const slot_normals *s = context;
     memcpy(s->normals[s->ends[v->slot - s->first]++], v->row, sizeof s->normals[0]);
 }
@@ -283,7 +283,7 @@ static norma_result see_slots(const mpi_home *home) {
     norma_result result = s.normals && s.ends ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
         place_slots(home, &s, votes);
-        result = take_all(home, keep_normal, &s);
+        result = take_all(home, mpi_keep_normal, &s);
     }
     for (size_t i = 0; i < home->count && result == NORMA_OK; i++)
         home->outcomes[home->first + i] = see(&s, i);
@@ -386,7 +386,7 @@ static void send_loans(const sum_rounds *r) {
 /* ---- rounds */
 
 typedef int count_filter(const sum_rounds *r, mpi_place place);
-static int is_shared(const sum_rounds *r, mpi_place place) {
+static int mpi_is_shared(const sum_rounds *r, mpi_place place) {
     (void)r;
     return norma_mpi_kind(place) == MPI_SHARED;
 }
@@ -411,7 +411,7 @@ static norma_result choose_rounds(sum_rounds *r, size_t budget) {
     if (result == NORMA_OK) {
         size_t most = budget / (2 * norma_mpi_vote_size(r->sums->numbered));
         if (most < LEAST_VOTES) most = LEAST_VOTES;
-        count_votes(r, is_shared, counts);
+        count_votes(r, mpi_is_shared, counts);
         for (size_t i = 0; i < ranks; i++) sent += counts[i];
         MPI_Allreduce(MPI_IN_PLACE, counts, r->call->ranks, MPI_UINT64_T, MPI_SUM, r->call->comm);
         if (counts[r->call->rank] > sent) sent = counts[r->call->rank];
@@ -439,7 +439,7 @@ static norma_result list_votes(sum_rounds *r, mpi_lists *out) {
     return NORMA_OK;
 }
 
-static norma_result run_round(sum_rounds *r) {
+static norma_result mpi_run_round(sum_rounds *r) {
     mpi_call *call = r->call;
     mpi_lists out = {0}, in = {0};
     begin_round(r);
@@ -478,7 +478,7 @@ norma_result norma_mpi_sum_all(mpi_call *call, size_t budget, mpi_sums *sums) {
     norma_result result = open_sums(call, sums);
     result = norma_mpi_agree(call, r.first && r.count ? result : NORMA_ERROR_MEMORY);
     if (result == NORMA_OK) result = choose_rounds(&r, budget);
-    for (; r.round < r.rounds && result == NORMA_OK; r.round++) result = run_round(&r);
+    for (; r.round < r.rounds && result == NORMA_OK; r.round++) result = mpi_run_round(&r);
     norma_core_release(call->core, r.first, ranks, sizeof *r.first);
     norma_core_release(call->core, r.count, ranks, sizeof *r.count);
     if (result != NORMA_OK) norma_mpi_sums_close(call, sums);
@@ -507,7 +507,7 @@ static int is_at_home(mpi_place place) {
     return norma_mpi_kind(place) == MPI_SHARED || norma_mpi_kind(place) == MPI_ASKED;
 }
 
-static mpi_place place_of(const mpi_sums *sums, size_t v) {
+static mpi_place mpi_place_of(const mpi_sums *sums, size_t v) {
     return norma_mpi_place_at(sums->sharing, sums->merge ? sums->merge[v] : v);
 }
 
@@ -518,11 +518,11 @@ static norma_result list_questions(const hand_out *h, mpi_lists *out) {
     if (!room) return NORMA_ERROR_MEMORY;
     memset(room, 0, ranks * sizeof *room);
     for (size_t v = h->begin; v < h->end; v++)
-        if (is_at_home(place_of(h->sums, v))) room[norma_mpi_home(place_of(h->sums, v))]++;
+        if (is_at_home(mpi_place_of(h->sums, v))) room[norma_mpi_home(mpi_place_of(h->sums, v))]++;
     const norma_result result = norma_mpi_lists_open(h->call, room, sizeof(uint32_t), out);
     norma_core_release(core, room, ranks, sizeof *room);
     for (size_t v = h->begin; v < h->end && result == NORMA_OK; v++) {
-        const mpi_place place = place_of(h->sums, v);
+        const mpi_place place = mpi_place_of(h->sums, v);
         const uint32_t slot = (uint32_t)norma_mpi_slot(place);
         if (is_at_home(place))
             memcpy(norma_mpi_lists_add(out, norma_mpi_home(place)), &slot, sizeof slot);
@@ -546,7 +546,7 @@ static norma_result list_outcomes(const hand_out *h, const mpi_lists *in, mpi_li
 
 static void receive_one(const hand_out *h, size_t v, const mpi_lists *back, int *next,
     mpi_receiver *receive, void *context) {
-    const mpi_place place = place_of(h->sums, v);
+    const mpi_place place = mpi_place_of(h->sums, v);
     float normal[3] = {0, 0, 0};
     int reason = NORMA_REASON_UNREFERENCED;
     if (norma_mpi_kind(place) == MPI_NOWHERE) return;

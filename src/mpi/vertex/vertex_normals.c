@@ -108,7 +108,7 @@ typedef struct sites {
 
 /* ---- what is here */
 
-static norma_result collect(sites *s, const uint8_t *reasons) {
+static norma_result mpi_collect(sites *s, const uint8_t *reasons) {
     const core_call *core = s->call->core;
     const size_t positions = s->part->positions;
     mpi_face_order order;
@@ -145,7 +145,7 @@ static void close_sites(sites *s) {
 
 /* ---- the nearest here */
 
-static double squared_distance(const sites *s, uint32_t v, const double point[3]) {
+static double mpi_squared_distance(const sites *s, uint32_t v, const double point[3]) {
     double p[3], sum = 0;
     norma_core_position(&s->mesh, v, p);
     for (int k = 0; k < 3; k++) sum += (p[k] - point[k]) * (p[k] - point[k]);
@@ -153,11 +153,11 @@ static double squared_distance(const sites *s, uint32_t v, const double point[3]
 }
 
 /* Sites are in ascending number, so the first of the nearest is that of the least. */
-static uint32_t look_at_every_site(const sites *s, const double point[3]) {
+static uint32_t mpi_look_at_every_site(const sites *s, const double point[3]) {
     uint32_t best = s->sites[0];
-    double least = squared_distance(s, best, point);
+    double least = mpi_squared_distance(s, best, point);
     for (size_t i = 1; i < s->count; i++) {
-        const double distance = squared_distance(s, s->sites[i], point);
+        const double distance = mpi_squared_distance(s, s->sites[i], point);
         if (!(distance < least)) continue;
         least = distance;
         best = s->sites[i];
@@ -181,8 +181,8 @@ static found find_here(const sites *s, uint32_t first, const query *q) {
     const int finite = norma_core_finite(q->point);
     const uint32_t v = !finite      ? first
                        : s->planted ? norma_core_kdtree_nearest(&s->tree, q->point)
-                                    : look_at_every_site(s, q->point);
-    f.distance = finite ? squared_distance(s, v, q->point) : 0;
+                                    : mpi_look_at_every_site(s, q->point);
+    f.distance = finite ? mpi_squared_distance(s, v, q->point) : 0;
     f.id = s->part->vertex_ids[v];
     memcpy(f.normal, s->part->output.normals + v * s->part->output.stride, sizeof f.normal);
     return f;
@@ -302,7 +302,7 @@ norma_result norma_mpi_fill_nearest(mpi_call *call, const mpi_part *part, const 
     if (!queries) return NORMA_OK;
     asking a = {.sites = &s, .reasons = reasons};
     const size_t room = (size_t)QUERIES_AT_ONCE + (size_t)call->ranks;
-    norma_result result = collect(&s, reasons);
+    norma_result result = mpi_collect(&s, reasons);
     if (result == NORMA_OK) result = plant(&s, queries);
     if (result == NORMA_OK) result = open_asking(&a, room);
     result = norma_mpi_agree(call, result);
@@ -384,7 +384,7 @@ static norma_result take_part(vertex_work *work, const uint32_t *merge, int reas
 /* ---- by position */
 
 /* A position that is not finite has no votes, and is equal to nothing that has. */
-static void judge_positions(const vertex_work *work) {
+static void mpi_judge_positions(const vertex_work *work) {
     const core_mesh *mesh = &work->part->prepared.mesh;
     for (size_t v = 0; v < work->part->positions; v++) {
         double p[3];
@@ -402,7 +402,7 @@ static norma_result sum_positions(vertex_work *work) {
         : work->call->core->options.weld == NORMA_WELD_NONE ? part->vertex_ids
                                                             : NULL,
         part->doubles};
-    judge_positions(work);
+    mpi_judge_positions(work);
     const norma_result result = take_part(work, weld, NORMA_REASON_UNREFERENCED);
     if (result != NORMA_OK) return result;
     norma_core_stage(work->call->core, 0.2, 0.8);
@@ -411,7 +411,7 @@ static norma_result sum_positions(vertex_work *work) {
 
 /* ---- where they cancel: by the number of the vertex */
 
-static norma_result sum_own(vertex_work *work) {
+static norma_result mpi_sum_own(vertex_work *work) {
     const mpi_part *part = work->part;
     uint32_t *same = NULL;
     uint64_t cancelled = 0;
@@ -445,17 +445,17 @@ static void write_missing(const vertex_work *work) {
     }
 }
 
-static norma_result open_work(vertex_work *work) {
+static norma_result mpi_open_work(vertex_work *work) {
     const core_call *core = work->call->core;
     work->reasons = norma_core_allocate(core, work->part->positions, 1);
     return work->reasons ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-static norma_result run(vertex_work *work, norma_report *report) {
+static norma_result mpi_run(vertex_work *work, norma_report *report) {
     mpi_call *call = work->call;
-    norma_result result = norma_mpi_agree(call, open_work(work));
+    norma_result result = norma_mpi_agree(call, mpi_open_work(work));
     if (result == NORMA_OK) result = sum_positions(work);
-    if (result == NORMA_OK) result = sum_own(work);
+    if (result == NORMA_OK) result = mpi_sum_own(work);
     if (result == NORMA_OK)
         result = mpi_count_missing(call, work->part, work->reasons, &work->tally);
     if (result == NORMA_OK) {
@@ -471,13 +471,13 @@ static norma_result run(vertex_work *work, norma_report *report) {
     return NORMA_OK;
 }
 
-static norma_result compute(
+static norma_result mpi_compute(
     mpi_call *call, norma_result begun, const mpi_input *input, norma_report *report) {
     mpi_part part;
     norma_result result = norma_mpi_open_part(call, begun, input, &part);
     if (result != NORMA_OK) return result;
     vertex_work work = {.call = call, .part = &part};
-    result = run(&work, report);
+    result = mpi_run(&work, report);
     forget_part(&work);
     norma_core_release(call->core, work.reasons, part.positions, 1);
     norma_mpi_close_part(call, &part);
@@ -493,7 +493,7 @@ norma_result norma_mpi_vertex_normals(MPI_Comm comm, const norma_mesh *part,
     const norma_result begun = norma_core_begin(&core, options);
     const norma_result result = norma_mpi_begin(&call, comm, &core);
     if (result != NORMA_OK) return result;
-    const norma_result computed = compute(&call, begun, &input, report);
+    const norma_result computed = mpi_compute(&call, begun, &input, report);
     norma_mpi_end(&call);
     return computed;
 }
