@@ -21,7 +21,7 @@ static int open_by(const char *name, const char *path, int flags, int mode) {
 int open(const char *path, int flags, ...) {
     va_list more;
     va_start(more, flags);
-    const int mode = flags & O_CREAT ? va_arg(more, int) : 0;
+    const int mode = flags & (O_CREAT | __O_TMPFILE) ? va_arg(more, int) : 0;
     va_end(more);
     return open_by("open", path, flags, mode);
 }
@@ -29,7 +29,7 @@ int open(const char *path, int flags, ...) {
 int open64(const char *path, int flags, ...) {
     va_list more;
     va_start(more, flags);
-    const int mode = flags & O_CREAT ? va_arg(more, int) : 0;
+    const int mode = flags & (O_CREAT | __O_TMPFILE) ? va_arg(more, int) : 0;
     va_end(more);
     return open_by("open64", path, flags, mode);
 }
