@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/check/check_command.h"
 #include "cli/files/batch.h"
+#include "cli/files/each.h"
 #include "cli/files/find_inputs.h"
 #include "cli/files/report_output.h"
 #include "cli/options/suggest.h"

@@ -4,6 +4,7 @@
 #include "cli/process/errors.h"
 #include "cli/text/outside_text.h"
 #include <stdio.h>
+#include <string.h>
 
 static int run_here(const cli_each *each, size_t first) {
     int status = CLI_OK;
@@ -45,4 +46,42 @@ int cli_run_each(const cli_each *each) {
         ++next;
     }
     return status;
+}
+
+/* ---- files that are opened later */
+
+typedef struct look_ahead {
+    cli_guard *guard;
+    const cli_inputs *inputs;
+    norma_file_format format;
+} look_ahead;
+
+static int look_into(void *user, size_t file) {
+    const look_ahead *ahead = user;
+    const char *path = ahead->inputs->paths[file];
+    const norma_file_format kind = ahead->format ? ahead->format : norma_file_format_of_path(path);
+    const norma_document_options options = {.struct_size = sizeof options,
+        .format = ahead->format,
+        .depth = NORMA_DOCUMENT_SUMMARY,
+        .lenient = 1};
+    norma_document *document;
+    norma_document_error error; /* reported when the file is read for the work */
+    if (kind < NORMA_FILE_GLTF || strcmp(path, "-") == 0 ||
+        norma_document_open(path, &options, &document, &error))
+        return CLI_OK;
+    cli_guard_document(ahead->guard, document, path);
+    norma_document_close(document);
+    return CLI_OK;
+}
+
+/* So will the work be. */
+static void pass_over(void *user, size_t file, const char *why) {
+    (void)user, (void)file, (void)why;
+}
+
+void cli_guard_look_ahead(cli_guard *guard, const cli_inputs *inputs, norma_file_format format) {
+    if (!cli_guard_watches(guard)) return;
+    look_ahead ahead = {guard, inputs, format};
+    const cli_each each = {inputs->count, look_into, pass_over, &ahead, guard};
+    cli_run_each(&each);
 }

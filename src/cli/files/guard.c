@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files/guard.h"
 #include "cli/files/input.h"
-#include "cli/files/each.h"
+#include "cli/process/worker.h"
 #include "cli/process/errors.h"
 #include <pthread.h>
 #include <stdlib.h>
@@ -142,6 +142,8 @@ typedef struct source_message {
     size_t name; /* bytes of it; 0: none */
 } source_message;
 
+int cli_guard_watches(const cli_guard *guard) { return guard && guard->watches; }
+
 size_t cli_guard_count(cli_guard *guard) { return guard ? guard->count : 0; }
 
 void cli_guard_send(cli_guard *guard, size_t *first, const cli_worker *worker) {
@@ -176,45 +178,6 @@ int cli_guard_receive(cli_guard *guard, const cli_worker *worker) {
     for (size_t i = 0; i < message.count && fine; ++i) fine = receive_source(guard, worker);
     if (guard) guard->incomplete |= message.incomplete;
     return fine;
-}
-
-/* ---- files that are opened later */
-
-typedef struct look_ahead {
-    cli_guard *guard;
-    const cli_inputs *inputs;
-    norma_file_format format;
-} look_ahead;
-
-static int look_into(void *user, size_t file) {
-    const look_ahead *ahead = user;
-    const char *path = ahead->inputs->paths[file];
-    const norma_file_format kind = ahead->format ? ahead->format : norma_file_format_of_path(path);
-    const norma_document_options options = {.struct_size = sizeof options,
-        .format = ahead->format,
-        .depth = NORMA_DOCUMENT_SUMMARY,
-        .lenient = 1};
-    norma_document *document;
-    norma_document_error error; /* reported when the file is read for the work */
-    if (kind < NORMA_FILE_GLTF || strcmp(path, "-") == 0 ||
-        norma_document_open(path, &options, &document, &error))
-        return CLI_OK;
-    cli_guard_document(ahead->guard, document, path);
-    norma_document_close(document);
-    return CLI_OK;
-}
-
-/* So will the work be. */
-static void pass_over(void *user, size_t file, const char *why) {
-    (void)user, (void)file, (void)why;
-}
-
-void cli_guard_look_ahead(
-    cli_guard *guard, const struct cli_inputs *inputs, norma_file_format format) {
-    if (!guard || !guard->watches) return;
-    look_ahead ahead = {guard, inputs, format};
-    const cli_each each = {inputs->count, look_into, pass_over, &ahead, guard};
-    cli_run_each(&each);
 }
 
 static int refuse(const cli_guard *guard, const char *output, const source *found) {

@@ -15,11 +15,7 @@ void cli_guard_free(cli_guard *guard);
 void cli_guard_read(cli_guard *guard, const char *path);
 /* The files that an open document was read from or names. Cheap unless an output exists already. */
 void cli_guard_document(cli_guard *guard, norma_document *document, const char *input);
-/* The same for inputs that are opened later: glTF files are looked into, if an output exists, so
- * that no output of the first can replace a picture of the second. */
-struct cli_inputs;
-void cli_guard_look_ahead(
-    cli_guard *guard, const struct cli_inputs *inputs, norma_file_format format);
+int cli_guard_watches(const cli_guard *guard); /* an output exists already */
 
 /* What was read and named in a worker (worker.h), through its channel: *first is behind what was
  * sent before. 0: the worker has ended. */

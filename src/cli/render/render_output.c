@@ -2,6 +2,7 @@
  * said before anything is drawn. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/render/render_command.h"
+#include "cli/files/each.h"
 #include "cli/files/place_outputs.h"
 #include "cli/process/errors.h"
 #include <stdlib.h>
