@@ -8,6 +8,7 @@
 #include "cli/options/suggest.h"
 #include "cli/process/errors.h"
 #include "cli/process/progress.h"
+#include "cli/text/memory_stream.h"
 #include "cli/text/terminal.h"
 #include <math.h>
 #include <errno.h>
@@ -20,7 +21,6 @@ static const char help[] =
     "Examples\n"
     "  norma check chair.glb\n"
     "  norma check models/ --fail-on warning           every mesh file of the folder and below\n"
-    "  norma check 'models/**/*.glb' --ignore N4,N503  without some rules\n"
     "  git diff --name-only | norma check --files-from - --format sarif -o norma.sarif\n"
     "  norma check part.stl -o part.html               a page with pictures\n"
     "\n"
@@ -42,9 +42,7 @@ static const char help[] =
     "\n"
     "Report\n"
     "  --format text|line|json|sarif|html\n"
-    "                        the default is the ending of -o, or text; line is for grep and "
-    "editors;\n"
-    "                        --json is the same as --format json\n"
+    "                        the default is the ending of -o, or text; --json is --format json\n"
     "  -o, --output FILE     writes the report to FILE (standard output); with --fix, see below\n"
     "  --info                also lists findings of severity info, which are otherwise only "
     "counted\n"
@@ -76,9 +74,9 @@ static const char help[] =
     "  --files-from FILE     reads names of files from FILE, one per line; - is standard input.\n"
     "                        Missing files and other formats are skipped and counted; missing\n"
     "                        files are reported as unreadable if nothing else is listed\n"
-    "  --shard I/N           checks every N-th file, starting with the I-th, to divide the work "
-    "among\n"
-    "                        N jobs; norma report --merge joins their reports\n"
+    "  --shard I/N           checks the I-th of N parts of the files, chosen by their paths;\n"
+    "                        norma report --merge joins the reports of all N jobs\n"
+    "  --exit findings|job   job: ends with 0 whatever was found or could not be read (findings)\n"
     "  --input-format obj|ply|stl|gltf|glb\n"
     "                        the format of standard input; needed if IN is -\n"
     "  --threads N           uses at most N threads (all processors)\n"
@@ -95,7 +93,8 @@ typedef struct check_work {
     const char *config, *baseline, *new_baseline;
     check_config_trust trust;
     cli_color_mode color;
-    size_t shard, shards; /* shards 0: all files */
+    int exits_job; /* --exit job: what is found is not told by the status */
+    char *shard_options;
     cli_files files; /* the words, --input-format, and where the report or what is mended goes */
     cli_common common;
     char expected[160]; /* what a wrong list of rules may mean */
@@ -179,7 +178,12 @@ static const char *set_format(void *settings, const char *value) {
 
 static const char *set_shard(void *settings, const char *value) {
     check_work *work = settings;
-    return check_read_shard(value, &work->shard, &work->shards);
+    return check_read_shard(value, &work->settings.shard, &work->settings.shards);
+}
+
+static const char *set_exit(void *settings, const char *value) {
+    ((check_work *)settings)->exits_job = strcmp(value, "job") == 0;
+    return strcmp(value, "job") && strcmp(value, "findings") ? "findings or job" : NULL;
 }
 
 static const char *set_info(void *settings, const char *value) {
@@ -269,6 +273,7 @@ static const cli_option options[] = {
     {"max-samples", 0, 1, set_max_samples},
     {"files-from", 0, 1, set_files_from},
     {"shard", 0, 1, set_shard},
+    {"exit", 0, 1, set_exit},
 };
 
 /* ---- the command */
@@ -284,6 +289,47 @@ static void choose_command_options(check_work *work) {
     if (work->config) *option++ = "--config", *option++ = work->config;
     if (work->files.format)
         *option++ = "--input-format", *option++ = norma_file_format_name(work->files.format);
+}
+
+static void write_rule_list(FILE *out, const char *key, const uint8_t *mask) {
+    cli_json json = {.out = out, .needs_comma = 1};
+    cli_json_open(&json, key, '[');
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        if (mask[rule]) cli_json_size(&json, NULL, rule);
+    cli_json_close(&json, ']');
+}
+
+/* What the findings of a shard depend on, beside its files: shards of other options are not parts
+ * of one report. */
+static int write_shard_options(check_work *work) {
+    const check_settings *settings = &work->settings;
+    cli_memory_stream text;
+    if (!cli_memory_open(&text)) return cli_out_of_memory();
+    cli_json json = {.out = text.out};
+    cli_json_open(&json, NULL, '{');
+    cli_json_string(&json, "version", norma_version());
+    cli_json_string(
+        &json, "profile", settings->profile ? check_profile_name(settings->profile) : "default");
+    cli_json_bool(&json, "strict", settings->strict);
+    cli_json_number(&json, "fail_on", settings->fail_on);
+    cli_json_size(&json, "max_samples", settings->max_samples);
+    cli_json_size(&json, "input_format", settings->input_format);
+    cli_json_bool(&json, "info", settings->list_infos);
+    cli_json_size(&json, "fix", (size_t)settings->fix);
+    cli_json_bool(&json, "open_by_rays", settings->open_by_rays);
+    cli_json_string(&json, "config",
+        work->config                       ? "given"
+        : work->trust == CHECK_CONFIG_NONE ? "none"
+        : work->trust == CHECK_CONFIG_ANY  ? "any"
+                                           : "own");
+    cli_json_bool(&json, "baseline", work->baseline != NULL);
+    if (settings->has_select) write_rule_list(text.out, "select", settings->select);
+    write_rule_list(text.out, "ignore", settings->ignore);
+    cli_json_close(&json, '}');
+    if (!cli_memory_close(&text)) return cli_out_of_memory();
+    work->shard_options = text.text;
+    work->settings.shard_options = text.text;
+    return CLI_OK;
 }
 
 static int read_options(
@@ -326,7 +372,7 @@ static int read_options(
         work->format = &check_format_quiet;
     work->settings.input_format = work->files.format;
     choose_command_options(work);
-    return CLI_OK;
+    return work->settings.shards ? write_shard_options(work) : CLI_OK;
 }
 
 /* Asked again when all is read, so that neither the report nor the baseline is written if one of
@@ -366,7 +412,8 @@ static void choose_style(check_work *work, FILE *out) {
         .width = is_file ? 0 : cli_terminal_width(out)};
 }
 
-static int check_files(check_work *work, check_configs *configs) {
+/* found: what was said of the inputs before; a folder that cannot be read has no entry. */
+static int check_files(check_work *work, check_configs *configs, int found) {
     cli_output output;
     check_totals totals = {0};
     const int streams = work->settings.fix && !work->settings.dry_run && work->files.output &&
@@ -383,6 +430,9 @@ static int check_files(check_work *work, check_configs *configs) {
     choose_style(work, output.out);
     work->format->begin(output.out, &work->settings);
     status = check_all_files(&work->settings, configs, work->format, output.out, &totals);
+    totals.incomplete |= found != CLI_OK;
+    totals.status = status = cli_worse(status, found);
+    if (work->exits_job && !totals.unreported && status != CLI_USAGE) status = CLI_OK;
     if (status != CLI_USAGE && guard_baseline(work)) status = CLI_USAGE;
     if (status == CLI_USAGE) {
         /* What has gone to standard output or a pipe must be whole for a program that reads it. */
@@ -419,8 +469,9 @@ static int find_inputs(const cli_subcommand *command, check_work *work) {
     if (status == CLI_USAGE) return status;
     status = cli_worse(status, cli_find_inputs(command, &work->files));
     work->settings.file_count = work->files.inputs.count;
-    if (work->shards) check_keep_shard(&work->files.inputs, work->shard, work->shards);
-    return status;
+    if (work->settings.shards)
+        check_keep_shard(&work->files.inputs, work->settings.shard, work->settings.shards);
+    return status == CLI_USAGE ? status : cli_worse(status, check_sort_inputs(&work->files.inputs));
 }
 
 static int check_all(const cli_subcommand *command, check_work *work) {
@@ -434,7 +485,7 @@ static int check_all(const cli_subcommand *command, check_work *work) {
     if (status != CLI_USAGE && inputs && work->settings.fix && !work->settings.dry_run)
         placed = check_places(command, work);
     if (!placed && configs && status != CLI_USAGE && (!status || inputs))
-        status = cli_worse(status, check_files(work, configs));
+        status = check_files(work, configs, status);
     status = cli_worse(status, placed);
     if (!placed && work->new_baseline && work->settings.baseline && status != CLI_USAGE)
         status = cli_worse(status == CLI_FINDINGS ? CLI_OK : status,
@@ -454,6 +505,7 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
         status = cli_finish(status);
     } else if (!status)
         status = check_all(command, &work);
+    free(work.shard_options);
     cli_files_end(&work.files);
     return status;
 }

@@ -72,7 +72,10 @@ typedef struct check_settings {
     size_t at_once;    /* files that are checked at the same time */
     int list_infos;    /* else they are only counted, in reports for people */
     check_style style;
-    const char *lost; /* why a file cannot be checked: it ended a worker (worker.h) */
+    size_t shard, shards;      /* shards 0: all files */
+    const char *shard_options; /* JSON: what else the findings of a shard depend on */
+    const char *missing;       /* of a merged report: JSON, a list of shards; NULL: none */
+    const char *lost;          /* why a file cannot be checked: it ended a worker (worker.h) */
     const char *command_options[COMMAND_OPTIONS]; /* what a fix must be told as well; NULL-ended */
     norma_progress *progress;                     /* of whatever takes long */
     void *progress_user;
@@ -113,10 +116,13 @@ typedef struct check_rule_total {
 
 typedef struct check_totals {
     size_t errors, warnings, infos, files, files_with_trouble, not_checked;
-    size_t known;  /* silenced by the baseline */
-    size_t clean;  /* files without problems */
-    size_t hidden; /* infos that reports for people only count */
-    int status;    /* worst of its files */
+    size_t known;                 /* silenced by the baseline */
+    size_t clean;                 /* files without problems */
+    size_t hidden;                /* infos that reports for people only count */
+    int status;                   /* worst of its files */
+    int unreported;               /* a file is not in the report */
+    int incomplete;               /* something could not be read or written that has no entry */
+    size_t left_out[CHECK_RULES]; /* results of SARIF above its limit */
     check_rule_total by_rule[CHECK_RULES][CHECK_SEVERITIES];
 } check_totals;
 
@@ -132,6 +138,15 @@ typedef struct check_format {
 extern const check_format check_format_text, check_format_quiet, check_format_line,
     check_format_json, check_format_sarif, check_format_html;
 
+/* The results of a SARIF report, of which it holds a limited number: rules with the most of them
+ * lose some (findings_sarif.c). text: results as check_format_sarif writes them, each on a line. */
+typedef struct check_results check_results;
+check_results *check_results_new(void); /* NULL: out of memory */
+void check_results_free(check_results *results);
+int check_results_add(check_results *results, const char *text, size_t size); /* 0: out of memory */
+/* Says on standard error, and in totals, what was left out. */
+void check_results_write(const check_results *results, FILE *out, check_totals *totals);
+
 /* report_formats.c */
 #define CHECK_FORMAT_NAMES "text, line, json, sarif or html"
 const check_format *check_find_format(const char *name);    /* NULL: none is called so */
@@ -140,9 +155,15 @@ const check_format *check_format_of_name(const char *path); /* by its ending; NU
 /* How a page can be taken apart again: each file begins with CHECK_HTML_FILE and its path, and the
  * totals are JSON between CHECK_HTML_TOTALS and the end of that script. */
 #define CHECK_HTML_FILE     "<section class=\"file\" data-path=\""
+#define CHECK_HTML_STATUS   "\" data-status=\""
+#define CHECK_HTML_FAILS    "\" data-fails>"
 #define CHECK_HTML_FILE_END "</section><!-- end of file -->\n"
 #define CHECK_HTML_TOTALS   "<script type=\"application/json\" id=\"totals\">"
 
+/* "shard" and "options", or "missing_shards": members of a JSON object that is open. */
+void check_write_shard(cli_json *json, const check_settings *settings);
+/* Percent-encoded: letters, digits and - . _ ~ / stay. A path as exact bytes in any text. */
+void check_write_bytes(FILE *out, const char *path);
 void check_write_verdict(FILE *out, const check_totals *totals); /* without a line end */
 
 /* ---- what the forms ask (report_facts.c) */
@@ -158,6 +179,7 @@ const char *check_profile_name(norma_check_profile profile);
 int check_is_listed(const check_report *report, const check_item *item);
 /* Checked, and without errors, warnings and whatever fails the check. */
 int check_is_clean(const check_report *report);
+int check_fails(const check_report *report); /* whether a finding is at or above --fail-on */
 /* Whether note i of a document differs from those before it, from the first on. */
 int check_is_new_note(const norma_document *document, size_t first, size_t i);
 /* Names from the root of the scene to the first node that draws the mesh of a finding, or to the
@@ -170,9 +192,10 @@ void check_one_file(const check_settings *settings, const check_config *config,
 
 /* ---- a part of them (shard.c) */
 
-/* "2/8": each eighth file, from the second on. NULL, or what was expected. */
+/* "2/8": the second of eight parts. NULL, or what was expected. */
 const char *check_read_shard(const char *text, size_t *number, size_t *count);
 void check_keep_shard(cli_inputs *inputs, size_t number, size_t count);
+int check_sort_inputs(cli_inputs *inputs); /* by path, as bytes; a status */
 
 /* ---- all of them (thread_pool.c): so many at once as threads says; their parts go to out in the
  * order of inputs. */

@@ -313,6 +313,7 @@ static void report_unreadable(
     check->findings = norma_check_unreadable(&check->error, format_of(check), &options);
     if (!check->findings) {
         cli_error("%s: %s", path, check->error.message);
+        totals->incomplete = totals->unreported = 1;
         return;
     }
     const check_item item = {
@@ -351,6 +352,7 @@ static void report_findings(
         .undecided = check->mended.summary.undecided,
         .least_confidence = check->mended.summary.least_confidence};
     totals->status = cli_worse(totals->status, check->fix_status);
+    totals->incomplete |= check->fix_status != CLI_OK;
     check_write_file(&report, format, out, totals);
     free_items(items, count);
 }

@@ -277,8 +277,9 @@ static void write_reasons(FILE *out, const check_report *report) {
 static void write_file(FILE *out, const check_report *report) {
     size_t budget = budget_of(report);
     fputs(CHECK_HTML_FILE, out);
-    cli_write_outside_html(out, cli_input_name(report->path));
-    fputs("\"><h2>", out);
+    check_write_bytes(out, report->path);
+    fprintf(out, CHECK_HTML_STATUS "%s%s<h2>", report->status,
+        check_fails(report) ? CHECK_HTML_FAILS : "\">");
     cli_write_outside_html(out, cli_input_name(report->path));
     fputs("</h2>\n", out);
     write_counts(out, report);
@@ -360,7 +361,8 @@ static void write_explanations(FILE *out, const check_totals *totals) {
 }
 
 /* For norma report, which puts pages together. */
-static void write_machine_totals(FILE *out, const check_totals *totals) {
+static void write_machine_totals(
+    FILE *out, const check_totals *totals, const check_settings *settings) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
     cli_json json = {.out = out};
@@ -374,6 +376,8 @@ static void write_machine_totals(FILE *out, const check_totals *totals) {
     cli_json_size(&json, "not_checked", totals->not_checked);
     cli_json_size(&json, "known", totals->known);
     cli_json_size(&json, "exit_status", (size_t)totals->status);
+    if (totals->incomplete) cli_json_bool(&json, "complete", 0);
+    check_write_shard(&json, settings);
     cli_json_open(&json, "rules", '[');
     for (size_t rule = 0; rule < count; ++rule)
         for (size_t severity = 0; severity < CHECK_SEVERITIES; ++severity) {
@@ -391,12 +395,12 @@ static void write_machine_totals(FILE *out, const check_totals *totals) {
 }
 
 static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
-    (void)settings;
     write_explanations(out, totals);
     fputs("<section id=\"summary\" aria-label=\"Summary\"><p class=\"verdict\">", out);
     if (totals->errors + totals->warnings + totals->not_checked == 0)
         fputs("No problems found. ", out);
     check_write_verdict(out, totals);
+    if (settings->missing) fprintf(out, "; shards %s are missing", settings->missing);
     fputs("</p>\n", out);
     write_all_totals(out, totals);
     fputs("<form hidden><label>Show <select id=\"least\"><option value=\"0\">everything</option>"
@@ -404,7 +408,7 @@ static void end(FILE *out, const check_totals *totals, const check_settings *set
           "</select></label> <label>with the words <input id=\"words\" type=\"search\"></label> "
           "<span id=\"shown\" role=\"status\"></span></form>\n</section>\n</main>\n",
         out);
-    write_machine_totals(out, totals);
+    write_machine_totals(out, totals, settings);
     fputs(script, out);
     fputs("</body></html>\n", out);
 }

@@ -97,14 +97,26 @@ static void write_reasons(cli_json *json, const check_report *report) {
 }
 
 static void begin(FILE *out, const check_settings *settings) {
-    (void)settings;
-    fputs("{\"schema\": \"norma-check/1\", \"files\": [\n", out);
+    cli_json json = {.out = out};
+    fputs("{\"schema\": \"norma-check/1\", ", out);
+    check_write_shard(&json, settings);
+    fputs(json.needs_comma ? ", \"files\": [\n" : "\"files\": [\n", out);
 }
 
 static void write_file(FILE *out, const check_report *report) {
     cli_json json = {.out = out};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", report->path);
+    if (!cli_is_utf8(report->path)) {
+        fputs(", \"path_bytes\": \"", out);
+        check_write_bytes(out, report->path);
+        fputc('"', out);
+    }
+    if (report->fail_on != (int)NORMA_SEVERITY_ERROR)
+        cli_json_string(&json, "fail_on",
+            report->fail_on == CHECK_FAIL_NEVER
+                ? "never"
+                : check_severity_name((norma_severity)report->fail_on));
     cli_json_string(&json, "profile", check_profile_name(report->profile));
     cli_json_string(&json, "status", report->status);
     cli_json_open(&json, "findings", '[');
@@ -133,6 +145,7 @@ static void end(FILE *out, const check_totals *totals, const check_settings *set
     cli_json_size(&json, "files", totals->files);
     cli_json_size(&json, "not_checked", totals->not_checked);
     cli_json_size(&json, "exit_status", (size_t)totals->status);
+    if (totals->incomplete) cli_json_bool(&json, "complete", 0);
     cli_json_close(&json, '}');
     fputs("}\n", out);
 }

@@ -3,6 +3,7 @@
  * run tells old findings from new ones. */
 #include "cli/check/check_command.h"
 #include "cli/process/errors.h"
+#include <stdlib.h>
 #include <string.h>
 
 static const char *level_of(norma_severity severity) {
@@ -31,7 +32,6 @@ static void write_rule(cli_json *json, const norma_rule *rule) {
 }
 
 static void begin(FILE *out, const check_settings *settings) {
-    (void)settings;
     size_t count;
     const norma_rule *rules = norma_rules(&count);
     cli_json json = {.out = out};
@@ -43,7 +43,14 @@ static void begin(FILE *out, const check_settings *settings) {
     cli_json_open(&json, "rules", '[');
     for (size_t i = 0; i < count; ++i) write_rule(&json, &rules[i]);
     cli_json_close(&json, ']');
-    fputs("}}, \"columnKind\": \"unicodeCodePoints\", \"results\": [\n", out);
+    fputs("}}, \"columnKind\": \"unicodeCodePoints\", ", out);
+    if (settings->shards || settings->missing) {
+        fputs("\"properties\": {", out);
+        json.needs_comma = 0;
+        check_write_shard(&json, settings);
+        fputs("}, ", out);
+    }
+    fputs("\"results\": [\n", out);
 }
 
 /* What RFC 3986 lets stand in a path stays; all else is percent-encoded. */
@@ -100,6 +107,8 @@ static void write_item(cli_json *json, const check_report *report, const check_i
     cli_json_open(json, "properties", '{');
     cli_json_size(json, "count", finding->count);
     cli_json_string(json, "command", item->command);
+    const int fails = (int)item->severity >= report->fail_on;
+    if (fails != (item->severity == NORMA_SEVERITY_ERROR)) cli_json_bool(json, "fails", fails);
     cli_json_close(json, '}');
     cli_json_close(json, '}');
 }
@@ -112,10 +121,149 @@ static void write_file(FILE *out, const check_report *report) {
     }
 }
 
+/* ---- the limit */
+
+/* Code scanning takes no more results of a run (GitHub, "SARIF support for code scanning"). */
+enum { MOST_RESULTS = 25000 };
+
+typedef struct sarif_result {
+    char *text;                /* NULL: given up */
+    size_t size, rule, before; /* before: the one before it of its rule that is kept */
+} sarif_result;
+
+struct check_results {
+    sarif_result *results;
+    size_t count, room, kept;
+    size_t kept_of[CHECK_RULES], last_of[CHECK_RULES], left_out[CHECK_RULES];
+};
+
+check_results *check_results_new(void) {
+    check_results *results = calloc(1, sizeof *results);
+    for (size_t rule = 0; results && rule < CHECK_RULES; ++rule) results->last_of[rule] = SIZE_MAX;
+    return results;
+}
+
+void check_results_free(check_results *results) {
+    for (size_t i = 0; results && i < results->count; ++i) free(results->results[i].text);
+    if (results) free(results->results);
+    free(results);
+}
+
+/* As write_item begins. */
+static size_t rule_of(const char *text, size_t size) {
+    static const char key[] = "\"ruleIndex\": ";
+    size_t rule = 0;
+    for (size_t at = 0; at + sizeof key <= size; ++at)
+        if (memcmp(text + at, key, sizeof key - 1) == 0) {
+            for (at += sizeof key - 1; at < size && text[at] >= '0' && text[at] <= '9'; ++at)
+                rule = 10 * rule + (size_t)(text[at] - '0');
+            break;
+        }
+    return rule < CHECK_RULES ? rule : CHECK_RULES - 1;
+}
+
+/* The last one of the rule that has the most. */
+static size_t give_up_one(check_results *results, size_t next) {
+    size_t most = next;
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        if (results->kept_of[rule] > results->kept_of[most]) most = rule;
+    ++results->left_out[most];
+    if (most == next) return most;
+    sarif_result *last = &results->results[results->last_of[most]];
+    free(last->text);
+    last->text = NULL;
+    results->last_of[most] = last->before;
+    --results->kept_of[most];
+    --results->kept;
+    return most;
+}
+
+static int add_result(check_results *results, const char *text, size_t size) {
+    const size_t rule = rule_of(text, size);
+    if (results->kept == MOST_RESULTS && give_up_one(results, rule) == rule) return 1;
+    if (results->count == results->room) {
+        const size_t room = results->room ? 2 * results->room : 256;
+        sarif_result *grown = realloc(results->results, room * sizeof *grown);
+        if (!grown) return 0;
+        results->results = grown;
+        results->room = room;
+    }
+    char *copy = malloc(size + 1);
+    if (!copy) return 0;
+    memcpy(copy, text, size);
+    results->results[results->count] = (sarif_result){copy, size, rule, results->last_of[rule]};
+    results->last_of[rule] = results->count++;
+    ++results->kept_of[rule];
+    ++results->kept;
+    return 1;
+}
+
+int check_results_add(check_results *results, const char *text, size_t size) {
+    int fine = 1;
+    while (size > 0 && fine) {
+        const char *end = memchr(text, '\n', size);
+        const size_t line = end ? (size_t)(end - text) : size,
+                     length = line && end && text[line - 1] == ',' ? line - 1 : line;
+        fine = !length || add_result(results, text, length);
+        text += line + (end != NULL);
+        size -= line + (end != NULL);
+    }
+    return fine;
+}
+
+void check_results_write(const check_results *results, FILE *out, check_totals *totals) {
+    int any = 0;
+    for (size_t i = 0; i < results->count; ++i) {
+        if (!results->results[i].text) continue;
+        if (any) fputs(",\n", out);
+        fwrite(results->results[i].text, 1, results->results[i].size, out);
+        any = 1;
+    }
+    memcpy(totals->left_out, results->left_out, sizeof totals->left_out);
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        if (results->left_out[rule])
+            cli_error("%s: %zu of %zu results left out; a SARIF report holds at most %d",
+                norma_rules(NULL)[rule].id, results->left_out[rule],
+                results->left_out[rule] + results->kept_of[rule], (int)MOST_RESULTS);
+}
+
+static void write_notification(cli_json *json, const char *text) {
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "level", "warning");
+    write_text(json, "message", text);
+    cli_json_close(json, '}');
+}
+
+/* What the results do not show. */
+static void write_notifications(
+    cli_json *json, const check_totals *totals, const check_settings *settings) {
+    char text[160];
+    cli_json_open(json, "toolExecutionNotifications", '[');
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule) {
+        if (!totals->left_out[rule]) continue;
+        snprintf(text, sizeof text, "%s: %zu results left out; a report holds at most %d",
+            norma_rules(NULL)[rule].id, totals->left_out[rule], (int)MOST_RESULTS);
+        write_notification(json, text);
+    }
+    if (settings->missing) {
+        snprintf(text, sizeof text, "shards %.100s are missing", settings->missing);
+        write_notification(json, text);
+    }
+    cli_json_close(json, ']');
+}
+
+static int has_notifications(const check_totals *totals, const check_settings *settings) {
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        if (totals->left_out[rule]) return 1;
+    return settings->missing != NULL;
+}
+
 static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
-    (void)settings;
-    fprintf(out, "\n], \"invocations\": [{\"exitCode\": %d, \"executionSuccessful\": %s}]}]}\n",
+    cli_json json = {.out = out, .needs_comma = 1};
+    fprintf(out, "\n], \"invocations\": [{\"exitCode\": %d, \"executionSuccessful\": %s",
         totals->status, totals->status == CLI_FILE ? "false" : "true");
+    if (has_notifications(totals, settings)) write_notifications(&json, totals, settings);
+    fputs("}]}]}\n", out);
 }
 
 const check_format check_format_sarif = {"sarif", begin, write_file, ",\n", end};

@@ -215,8 +215,8 @@ void check_write_verdict(FILE *out, const check_totals *totals) {
 }
 
 static void end_quietly(FILE *out, const check_totals *totals, const check_settings *settings) {
-    (void)settings;
     check_write_verdict(out, totals);
+    if (settings->missing) fprintf(out, "; shards %s are missing", settings->missing);
     fputc('\n', out);
 }
 

@@ -25,6 +25,12 @@ int check_is_clean(const check_report *report) {
     return strcmp(report->status, "checked") == 0;
 }
 
+int check_fails(const check_report *report) {
+    for (size_t i = 0; i < report->count; ++i)
+        if ((int)report->items[i].severity >= report->fail_on) return 1;
+    return 0;
+}
+
 int check_is_new_note(const norma_document *document, size_t first, size_t i) {
     while (strcmp(norma_document_note(document, first), norma_document_note(document, i)) != 0)
         ++first;
@@ -92,4 +98,28 @@ const char *check_node_path(norma_document *document, const char *where) {
             (node.mesh == mesh || strcmp(node.where, where) == 0))
             return node.path && node.path[0] ? node.path : NULL;
     return NULL;
+}
+
+/* ---- shards */
+
+void check_write_shard(cli_json *json, const check_settings *settings) {
+    if (settings->shards) {
+        cli_json_open(json, "shard", '[');
+        cli_json_size(json, NULL, settings->shard);
+        cli_json_size(json, NULL, settings->shards);
+        cli_json_close(json, ']');
+        fprintf(json->out, ", \"options\": %s", settings->shard_options);
+    } else if (settings->missing) {
+        fprintf(json->out, "%s\"missing_shards\": %s", json->needs_comma ? ", " : "",
+            settings->missing);
+        json->needs_comma = 1;
+    }
+}
+
+void check_write_bytes(FILE *out, const char *path) {
+    for (const unsigned char *at = (const unsigned char *)path; *at; ++at) {
+        const int plain = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') ||
+                          (*at >= '0' && *at <= '9') || strchr("-._~/", *at);
+        fprintf(out, plain ? "%c" : "%%%02X", *at);
+    }
 }

@@ -34,6 +34,7 @@ typedef struct check_collector {
     int told_any;            /* something stands in the report */
     file_part parts[WINDOW]; /* file i at i % WINDOW */
     check_totals totals;
+    check_results *results; /* of SARIF, whose number is limited; NULL: parts are written at once */
     cli_progress progress;
 } check_collector;
 
@@ -63,15 +64,27 @@ static void add_totals(check_totals *sum, const check_totals *more) {
             sum->by_rule[rule][severity].files += more->by_rule[rule][severity].files;
         }
     sum->status = cli_worse(sum->status, more->status);
+    sum->incomplete |= more->incomplete;
+    sum->unreported |= more->unreported;
+}
+
+static void write_part(check_collector *all, const file_part *part) {
+    if (all->results) {
+        if (check_results_add(all->results, part->bytes, part->size)) return;
+        all->totals.status = cli_out_of_memory();
+        all->totals.incomplete = all->totals.unreported = 1;
+        return;
+    }
+    if (part->size && all->told_any) fputs(all->format->between, all->out);
+    all->told_any |= part->size != 0;
+    fwrite(part->bytes, 1, part->size, all->out);
 }
 
 static void tell_what_is_next(check_collector *all) {
     cli_progress_hide(&all->progress); /* a report may go to the same terminal */
     while (all->told < all->inputs->count && all->parts[all->told % WINDOW].done) {
         file_part *part = &all->parts[all->told % WINDOW];
-        if (part->size && all->told_any) fputs(all->format->between, all->out);
-        all->told_any |= part->size != 0;
-        fwrite(part->bytes, 1, part->size, all->out);
+        write_part(all, part);
         free(part->bytes);
         *part = (file_part){0};
         ++all->told;
@@ -178,12 +191,9 @@ static void deliver(check_pool *pool, const checked_file *checked) {
     pthread_mutex_unlock(&pool->lock);
 }
 
-typedef void write_part(const check_settings *settings, const check_config *config,
-    const check_format *format, size_t file, FILE *out, check_totals *totals);
-
 /* Its part of the report, in memory. */
 static checked_file gather(const check_settings *asked, const check_collector *all,
-    const check_config *config, size_t file, write_part *write) {
+    const check_config *config, size_t file) {
     checked_file checked = {.file = file};
     check_settings settings = *asked;
     cli_memory_stream gathered;
@@ -191,12 +201,13 @@ static checked_file gather(const check_settings *asked, const check_collector *a
         settings.baseline = checked.baseline = check_baseline_part(settings.baseline);
     checked.forgot = asked->baseline && !settings.baseline;
     if (cli_memory_open(&gathered))
-        write(&settings, config, all->format, file, gathered.out, &checked.totals);
+        check_one_file(&settings, config, all->format, file, gathered.out, &checked.totals);
     if (cli_memory_close(&gathered)) {
         checked.bytes = gathered.text;
         checked.size = gathered.size;
     } else { /* half a report is worse than none */
         checked.totals.status = cli_worse(checked.totals.status, CLI_FILE);
+        checked.totals.incomplete = checked.totals.unreported = 1;
         cli_error("%s: not reported: out of memory", cli_input_name(all->inputs->paths[file]));
     }
     return checked;
@@ -206,8 +217,7 @@ static void *work(void *user) {
     check_pool *pool = user;
     size_t file;
     for (const check_config *config; (config = take(pool, &file)) != NULL;) {
-        const checked_file checked =
-            gather(&pool->settings, pool->all, config, file, check_one_file);
+        const checked_file checked = gather(&pool->settings, pool->all, config, file);
         deliver(pool, &checked);
     }
     pthread_mutex_lock(&pool->lock);
@@ -298,7 +308,7 @@ static void report_lost(
     check_settings settings = *all->settings;
     settings.lost = why;
     const check_config *config = check_config_of(configs, all->inputs->paths[file]);
-    const checked_file checked = gather(&settings, all, config, file, check_one_file);
+    const checked_file checked = gather(&settings, all, config, file);
     collect(all, &checked);
 }
 
@@ -353,7 +363,14 @@ int check_all_files(const check_settings *settings, check_configs *configs,
     *all = (check_collector){.settings = settings, .format = format, .inputs = inputs, .out = out};
     cli_progress_start(&all->progress, "checking",
         inputs->count == 1 ? cli_input_name(inputs->paths[0]) : "files", settings->quiet, 0);
+    const int is_limited = format == &check_format_sarif && !settings->shards;
+    if (is_limited && !(all->results = check_results_new())) {
+        free(all);
+        return cli_out_of_memory();
+    }
     const int status = check_in_workers(all, configs);
+    if (all->results) check_results_write(all->results, out, &all->totals);
+    check_results_free(all->results);
     /* After an interruption or a bad configuration, parts may be left behind one that was never
      * begun. */
     for (size_t i = 0; i < WINDOW; ++i) free(all->parts[i].bytes);

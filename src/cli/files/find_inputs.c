@@ -12,8 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* tail: from which byte on the path is kept below --out-dir. */
-static int add_path(cli_inputs *inputs, char *path, size_t tail) {
+static int add_path(cli_inputs *inputs, char *path, size_t tail, size_t within) {
     if (!path) return cli_out_of_memory();
     if (inputs->count == inputs->capacity) {
         const size_t capacity = inputs->capacity ? 2 * inputs->capacity : 64;
@@ -21,13 +20,16 @@ static int add_path(cli_inputs *inputs, char *path, size_t tail) {
         if (paths) inputs->paths = paths;
         size_t *tails = realloc(inputs->tails, capacity * sizeof *tails);
         if (tails) inputs->tails = tails;
-        if (!paths || !tails) {
+        size_t *starts = realloc(inputs->within, capacity * sizeof *starts);
+        if (starts) inputs->within = starts;
+        if (!paths || !tails || !starts) {
             free(path);
             return cli_out_of_memory();
         }
         inputs->capacity = capacity;
     }
     inputs->tails[inputs->count] = tail;
+    inputs->within[inputs->count] = within;
     inputs->paths[inputs->count++] = path;
     return CLI_OK;
 }
@@ -36,6 +38,7 @@ void cli_inputs_free(cli_inputs *inputs) {
     for (size_t i = 0; i < inputs->count; ++i) free(inputs->paths[i]);
     free(inputs->paths);
     free(inputs->tails);
+    free(inputs->within);
     *inputs = (cli_inputs){0};
 }
 
@@ -126,9 +129,10 @@ static int add_entry(folder_walk *walk, char *path) {
     struct stat status;
     if (!path) return cli_out_of_memory();
     const int known = lstat(path, &status) == 0, is_link = known && S_ISLNK(status.st_mode);
-    if (known && S_ISDIR(status.st_mode)) return add_path(&walk->folders, path, 0);
+    if (known && S_ISDIR(status.st_mode)) return add_path(&walk->folders, path, 0, 0);
     if (is_wanted(walk, path) && stat(path, &status) == 0 && S_ISREG(status.st_mode)) {
-        if (!is_link || stays_inside(walk, path)) return add_path(walk->found, path, walk->tail);
+        if (!is_link || stays_inside(walk, path))
+            return add_path(walk->found, path, walk->tail, walk->tail);
         cli_error("%s: skipped because it is a link that leads out of the folder", path);
     }
     free(path);
@@ -168,7 +172,7 @@ static int walk_folder(cli_inputs *inputs, const char *folder, const char *patte
         cli_error("%s: cannot be read: %s", folder[0] ? folder : ".", strerror(errno));
         return CLI_FILE;
     }
-    int status = add_path(&walk.folders, strdup(folder), 0);
+    int status = add_path(&walk.folders, strdup(folder), 0, 0);
     while (walk.folders.count) {
         char *next = walk.folders.paths[--walk.folders.count];
         status = cli_worse(status, walk_one(&walk, next));
@@ -210,7 +214,7 @@ static int add_word(const cli_subcommand *command, cli_inputs *inputs, const cha
         return CLI_FILE;
     }
     if (!is_there && strpbrk(word, "*?[")) return add_pattern(command, inputs, word);
-    return add_path(inputs, strdup(word), base_of(word));
+    return add_path(inputs, strdup(word), base_of(word), 0);
 }
 
 int cli_find_inputs(const cli_subcommand *command, cli_files *files) {
@@ -254,13 +258,13 @@ static int add_line(
         ++list->unknown;
         return CLI_OK;
     }
-    return add_path(is_gone ? &list->missing : &files->inputs, strdup(line), base_of(line));
+    return add_path(is_gone ? &list->missing : &files->inputs, strdup(line), base_of(line), 0);
 }
 
 static int add_missing(cli_inputs *inputs, const cli_inputs *missing) {
     int status = CLI_OK;
     for (size_t i = 0; i < missing->count && !status; ++i)
-        status = add_path(inputs, strdup(missing->paths[i]), missing->tails[i]);
+        status = add_path(inputs, strdup(missing->paths[i]), missing->tails[i], 0);
     return status;
 }
 

@@ -7,7 +7,8 @@
 
 typedef struct cli_inputs {
     char **paths;
-    size_t *tails; /* of each path: from which byte on it is kept below --out-dir */
+    size_t *tails;  /* of each path: from which byte on it is kept below --out-dir */
+    size_t *within; /* the same, relative to the folder given; 0 where none was */
     size_t count, capacity;
 } cli_inputs;
 

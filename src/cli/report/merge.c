@@ -5,8 +5,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-void report_merge_begin(report_merge *merged, const char *const *reports) {
+int report_merge_begin(report_merge *merged, const char *const *reports, size_t count) {
     report_files_open(&merged->files, reports);
+    merged->shards = calloc(count + 1, sizeof *merged->shards);
+    merged->report_count = count;
+    return merged->shards ? CLI_OK : cli_out_of_memory();
+}
+
+static int digit_of(char digit) {
+    static const char digits[] = "0123456789ABCDEFabcdef";
+    const char *at = digit ? strchr(digits, digit) : NULL;
+    return !at ? -1 : at - digits < 16 ? (int)(at - digits) : (int)(at - digits) - 6;
+}
+
+void report_decode(char *text) {
+    char *to = text;
+    for (const char *at = text; *at; ++to) {
+        const int high = *at == '%' ? digit_of(at[1]) : -1, low = high < 0 ? -1 : digit_of(at[2]);
+        *to = low < 0 ? *at : (char)(16 * high + low);
+        at += low < 0 ? 1 : 3;
+    }
+    *to = '\0';
 }
 
 /* Results of one file follow one another, and share its path. */
@@ -66,14 +85,25 @@ void report_sort(report_merge *merged) {
 void report_merge_free(report_merge *merged) {
     report_drop_parts(merged, 0);
     report_files_close(&merged->files);
+    for (size_t i = 0; i < merged->report_count; ++i) free(merged->shards[i].options);
+    free(merged->shards);
     free(merged->parts);
     free(merged->entry);
 }
 
-norma_severity report_severity(const json_t *finding) {
-    const char *name = json_string_value(json_object_get(finding, "severity"));
+static norma_severity severity_of(const char *name) {
     for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
         if (name && strcmp(name, check_severity_name((norma_severity)severity)) == 0)
             return (norma_severity)severity;
     return NORMA_SEVERITY_NONE;
+}
+
+norma_severity report_severity(const json_t *finding) {
+    return severity_of(json_string_value(json_object_get(finding, "severity")));
+}
+
+int report_fail_on(const json_t *file) {
+    const char *name = json_string_value(json_object_get(file, "fail_on"));
+    const int severity = severity_of(name ? name : "error");
+    return severity ? severity : CHECK_FAIL_NEVER;
 }

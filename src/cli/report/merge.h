@@ -11,34 +11,51 @@ typedef enum report_kind { REPORT_UNKNOWN, REPORT_JSON, REPORT_SARIF, REPORT_HTM
 typedef struct report_part { /* a file of JSON or HTML, a result of SARIF */
     const char *path;
     uint32_t report;    /* its number among the inputs */
-    uint16_t owns_path; /* 0: the path is that of the part before it */
-    uint16_t is_ready;  /* its bytes are those of the merged report */
+    uint32_t owns_path; /* 0: the path is that of the part before it */
     uint64_t offset, size, hash;
 } report_part;
+
+typedef struct report_shard { /* what a report says of itself */
+    size_t number, count;     /* count 0: it is no shard */
+    char *options;
+} report_shard;
 
 typedef struct report_merge {
     check_settings settings;
     report_kind kind;
     int changes_form; /* JSON becomes another form */
     report_files files;
+    report_shard *shards; /* of each report */
+    size_t report_count;
     report_part *parts;
     size_t part_count, part_room;
     char *entry; /* the text of one */
     size_t entry_room;
     check_totals totals; /* of pages and JSON */
-    int status;          /* the worst of the runs */
+    int status;          /* by the findings, and what says that it is not whole */
 } report_merge;
 
 /* The paths of the reports are the caller's. */
-void report_merge_begin(report_merge *merged, const char *const *reports);
+int report_merge_begin(report_merge *merged, const char *const *reports, size_t count);
 void report_merge_free(report_merge *merged);
 void report_sort(report_merge *merged); /* by path, and else as they were read */
 
-norma_severity report_severity(const json_t *finding);
+norma_severity report_severity(const json_t *finding); /* NONE where none is called so */
+int report_fail_on(const json_t *file);                /* the least severity that fails it */
+/* The bytes of percent-encoded text, in its place. */
+void report_decode(char *text);
+/* What a report says of shards, in members "shard", "options", "missing_shards". */
+void report_note_shard(report_merge *merged, size_t report, const json_t *object);
 /* The path is copied. A status. */
 int report_add_part(report_merge *merged, report_part part);
 void report_drop_parts(report_merge *merged, size_t count); /* all but so many */
 int report_grow_entry(report_merge *merged, size_t size);   /* 0: out of memory, reported */
+
+/* ---- shards (merge_shards.c) */
+
+/* Whether all shards of a set are there, each once, of the same options. allows_missing: --partial,
+ * and *missing is then the list of those that are not there, or NULL. A status. */
+int report_check_shards(report_merge *merged, size_t count, int allows_missing, char **missing);
 
 /* ---- JSON and SARIF (read_json.c) */
 
@@ -56,8 +73,6 @@ int report_write_json(report_merge *merged, FILE *out);
 int report_write_sarif(report_merge *merged, FILE *out);
 int report_write_as(
     report_merge *merged, const check_format *format, FILE *out, check_totals *totals);
-/* Whether an entry is written with the bytes that it was read from. */
-int report_is_ready(const json_t *entry, const char *text, size_t size);
 
 /* ---- entries on disk (entries.c) */
 

@@ -49,7 +49,7 @@ static void add_totals(const json_t *page, check_totals *totals) {
     totals->files_with_trouble += number_of(page, "files_with_trouble");
     totals->not_checked += number_of(page, "not_checked");
     totals->known += number_of(page, "known");
-    totals->status = cli_worse(totals->status, (int)number_of(page, "exit_status"));
+    totals->incomplete |= json_is_false(json_object_get(page, "complete"));
     json_array_foreach(json_object_get(page, "rules"), i, entry) add_rule(entry, totals);
 }
 
@@ -73,11 +73,26 @@ static int read_totals(report_merge *merged, report_text *text) {
     json_t *page = json_loadb(merged->entry, (size_t)(last - at), 0, &error);
     if (!page) return refuse(text);
     add_totals(page, &merged->totals);
+    report_note_shard(merged, text->report, page);
+    if (merged->totals.incomplete) merged->status = CLI_FILE;
     json_decref(page);
     return CLI_OK;
 }
 
 /* ---- sections */
+
+/* Behind its path: whether the file was read, and whether a finding fails. */
+static int note_status(report_merge *merged, report_text *text, uint64_t at) {
+    static const char words[] = CHECK_HTML_STATUS, fails[] = CHECK_HTML_FAILS;
+    const uint64_t end = report_text_find(text, at, ">");
+    if (end == UINT64_MAX || end - at > 100) return refuse(text);
+    if (!read_between(merged, text, at, end + 1)) return CLI_FILE;
+    merged->entry[end + 1 - at] = '\0';
+    if (strncmp(merged->entry, words, sizeof words - 1) != 0) return refuse(text);
+    if (strstr(merged->entry, fails)) merged->status = cli_worse(merged->status, CLI_FINDINGS);
+    if (strncmp(merged->entry + sizeof words - 1, "unreadable", 10) == 0) merged->status = CLI_FILE;
+    return CLI_OK;
+}
 
 static int add_section(report_merge *merged, report_text *text, uint64_t from, uint64_t to) {
     report_part part = {.report = (uint32_t)text->report, .offset = from, .size = to - from};
@@ -87,8 +102,10 @@ static int add_section(report_merge *merged, report_text *text, uint64_t from, u
         return refuse(text);
     if (!read_between(merged, text, path, path_end)) return CLI_FILE;
     merged->entry[path_end - path] = '\0';
+    report_decode(merged->entry);
     part.path = merged->entry;
-    return report_add_part(merged, part);
+    const int status = report_add_part(merged, part);
+    return status ? status : note_status(merged, text, path_end);
 }
 
 int report_add_html(report_merge *merged, report_text *text) {
@@ -108,6 +125,7 @@ int report_add_html(report_merge *merged, report_text *text) {
 
 int report_write_html(report_merge *merged, FILE *out) {
     int status = CLI_OK;
+    merged->totals.status = merged->status;
     check_format_html.begin(out, &merged->settings);
     for (size_t i = 0; i < merged->part_count && !status; ++i)
         status = report_copy_part(merged, &merged->parts[i], out);

@@ -1,5 +1,6 @@
 /* read_json.c: where the entries of a report in JSON or SARIF stand. The report is gone through
  * once, and jansson reads its values one by one, so that memory does not grow with the report. */
+#define _POSIX_C_SOURCE 200809L
 #include "cli/report/merge.h"
 #include "cli/process/errors.h"
 #include <stdlib.h>
@@ -17,9 +18,7 @@ typedef struct report_scan {
     int status;                                   /* not CLI_OK: reported */
     int has_files, has_runs, is_norma, has_fault; /* has_fault: JSON, but not as check writes it */
     size_t first_part;
-    int has_exit, exit_status, unreadable;
-    size_t errors; /* of the reports before it */
-    int run_status, run_fits, run_fault;
+    int run_fits, run_fault;
 } report_scan;
 
 static int refuse(const report_scan *scan, const char *why) {
@@ -197,15 +196,13 @@ static int extends_last(const report_scan *scan, const char *path) {
     const report_merge *merged = scan->merged;
     if (merged->part_count == scan->first_part || scan->space != '\n') return 0;
     const report_part *last = &merged->parts[merged->part_count - 1];
-    return last->is_ready && scan->value_at == last->offset + last->size + strlen(",\n") &&
+    return scan->value_at == last->offset + last->size + strlen(",\n") &&
            strcmp(last->path, path) == 0;
 }
 
-static int add_part(report_scan *scan, const json_t *entry, const char *path) {
+static int add_part(report_scan *scan, const char *path) {
     const char *text = scan->merged->entry;
-    const int ready =
-        (scan->has_runs || !scan->merged->changes_form) && report_is_ready(entry, text, scan->size);
-    if (ready && extends_last(scan, path)) {
+    if (scan->has_runs && extends_last(scan, path)) {
         report_part *last = &scan->merged->parts[scan->merged->part_count - 1];
         last->size += strlen(",\n") + scan->size;
         last->hash = report_hash(report_hash(last->hash, ",\n", strlen(",\n")), text, scan->size);
@@ -214,18 +211,45 @@ static int add_part(report_scan *scan, const json_t *entry, const char *path) {
     scan->status =
         report_add_part(scan->merged, (report_part){.path = path,
                                           .report = (uint32_t)scan->text->report,
-                                          .is_ready = (uint16_t)ready,
                                           .offset = scan->value_at,
                                           .size = scan->size,
                                           .hash = report_hash(REPORT_HASH, text, scan->size)});
     return scan->status == CLI_OK;
 }
 
+/* Adds a part under the name that percent-encoded text stands for. */
+static int add_encoded(report_scan *scan, const char *text) {
+    char *path = strdup(text);
+    if (!path) {
+        scan->status = cli_out_of_memory();
+        return 0;
+    }
+    report_decode(path);
+    const int added = add_part(scan, path);
+    free(path);
+    return added;
+}
+
+/* What the file alone would have ended with: the severity that fails is its own. */
+static int status_of(const json_t *file) {
+    const int least = report_fail_on(file);
+    const json_t *finding;
+    size_t i;
+    int status = CLI_OK;
+    if (strcmp(json_string_value(json_object_get(file, "status")), "unreadable") == 0)
+        return CLI_FILE;
+    json_array_foreach(json_object_get(file, "findings"), i, finding) {
+        if ((int)report_severity(finding) >= least) status = CLI_FINDINGS;
+    }
+    return status;
+}
+
 static int note_file(report_scan *scan, const json_t *file) {
-    const char *status = json_string_value(json_object_get(file, "status"));
+    const char *bytes = json_string_value(json_object_get(file, "path_bytes"));
     count_file(file, &scan->merged->totals);
-    scan->unreadable |= strcmp(status, "unreadable") == 0;
-    return add_part(scan, file, json_string_value(json_object_get(file, "path")));
+    scan->merged->status = cli_worse(scan->merged->status, status_of(file));
+    return bytes ? add_encoded(scan, bytes)
+                 : add_part(scan, json_string_value(json_object_get(file, "path")));
 }
 
 /* A fault is reported in the end: an error in the JSON goes before it. */
@@ -241,14 +265,6 @@ static int take_file(report_scan *scan, const char *key) {
     return fine;
 }
 
-/* Reports of earlier versions do not have the status of their run: that of --fail-on error. */
-static int status_of(const report_scan *scan) {
-    return scan->has_exit                               ? scan->exit_status
-           : scan->unreadable                           ? CLI_FILE
-           : scan->merged->totals.errors > scan->errors ? CLI_FINDINGS
-                                                        : CLI_OK;
-}
-
 /* ---- SARIF */
 
 static const char *uri_of(const json_t *result) {
@@ -259,10 +275,20 @@ static const char *uri_of(const json_t *result) {
     return uri ? uri : "";
 }
 
+static int result_status(const json_t *result) {
+    const char *level = json_string_value(json_object_get(result, "level")),
+               *rule = json_string_value(json_object_get(result, "ruleId"));
+    const json_t *fails = json_object_get(json_object_get(result, "properties"), "fails");
+    if (rule && strcmp(rule, "N001") == 0) return CLI_FILE;
+    return (fails ? json_is_true(fails) : level && strcmp(level, "error") == 0) ? CLI_FINDINGS
+                                                                                : CLI_OK;
+}
+
 static int take_result(report_scan *scan, const char *key) {
     (void)key;
     json_t *result = load_value(scan);
-    const int fine = result && add_part(scan, result, uri_of(result));
+    if (result) scan->merged->status = cli_worse(scan->merged->status, result_status(result));
+    const int fine = result && add_encoded(scan, uri_of(result));
     json_decref(result);
     return fine;
 }
@@ -278,9 +304,10 @@ static int take_of_run(report_scan *scan, const char *key) {
     if (strcmp(key, "results") == 0 && next(scan) == '[') return walk_array(scan, take_result);
     json_t *value = load_value(scan);
     if (strcmp(key, "tool") == 0) scan->run_fits = is_of_this_version(value);
-    if (strcmp(key, "invocations") == 0)
-        scan->run_status =
-            (int)json_integer_value(json_object_get(json_array_get(value, 0), "exitCode"));
+    if (strcmp(key, "properties") == 0) report_note_shard(scan->merged, scan->text->report, value);
+    if (strcmp(key, "invocations") == 0 &&
+        json_is_false(json_object_get(json_array_get(value, 0), "executionSuccessful")))
+        scan->merged->status = CLI_FILE;
     json_decref(value);
     return value != NULL;
 }
@@ -288,7 +315,6 @@ static int take_of_run(report_scan *scan, const char *key) {
 static int take_run(report_scan *scan, const char *key) {
     (void)key;
     scan->run_fits = 0;
-    scan->run_status = CLI_OK;
     int fine;
     if (next(scan) == '{') {
         fine = walk_object(scan, take_of_run);
@@ -298,7 +324,6 @@ static int take_run(report_scan *scan, const char *key) {
         json_decref(run);
     }
     scan->run_fault |= !scan->run_fits;
-    scan->exit_status = cli_worse(scan->exit_status, scan->run_status);
     return fine;
 }
 
@@ -306,16 +331,20 @@ static int take_run(report_scan *scan, const char *key) {
 
 static int take_runs(report_scan *scan) {
     scan->has_runs = 1; /* then it is SARIF, and all else is of no importance */
-    scan->exit_status = CLI_OK;
     report_drop_parts(scan->merged, scan->first_part);
     return walk_array(scan, take_run);
 }
 
-static void note_exit(report_scan *scan, const json_t *summary) {
-    const json_t *status = json_object_get(summary, "exit_status");
-    if (!json_is_integer(status) || scan->has_runs) return;
-    scan->has_exit = 1;
-    scan->exit_status = (int)json_integer_value(status);
+/* Of members that stand alone. */
+static void note_member(report_scan *scan, const char *key, json_t *value) {
+    json_t *object = json_object();
+    if (object && !json_object_set(object, key, value))
+        report_note_shard(scan->merged, scan->text->report, object);
+    json_decref(object);
+    if (strcmp(key, "summary") == 0 && json_is_false(json_object_get(value, "complete"))) {
+        scan->merged->status = CLI_FILE;
+        scan->merged->totals.incomplete = 1;
+    }
 }
 
 static int take_of_report(report_scan *scan, const char *key) {
@@ -328,7 +357,7 @@ static int take_of_report(report_scan *scan, const char *key) {
     json_t *value = load_value(scan);
     const char *text = json_string_value(value);
     if (strcmp(key, "schema") == 0) scan->is_norma = text && strcmp(text, "norma-check/1") == 0;
-    if (strcmp(key, "summary") == 0) note_exit(scan, value);
+    if (value && !scan->has_runs) note_member(scan, key, value);
     json_decref(value);
     return value != NULL;
 }
@@ -352,21 +381,16 @@ static int note_report(report_scan *scan) {
         if (scan->run_fault)
             return refuse(scan, "was not written by this version of norma check, so its rules may "
                                 "have other numbers");
-        scan->merged->status = cli_worse(scan->merged->status, scan->exit_status);
         return CLI_OK;
     }
     if (!scan->has_files || !scan->is_norma) return refuse(scan, no_report);
     scan->merged->kind = REPORT_JSON;
     if (scan->has_fault) return refuse(scan, "expected a path, a status and findings in each file");
-    scan->merged->status = cli_worse(scan->merged->status, status_of(scan));
     return CLI_OK;
 }
 
 int report_add_json(report_merge *merged, report_text *text) {
-    report_scan scan = {.merged = merged,
-        .text = text,
-        .first_part = merged->part_count,
-        .errors = merged->totals.errors};
+    report_scan scan = {.merged = merged, .text = text, .first_part = merged->part_count};
     return walk_object(&scan, take_of_report) && next(&scan) == EOF && !merged->files.failed
                ? note_report(&scan)
                : refuse_text(&scan);

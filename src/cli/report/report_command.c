@@ -23,13 +23,15 @@ static const char help[] =
     "                        JSON. SARIF and HTML reports keep their format\n"
     "  -o, --output FILE     writes the report to FILE, not to standard output\n"
     "  --info                also lists findings of severity info, in the formats text and line\n"
-    "Files are sorted by path.\n"
-    "Exit status: what one norma check of all files would have returned; 2 wrong usage, 3 a "
-    "report\n"
-    "could not be read or written.\n";
+    "  --partial             joins shards (norma check --shard) although some are missing; the\n"
+    "                        report names them, and the exit status is 3\n"
+    "Files are sorted by path. Shards must be of one set: each once, with the same options.\n"
+    "Exit status: by the findings, as one norma check of all files; 2 wrong usage, 3 a report\n"
+    "could not be read or written, or a set of shards is not whole.\n";
 
 typedef struct report_work {
-    int merge;
+    int merge, partial;
+    char *missing;
     const char *output;
     const check_format *format; /* NULL: as the output is called */
     report_merge merged;
@@ -38,6 +40,12 @@ typedef struct report_work {
 static const char *set_merge(void *settings, const char *value) {
     (void)value;
     ((report_work *)settings)->merge = 1;
+    return NULL;
+}
+
+static const char *set_partial(void *settings, const char *value) {
+    (void)value;
+    ((report_work *)settings)->partial = 1;
     return NULL;
 }
 
@@ -59,6 +67,7 @@ static const char *set_info(void *settings, const char *value) {
 
 static const cli_option options[] = {
     {"merge", 0, 0, set_merge},
+    {"partial", 0, 0, set_partial},
     {"output", 'o', 1, set_output},
     {"format", 0, 1, set_format},
     {"info", 0, 0, set_info},
@@ -83,7 +92,7 @@ static const char *kind_name(report_kind kind) {
 
 static int read_reports(report_merge *merged, const cli_words *words, cli_guard *guard) {
     int status = CLI_OK;
-    report_merge_begin(merged, words->words);
+    if (!status) status = report_merge_begin(merged, words->words, words->count);
     for (size_t i = 0; i < words->count && !status; ++i) {
         const report_kind before = merged->kind;
         cli_guard_read(guard, words->words[i]);
@@ -143,8 +152,7 @@ static int write_merged(report_work *work, cli_guard *guard) {
         cli_output_drop(&output);
         return status;
     }
-    const int run = cli_worse(work->merged.status, work->merged.totals.status);
-    return cli_worse(cli_worse(run, totals.status), cli_output_end(&output));
+    return cli_worse(cli_worse(work->merged.status, totals.status), cli_output_end(&output));
 }
 
 static int merge(const cli_subcommand *command, report_work *work, const cli_words *words) {
@@ -155,6 +163,9 @@ static int merge(const cli_subcommand *command, report_work *work, const cli_wor
     if (!work->format) work->format = check_format_of_name(work->output);
     work->merged.changes_form = work->format && work->format != &check_format_json;
     int status = read_reports(&work->merged, words, guard);
+    if (!status)
+        status = report_check_shards(&work->merged, words->count, work->partial, &work->missing);
+    work->merged.settings.missing = work->missing;
     if (!status) status = choose_format(command, work);
     if (!status) {
         work->merged.settings.file_count = work->merged.part_count;
@@ -179,6 +190,7 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
     } else if (!status)
         status = merge(command, &work, &words);
     report_merge_free(&work.merged);
+    free(work.missing);
     free(words.words);
     return status;
 }

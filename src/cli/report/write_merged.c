@@ -1,5 +1,5 @@
-/* write_merged.c: merged reports in their own form, value by value as norma check writes them, or
- * JSON in the words of any other form. */
+/* write_merged.c: merged reports in their own form, the entries byte by byte, or JSON in the words
+ * of any other form. */
 #include "cli/report/merge.h"
 #include "cli/process/errors.h"
 #include "cli/text/memory_stream.h"
@@ -8,47 +8,6 @@
 #include <string.h>
 
 /* ---- as it is */
-
-static void write_value(cli_json *json, const char *key, const json_t *value);
-
-static void write_members(cli_json *json, const char *key, const json_t *object) {
-    const char *name;
-    json_t *member;
-    cli_json_open(json, key, '{');
-    json_object_foreach((json_t *)(uintptr_t)object, name, member) write_value(json, name, member);
-    cli_json_close(json, '}');
-}
-
-static void write_elements(cli_json *json, const char *key, const json_t *array) {
-    size_t i;
-    json_t *element;
-    cli_json_open(json, key, '[');
-    json_array_foreach(array, i, element) write_value(json, NULL, element);
-    cli_json_close(json, ']');
-}
-
-static void write_number(cli_json *json, const char *key, const json_t *value) {
-    if (json_is_integer(value) && json_integer_value(value) >= 0)
-        cli_json_size(json, key, (size_t)json_integer_value(value));
-    else
-        cli_json_number(json, key, json_number_value(value));
-}
-
-/* No deeper than jansson reads. */
-static void write_value(cli_json *json, const char *key, const json_t *value) {
-    if (json_is_object(value))
-        write_members(json, key, value);
-    else if (json_is_array(value))
-        write_elements(json, key, value);
-    else if (json_is_string(value))
-        cli_json_string(json, key, json_string_value(value));
-    else if (json_is_number(value))
-        write_number(json, key, value);
-    else if (json_is_boolean(value))
-        cli_json_bool(json, key, json_is_true(value));
-    else
-        cli_json_null(json, key);
-}
 
 /* An entry that is what it was when it was read first can be read again. */
 static json_t *load_entry(report_merge *merged, const report_part *part, int *status) {
@@ -60,34 +19,11 @@ static json_t *load_entry(report_merge *merged, const report_part *part, int *st
     return entry;
 }
 
-static void write_entry(FILE *out, const json_t *entry) {
-    cli_json json = {.out = out};
-    write_value(&json, NULL, entry);
-}
-
-int report_is_ready(const json_t *entry, const char *text, size_t size) {
-    cli_memory_stream written;
-    if (cli_memory_open(&written)) write_entry(written.out, entry);
-    if (!cli_memory_close(&written)) return 0;
-    const int ready = written.size == size && memcmp(written.text, text, size) == 0;
-    free(written.text);
-    return ready;
-}
-
-static int write_part_as_it_is(report_merge *merged, const report_part *part, FILE *out) {
-    int status;
-    if (part->is_ready) return report_copy_part(merged, part, out);
-    json_t *entry = load_entry(merged, part, &status);
-    if (entry) write_entry(out, entry);
-    json_decref(entry);
-    return status;
-}
-
 static int write_parts(report_merge *merged, FILE *out) {
     int status = CLI_OK;
     for (size_t i = 0; i < merged->part_count && !status; ++i) {
         if (i) fputs(",\n", out);
-        status = write_part_as_it_is(merged, &merged->parts[i], out);
+        status = report_copy_part(merged, &merged->parts[i], out);
     }
     return status;
 }
@@ -101,10 +37,23 @@ int report_write_json(report_merge *merged, FILE *out) {
     return status;
 }
 
+/* Results that another program wrote over several lines are not told apart by lines. */
+static int add_results(report_merge *merged, const report_part *part, check_results *results) {
+    const int status = report_load_part(merged, part);
+    if (status) return status;
+    return check_results_add(results, merged->entry, (size_t)part->size) ? CLI_OK
+                                                                         : cli_out_of_memory();
+}
+
 int report_write_sarif(report_merge *merged, FILE *out) {
-    const check_totals totals = {.status = merged->status};
+    check_totals totals = {.status = merged->status};
+    check_results *results = check_results_new();
+    int status = results ? CLI_OK : cli_out_of_memory();
     check_format_sarif.begin(out, &merged->settings);
-    const int status = write_parts(merged, out);
+    for (size_t i = 0; i < merged->part_count && !status; ++i)
+        status = add_results(merged, &merged->parts[i], results);
+    if (!status) check_results_write(results, out, &totals);
+    check_results_free(results);
     check_format_sarif.end(out, &totals, &merged->settings);
     return status;
 }
@@ -168,19 +117,19 @@ static norma_check_profile read_profile(const json_t *file) {
 }
 
 /* A status. */
-static int write_file(const report_merge *merged, const json_t *file, const check_format *format,
-    FILE *out, check_totals *totals) {
+static int write_file(const report_merge *merged, const char *path, const json_t *file,
+    const check_format *format, FILE *out, check_totals *totals) {
     const json_t *list = json_object_get(file, "findings");
     const size_t room = json_array_size(list) + 1;
     norma_finding *findings = calloc(room, sizeof *findings);
     check_item *items = calloc(room, sizeof *items);
     const int fine = findings && items;
     check_report report = {.settings = &merged->settings,
-        .path = text_of(file, "path"),
+        .path = path,
         .profile = read_profile(file),
         .status = text_of(file, "status"),
         .items = items,
-        .fail_on = CHECK_FAIL_NEVER};
+        .fail_on = report_fail_on(file)};
     size_t i;
     json_t *object;
     json_array_foreach(list, i, object) {
@@ -201,7 +150,8 @@ static int write_part_as(report_merge *merged, const report_part *part, const ch
     int status;
     json_t *entry = load_entry(merged, part, &status);
     if (!entry) return status;
-    if (cli_memory_open(&written)) status = write_file(merged, entry, format, written.out, totals);
+    if (cli_memory_open(&written))
+        status = write_file(merged, part->path, entry, format, written.out, totals);
     json_decref(entry);
     if (!cli_memory_close(&written)) return status ? status : cli_out_of_memory();
     if (written.size && *any) fputs(format->between, out);

@@ -58,6 +58,13 @@ static void write_character(FILE *out, const char *at, size_t length, uint32_t u
         fprintf(out, "\\u%04X", (unsigned)unsafe);
 }
 
+int cli_is_utf8(const char *text) {
+    uint32_t unsafe;
+    for (size_t length; (length = cli_next_character(text, &unsafe)); text += length)
+        if (unsafe >= CLI_NOT_UTF8) return 0;
+    return 1;
+}
+
 void cli_write_outside_cut(FILE *out, const char *text, size_t most) {
     uint32_t unsafe;
     for (size_t length; most-- && (length = cli_next_character(text, &unsafe)); text += length)

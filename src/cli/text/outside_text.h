@@ -15,6 +15,8 @@
 #define CLI_NOT_UTF8 0x80000000u
 size_t cli_next_character(const char *text, uint32_t *unsafe);
 
+int cli_is_utf8(const char *text);
+
 void cli_write_outside(FILE *out, const char *text);
 /* At most so many characters of it. */
 void cli_write_outside_cut(FILE *out, const char *text, size_t most);
