@@ -374,8 +374,10 @@ static norma_document_result mesh_data(
     data->mesh = norma_obj_mesh(state);
     if (state->has_groups) {
         const norma_options options = {.struct_size = sizeof options};
-        norma_result result = norma_obj_groups(state, &options);
+        const norma_result result =
+            state->groups_shown ? NORMA_OK : norma_obj_groups(state, &options);
         if (result) return norma_document_fail_core(document, error, result);
+        state->groups_shown = 1;
         data->mesh.smoothing_groups = state->group_masks;
         data->mesh.hard_edges = state->hard_edges;
     }

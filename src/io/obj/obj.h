@@ -82,6 +82,7 @@ typedef struct obj_state {
     uint32_t *shown_normals; /* corner_normals without OBJ_BAD_NORMAL */
     uint32_t *group_masks;   /* of the last norma_obj_groups */
     uint8_t *hard_edges;
+    int groups_shown; /* they are what was given out, and stay until the next change */
 } obj_state;
 
 static inline size_t norma_obj_face_start(const obj_state *state, size_t face) {

@@ -753,6 +753,7 @@ norma_result norma_obj_groups(obj_state *state, const norma_options *options) {
     free(state->group_masks);
     free(state->hard_edges);
     state->hard_edges = NULL;
+    state->groups_shown = 0;
     state->group_masks = norma_io_allocate(state->face_count, sizeof *state->group_masks);
     if (!groups || !state->group_masks) {
         free(groups);
