@@ -5,6 +5,7 @@
 #include "core/call/instruction_set.h"
 #include <stdatomic.h>
 
+typedef struct core_team core_team;
 typedef struct core_call {
     norma_options options; /* every field valid; absent ones at their defaults */
     size_t workers;        /* 0: not settled yet */
@@ -12,6 +13,7 @@ typedef struct core_call {
     double progress_from, progress_to,
         progress_told; /* the stage that runs now covers this part of the whole */
     int cancelled;
+    core_team *team; /* threads that stay; or NULL */
 } core_call;
 
 /* ARGUMENT where an option is out of its range; options and fault may be NULL. */
@@ -48,6 +50,11 @@ size_t norma_core_shares(const core_call *call);
  * share nothing but what they only read, and what is atomic. Returns NORMA_OK or NORMA_CANCELLED
  * (then some tasks did not run). */
 norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context);
+
+/* Threads for all steps between the two, where there is enough to do; without them each step begins
+ * its own. */
+void norma_core_gather(core_call *call, size_t corners);
+void norma_core_dismiss(core_call *call);
 
 /* Until value, which another task raises, is at least this. Only for a task of a lower index, and
  * never in the caller's parallel_for: tasks of our own threads are begun in ascending order, so

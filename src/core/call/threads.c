@@ -1,5 +1,7 @@
 /* threads.c: tasks by index, over the caller's jobs or over threads of our own. What a task
- * computes never depends on who runs it. */
+ * computes never depends on who runs it. A call of several steps keeps its threads from one to the
+ * next, since to begin one takes as long as the normals of a thousand triangles. */
+#define _GNU_SOURCE /* sched_getaffinity */
 #include "core/call/call.h"
 
 enum { MOST_WORKERS = 256 };
@@ -33,6 +35,11 @@ static norma_result run_in_threads(const pool *c, size_t workers) {
 }
 static size_t machine_threads(void) { return 1; }
 static void let_others_work(void) {}
+void norma_core_gather(core_call *call, size_t corners) {
+    (void)call;
+    (void)corners;
+}
+void norma_core_dismiss(core_call *call) { (void)call; }
 #else
 #include <pthread.h>
 #include <sched.h>
@@ -62,6 +69,90 @@ static void *help(void *pool_of_threads) {
     return NULL;
 }
 
+/* ---- threads that stay for a whole call */
+
+struct core_team {
+    pthread_mutex_t lock;
+    pthread_cond_t wake;
+    atomic_uint round;  /* odd while there are tasks to take, changed under the lock */
+    atomic_uint inside; /* helpers that may be at tasks of the round */
+    _Atomic(thread_pool *) work;
+    atomic_int over;
+    size_t started;
+    pthread_t threads[MOST_WORKERS];
+};
+
+/* The next step of most calls follows at once; to sleep and to be woken takes longer. */
+static unsigned wait_for_round(core_team *team, unsigned seen) {
+    enum { LOOKS = 256 };
+    for (int looks = 0; looks < LOOKS; looks++) {
+        const unsigned round = atomic_load_explicit(&team->round, memory_order_acquire);
+        if (round != seen) return round;
+        sched_yield();
+    }
+    pthread_mutex_lock(&team->lock);
+    while (atomic_load_explicit(&team->round, memory_order_relaxed) == seen)
+        pthread_cond_wait(&team->wake, &team->lock);
+    const unsigned round = atomic_load_explicit(&team->round, memory_order_relaxed);
+    pthread_mutex_unlock(&team->lock);
+    return round;
+}
+
+/* Who enters looks again whether the round goes on: who ends it waits for all that saw it go on.
+ * One that wakes too late keeps nobody waiting. */
+static void *stay(void *context) {
+    core_team *team = context;
+    for (unsigned seen = 0;;) {
+        seen = wait_for_round(team, seen);
+        if (atomic_load_explicit(&team->over, memory_order_relaxed)) return NULL;
+        if (seen % 2 == 0) continue;
+        atomic_fetch_add(&team->inside, 1);
+        if (atomic_load(&team->round) == seen) {
+            thread_pool *t = atomic_load_explicit(&team->work, memory_order_relaxed);
+            while (take_one(t)) {
+            }
+        }
+        atomic_fetch_sub_explicit(&team->inside, 1, memory_order_release);
+    }
+}
+
+static void next_round(core_team *team) {
+    pthread_mutex_lock(&team->lock);
+    atomic_fetch_add(&team->round, 1);
+    pthread_cond_broadcast(&team->wake);
+    pthread_mutex_unlock(&team->lock);
+}
+
+void norma_core_gather(core_call *call, size_t corners) {
+    enum { CORNERS_WORTH_A_HELPER = 1 << 12 };
+    const size_t workers = norma_core_workers(call), worth = corners / CORNERS_WORTH_A_HELPER,
+                 helpers = workers - 1 < worth ? workers - 1 : worth;
+    if (call->options.parallel_for || helpers == 0) return;
+    core_team *team = norma_core_allocate(call, 1, sizeof *team);
+    if (!team) return; /* each step begins threads of its own */
+    pthread_mutex_init(&team->lock, NULL);
+    pthread_cond_init(&team->wake, NULL);
+    atomic_init(&team->round, 0);
+    atomic_init(&team->inside, 0);
+    atomic_init(&team->work, NULL);
+    atomic_init(&team->over, 0);
+    for (team->started = 0; team->started < helpers; team->started++)
+        if (pthread_create(&team->threads[team->started], NULL, stay, team) != 0) break;
+    call->team = team;
+}
+
+void norma_core_dismiss(core_call *call) {
+    core_team *team = call->team;
+    if (!team) return;
+    call->team = NULL;
+    atomic_store_explicit(&team->over, 1, memory_order_relaxed); /* seen with the round */
+    next_round(team);
+    for (size_t i = 0; i < team->started; i++) pthread_join(team->threads[i], NULL);
+    pthread_cond_destroy(&team->wake);
+    pthread_mutex_destroy(&team->lock);
+    norma_core_release(call, team, 1, sizeof *team);
+}
+
 static void tell(thread_pool *t) {
     const size_t done = atomic_load_explicit(&t->done, memory_order_relaxed);
     if (norma_core_progress(t->work->call, (double)done / (double)t->work->count))
@@ -69,12 +160,24 @@ static void tell(thread_pool *t) {
 }
 
 /* A helper's last task may be long, and the caller may want to stop it meanwhile. */
+enum { WAITS_A_QUESTION = 1 << 14 }; /* some milliseconds */
 static void wait_for_helpers(thread_pool *t, size_t started) {
-    enum { WAITS_A_QUESTION = 1 << 14 }; /* some milliseconds */
     for (int waits = 1; atomic_load_explicit(&t->ended, memory_order_acquire) < started;
          waits = waits % WAITS_A_QUESTION + 1) {
         sched_yield();
         if (waits == WAITS_A_QUESTION) tell(t);
+    }
+}
+
+static void run_by_team(core_team *team, thread_pool *shared) {
+    atomic_store_explicit(&team->work, shared, memory_order_relaxed);
+    next_round(team);
+    do tell(shared);
+    while (take_one(shared));
+    atomic_fetch_add(&team->round, 1);
+    for (size_t waits = 1; atomic_load(&team->inside); waits++) {
+        sched_yield();
+        if (waits % WAITS_A_QUESTION == 0) tell(shared);
     }
 }
 
@@ -84,19 +187,29 @@ static norma_result run_in_threads(const pool *c, size_t workers) {
     pthread_t threads[MOST_WORKERS];
     thread_pool shared = {.work = c};
     size_t started = 0;
-    while (started + 1 < workers && pthread_create(&threads[started], NULL, help, &shared) == 0)
-        started++;
-    do tell(&shared);
-    while (take_one(&shared));
-    if (c->call->options.progress) wait_for_helpers(&shared, started);
-    for (size_t i = 0; i < started; i++) pthread_join(threads[i], NULL);
+    if (c->call->team) {
+        run_by_team(c->call->team, &shared);
+    } else {
+        while (started + 1 < workers && pthread_create(&threads[started], NULL, help, &shared) == 0)
+            started++;
+        do tell(&shared);
+        while (take_one(&shared));
+        if (c->call->options.progress) wait_for_helpers(&shared, started);
+        for (size_t i = 0; i < started; i++) pthread_join(threads[i], NULL);
+    }
     if (c->call->cancelled) return NORMA_CANCELLED;
     return norma_core_progress(c->call, 1) ? NORMA_CANCELLED : NORMA_OK;
 }
 
+/* Those on which this thread may run are known to the system without a look at files, as sysconf
+ * takes one. */
 static size_t machine_threads(void) {
 #if defined(_WIN32)
     const int online = pthread_num_processors_np();
+#elif defined(__linux__)
+    cpu_set_t set;
+    const long online = sched_getaffinity(0, sizeof set, &set) == 0 ? (long)CPU_COUNT(&set)
+                                                                    : sysconf(_SC_NPROCESSORS_ONLN);
 #else
     const long online = sysconf(_SC_NPROCESSORS_ONLN);
 #endif

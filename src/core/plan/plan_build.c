@@ -1218,12 +1218,16 @@ norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float c
     if (!plan || (of != NORMA_PER_VERTEX && of != NORMA_PER_CORNER)) return NORMA_ERROR_ARGUMENT;
     norma_result result =
         norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
-    if (result == NORMA_OK)
-        result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
     if (result != NORMA_OK) return result;
-    norma_plan *made = new_plan(&prepared, of);
-    result = norma_core_finish(&call, made ? fill_plan(made, &prepared) : NORMA_ERROR_MEMORY);
-    norma_core_prepared_mesh_close(&prepared);
+    norma_plan *made = NULL;
+    norma_core_gather(&call, checked.corner_count);
+    result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
+    if (result == NORMA_OK) {
+        made = new_plan(&prepared, of);
+        result = norma_core_finish(&call, made ? fill_plan(made, &prepared) : NORMA_ERROR_MEMORY);
+        norma_core_prepared_mesh_close(&prepared);
+    }
+    norma_core_dismiss(&call);
     if (result == NORMA_OK)
         *plan = made;
     else

@@ -119,6 +119,9 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
         norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
     if (result == NORMA_OK)
         result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
-    return result == NORMA_OK ? compute(&call, &checked, (double)crease_angle_rad, &output, report)
-                              : result;
+    if (result != NORMA_OK) return result;
+    norma_core_gather(&call, checked.corner_count);
+    result = compute(&call, &checked, (double)crease_angle_rad, &output, report);
+    norma_core_dismiss(&call);
+    return result;
 }

@@ -498,13 +498,17 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     if (result == NORMA_OK && overlaps_corners(&checked, corners)) result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK && corners && checked.corner_count > corner_capacity)
         result = NORMA_ERROR_CAPACITY;
-    if (result == NORMA_OK)
-        result = norma_core_open_smooth_fans(
-            &call, &checked, (double)crease_angle_rad, &prepared, &smooth);
     if (result != NORMA_OK) return result;
-    result = norma_core_finish(&call, norma_core_split_prepared(&prepared, &smooth, &out, report));
-    norma_core_release_smooth_fans(&prepared, &smooth);
-    norma_core_prepared_mesh_close(&prepared);
+    norma_core_gather(&call, checked.corner_count);
+    result =
+        norma_core_open_smooth_fans(&call, &checked, (double)crease_angle_rad, &prepared, &smooth);
+    if (result == NORMA_OK) {
+        result =
+            norma_core_finish(&call, norma_core_split_prepared(&prepared, &smooth, &out, report));
+        norma_core_release_smooth_fans(&prepared, &smooth);
+        norma_core_prepared_mesh_close(&prepared);
+    }
+    norma_core_dismiss(&call);
     return result;
 }
 

@@ -34,5 +34,9 @@ norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute
             options, tangents, checked.mesh.corner_count, capacity, &output);
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked.mesh);
-    return result == NORMA_OK ? compute(&checked, mode, &output, report) : result;
+    if (result != NORMA_OK) return result;
+    norma_core_gather(&call, checked.mesh.corner_count);
+    result = compute(&checked, mode, &output, report);
+    norma_core_dismiss(&call);
+    return result;
 }
