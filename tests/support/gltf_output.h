@@ -5,7 +5,7 @@
 #include <norma/document.h>
 #include "document_bytes.h"
 #include "gltf_asset.h"
-#include "io/text/json.h"
+#include "io/text/text.h"
 
 typedef struct gltf_output {
     document_bytes bytes;

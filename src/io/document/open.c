@@ -1,6 +1,6 @@
 /* open.c: documents opened from files and from memory, closed, and copied to try changes on. */
 #include "io/format/format.h"
-#include "io/stream/sink.h"
+#include "io/stream/stream.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

@@ -1,9 +1,75 @@
-/* file.h: the bytes of a file; files written whole or not at all. */
+/* file.h: the bytes of a file, files written whole or not at all, memory, and who waits. */
 #ifndef NORMA_IO_FILE_H
 #define NORMA_IO_FILE_H
+#include <norma/document.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <norma/document.h>
+
+/* ---- Checked allocation, lists that grow, copies of texts. */
+
+/* Checked sizes: 0 where count * size overflows or memory is out. *block may be NULL before. */
+void *norma_io_allocate(size_t count, size_t size); /* zeroed; never of zero bytes */
+char *norma_io_copy_text(const char *text, size_t length);
+char *norma_io_join(const char *folder, const char *name); /* folder: with its slash, or "" */
+void *norma_io_grow(void *block, size_t *capacity, size_t needed,
+    size_t size); /* doubles; NULL: out of memory, block untouched and still owned */
+
+/* Bytes that grow; data is the caller's to free. */
+typedef struct growing_bytes {
+    char *data;
+    size_t size, capacity;
+    int failed; /* out of memory: further bytes are dropped */
+} growing_bytes;
+void norma_io_append(growing_bytes *to, const void *bytes, size_t size);
+
+/* ---- Blocks that may be large. */
+
+/* A block of bytes, not zeroed, for free(); where it is large, on large pages if the system has
+ * them, of which fewer are to be faulted in. What is never written takes no memory. NULL: out of
+ * memory. */
+void *norma_io_block(size_t count, size_t size);
+/* As norma_io_block, with the first kept bytes of block, which is freed. NULL: out of memory, block
+ * untouched and still owned. */
+void *norma_io_move_block(void *block, size_t kept, size_t count, size_t size);
+
+/* ---- What an error number of the system means. */
+
+/* A few English words, whatever the locale; NULL for a number that has none here. */
+const char *norma_system_text(int error);
+
+/* ---- Whether the caller still waits for what is under way. Work that may be long without
+ * handing anything on asks once in a while: a line, a list or a string may be gigabytes long. Only
+ * the thread that made the call talks to the caller; the others see what it was answered. */
+
+typedef struct norma_watch {
+    norma_progress *progress; /* NULL: nobody watches */
+    void *user;
+    double told; /* a fraction never falls */
+    pthread_t caller;
+    atomic_int cancelled;
+} norma_watch;
+
+enum { WATCH_BYTES = 1 << 20 }; /* of text, from one question to the next: a few milliseconds */
+
+/* By the thread that makes the call; progress may be NULL. end: whether it was cancelled. */
+void norma_watch_begin(norma_watch *watch, norma_progress *progress, void *user);
+int norma_watch_end(norma_watch *watch);
+/* By the thread that made the call: the fraction, and whether to stop. A norma_progress. */
+int norma_watch_tell(void *watch, double fraction);
+/* By any thread: whether to stop. watch may be NULL. */
+int norma_watch_cancelled(norma_watch *watch);
+/* The same once WATCH_BYTES lie between *asked, which moves, and at. */
+static inline int norma_watch_passed(norma_watch *watch, const void **asked, const void *at) {
+    if ((const char *)at - (const char *)*asked < WATCH_BYTES) return 0;
+    *asked = at;
+    return norma_watch_cancelled(watch);
+}
+/* Waits for the condition, or a little while: then the caller is asked. */
+void norma_watch_wait(norma_watch *watch, pthread_cond_t *condition, pthread_mutex_t *lock);
+
+/* ---- The bytes of a file; files written whole or not at all. */
 
 /* Which file it was, and how it was, when it was read. */
 typedef struct file_stamp {
@@ -112,4 +178,25 @@ void norma_folder_remove(const char *path); /* where it is empty; else it stays 
 /* What a file_writer needs, not on Windows: to have names in a folder on the disk. A folder that
  * may not be read cannot be flushed, and some file systems flush none: no reason to call a file
  * unwritten. The descriptor is -1 then. */
+
+/* ---- Stamps from what the system says of a file, and what a file keeps that is replaced. */
+
+struct stat;
+file_stamp norma_file_stamp_of(const struct stat *status);
+/* What the file called from, of which the system says old, has of owner, permissions, access lists
+ * and attributes, for the open file that will take its place. Returns 0, errno, or FILE_ATTRIBUTES
+ * where one of them cannot be kept. */
+
+/* ---- A file read piece by piece, for those that are larger than memory. */
+
+typedef struct file_window file_window;
+
+/* Opens a regular file. Returns 0, errno or FILE_NOT_REGULAR. */
+int norma_window_open(const char *path, file_window **window);
+void norma_window_close(file_window *window); /* NULL is fine */
+const file_stamp *norma_window_stamp(const file_window *window);
+/* All of these bytes. Returns 0, errno, or FILE_CHANGED where the file has become shorter. */
+int norma_window_read(const file_window *window, uint64_t offset, void *bytes, size_t size);
+/* Whether the file has been written to since it was opened. */
+int norma_window_has_changed(const file_window *window);
 #endif

@@ -1,9 +1,6 @@
 /* file_read.c: files read: whole, in memory of our own, or piece by piece. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/file/file.h"
-#include "io/file/file_stamp.h"
-#include "io/file/large_memory.h"
-#include "io/file/window.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>

@@ -6,7 +6,6 @@
  * is on the disk). */
 #define WIN32_LEAN_AND_MEAN
 #include "io/file/file.h"
-#include "io/file/window.h"
 #include <windows.h>
 #include <errno.h>
 #include <stdio.h>

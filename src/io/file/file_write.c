@@ -9,7 +9,6 @@
 #endif
 #define _DEFAULT_SOURCE /* flock */
 #include "io/file/file.h"
-#include "io/file/file_stamp.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

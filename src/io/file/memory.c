@@ -2,10 +2,7 @@
  * still waits. */
 #define _DEFAULT_SOURCE /* madvise */
 #define _POSIX_C_SOURCE 200809L
-#include "io/file/memory.h"
-#include "io/file/large_memory.h"
-#include "io/file/system_text.h"
-#include "io/file/watch.h"
+#include "io/file/file.h"
 #include <errno.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -5,10 +5,8 @@
 #define NORMA_DOCUMENT_INTERNAL_H
 #include <norma/document.h>
 #include "io/file/file.h"
-#include "io/file/memory.h"
-#include "io/file/watch.h"
 #include "io/format/for_fixes.h"
-#include "io/stream/sink.h"
+#include "io/stream/stream.h"
 
 /* ---- Normals that a document gets from outside instead of computing them from its
  * own faces alone: those of a surface that lies in several files. */

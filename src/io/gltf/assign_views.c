@@ -1,6 +1,6 @@
 /* assign_views.c: which views hold the new bytes, compressed again where they were. */
 #include "io/gltf/gltf.h"
-#include "io/file/large_memory.h"
+#include "io/file/file.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #ifndef NORMA_IO_GLTF_H
 #define NORMA_IO_GLTF_H
 #include "io/format/format.h"
-#include "io/text/json.h"
+#include "io/text/text.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include "io/file/file.h"

@@ -1,7 +1,7 @@
 /* gltf_tangents.c: tangents for an asset: what they are made of, those of corners, the vertices
  * that they become. */
 #include "io/gltf/gltf.h"
-#include "io/file/large_memory.h"
+#include "io/file/file.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

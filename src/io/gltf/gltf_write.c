@@ -1,7 +1,7 @@
 /* gltf_write.c: the beginning and the end of a change; the asset written as bytes, to a file or to
  * be opened again. */
 #include "io/gltf/gltf.h"
-#include "io/stream/sink.h"
+#include "io/stream/stream.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* mesh_surface.c: the triangles of a mesh as one surface, whatever its primitives: for computing
  * normals, and for surfaces that lie in several files. */
 #include "io/gltf/gltf.h"
-#include "io/file/large_memory.h"
+#include "io/file/file.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

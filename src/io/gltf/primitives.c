@@ -1,8 +1,8 @@
 /* primitives.c: meshes and their primitives: which accessors they use, how many triangles they
  * draw, and the corners of those. */
 #include "io/gltf/gltf.h"
-#include "io/file/large_memory.h"
-#include "io/stream/tasks.h"
+#include "io/file/file.h"
+#include "io/stream/stream.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

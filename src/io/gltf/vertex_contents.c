@@ -1,10 +1,9 @@
 /* vertex_contents.c: new contents of the attributes of a set of primitives that share their
  * vertices. */
 #include "io/gltf/gltf.h"
-#include "io/file/large_memory.h"
-#include "io/file/memory.h"
+#include "io/file/file.h"
 #include "io/format/format.h"
-#include "io/stream/equal_rows.h"
+#include "io/stream/stream.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* vertex_sharing.c: which primitives share vertices, and what becomes of those: points become
  * vertices, corners new indices. */
 #include "io/gltf/gltf.h"
-#include "io/file/large_memory.h"
-#include "io/stream/tasks.h"
+#include "io/file/file.h"
+#include "io/stream/stream.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

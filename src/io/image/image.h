@@ -2,7 +2,7 @@
  * at a map of normals need not hold it whole. */
 #ifndef NORMA_IO_IMAGE_H
 #define NORMA_IO_IMAGE_H
-#include "io/file/memory.h"
+#include "io/file/file.h"
 #include <stdint.h>
 
 typedef struct image_sink {

@@ -4,7 +4,7 @@
 #include <norma/norma.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "io/file/window.h"
+#include "io/file/file.h"
 #include "io/format/format.h"
 #include <norma/large.h>
 #include "io/ply/ply.h"

@@ -3,8 +3,8 @@
 #include "io/obj/obj.h"
 #include "core/call/table.h"
 #include "io/format/format.h"
-#include "io/stream/sink.h"
-#include "io/text/number.h"
+#include "io/stream/stream.h"
+#include "io/text/text.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -6,10 +6,10 @@
 #ifndef NORMA_IO_OBJ_H
 #define NORMA_IO_OBJ_H
 #include "io/format/format.h"
-#include "io/file/watch.h"
+#include "io/file/file.h"
 #include <stddef.h>
 #include <stdint.h>
-#include "io/text/digits.h"
+#include "io/text/text.h"
 #include <norma/norma.h>
 
 /* ---- What an OBJ file holds: positions, polygons, normals and smoothing groups as arrays. The

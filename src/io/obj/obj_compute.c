@@ -1,8 +1,8 @@
 /* obj_compute.c: new normals for the corners that need one; an OBJ under a matrix. */
 #include "io/obj/obj.h"
-#include "io/file/large_memory.h"
+#include "io/file/file.h"
 #include "io/format/format.h"
-#include "io/stream/tasks.h"
+#include "io/stream/stream.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

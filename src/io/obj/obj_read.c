@@ -9,8 +9,8 @@
 #include "core/call/joined_sets.h"
 #include "core/call/call.h"
 #include "core/mesh/weld.h"
-#include "io/file/large_memory.h"
-#include "io/text/number.h"
+#include "io/file/file.h"
+#include "io/text/text.h"
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,11 +1,8 @@
 /* obj_write.c: the file again, its statements walked in the order they were read. */
 #include "io/obj/obj.h"
 #include "io/format/format.h"
-#include "io/stream/equal_rows.h"
-#include "io/stream/ordered.h"
-#include "io/stream/sink.h"
-#include "io/text/digits.h"
-#include "io/text/number.h"
+#include "io/stream/stream.h"
+#include "io/text/text.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

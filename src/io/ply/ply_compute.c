@@ -1,8 +1,8 @@
 /* ply_compute.c: a PLY with new normals, and under a matrix. */
 #include "io/ply/ply.h"
-#include "io/file/large_memory.h"
+#include "io/file/file.h"
 #include "io/format/format.h"
-#include "io/stream/tasks.h"
+#include "io/stream/stream.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* ply_header.c: the header of a PLY, the types of its values, and errors with their place. */
 #include "io/ply/ply.h"
-#include "io/text/number.h"
+#include "io/text/text.h"
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

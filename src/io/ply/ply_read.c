@@ -1,8 +1,8 @@
 /* ply_read.c: positions, corners and normals of a PLY for the core: views of the file's own bytes
  * where their layout allows, decoded copies elsewhere. */
 #include "io/ply/ply.h"
-#include "io/file/large_memory.h"
-#include "io/stream/tasks.h"
+#include "io/file/file.h"
+#include "io/stream/stream.h"
 #include <stdlib.h>
 
 /* ---- Triangle strips as VRML and old scanning tools write them into PLY: one list

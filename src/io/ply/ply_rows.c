@@ -1,9 +1,8 @@
 /* ply_rows.c: binary rows of a PLY: where they lie, and rewritten with some properties replaced or
  * put in. */
 #include "io/ply/ply.h"
-#include "io/stream/ordered.h"
-#include "io/stream/tasks.h"
-#include "io/text/number.h"
+#include "io/stream/stream.h"
+#include "io/text/text.h"
 #include <stdlib.h>
 
 /* ---- Where the rows of each element lie. Rows of fixed size are skipped by arithmetic;

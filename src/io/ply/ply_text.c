@@ -2,7 +2,7 @@
  * several lines, but two rows never share one: words that the header does not declare are passed
  * over to the end of the line. */
 #include "io/ply/ply.h"
-#include "io/text/number.h"
+#include "io/text/text.h"
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* ply_write.c: a changed PLY: the header with single words replaced and lines put in, then each
  * element by its plan. */
 #include "io/ply/ply.h"
-#include "io/text/number.h"
+#include "io/text/text.h"
 #include <stdlib.h>
 
 int norma_ply_has_edit(const ply_state *state) {

@@ -1,13 +1,10 @@
 /* stream.c: bytes on their way: work that threads share, sinks, files made piece by piece in order,
  * and rows that are equal. */
 #define _POSIX_C_SOURCE 200809L
-#include "io/stream/tasks.h"
+#include "io/stream/stream.h"
 #include "core/call/call.h"
 #include "core/call/table.h"
-#include "io/file/memory.h"
-#include "io/stream/equal_rows.h"
-#include "io/stream/ordered.h"
-#include "io/stream/sink.h"
+#include "io/file/file.h"
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>

@@ -1,6 +1,5 @@
 /* json.c: JSON: numbers and strings as they stand in it, and its text as tokens. */
-#include "io/text/json.h"
-#include "io/text/number.h"
+#include "io/text/text.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * them into splices of the old text, so that every byte that no splice covers is copied as it was.
  * What is added stands behind what was there, with the white space that the last one there had
  * before it. */
-#include "io/text/json.h"
+#include "io/text/text.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,5 @@
 /* number.c: numbers as text, read and written exactly and whatever the locale. */
-#include "io/text/number_big.h"
-#include "io/text/digits.h"
-#include "io/text/number.h"
+#include "io/text/text.h"
 #include <assert.h>
 #include <float.h>
 #include <math.h>
@@ -9,6 +7,14 @@
 
 /* ---- Schoolbook arithmetic on positive integers for the rare decimals that machine words
  * cannot decide. */
+
+/* Up to 8192 bits, as much as converting doubles to decimal and back needs. */
+enum { BIG_LIMBS = 256 };
+
+typedef struct big_number {
+    uint32_t limb[BIG_LIMBS]; /* least first */
+    int count;                /* without zeros at the top; 0: zero */
+} big_number;
 
 static void big_set(big_number *big, uint64_t value) {
     big->limb[0] = (uint32_t)value;

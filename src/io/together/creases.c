@@ -3,8 +3,7 @@
  * the core computes of that mesh does not depend on the files, their order, or how the surface was
  * cut. */
 #include "io/together/together.h"
-#include "io/file/large_memory.h"
-#include "io/file/memory.h"
+#include "io/file/file.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

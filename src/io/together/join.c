@@ -6,7 +6,6 @@
 #include "core/mesh/weld.h"
 #include "core/vertex/open_votes.h"
 #include "io/file/file.h"
-#include "io/file/memory.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

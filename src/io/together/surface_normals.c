@@ -6,7 +6,7 @@
 #include "core/call/vector.h"
 #include "core/mesh/nearest.h"
 #include "core/vertex/open_votes.h"
-#include "io/file/large_memory.h"
+#include "io/file/file.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

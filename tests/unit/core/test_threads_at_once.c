@@ -4,7 +4,7 @@
  * a caller's jobs that run out of order and in threads of its own. */
 #include "../../bits/bits.h"
 #include "check.h"
-#include <io/text/number.h>
+#include <io/text/text.h>
 #include <pthread.h>
 #include <stdio.h>
 

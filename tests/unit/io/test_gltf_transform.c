@@ -12,7 +12,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include "gltf_scene.h"
-#include "io/text/json.h"
+#include "io/text/text.h"
 #include "mesh_files.h"
 
 /* ---- assets */

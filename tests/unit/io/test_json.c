@@ -7,7 +7,7 @@
 #include <cmocka.h>
 #include <stdlib.h>
 #include <string.h>
-#include "io/text/json.h"
+#include "io/text/text.h"
 
 static int parses(const char *text) {
     json j;

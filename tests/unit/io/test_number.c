@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-#include "io/text/number.h"
+#include "io/text/text.h"
 
 static uint64_t random_state = 88172645463325252u;
 
