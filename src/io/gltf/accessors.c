@@ -30,6 +30,19 @@ size_t norma_gltf_component_size(int component) {
     }
 }
 
+int norma_gltf_index_component(
+    const gltf *g, const gltf_primitive *p, size_t vertices, int without) {
+    int component = p->indices == GLTF_NONE ? without : g->accessors[p->indices].component;
+    if (component == GLTF_UBYTE && vertices > UINT8_MAX) component = GLTF_USHORT;
+    if (component == GLTF_USHORT && vertices > UINT16_MAX) component = GLTF_UINT;
+    return component;
+}
+
+void norma_gltf_write_index(unsigned char *at, int component, uint32_t value) {
+    const size_t size = norma_gltf_component_size(component);
+    for (size_t i = 0; i < size; ++i) at[i] = (unsigned char)(value >> 8 * i);
+}
+
 /* Columns of small matrices begin at multiples of four bytes (glTF 2.0, 3.6.2.4). */
 static size_t element_size(size_t type, size_t component_size) {
     size_t width = types[type].width;

@@ -9,8 +9,6 @@
  * Nothing here compresses, so they are written without it: what the stream held is put into their
  * accessors, and the extension leaves the primitive, and the file with the last of them. */
 
-static const char UNPACKED_NAME[] = "KHR_draco_mesh_compression";
-
 /* A slot of a primitive, or, without one, that it is stripped of its normals. */
 typedef struct change {
     uint32_t copy, primitive, slot;
@@ -108,7 +106,7 @@ static norma_document_result unpack(gltf *g, const group *of, norma_document_err
     if (norma_json_size(&g->json, extensions) == 1)
         norma_json_unset(norma_gltf_edits(g, copy), token, "extensions");
     else
-        norma_json_unset(norma_gltf_edits(g, copy), extensions, UNPACKED_NAME);
+        norma_json_unset(norma_gltf_edits(g, copy), extensions, GLTF_DRACO);
     return put_stream(g, of, error);
 }
 
@@ -149,13 +147,13 @@ static norma_document_result note_unpacked(gltf *g, norma_document_error *error)
     if (patch->unpacked_count == 1)
         norma_document_add_note(g->document,
             "%s was compressed with %s; it has changed and is written uncompressed", first,
-            UNPACKED_NAME);
+            GLTF_DRACO);
     else
         norma_document_add_note(g->document,
             "%zu primitives, %s first, were compressed with %s; they have changed and are written "
             "uncompressed",
-            patch->unpacked_count, first, UNPACKED_NAME);
-    if (count_packed(g) || norma_gltf_unlist(g, UNPACKED_NAME)) return NORMA_DOCUMENT_OK;
+            patch->unpacked_count, first, GLTF_DRACO);
+    if (count_packed(g) || norma_gltf_unlist(g, GLTF_DRACO)) return NORMA_DOCUMENT_OK;
     return norma_document_fail_memory(g->document, error);
 }
 
@@ -179,7 +177,7 @@ static norma_document_result gltf_unpack_changed(gltf *g, norma_document_error *
     return result;
 }
 
-/* The copies of a mesh UNPACKED_NAME their streams as well, where they keep them. */
+/* The copies of a mesh GLTF_DRACO their streams as well, where they keep them. */
 void norma_gltf_unpin_streams(gltf *g) {
     const gltf_patch *patch = g->patch;
     for (size_t c = 0; c < patch->copy_count; ++c) {

@@ -60,20 +60,20 @@ static norma_document_result gltf_pack_views(gltf *g, norma_document_error *erro
     return NORMA_DOCUMENT_OK;
 }
 
-/* ---- Pieces find their views. What keeps its size stays where it was; interleaved
+/* ---- Runs find their views. What keeps its size stays where it was; interleaved
  * attributes that all grow stay interleaved; of what outgrows its place, the first takes a view
  * that nobody else needs any more, the rest get new ones. So no view is left unused. */
 
 /* A run of elements in a view: do two of them share bytes? */
-typedef struct run {
+typedef struct row_bytes {
     size_t offset, stride, size, count;
-} run;
+} row_bytes;
 
-static run run_of_run(const data_run *piece) {
-    return (run){piece->old_offset, piece->old_stride, piece->old_size, piece->old_count};
+static row_bytes old_rows(const data_run *run) {
+    return (row_bytes){run->old_offset, run->old_stride, run->old_size, run->old_count};
 }
 
-static int overlap(const run *a, const run *b) {
+static int overlap(const row_bytes *a, const row_bytes *b) {
     if (a->offset + (a->count - 1) * a->stride + a->size <= b->offset ||
         b->offset + (b->count - 1) * b->stride + b->size <= a->offset)
         return 0;
@@ -115,7 +115,7 @@ typedef struct placer {
     gltf *g;
     gltf_patch *patch;
     uint32_t *stays;        /* for each view: users who keep what is there */
-    uint32_t *first, *next; /* pieces of each view */
+    uint32_t *first, *next; /* runs of each view */
     uint8_t *overrun;       /* of each buffer: a view ends behind it */
     norma_document_error *error;
 } placer;
@@ -126,34 +126,33 @@ static void count_stays(placer *p) {
         if (p->g->accessors[a].view != GLTF_NONE && p->patch->replaced[a] == GLTF_NONE)
             ++p->stays[p->g->accessors[a].view];
     for (size_t i = p->patch->run_count; i-- > 0;) {
-        const data_run *piece = &p->patch->pieces[i];
-        if (piece->old_view == GLTF_NONE) continue;
-        p->next[i] = p->first[piece->old_view];
-        p->first[piece->old_view] = (uint32_t)i;
-        if (piece->target == 0) --p->stays[piece->old_view];
+        const data_run *run = &p->patch->runs[i];
+        if (run->old_view == GLTF_NONE) continue;
+        p->next[i] = p->first[run->old_view];
+        p->first[run->old_view] = (uint32_t)i;
+        if (run->target == 0) --p->stays[run->old_view];
     }
 }
 
-/* Whether the piece can be written over its old bytes without harm to others. */
+/* Whether the run can be written over its old bytes without harm to others. */
 static int fits_old_bytes(const placer *p, uint32_t number) {
-    const data_run *piece = &p->patch->pieces[number];
-    const run own = run_of_run(piece);
-    const uint32_t pins = p->patch->pins[piece->old_view];
-    if (piece->size != piece->old_size || piece->count != piece->old_count ||
-        pins > (piece->target == 0 ? 1u : 0u))
+    const data_run *run = &p->patch->runs[number];
+    const row_bytes own = old_rows(run);
+    const uint32_t pins = p->patch->pins[run->old_view];
+    if (run->size != run->old_size || run->count != run->old_count ||
+        pins > (run->target == 0 ? 1u : 0u))
         return 0;
-    for (uint32_t i = p->first[piece->old_view]; i != GLTF_NONE; i = p->next[i]) {
-        const run other = run_of_run(&p->patch->pieces[i]);
-        if (i != number && overlap(&own, &other) && !same_run(piece, &p->patch->pieces[i]))
-            return 0;
+    for (uint32_t i = p->first[run->old_view]; i != GLTF_NONE; i = p->next[i]) {
+        const row_bytes other = old_rows(&p->patch->runs[i]);
+        if (i != number && overlap(&own, &other) && !same_run(run, &p->patch->runs[i])) return 0;
     }
-    for (uint32_t a = 0; p->stays[piece->old_view] && a < p->g->accessor_count; ++a) {
+    for (uint32_t a = 0; p->stays[run->old_view] && a < p->g->accessor_count; ++a) {
         const gltf_accessor *accessor = &p->g->accessors[a];
-        const run other = {accessor->offset,
-            p->g->views[piece->old_view].stride ? p->g->views[piece->old_view].stride
-                                                : accessor->element_size,
+        const row_bytes other = {accessor->offset,
+            p->g->views[run->old_view].stride ? p->g->views[run->old_view].stride
+                                              : accessor->element_size,
             accessor->element_size, accessor->count};
-        if (accessor->view == piece->old_view && p->patch->replaced[a] == GLTF_NONE &&
+        if (accessor->view == run->old_view && p->patch->replaced[a] == GLTF_NONE &&
             overlap(&own, &other))
             return 0;
     }
@@ -166,9 +165,9 @@ static norma_document_result fail_views(const placer *p) {
     return norma_document_fail_memory(p->g->document, p->error);
 }
 
-static void write_run_rows(unsigned char *to, size_t stride, const data_run *piece) {
-    for (size_t i = 0; i < piece->count; ++i)
-        memcpy(to + i * stride, piece->bytes + i * piece->size, piece->size);
+static void write_run_rows(unsigned char *to, size_t stride, const data_run *run) {
+    for (size_t i = 0; i < run->count; ++i)
+        memcpy(to + i * stride, run->bytes + i * run->size, run->size);
 }
 
 /* The view's old bytes as a copy to be written into. */
@@ -185,51 +184,50 @@ static norma_document_result own_view(placer *p, uint32_t view) {
     return NORMA_DOCUMENT_OK;
 }
 
-/* Whether a piece alone is all that an old view holds. */
-static int fills_view(const placer *p, uint32_t view, const data_run *piece) {
-    return !p->patch->views[view].plain.bytes && piece->old_offset == 0 &&
-           piece->old_stride == piece->size &&
-           p->g->views[view].length == piece->count * piece->size;
+/* Whether a run alone is all that an old view holds. */
+static int fills_view(const placer *p, uint32_t view, const data_run *run) {
+    return !p->patch->views[view].plain.bytes && run->old_offset == 0 &&
+           run->old_stride == run->size && p->g->views[view].length == run->count * run->size;
 }
 
-static size_t stride_for(const data_run *piece) {
-    int vertex = piece->target == 34962;
-    return vertex && piece->size % 4 ? (piece->size + 3) / 4 * 4 : piece->size;
+static size_t stride_for(const data_run *run) {
+    int vertex = run->target == 34962;
+    return vertex && run->size % 4 ? (run->size + 3) / 4 * 4 : run->size;
 }
 
-/* Fills a view, old or new, with one piece alone. */
-static norma_document_result take_view(placer *p, uint32_t view, data_run *piece) {
+/* Fills a view, old or new, with one run alone. */
+static norma_document_result take_view(placer *p, uint32_t view, data_run *run) {
     patch_view *to = &p->patch->views[view];
-    size_t stride = stride_for(piece);
-    if (piece->count > SIZE_MAX / stride ||
-        (stride != piece->size && !(to->owned = norma_io_allocate(piece->count, stride))))
+    size_t stride = stride_for(run);
+    if (run->count > SIZE_MAX / stride ||
+        (stride != run->size && !(to->owned = norma_io_allocate(run->count, stride))))
         return fail_views(p);
-    to->plain.bytes = to->owned ? to->owned : piece->bytes;
-    to->plain.length = piece->count * stride;
+    to->plain.bytes = to->owned ? to->owned : run->bytes;
+    to->plain.length = run->count * stride;
     to->element = stride;
     int said = view < p->g->view_count && p->g->views[view].stride == stride;
-    to->stride = stride != piece->size || said ? stride : 0;
-    to->target = piece->target;
-    if (to->owned) write_run_rows(to->owned, stride, piece);
-    norma_gltf_point_data_run(p->g, piece, view, 0);
-    piece->placed = 1;
+    to->stride = stride != run->size || said ? stride : 0;
+    to->target = run->target;
+    if (to->owned) write_run_rows(to->owned, stride, run);
+    norma_gltf_point_data_run(p->g, run, view, 0);
+    run->placed = 1;
     return NORMA_DOCUMENT_OK;
 }
 
 /* All users grow alike, side by side in one stride: the view grows with them. */
 static int can_stay_interleaved(const placer *p, uint32_t view) {
     size_t stride = p->g->views[view].stride;
-    const data_run *lead = &p->patch->pieces[p->first[view]];
+    const data_run *lead = &p->patch->runs[p->first[view]];
     if (stride == 0 || p->stays[view] || lead->count > SIZE_MAX / stride) return 0;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
-        const data_run *piece = &p->patch->pieces[i];
-        if (piece->size != piece->old_size || piece->old_count != lead->old_count ||
-            piece->count != lead->count || piece->old_offset + piece->size > stride)
+        const data_run *run = &p->patch->runs[i];
+        if (run->size != run->old_size || run->old_count != lead->old_count ||
+            run->count != lead->count || run->old_offset + run->size > stride)
             return 0;
-        const run own = run_of_run(piece);
+        const row_bytes own = old_rows(run);
         for (uint32_t k = p->next[i]; k != GLTF_NONE; k = p->next[k]) {
-            const run other = run_of_run(&p->patch->pieces[k]);
-            if (overlap(&own, &other) && !same_run(piece, &p->patch->pieces[k])) return 0;
+            const row_bytes other = old_rows(&p->patch->runs[k]);
+            if (overlap(&own, &other) && !same_run(run, &p->patch->runs[k])) return 0;
         }
     }
     return 1;
@@ -237,13 +235,13 @@ static int can_stay_interleaved(const placer *p, uint32_t view) {
 
 static norma_document_result grow_interleaved(placer *p, uint32_t view) {
     patch_view *to = &p->patch->views[view];
-    size_t stride = p->g->views[view].stride, count = p->patch->pieces[p->first[view]].count;
+    size_t stride = p->g->views[view].stride, count = p->patch->runs[p->first[view]].count;
     to->plain.bytes = to->owned = norma_io_allocate(count, stride);
     if (!to->owned) return fail_views(p);
     to->plain.length = count * stride;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
-        write_run_rows(to->owned + p->patch->pieces[i].old_offset, stride, &p->patch->pieces[i]);
-        p->patch->pieces[i].placed = 1;
+        write_run_rows(to->owned + p->patch->runs[i].old_offset, stride, &p->patch->runs[i]);
+        p->patch->runs[i].placed = 1;
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -253,25 +251,24 @@ static norma_document_result place_in_view(placer *p, uint32_t view) {
     uint32_t leaver = GLTF_NONE;
     int fitting = 0;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
-        p->patch->pieces[i].fits = fits_old_bytes(p, i);
-        fitting |= p->patch->pieces[i].fits;
-        if (!p->patch->pieces[i].fits && leaver == GLTF_NONE) leaver = i;
+        p->patch->runs[i].fits = fits_old_bytes(p, i);
+        fitting |= p->patch->runs[i].fits;
+        if (!p->patch->runs[i].fits && leaver == GLTF_NONE) leaver = i;
     }
     if (leaver != GLTF_NONE && can_stay_interleaved(p, view)) return grow_interleaved(p, view);
     for (uint32_t i = p->first[view]; !result && i != GLTF_NONE; i = p->next[i]) {
-        data_run *piece = &p->patch->pieces[i];
-        if (!piece->fits) continue;
-        if (fills_view(p, view, piece))
-            p->patch->views[view].plain.bytes = piece->bytes;
+        data_run *run = &p->patch->runs[i];
+        if (!run->fits) continue;
+        if (fills_view(p, view, run))
+            p->patch->views[view].plain.bytes = run->bytes;
         else
             result = own_view(p, view);
         if (!result && p->patch->views[view].owned)
-            write_run_rows(
-                p->patch->views[view].owned + piece->old_offset, piece->old_stride, piece);
-        piece->placed = 1;
+            write_run_rows(p->patch->views[view].owned + run->old_offset, run->old_stride, run);
+        run->placed = 1;
     }
     if (!result && leaver != GLTF_NONE && !fitting && p->stays[view] == 0)
-        result = take_view(p, view, &p->patch->pieces[leaver]);
+        result = take_view(p, view, &p->patch->runs[leaver]);
     return result;
 }
 
@@ -338,13 +335,13 @@ static norma_document_result add_new_views(placer *p) {
         ++compressed;
     if (compressed == p->g->view_count) compressed = GLTF_NONE;
     for (size_t i = 0; !result && i < patch->run_count; ++i) {
-        data_run *piece = &patch->pieces[i];
-        if (piece->placed) continue;
+        data_run *run = &patch->runs[i];
+        if (run->placed) continue;
         if (!add_view(patch)) return fail_views(p);
         const uint32_t view = (uint32_t)patch->view_count - 1;
         choose_places(
-            p, &patch->views[view], piece->old_view == GLTF_NONE ? compressed : piece->old_view);
-        result = take_view(p, view, piece);
+            p, &patch->views[view], run->old_view == GLTF_NONE ? compressed : run->old_view);
+        result = take_view(p, view, run);
     }
     return result;
 }

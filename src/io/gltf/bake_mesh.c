@@ -1,6 +1,7 @@
 /* bake_mesh.c: --bake: the data of a mesh under a matrix, made once for all that share it, and its
  * winding. */
 #include "io/gltf/gltf.h"
+#include "core/call/table.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,61 +12,58 @@
 
 void norma_gltf_bake_cache_free(bake_cache *cache) {
     free(cache->entries);
-    free(cache->heads);
+    free(cache->slots);
     free(cache->matrices);
     *cache = (bake_cache){0};
 }
 
-static size_t hash(const bake_entry *key) {
-    uint64_t h = key->role;
-    h = (h ^ key->a) * 0x9E3779B97F4A7C15u;
-    h = (h ^ (h >> 32) ^ key->b) * 0x9E3779B97F4A7C15u;
-    h = (h ^ (h >> 32) ^ key->map) * 0x9E3779B97F4A7C15u;
-    return (size_t)(h ^ (h >> 32));
+enum { ENTRY_KEY = offsetof(bake_entry, data) };
+
+typedef struct wanted_entry {
+    const bake_entry *entries, *key;
+} wanted_entry;
+
+static int is_wanted_entry(const void *context, uint32_t number) {
+    const wanted_entry *w = context;
+    return memcmp(&w->entries[number], w->key, ENTRY_KEY) == 0;
 }
 
-static int gltf_bake_cache_find(const bake_cache *cache, const bake_entry *key, uint32_t *data) {
-    if (cache->head_count == 0) return 0;
-    for (uint32_t i = cache->heads[hash(key) % cache->head_count]; i != GLTF_NONE;
-         i = cache->entries[i].after) {
-        const bake_entry *entry = &cache->entries[i];
-        if (entry->role == key->role && entry->a == key->a && entry->b == key->b &&
-            entry->map == key->map) {
-            *data = entry->data;
-            return 1;
-        }
-    }
-    return 0;
+static uint32_t *slot_of(
+    const bake_cache *cache, uint32_t *slots, size_t size, const bake_entry *key) {
+    const wanted_entry w = {cache->entries, key};
+    return norma_core_table_find(slots, size, norma_core_hash(key, ENTRY_KEY), is_wanted_entry, &w);
 }
 
-static void link_entry(bake_cache *cache, uint32_t number) {
-    uint32_t *head = &cache->heads[hash(&cache->entries[number]) % cache->head_count];
-    cache->entries[number].after = *head;
-    *head = number;
+static int find_entry(const bake_cache *cache, const bake_entry *key, uint32_t *data) {
+    const uint32_t found =
+        cache->slot_count ? *slot_of(cache, cache->slots, cache->slot_count, key) : 0;
+    if (found) *data = cache->entries[found - 1].data;
+    return found != 0;
 }
 
-static int rehash(bake_cache *cache, size_t head_count) {
-    uint32_t *heads = norma_io_allocate(head_count, sizeof *heads);
-    if (!heads) return 0;
-    free(cache->heads);
-    cache->heads = heads;
-    cache->head_count = head_count;
-    for (size_t i = 0; i < head_count; i++) heads[i] = GLTF_NONE;
-    for (size_t i = 0; i < cache->count; i++) link_entry(cache, (uint32_t)i);
+static int grow_slots(bake_cache *cache) {
+    const size_t size = norma_core_table_size(2 * (cache->count + 1));
+    uint32_t *slots = norma_io_allocate(size, sizeof *slots);
+    if (!slots) return 0;
+    for (uint32_t i = 0; i < cache->count; i++)
+        *slot_of(cache, slots, size, &cache->entries[i]) = i + 1;
+    free(cache->slots);
+    cache->slots = slots;
+    cache->slot_count = size;
     return 1;
 }
 
 /* 0: out of memory */
-static int gltf_bake_cache_add(bake_cache *cache, const bake_entry *entry) {
+static int add_entry(bake_cache *cache, const bake_entry *entry) {
     bake_entry *grown =
         cache->count < GLTF_NONE - 1
             ? norma_io_grow(cache->entries, &cache->capacity, cache->count + 1, sizeof *grown)
             : NULL;
     if (!grown) return 0;
     cache->entries = grown;
-    if (cache->count >= cache->head_count && !rehash(cache, 2 * cache->head_count + 64)) return 0;
+    if (2 * (cache->count + 1) > cache->slot_count && !grow_slots(cache)) return 0;
     cache->entries[cache->count] = *entry;
-    link_entry(cache, (uint32_t)cache->count++);
+    *slot_of(cache, cache->slots, cache->slot_count, entry) = (uint32_t)++cache->count;
     return 1;
 }
 
@@ -103,8 +101,8 @@ static int identify(bake_cache *cache, bake_map *map) {
     for (int i = 0; i < 16; i++) map->matrix[i] += 0.0; /* -0 is 0 */
     memcpy(bits, map->matrix, sizeof bits);
     for (int i = 0; i < 16; i++) mixed = (mixed ^ bits[i] ^ (mixed >> 29)) * 0xBF58476D1CE4E5B9u;
-    bake_entry key = {MATRIX_ROLE, (uint32_t)mixed, (uint32_t)(mixed >> 32), 0, 0, 0};
-    for (; gltf_bake_cache_find(cache, &key, &map->id); key.map++)
+    bake_entry key = {MATRIX_ROLE, (uint32_t)mixed, (uint32_t)(mixed >> 32), 0, 0};
+    for (; find_entry(cache, &key, &map->id); key.map++)
         if (memcmp(cache->matrices[map->id], map->matrix, sizeof map->matrix) == 0) return 1;
     double(*grown)[16] = norma_io_grow(
         cache->matrices, &cache->matrix_capacity, cache->matrix_count + 1, sizeof *grown);
@@ -112,7 +110,7 @@ static int identify(bake_cache *cache, bake_map *map) {
     cache->matrices = grown;
     memcpy(cache->matrices[cache->matrix_count], map->matrix, sizeof map->matrix);
     key.data = map->id = (uint32_t)cache->matrix_count++;
-    return gltf_bake_cache_add(cache, &key);
+    return add_entry(cache, &key);
 }
 
 int norma_gltf_bake_map(bake_cache *cache, const double matrix[16], bake_map *map) {
@@ -211,24 +209,16 @@ static norma_document_result read_winding(
 
 static norma_document_result add_turned_corners(gltf *g, const gltf_primitive *primitive,
     const corner_list *list, uint32_t *number, norma_document_error *error) {
-    gltf_data data = {.component = primitive->vertices <= 65535 ? GLTF_USHORT : GLTF_UINT,
+    gltf_data data = {.component = norma_gltf_index_component(g, primitive,
+                          primitive->indices == GLTF_NONE ? primitive->vertices : 0, GLTF_USHORT),
         .width = 1,
         .count = list->count,
         .is_indices = 1};
-    if (primitive->indices != GLTF_NONE)
-        data.component = g->accessors[primitive->indices].component;
     const size_t size = norma_gltf_component_size(data.component);
     data.bytes = norma_io_allocate(list->count + 1, size);
     if (!data.bytes) return norma_document_fail_memory(g->document, error);
-    for (size_t i = 0; i < list->count; i++) {
-        const uint16_t two = (uint16_t)list->corners[i];
-        if (size == 1)
-            data.bytes[i] = (unsigned char)list->corners[i];
-        else if (size == 2)
-            memcpy(data.bytes + 2 * i, &two, 2);
-        else
-            memcpy(data.bytes + 4 * i, &list->corners[i], 4);
-    }
+    for (size_t i = 0; i < list->count; i++)
+        norma_gltf_write_index(data.bytes + i * size, data.component, list->corners[i]);
     *number = norma_gltf_add_data(g, &data);
     return *number == GLTF_NONE ? norma_document_fail_memory(g->document, error)
                                 : NORMA_DOCUMENT_OK;
@@ -259,12 +249,11 @@ static norma_document_result gltf_bake_winding(gltf *g, bake_cache *cache,
         return NORMA_DOCUMENT_OK; /* more than any index names: nothing that a file holds */
     bake_entry entry = {BAKE_WINDING, primitive->indices,
         indexed ? primitive->vertices > 0 : (uint32_t)primitive->vertices,
-        2 * primitive->mode + (unsigned)polygons, 0, 0};
-    if (!gltf_bake_cache_find(cache, &entry, &entry.data)) {
+        2 * primitive->mode + (unsigned)polygons, 0};
+    if (!find_entry(cache, &entry, &entry.data)) {
         const norma_document_result result = make_corners(g, primitive, polygons, &entry, error);
         if (result) return result;
-        if (!gltf_bake_cache_add(cache, &entry))
-            return norma_document_fail_memory(g->document, error);
+        if (!add_entry(cache, &entry)) return norma_document_fail_memory(g->document, error);
     }
     if (entry.data == BAKE_UNCHANGED) return NORMA_DOCUMENT_OK;
     const gltf_slot slot = {copy, primitive_number, GLTF_SLOT_INDICES, NULL};
@@ -354,12 +343,11 @@ static norma_document_result bake_slot(const mesh_baker *b, bake_role role, uint
     uint32_t base, const gltf_slot *slot, norma_document_error *error) {
     const int is_direction = role != BAKE_POSITIONS && role != BAKE_POSITION_DELTAS;
     if (accessor == GLTF_NONE || (is_direction && !b->map->turns)) return NORMA_DOCUMENT_OK;
-    bake_entry entry = {role, accessor, base, b->map->id, 0, 0};
-    if (!gltf_bake_cache_find(b->cache, &entry, &entry.data)) {
+    bake_entry entry = {role, accessor, base, b->map->id, 0};
+    if (!find_entry(b->cache, &entry, &entry.data)) {
         const norma_document_result result = make_data(b, &entry, error);
         if (result) return result;
-        if (!gltf_bake_cache_add(b->cache, &entry))
-            return norma_document_fail_memory(b->g->document, error);
+        if (!add_entry(b->cache, &entry)) return norma_document_fail_memory(b->g->document, error);
     }
     if (entry.data != BAKE_UNCHANGED && !norma_gltf_put(b->g, slot, entry.data))
         return norma_document_fail_memory(b->g->document, error);

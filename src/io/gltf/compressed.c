@@ -49,8 +49,6 @@ norma_document_result norma_gltf_measure_elements(
  * one for readers without Draco; their elements come out of the stream (draco_decoder.h). A stream
  * that does not hold what the accessors declare is refused. */
 
-static const char DRACO_NAME[] = "KHR_draco_mesh_compression";
-
 /* They are looked for by their names, one after the other. */
 enum { MOST_ATTRIBUTES = 1024 };
 
@@ -139,7 +137,7 @@ norma_document_result norma_gltf_read_draco(
     const json *j = &g->json;
     uint32_t view = GLTF_NONE;
     p->draco = (gltf_draco){
-        norma_json_member(j, norma_json_member(j, p->token, "extensions"), DRACO_NAME), GLTF_NONE};
+        norma_json_member(j, norma_json_member(j, p->token, "extensions"), GLTF_DRACO), GLTF_NONE};
     if (p->draco.token == GLTF_NONE || *why || (*why = why_stream_not_decoded(p)))
         return NORMA_DOCUMENT_OK;
     if (!norma_gltf_index_member(g, p->draco.token, "bufferView", g->view_count, &view) ||

@@ -1,5 +1,5 @@
-/* data_runs.c: replaced and new accessors as JSON, and as pieces: runs of elements that views are
- * to hold. A sparse accessor stays sparse: its base and its values are two pieces, so that none of
+/* data_runs.c: replaced and new accessors as JSON, and as runs of elements that views are
+ * to hold. A sparse accessor stays sparse: its base and its values are two runs, so that none of
  * its views is left without use. */
 #include "io/gltf/gltf.h"
 #include <math.h>
@@ -7,15 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int add_run(gltf_patch *patch, const data_run *piece) {
+static int add_run(gltf_patch *patch, const data_run *run) {
     data_run *grown =
-        norma_io_grow(patch->pieces, &patch->run_capacity, patch->run_count + 1, sizeof *grown);
+        norma_io_grow(patch->runs, &patch->run_capacity, patch->run_count + 1, sizeof *grown);
     if (!grown) {
-        free(piece->owned);
+        free(run->owned);
         return 0;
     }
-    patch->pieces = grown;
-    patch->pieces[patch->run_count++] = *piece;
+    patch->runs = grown;
+    patch->runs[patch->run_count++] = *run;
     return 1;
 }
 
@@ -163,7 +163,7 @@ static void choose_indices(const gltf_data *data, uint32_t *indices, size_t want
     }
 }
 
-/* A piece of a sparse part: of the object that is its indices or its values. It takes the bytes, or
+/* A run of a sparse part: of the object that is its indices or its values. It takes the bytes, or
  * frees them. */
 static int add_sparse_run(gltf *g, const gltf_accessor *a, const char *member, unsigned char *bytes,
     size_t size, size_t count) {
@@ -171,8 +171,8 @@ static int add_sparse_run(gltf *g, const gltf_accessor *a, const char *member, u
     const size_t old_size =
         values ? a->element_size : norma_gltf_component_size(a->sparse.indices_component);
     const uint32_t old_view = values ? a->sparse.values_view : a->sparse.indices_view;
-    const data_run piece = {.token = norma_json_member(
-                                &g->json, norma_json_member(&g->json, a->token, "sparse"), member),
+    const data_run run = {.token = norma_json_member(
+                              &g->json, norma_json_member(&g->json, a->token, "sparse"), member),
         .new_accessor = GLTF_NONE,
         .old_view = old_view,
         .old_offset = values ? a->sparse.values_offset : a->sparse.indices_offset,
@@ -183,7 +183,7 @@ static int add_sparse_run(gltf *g, const gltf_accessor *a, const char *member, u
         .owned = bytes,
         .size = size,
         .count = count};
-    return bytes && add_run(g->patch, &piece);
+    return bytes && add_run(g->patch, &run);
 }
 
 /* Fewer elements than before: the indices are chosen anew, and are no more than there are elements.
@@ -201,7 +201,7 @@ static int replace_indices(
     return add_sparse_run(g, a, "indices", bytes, size, count);
 }
 
-/* The pieces of the sparse part; *base tells whether the base must be written too. */
+/* The runs of the sparse part; *base tells whether the base must be written too. */
 static norma_document_result add_sparse(
     gltf *g, uint32_t number, const gltf_data *data, int *base, norma_document_error *error) {
     const gltf_accessor *a = &g->accessors[number];
@@ -228,7 +228,7 @@ static norma_document_result add_sparse(
  * stream's. */
 static norma_document_result add_elements(
     gltf *g, const gltf_accessor *a, const gltf_data *data, norma_document_error *error) {
-    data_run piece = {.token = a->token,
+    data_run run = {.token = a->token,
         .new_accessor = GLTF_NONE,
         .old_view = a->view,
         .old_offset = a->offset,
@@ -237,15 +237,15 @@ static norma_document_result add_elements(
         .count = data->count,
         .target = target_of(data)};
     if (a->view == GLTF_NONE && a->draco != GLTF_NONE) {
-        piece.old_view = g->primitives[a->draco].draco.view;
+        run.old_view = g->primitives[a->draco].draco.view;
     } else {
         const size_t stride = a->view == GLTF_NONE ? 0 : g->views[a->view].stride;
-        piece.old_stride = stride ? stride : a->element_size;
-        piece.old_size = a->element_size;
-        piece.old_count = a->count;
+        run.old_stride = stride ? stride : a->element_size;
+        run.old_size = a->element_size;
+        run.old_count = a->count;
     }
-    return add_run(g->patch, &piece) ? NORMA_DOCUMENT_OK
-                                     : norma_document_fail_memory(g->document, error);
+    return add_run(g->patch, &run) ? NORMA_DOCUMENT_OK
+                                   : norma_document_fail_memory(g->document, error);
 }
 
 static norma_document_result replace_accessor(
@@ -270,29 +270,28 @@ norma_document_result norma_gltf_make_data_runs(gltf *g, norma_document_error *e
         if (patch->replaced[i] != GLTF_NONE) result = replace_accessor(g, i, error);
     for (uint32_t i = 0; !result && i < patch->accessor_count; ++i) {
         const gltf_data *data = &patch->datas[patch->accessors[i].data];
-        const data_run piece = {.token = GLTF_NONE,
+        const data_run run = {.token = GLTF_NONE,
             .new_accessor = i,
             .old_view = GLTF_NONE,
             .bytes = data->bytes,
             .size = norma_gltf_data_size(data),
             .count = data->count,
             .target = target_of(data)};
-        if (!add_run(patch, &piece)) result = norma_document_fail_memory(g->document, error);
+        if (!add_run(patch, &run)) result = norma_document_fail_memory(g->document, error);
     }
     return result;
 }
 
-void norma_gltf_point_data_run(gltf *g, const data_run *piece, uint32_t view, size_t offset) {
-    if (piece->token == GLTF_NONE) {
-        g->patch->accessors[piece->new_accessor].view = view;
+void norma_gltf_point_data_run(gltf *g, const data_run *run, uint32_t view, size_t offset) {
+    if (run->token == GLTF_NONE) {
+        g->patch->accessors[run->new_accessor].view = view;
         return;
     }
-    if (piece->old_view != view || !piece->old_size)
-        norma_json_set_uint(g->edits, piece->token, "bufferView", view);
-    if (piece->old_view == view && !piece->old_size)
-        norma_json_set_uint(g->edits, g->views[view].token, "target", (uint64_t)piece->target);
-    if (piece->old_offset != offset)
-        norma_json_set_uint(g->edits, piece->token, "byteOffset", offset);
+    if (run->old_view != view || !run->old_size)
+        norma_json_set_uint(g->edits, run->token, "bufferView", view);
+    if (run->old_view == view && !run->old_size)
+        norma_json_set_uint(g->edits, g->views[view].token, "target", (uint64_t)run->target);
+    if (run->old_offset != offset) norma_json_set_uint(g->edits, run->token, "byteOffset", offset);
 }
 
 /* ---- new accessors */

@@ -112,8 +112,7 @@ static norma_document_result check_version(const gltf *g, norma_document_error *
 
 /* A compression that a file requires and that cannot be read here; NULL for other extensions. */
 static const char *why_not_required(const char *name) {
-    if (!norma_draco_reads() && strcmp(name, "KHR_draco_mesh_compression") == 0)
-        return norma_draco_missing(0);
+    if (!norma_draco_reads() && strcmp(name, GLTF_DRACO) == 0) return norma_draco_missing(0);
     if (!norma_gltf_reads_meshopt() && (strcmp(name, "EXT_meshopt_compression") == 0 ||
                                            strcmp(name, "KHR_meshopt_compression") == 0))
         return "needs meshoptimizer, which this Norma was built without; save the meshes without "
@@ -212,7 +211,7 @@ static const char *compression_of_view(const gltf *g, uint32_t accessor) {
 }
 
 static const char *compression_of(const gltf *g, const gltf_primitive *p) {
-    if (p->draco.token != GLTF_NONE) return "KHR_draco_mesh_compression";
+    if (p->draco.token != GLTF_NONE) return GLTF_DRACO;
     const char *name = p->indices == GLTF_NONE ? NULL : compression_of_view(g, p->indices);
     for (uint32_t t = 0; t <= p->target_count && !name; ++t) {
         const gltf_attributes *set = t ? &g->targets[p->first_target + t - 1] : &p->base;

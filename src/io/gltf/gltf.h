@@ -23,7 +23,8 @@
  * else (nodes, scenes) is changed by json edits. One change for a document: what is in the arrays
  * stays as it was read. */
 
-#define GLTF_NONE UINT32_MAX
+#define GLTF_NONE  UINT32_MAX
+#define GLTF_DRACO "KHR_draco_mesh_compression"
 
 enum {
     GLTF_BYTE = 5120,
@@ -259,6 +260,11 @@ norma_document_result norma_gltf_place_instances(
     gltf *g, const gltf_node *node, norma_document_error *error); /* of a node that has any */
 
 size_t norma_gltf_component_size(int component); /* 0: unknown */
+/* Of indices below vertices: the largest value of a width is none (glTF 2.0, 3.7.2.1). At least the
+ * width that the primitive's have, or that of without. */
+int norma_gltf_index_component(
+    const gltf *g, const gltf_primitive *p, size_t vertices, int without);
+void norma_gltf_write_index(unsigned char *at, int component, uint32_t value);
 void norma_gltf_floats(const gltf_array *array, size_t index,
     float *out); /* one element, width numbers, normalised integers decoded */
 void norma_gltf_uints(
@@ -628,7 +634,7 @@ struct gltf_patch {
     patch_slot *slots;
     patch_copy *copies;
     patch_accessor *accessors;
-    data_run *pieces;
+    data_run *runs;
     patch_view *views;
     uint32_t *replaced; /* for each old accessor its new data, or GLTF_NONE */
     uint32_t *released; /* accessors, once for each use given up; from resolving on: those that are
@@ -663,7 +669,7 @@ void norma_gltf_edit_extensions(gltf *g); /* patch.c: what was unlisted */
 norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error);
 norma_document_result norma_gltf_make_data_runs(
     gltf *g, norma_document_error *error); /* and edits the accessors */
-void norma_gltf_point_data_run(gltf *g, const data_run *piece, uint32_t view, size_t offset);
+void norma_gltf_point_data_run(gltf *g, const data_run *run, uint32_t view, size_t offset);
 norma_document_result norma_gltf_append_accessors(gltf *g, norma_document_error *error);
 norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error);
 
@@ -773,6 +779,7 @@ norma_document_result norma_gltf_check_own_data(
 
 /* The first component of a path below a folder that begins with a dot, "." itself aside. */
 int norma_gltf_is_hidden(const char *name);
+int norma_gltf_equals_any_case(const char *a, const char *b);
 int norma_gltf_has_suffix(const char *name, const char *const *suffixes, size_t count);
 
 /* ---- The JSON of a file that may be an asset, looked into without opening it as a
@@ -825,7 +832,7 @@ typedef struct gltf_set {
     uint8_t *reasons;
     uint32_t *point_of; /* with morphs: the surface's point of each vertex, or GLTF_NONE */
     size_t capacity;    /* of normals, reasons, point_of */
-    uint32_t *table;    /* vertices of several meshes by old vertex and normal; 0: free */
+    uint32_t *table;    /* vertices by old vertex and what they got (norma_gltf_find_vertex) */
     size_t table_size;
     float **deltas; /* for each target its new normal deltas, or NULL */
     size_t tangents_kept, tangents_turned;
@@ -844,6 +851,10 @@ typedef struct gltf_job {
     double progress_base, progress_scale;
 } gltf_job;
 
+static inline norma_document_result norma_gltf_job_memory(const gltf_job *job) {
+    return norma_document_fail_memory(job->g->document, job->error);
+}
+
 /* The point of each corner: smooth, each position is one. */
 static inline const uint32_t *norma_gltf_points(const gltf_surface *s) {
     return s->points ? s->points : (const uint32_t *)s->core.corners;
@@ -859,6 +870,11 @@ norma_document_result norma_gltf_take_points(
     gltf_job *job, gltf_surface *surface); /* points become corners */
 norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set);
 void norma_gltf_vertex_sharing_free(gltf_job *job);
+/* The place for the number, + 1, of the vertex that copies an old one and has this code, of size
+ * bytes; codes has those of all vertices. 0 stands there as long as it is none. NULL: out of
+ * memory. */
+uint32_t *norma_gltf_find_vertex(
+    gltf_set *set, const void *codes, size_t size, uint32_t vertex, const void *code);
 
 /* The old vertex that a vertex of a set is, or is a copy of. */
 static inline uint32_t norma_gltf_old_vertex(const gltf_set *set, size_t vertex) {
@@ -905,8 +921,6 @@ typedef struct tangent_set {
     gltf_array encoding; /* of the stored tangents; floats where there are none */
     size_t size;         /* bytes of one code */
     unsigned char *codes;
-    uint32_t *table; /* vertices by old vertex and code, + 1; 0: free */
-    size_t table_size;
     float **deltas; /* for each morph target with normals three numbers a vertex; else NULL */
     size_t capacity;
 } tangent_set;
@@ -980,12 +994,13 @@ norma_document_result norma_gltf_tree_write(
 
 /* Contents that several slots ask for, made once. */
 typedef struct bake_entry {
-    uint32_t role, a, b, map, data, after;
+    uint32_t role, a, b, map; /* found by these */
+    uint32_t data;
 } bake_entry;
 typedef struct bake_cache {
     bake_entry *entries;
-    uint32_t *heads; /* hash table of chains */
-    size_t count, capacity, head_count;
+    uint32_t *slots; /* a hash table of their numbers (core/call/table.h) */
+    size_t count, capacity, slot_count;
     double (*matrices)[16]; /* by id */
     size_t matrix_count, matrix_capacity;
 } bake_cache;

@@ -21,10 +21,6 @@ typedef struct morph {
     size_t target_count;
 } morph;
 
-static norma_document_result fail_morph(const morph *m) {
-    return norma_document_fail_memory(m->job->g->document, m->job->error);
-}
-
 static void free_morph(morph *m) {
     void *const blocks[] = {
         m->positions, m->displaced, m->base, m->moved, m->vertices, m->sparse, m->deltas};
@@ -62,7 +58,7 @@ static norma_document_result begin_morph(morph *m) {
     m->deltas = norma_io_allocate(points, 3 * sizeof *m->deltas);
     if (!m->positions || !m->displaced || !m->base || !m->moved || !m->vertices || !m->sparse ||
         !m->deltas)
-        return fail_morph(m);
+        return norma_gltf_job_memory(m->job);
     norma_document_result result = decode_positions(m);
     if (!result) take_morph_points(m, m->positions, m->base);
     return result;
@@ -112,10 +108,10 @@ static norma_document_result store_deltas(const morph *m, gltf_set *set, uint32_
     size_t count = set->vertices + set->added_count;
     if (!set->deltas && !(set->deltas = norma_io_allocate(
                               m->job->g->primitives[set->lead].target_count, sizeof *set->deltas)))
-        return fail_morph(m);
+        return norma_gltf_job_memory(m->job);
     if (set->deltas[target]) return NORMA_DOCUMENT_OK;
     float *deltas = set->deltas[target] = norma_io_allocate(count, 3 * sizeof *deltas);
-    if (!deltas) return fail_morph(m);
+    if (!deltas) return norma_gltf_job_memory(m->job);
     for (size_t v = 0; v < count; ++v)
         if (set->point_of[v] != GLTF_NONE)
             memcpy(deltas + 3 * v, m->deltas + 3 * (size_t)set->point_of[v], 3 * sizeof *deltas);

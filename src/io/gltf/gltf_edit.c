@@ -96,20 +96,6 @@ static norma_document_result add_tangents(
 
 /* ---- faces */
 
-static void write_edit_index(unsigned char *at, int component, uint32_t value) {
-    const size_t size = norma_gltf_component_size(component);
-    for (size_t i = 0; i < size; ++i) at[i] = (unsigned char)(value >> 8 * i);
-}
-
-/* The largest value of a width is no index (glTF 2.0, 3.7.2.1). */
-static int edit_component_for(const gltf *g, const gltf_primitive *p, size_t vertices) {
-    const int least = vertices <= UINT8_MAX    ? GLTF_UBYTE
-                      : vertices <= UINT16_MAX ? GLTF_USHORT
-                                               : GLTF_UINT;
-    const int old = p->indices == GLTF_NONE ? least : g->accessors[p->indices].component;
-    return norma_gltf_component_size(old) < norma_gltf_component_size(least) ? least : old;
-}
-
 static size_t edit_corners(
     const norma_mesh_edit *edit, const uint32_t *corners, size_t faces, uint32_t *out) {
     size_t count = 0;
@@ -140,15 +126,15 @@ static norma_document_result edit_primitive_faces(
         if (p->faces) memcpy(kept, corners + 3 * (p->faces - 1), 3 * sizeof *kept);
         count = p->faces ? 3 : 1;
     }
-    gltf_data data = {.component = edit_component_for(
-                          g, p, edit->source_vertices ? edit->vertex_count : p->vertices),
+    gltf_data data = {.component = norma_gltf_index_component(g, p,
+                          edit->source_vertices ? edit->vertex_count : p->vertices, GLTF_UBYTE),
         .width = 1,
         .count = count,
         .is_indices = 1};
     size_t size = norma_gltf_data_size(&data);
     data.bytes = norma_io_allocate(count, size);
     for (size_t i = 0; data.bytes && i < count; ++i)
-        write_edit_index(data.bytes + i * size, data.component, kept[i]);
+        norma_gltf_write_index(data.bytes + i * size, data.component, kept[i]);
     free(kept);
     if (!data.bytes) return norma_document_fail_memory(g->document, error);
     if (p->mode != GLTF_TRIANGLES) norma_gltf_set_mode(g, 0, primitive, GLTF_TRIANGLES);

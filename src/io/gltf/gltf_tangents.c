@@ -76,17 +76,13 @@ static norma_document_result gltf_tangent_texcoords(
 /* ---- The tangents of a primitive's corners by norma_corner_tangents, in the
  * encoding that the file is to have them in, and how they differ in its morph targets. */
 
-static norma_document_result fail_tangent_corners(const tangent_job *job) {
-    return norma_document_fail_memory(job->sets.g->document, job->sets.error);
-}
-
 /* Vectors of count normals and any tangents, made unit and perpendicular; encoded. */
 static norma_document_result gltf_encode_tangents(
     tangent_job *job, const tangent_set *of, const float *tangents, size_t count, gltf_data *data) {
     *data = (gltf_data){.component = GLTF_FLOAT, .width = 4, .count = count};
     if (of->encoding.component == GLTF_FLOAT) {
         data->bytes = norma_io_block(count, 16);
-        if (!data->bytes) return fail_tangent_corners(job);
+        if (!data->bytes) return norma_gltf_job_memory(&job->sets);
         memcpy(data->bytes, tangents, count * 16);
         return NORMA_DOCUMENT_OK;
     }
@@ -97,7 +93,7 @@ static norma_document_result gltf_encode_tangents(
     const bake_encoded encoded =
         values ? norma_gltf_encode(BAKE_TANGENTS, &shape, values, data) : BAKE_NO_MEMORY;
     free(values);
-    return encoded ? fail_tangent_corners(job) : NORMA_DOCUMENT_OK;
+    return encoded ? norma_gltf_job_memory(&job->sets) : NORMA_DOCUMENT_OK;
 }
 
 static int pass_on_tangents(void *user, double fraction) {
@@ -159,8 +155,9 @@ static norma_document_result morph(tangent_job *job, const gltf_attributes *targ
           *unit = norma_io_block(rest->vertices, 12),
           *moved = norma_io_block(rest->corner_count, 16);
     *deltas = norma_io_block(rest->corner_count, 12);
-    norma_document_result result =
-        positions && unit && moved && *deltas ? NORMA_DOCUMENT_OK : fail_tangent_corners(job);
+    norma_document_result result = positions && unit && moved && *deltas
+                                       ? NORMA_DOCUMENT_OK
+                                       : norma_gltf_job_memory(&job->sets);
     if (!result)
         result = displace(job, target->position, rest->positions, rest->vertices, 0, positions);
     if (!result) result = displace(job, target->normal, rest->normals, rest->vertices, 1, unit);
@@ -181,7 +178,7 @@ static norma_document_result morph_all(tangent_job *job, const gltf_primitive *p
     const tangent_shape *rest, const float *tangents, tangent_corners *made) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     made->deltas = norma_io_allocate((size_t)p->target_count + 1, sizeof *made->deltas);
-    if (!made->deltas) return fail_tangent_corners(job);
+    if (!made->deltas) return norma_gltf_job_memory(&job->sets);
     for (uint32_t t = 0; !result && t < p->target_count; ++t) {
         const gltf_attributes *target = &job->sets.g->targets[p->first_target + t];
         if (target->normal != GLTF_NONE)
@@ -221,7 +218,7 @@ static norma_document_result gltf_corner_tangents(
     float *owned = NULL, *tangents = norma_io_block(3 * p->faces, 16);
     *made = (tangent_corners){.count = 3 * p->faces};
     norma_document_result result =
-        tangents ? gather_shape(job, primitive, &shape, &owned) : fail_tangent_corners(job);
+        tangents ? gather_shape(job, primitive, &shape, &owned) : norma_gltf_job_memory(&job->sets);
     if (!result) result = compute_shape_tangents(job, &shape, tangents, &report);
     if (!result) {
         made->corners = shape.corners;
@@ -246,10 +243,6 @@ static void gltf_corner_tangents_free(const gltf_primitive *p, tangent_corners *
 /* ---- Corners with their tangents become vertices: the first tangent at an old
  * vertex gets its number, so that old indices stay right; further ones are added behind. */
 
-static norma_document_result fail_tangent_vertices(const tangent_job *job) {
-    return norma_document_fail_memory(job->sets.g->document, job->sets.error);
-}
-
 /* ---- which old tangents stay */
 
 /* Rules N801 and N802, as norma check measures them: not of unit length, or a sign that is none. */
@@ -261,7 +254,7 @@ static int is_broken_tangent(const float tangent[4], int bits) {
 static norma_document_result find_broken_tangents(tangent_job *job, tangent_set *of) {
     gltf_set *set = of->set;
     set->broken = norma_io_allocate(set->vertices, 1);
-    if (!set->broken) return fail_tangent_vertices(job);
+    if (!set->broken) return norma_gltf_job_memory(&job->sets);
     set->wanted = 0;
     for (size_t v = 0; v < set->vertices; ++v) {
         float tangent[16];
@@ -298,48 +291,6 @@ static norma_document_result gltf_begin_tangents(tangent_job *job, gltf_set *set
                                                    : NORMA_DOCUMENT_OK;
 }
 
-/* ---- vertices by old vertex and code */
-
-static size_t hash_tangent_vertex(uint32_t vertex, const unsigned char *code, size_t size) {
-    uint64_t hash = (uint64_t)vertex + 1;
-    for (size_t k = 0; k < size; k += 4) {
-        uint32_t word;
-        memcpy(&word, code + k, sizeof word);
-        hash = (hash ^ hash >> 29 ^ word) * 0x9E3779B97F4A7C15u;
-    }
-    return (size_t)(hash ^ hash >> 32);
-}
-
-/* The place of a vertex with this code in the table, or a free one. */
-static uint32_t *find_tangent_vertex(
-    const tangent_set *of, uint32_t vertex, const unsigned char *code) {
-    size_t at = hash_tangent_vertex(vertex, code, of->size) & (of->table_size - 1);
-    while (of->table[at]) {
-        const size_t found = of->table[at] - 1;
-        if (norma_gltf_old_vertex(of->set, found) == vertex &&
-            memcmp(of->codes + found * of->size, code, of->size) == 0)
-            break;
-        at = (at + 1) & (of->table_size - 1);
-    }
-    return &of->table[at];
-}
-
-static int grow_tangent_table(tangent_set *of, size_t used) {
-    uint32_t *old = of->table;
-    const size_t old_size = of->table_size;
-    if (old_size / 2 > used) return 1;
-    while (of->table_size / 4 <= used) of->table_size = of->table_size ? 2 * of->table_size : 64;
-    of->table = norma_io_allocate(of->table_size, sizeof *of->table);
-    for (size_t i = 0; of->table && i < old_size; ++i) {
-        if (!old[i]) continue;
-        const size_t vertex = old[i] - 1;
-        *find_tangent_vertex(
-            of, norma_gltf_old_vertex(of->set, vertex), of->codes + vertex * of->size) = old[i];
-    }
-    free(old);
-    return of->table != NULL;
-}
-
 static int grow_vertices(tangent_set *of, uint32_t targets, float *const *like, size_t needed) {
     if (needed <= of->capacity) return 1;
     size_t larger = of->capacity + of->capacity / 2;
@@ -365,8 +316,7 @@ static int begin_tangent_vertices(tangent_set *of, const gltf_primitive *p, floa
     if (set->taken) return 1;
     set->taken = norma_io_allocate(set->vertices, 1);
     of->deltas = norma_io_allocate((size_t)p->target_count + 1, sizeof *of->deltas);
-    return set->taken && of->deltas && grow_vertices(of, p->target_count, like, set->vertices) &&
-           grow_tangent_table(of, set->vertices);
+    return set->taken && of->deltas && grow_vertices(of, p->target_count, like, set->vertices);
 }
 
 /* The number of the vertex that a corner's becomes; GLTF_NONE: out of memory, or of numbers. */
@@ -376,8 +326,8 @@ static uint32_t take_tangent_vertex(tangent_set *of, const gltf_primitive *p, ui
     const unsigned char *code = made->codes + corner * of->size;
     size_t number = vertex;
     if (set->broken && !set->broken[vertex]) return vertex;
-    if (!grow_tangent_table(of, set->vertices + set->added_count)) return GLTF_NONE;
-    uint32_t *place = find_tangent_vertex(of, vertex, code);
+    uint32_t *place = norma_gltf_find_vertex(set, of->codes, of->size, vertex, code);
+    if (!place) return GLTF_NONE;
     if (*place) return *place - 1;
     if (set->taken[vertex]) {
         number = norma_gltf_add_vertex(set, vertex);
@@ -398,10 +348,11 @@ static norma_document_result gltf_take_tangents(
     of->size = 4 * norma_gltf_component_size(of->encoding.component);
     uint32_t *corners = norma_io_block(made->count, sizeof *corners);
     job->sets.corners[primitive] = corners;
-    if (!corners || !begin_tangent_vertices(of, p, made->deltas)) return fail_tangent_vertices(job);
+    if (!corners || !begin_tangent_vertices(of, p, made->deltas))
+        return norma_gltf_job_memory(&job->sets);
     for (size_t c = 0; c < made->count; ++c) {
         corners[c] = take_tangent_vertex(of, p, made->corners[c], made, c);
-        if (corners[c] == GLTF_NONE) return fail_tangent_vertices(job);
+        if (corners[c] == GLTF_NONE) return norma_gltf_job_memory(&job->sets);
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -421,7 +372,7 @@ static norma_document_result fill_others(tangent_job *job, tangent_set *of) {
     const norma_vec3_view view = {.data = normals, .count = set->vertices};
     if (!tangents || norma_orthogonalise_tangents(
                          tangents, 0, view, set->vertices, tangents, 0, set->vertices) != NORMA_OK)
-        result = fail_tangent_vertices(job);
+        result = norma_gltf_job_memory(&job->sets);
     for (size_t v = 0; !result && v < set->vertices; ++v) tangents[4 * v + 3] = 1;
     if (!result) result = gltf_encode_tangents(job, of, tangents, set->vertices, &data);
     free(tangents);
@@ -493,7 +444,6 @@ static void gltf_tangent_set_free(const gltf *g, tangent_set *of) {
         free(of->deltas[t]);
     free(of->deltas);
     free(of->codes);
-    free(of->table);
 }
 
 /* ---- What became of the tangents that stood on the normals which were computed

@@ -9,10 +9,6 @@
 /* ---- The triangles of a mesh as one surface for the core, and the points that the core
  * makes of them. */
 
-static norma_document_result fail_surface(const gltf_job *job) {
-    return norma_document_fail_memory(job->g->document, job->error);
-}
-
 void norma_gltf_surface_free(gltf_surface *s) {
     void *const blocks[] = {s->positions, s->corners, s->corner_start, s->position_start, s->points,
         s->sources, s->normals, s->reasons};
@@ -154,7 +150,7 @@ static norma_document_result gather_surface_positions(
             return NORMA_DOCUMENT_OK;
         }
         if (!s->positions && !(s->positions = norma_io_block(count, size)))
-            return fail_surface(job);
+            return norma_gltf_job_memory(job);
         copy_surface_positions(&array, &e, (unsigned char *)s->positions + next * size, size);
         next += array.count;
     }
@@ -179,7 +175,7 @@ static norma_document_result gather_corners(gltf_job *job, gltf_surface *s, size
             return NORMA_DOCUMENT_OK;
         }
         if (!s->corners && !(s->corners = norma_io_block(count, sizeof *s->corners)))
-            return fail_surface(job);
+            return norma_gltf_job_memory(job);
         for (size_t k = 0; k < 3 * p->faces; ++k)
             s->corners[next + k] = corners[k] + (uint32_t)s->position_start[i];
         next += 3 * p->faces;
@@ -194,7 +190,7 @@ norma_document_result norma_gltf_gather(gltf_job *job, uint32_t mesh, gltf_surfa
     s->corner_start = norma_io_allocate(count, sizeof *s->corner_start);
     s->position_start = norma_io_allocate(count, sizeof *s->position_start);
     if (!s->corner_start || !s->position_start || !lay_out_surface(job->g, s, &positions, &corners))
-        return fail_surface(job);
+        return norma_gltf_job_memory(job);
     if (positions > UINT32_MAX || corners > UINT32_MAX)
         return norma_document_fail(job->g->document, job->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
             job->g->primitives[job->g->meshes[mesh].first_primitive].where,
@@ -278,7 +274,7 @@ norma_document_result norma_gltf_find_points(gltf_job *job, gltf_surface *s) {
     for (size_t i = 0; !result && ok && i < s->point_count; ++i)
         norma_policy_point_up(s->normals + 3 * i);
     norma_computed_normals_free(&made);
-    return ok ? result : fail_surface(job);
+    return ok ? result : norma_gltf_job_memory(job);
 }
 
 /* ---- The surfaces of a glTF as computing sees them, for those who only look. */

@@ -336,32 +336,19 @@ static int read_node_numbers(
     return 1;
 }
 
-static void compose_local(const double t[3], const double q[4], const double s[3], double out[16]) {
-    const double x = q[0], y = q[1], z = q[2], w = q[3];
-    const double rotation[9] = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w),
-        2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 2 * (x * z + y * w),
-        2 * (y * z - x * w), 1 - 2 * (x * x + y * y)};
-    memset(out, 0, 16 * sizeof *out);
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row)
-            out[4 * column + row] = rotation[3 * column + row] * s[column];
-    memcpy(out + 12, t, 3 * sizeof *t);
-    out[15] = 1;
-}
-
 static norma_document_result read_local(
     const gltf *g, gltf_node *node, norma_document_error *error) {
-    double t[3] = {0, 0, 0}, q[4] = {0, 0, 0, 1}, s[3] = {1, 1, 1};
+    gltf_trs trs = {.rotation = {0, 0, 0, 1}, .scale = {1, 1, 1}};
     int there;
     if (!read_node_numbers(g, node->token, "matrix", 16, node->local, &node->has_matrix))
         return norma_gltf_malformed(g, error, node->token, "16 numbers in \"matrix\"");
     if (node->has_matrix) return NORMA_DOCUMENT_OK;
-    if (!read_node_numbers(g, node->token, "translation", 3, t, &there) ||
-        !read_node_numbers(g, node->token, "rotation", 4, q, &there) ||
-        !read_node_numbers(g, node->token, "scale", 3, s, &there))
+    if (!read_node_numbers(g, node->token, "translation", 3, trs.translation, &there) ||
+        !read_node_numbers(g, node->token, "rotation", 4, trs.rotation, &there) ||
+        !read_node_numbers(g, node->token, "scale", 3, trs.scale, &there))
         return norma_gltf_malformed(
             g, error, node->token, "3 numbers in \"translation\" and \"scale\", 4 in \"rotation\"");
-    compose_local(t, q, s, node->local);
+    norma_gltf_matrix_compose(&trs, node->local);
     return NORMA_DOCUMENT_OK;
 }
 

@@ -83,11 +83,8 @@ void norma_gltf_count_image_uses(const gltf *g, uint32_t *counts, size_t images)
 
 enum { MOST_ATTEMPTS = 10000 };
 
-static int equals_ignoring_case(const char *a, const char *b) {
-    for (a += strncmp(a, "./", 2) == 0 ? 2 : 0; *a && *b; ++a, ++b)
-        if ((*a >= 'A' && *a <= 'Z' ? *a + 32 : *a) != (*b >= 'A' && *b <= 'Z' ? *b + 32 : *b))
-            return 0;
-    return *a == *b;
+static int equals_name(const char *uri, const char *name) {
+    return norma_gltf_equals_any_case(uri + (strncmp(uri, "./", 2) == 0 ? 2 : 0), name);
 }
 
 /* Whether a buffer or another image has the name; -1: out of memory. */
@@ -97,14 +94,14 @@ static int is_named(const gltf *g, const given_image *image, const char *name) {
     size_t number = 0;
     int failed = 0, found = 0;
     for (uint32_t b = 0; b < g->buffer_count; ++b)
-        found |= g->buffers[b].name && equals_ignoring_case(g->buffers[b].name, name);
+        found |= g->buffers[b].name && equals_name(g->buffers[b].name, name);
     for (uint32_t token = norma_json_first(j, images); token != JSON_NONE && !found && !failed;
          token = norma_json_next(j, images, token), ++number) {
         if (number == image->number) continue;
         const given_image *given = norma_document_given_image(g->document, number);
         char *other = given ? NULL : norma_gltf_image_name(j, token, &failed);
-        found = (given && given->name && equals_ignoring_case(given->name, name)) ||
-                (other && equals_ignoring_case(other, name));
+        found = (given && given->name && equals_name(given->name, name)) ||
+                (other && equals_name(other, name));
         free(other);
     }
     return failed ? -1 : found;

@@ -251,16 +251,18 @@ int norma_gltf_is_hidden(const char *name) {
     return 0;
 }
 
-static int equals_any_case(const char *a, const char *b) {
+static char lower_case(char c) { return (char)(c >= 'A' && c <= 'Z' ? c + 32 : c); }
+
+int norma_gltf_equals_any_case(const char *a, const char *b) {
     for (; *a && *b; ++a, ++b)
-        if ((*a >= 'A' && *a <= 'Z' ? *a + 32 : *a) != *b) return 0;
+        if (lower_case(*a) != lower_case(*b)) return 0;
     return *a == *b;
 }
 
 int norma_gltf_has_suffix(const char *name, const char *const *suffixes, size_t count) {
     const char *slash = strrchr(name, '/'), *dot = strrchr(slash ? slash : name, '.');
     for (size_t i = 0; dot && i < count; ++i)
-        if (equals_any_case(dot + 1, suffixes[i])) return 1;
+        if (norma_gltf_equals_any_case(dot + 1, suffixes[i])) return 1;
     return 0;
 }
 

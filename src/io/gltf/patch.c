@@ -115,15 +115,15 @@ void norma_gltf_patch_free(gltf *g) {
     norma_gltf_free_layout(g);
     for (size_t i = 0; i < patch->data_count; ++i) free(patch->datas[i].bytes);
     for (size_t i = 0; i < patch->copy_count; ++i) norma_json_edits_destroy(patch->copies[i].edits);
-    for (size_t i = 0; i < patch->run_count; ++i) free(patch->pieces[i].owned);
+    for (size_t i = 0; i < patch->run_count; ++i) free(patch->runs[i].owned);
     for (size_t i = 0; i < patch->view_count; ++i) {
         free(patch->views[i].owned);
         free(patch->views[i].owned_packed);
     }
     for (size_t i = 0; i < patch->image_count; ++i) free(patch->images[i].bytes);
     void *const blocks[] = {patch->datas, patch->same, patch->slots, patch->copies,
-        patch->accessors, patch->pieces, patch->views, patch->replaced, patch->released,
-        patch->pins, patch->stripped, patch->unpacked, patch->images};
+        patch->accessors, patch->runs, patch->views, patch->replaced, patch->released, patch->pins,
+        patch->stripped, patch->unpacked, patch->images};
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
     free(patch);
     g->patch = NULL;

@@ -237,10 +237,6 @@ typedef struct contents {
     uint8_t *changed; /* a vertex whose normal's code is not the old one's */
 } contents;
 
-static norma_document_result fail_contents(const contents *c) {
-    return norma_document_fail_memory(c->job->g->document, c->job->error);
-}
-
 static int is_new(const gltf_set *set, size_t vertex) {
     return vertex >= set->vertices || !set->broken || set->broken[vertex];
 }
@@ -343,7 +339,7 @@ static norma_document_result put_normals(const contents *c) {
         data = vector_data(encoding, 3, c->count);
         if (!data.bytes || !encode_units(encoding, c->set->normals, c->count, data.bytes,
                                norma_gltf_data_size(&data)))
-            result = fail_contents(c);
+            result = norma_gltf_job_memory(c->job);
     }
     if (old == GLTF_NONE)
         memset(c->changed, 1, c->count);
@@ -407,7 +403,7 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
     free(units);
     free(codes);
     free(turned);
-    return ok ? NORMA_DOCUMENT_OK : fail_contents(c);
+    return ok ? NORMA_DOCUMENT_OK : norma_gltf_job_memory(c->job);
 }
 
 /* Tangents that are all zeros, for want of any bytes, are none. */
@@ -475,7 +471,7 @@ norma_document_result norma_gltf_put_deltas(
     vector_encoding encoding = vector_encoding_of(g, old, 3);
     if (!fits_encoding(encoding, deltas, c.count)) encoding = VECTOR_FLOAT;
     gltf_data data = vector_data(encoding, 3, c.count);
-    if (!data.bytes) return fail_contents(&c);
+    if (!data.bytes) return norma_gltf_job_memory(c.job);
     encode_deltas(encoding, deltas, c.count, data.bytes);
     norma_document_result result =
         old == GLTF_NONE ? NORMA_DOCUMENT_OK : merge_old(&c, old, encoding, &data);
@@ -517,7 +513,7 @@ norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t number) {
     if (result) return result;
     c.stored = tangents ? norma_io_allocate(c.count, 3 * sizeof *c.stored) : NULL;
     c.changed = norma_io_allocate(c.count, 1);
-    if ((!c.stored && tangents) || !c.changed) result = fail_contents(&c);
+    if ((!c.stored && tangents) || !c.changed) result = norma_gltf_job_memory(c.job);
     if (!result) {
         norma_policy_fill(
             &job->policy, set->normals, set->reasons, c.count, set->broken, set->vertices);

@@ -1,6 +1,7 @@
 /* vertex_sharing.c: which primitives share vertices, and what becomes of those: points become
  * vertices, corners new indices. */
 #include "io/gltf/gltf.h"
+#include "core/call/table.h"
 #include "io/file/file.h"
 #include "io/stream/stream.h"
 #include <math.h>
@@ -10,10 +11,6 @@
 /* ---- Which primitives draw the same vertices, and which vertices their points
  * become: the first point of an old vertex gets its number, so that old indices stay right; further
  * ones are added behind. */
-
-static norma_document_result fail_sharing(const gltf_job *job) {
-    return norma_document_fail_memory(job->g->document, job->error);
-}
 
 /* ---- making sets */
 
@@ -57,7 +54,7 @@ static norma_document_result find_broken_normals(gltf_job *job, gltf_set *set, u
     norma_document_result result = norma_gltf_array(job->g, normal, &array, job->error);
     if (result) return result;
     set->broken = norma_io_allocate(set->vertices, 1);
-    if (!set->broken) return fail_sharing(job);
+    if (!set->broken) return norma_gltf_job_memory(job);
     set->wanted = 0;
     for (size_t i = 0; i < set->vertices; ++i) {
         float n[16];
@@ -86,7 +83,7 @@ static int lacks_deltas(const gltf_job *job, const gltf_primitive *p) {
 
 static norma_document_result find_missing(const gltf_job *job, gltf_set *set, uint32_t normal) {
     set->broken = norma_io_allocate(set->vertices, 1);
-    if (!set->broken) return fail_sharing(job);
+    if (!set->broken) return norma_gltf_job_memory(job);
     for (size_t i = job->g->accessors[normal].count; i < set->vertices; ++i) set->broken[i] = 1;
     return NORMA_DOCUMENT_OK;
 }
@@ -169,7 +166,7 @@ norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job) {
     job->next_in_set = norma_io_allocate(g->primitive_count, sizeof *job->next_in_set);
     job->corners = norma_io_allocate(g->primitive_count, sizeof *job->corners);
     if (!sets_at || !job->sets || !job->set_of || !job->next_in_set || !job->corners)
-        result = fail_sharing(job);
+        result = norma_gltf_job_memory(job);
     for (uint32_t slot = 0; !result && slot < g->primitive_count; ++slot) sets_at[slot] = GLTF_NONE;
     for (uint32_t i = 0; !result && i < g->primitive_count; ++i) {
         job->set_of[i] = job->next_in_set[i] = GLTF_NONE;
@@ -224,45 +221,50 @@ static int begin_set_vertices(gltf_set *set) {
     return set->taken && make_set_room(set, set->vertices);
 }
 
-static size_t hash_set_vertex(uint32_t vertex, const float normal[3]) {
-    uint32_t bits[3];
-    memcpy(bits, normal, sizeof bits);
-    uint64_t hash = ((uint64_t)vertex << 32 | bits[0]) * 0x9E3779B97F4A7C15u;
-    hash = (hash ^ hash >> 31 ^ ((uint64_t)bits[1] << 32 | bits[2])) * 0xD6E8FEB86659FD93u;
-    return (size_t)(hash ^ hash >> 32);
+typedef struct wanted_vertex {
+    const gltf_set *set;
+    const unsigned char *codes; /* size bytes of each vertex */
+    size_t size;
+    uint32_t vertex;
+    const void *code;
+} wanted_vertex;
+
+static int is_wanted_vertex(const void *context, uint32_t number) {
+    const wanted_vertex *w = context;
+    return norma_gltf_old_vertex(w->set, number) == w->vertex &&
+           memcmp(w->codes + number * w->size, w->code, w->size) == 0;
 }
 
-static int grow_set_table(gltf_set *set, size_t used) {
-    size_t size = 64;
-    while (size / 4 < used) size *= 2;
-    uint32_t *table = norma_io_allocate(size, sizeof *table);
+static uint32_t *look_for_vertex(uint32_t *table, size_t table_size, const wanted_vertex *w) {
+    const uint64_t hash =
+        norma_core_hash(w->code, w->size) ^ w->vertex * UINT64_C(0xD6E8FEB86659FD93) >> 20;
+    return norma_core_table_find(table, table_size, hash, is_wanted_vertex, w);
+}
+
+static int grow_vertex_table(gltf_set *set, const unsigned char *codes, size_t size) {
+    const size_t larger = norma_core_table_size(2 * (set->vertices + set->added_count + 1));
+    uint32_t *table = norma_io_allocate(larger, sizeof *table);
     for (size_t i = 0; table && i < set->table_size; ++i) {
         if (!set->table[i]) continue;
-        size_t vertex = set->table[i] - 1,
-               at = hash_set_vertex(norma_gltf_old_vertex(set, vertex), set->normals + 3 * vertex) &
-                    (size - 1);
-        while (table[at]) at = (at + 1) & (size - 1);
-        table[at] = set->table[i];
+        const uint32_t number = set->table[i] - 1;
+        const wanted_vertex w = {
+            set, codes, size, norma_gltf_old_vertex(set, number), codes + number * size};
+        *look_for_vertex(table, larger, &w) = number + 1;
     }
     if (!table) return 0;
     free(set->table);
     set->table = table;
-    set->table_size = size;
+    set->table_size = larger;
     return 1;
 }
 
-/* The place in the table of a vertex with this normal, or a free one. Only for sets that several
- * meshes draw: within one mesh points differ anyway. */
-static uint32_t *find_in_table(const gltf_set *set, uint32_t vertex, const float normal[3]) {
-    size_t at = hash_set_vertex(vertex, normal) & (set->table_size - 1);
-    while (set->table[at]) {
-        size_t found = set->table[at] - 1;
-        if (norma_gltf_old_vertex(set, found) == vertex &&
-            memcmp(set->normals + 3 * found, normal, 3 * sizeof *normal) == 0)
-            break;
-        at = (at + 1) & (set->table_size - 1);
-    }
-    return &set->table[at];
+uint32_t *norma_gltf_find_vertex(
+    gltf_set *set, const void *codes, size_t size, uint32_t vertex, const void *code) {
+    const wanted_vertex w = {set, codes, size, vertex, code};
+    return set->table_size / 2 > set->vertices + set->added_count ||
+                   grow_vertex_table(set, codes, size)
+               ? look_for_vertex(set->table, set->table_size, &w)
+               : NULL;
 }
 
 /* The number of the vertex that an old vertex with this normal becomes; GLTF_NONE: out of memory,
@@ -272,11 +274,9 @@ static uint32_t take_set_vertex(
     size_t number = vertex;
     uint32_t *place = NULL;
     if (set->broken && !set->broken[vertex]) return vertex;
-    if (set->mesh == GLTF_NONE) {
-        if (set->table_size / 4 <= set->vertices + set->added_count &&
-            !grow_set_table(set, (set->vertices + set->added_count + 1) * 2))
-            return GLTF_NONE;
-        place = find_in_table(set, vertex, normal);
+    if (set->mesh == GLTF_NONE) { /* within one mesh points differ anyway */
+        place = norma_gltf_find_vertex(set, set->normals, 3 * sizeof *normal, vertex, normal);
+        if (!place) return GLTF_NONE;
         if (*place) return *place - 1;
     }
     if (set->taken[vertex]) {
@@ -387,7 +387,7 @@ norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s) {
     if (!alone) free(places);
     free(stamps);
     free(done);
-    return ok ? NORMA_DOCUMENT_OK : fail_sharing(job);
+    return ok ? NORMA_DOCUMENT_OK : norma_gltf_job_memory(job);
 }
 
 /* ---- vertices that no triangle uses */
@@ -408,7 +408,7 @@ static norma_document_result own_corners(
         memcpy(*corners + at, own, 3 * g->primitives[i].faces * sizeof *own);
         at += 3 * g->primitives[i].faces;
     }
-    return *corners ? NORMA_DOCUMENT_OK : fail_sharing(job);
+    return *corners ? NORMA_DOCUMENT_OK : norma_gltf_job_memory(job);
 }
 
 static void take_nearest(gltf_set *set, const float *normals, const uint8_t *reasons) {
@@ -426,7 +426,7 @@ norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set)
     size_t missing = 0, count;
     gltf_array positions;
     uint32_t *corners = NULL;
-    if (!begin_set_vertices(set)) return fail_sharing(job);
+    if (!begin_set_vertices(set)) return norma_gltf_job_memory(job);
     for (size_t v = 0; v < set->vertices; ++v)
         missing += !set->taken[v] && (!set->broken || set->broken[v]);
     if (!missing) return NORMA_DOCUMENT_OK;
@@ -457,26 +457,6 @@ norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set)
  * widen where added vertices need it, the largest value of each width being no index
  * (glTF 2.0, 3.7.2.1); strips and fans whose corners changed become triangles. */
 
-static norma_document_result fail_indices(const gltf_job *job) {
-    return norma_document_fail_memory(job->g->document, job->error);
-}
-
-static void write_new_index(unsigned char *at, int component, uint32_t value) {
-    at[0] = (unsigned char)value;
-    if (component != GLTF_UBYTE) at[1] = (unsigned char)(value >> 8);
-    if (component == GLTF_UINT) {
-        at[2] = (unsigned char)(value >> 16);
-        at[3] = (unsigned char)(value >> 24);
-    }
-}
-
-static int index_component_for(const gltf *g, const gltf_primitive *p, uint32_t largest) {
-    int component = p->indices == GLTF_NONE ? GLTF_USHORT : g->accessors[p->indices].component;
-    if (component == GLTF_UBYTE && largest >= UINT8_MAX) component = GLTF_USHORT;
-    if (component == GLTF_USHORT && largest >= UINT16_MAX) component = GLTF_UINT;
-    return component;
-}
-
 /* Corners of a triangle list that make no whole triangle stay at its end. */
 static size_t left_over(const gltf *g, const gltf_primitive *p) {
     if (p->mode != GLTF_TRIANGLES) return 0;
@@ -501,13 +481,13 @@ static norma_document_result encode_new_indices(
     gltf_job *job, gltf_data *data, const uint32_t *corners, size_t count, const gltf_array *old) {
     const size_t size = norma_gltf_data_size(data);
     data->bytes = norma_io_block(data->count, size);
-    if (!data->bytes) return fail_indices(job);
+    if (!data->bytes) return norma_gltf_job_memory(job);
     for (size_t i = 0; i < count; ++i)
-        write_new_index(data->bytes + i * size, data->component, corners[i]);
+        norma_gltf_write_index(data->bytes + i * size, data->component, corners[i]);
     for (size_t i = count; i < data->count; ++i) {
         uint32_t index = (uint32_t)i;
         if (old->data) norma_gltf_uints(old, i, &index);
-        write_new_index(data->bytes + i * size, data->component, index);
+        norma_gltf_write_index(data->bytes + i * size, data->component, index);
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -534,7 +514,8 @@ static norma_document_result put_index_list(
         return result;
     }
     for (size_t i = 0; i < count; ++i) largest = corners[i] > largest ? corners[i] : largest;
-    gltf_data data = {.component = index_component_for(g, p, largest),
+    gltf_data data = {
+        .component = norma_gltf_index_component(g, p, (size_t)largest + 1, GLTF_USHORT),
         .width = 1,
         .count = count + extra,
         .is_indices = 1};
@@ -548,14 +529,14 @@ static norma_document_result put_index_list(
     const gltf_slot slot = {.primitive = number, .target = GLTF_SLOT_INDICES};
     uint32_t added = norma_gltf_add_data(g, &data);
     return added != GLTF_NONE && norma_gltf_put(g, &slot, added) ? NORMA_DOCUMENT_OK
-                                                                 : fail_indices(job);
+                                                                 : norma_gltf_job_memory(job);
 }
 
 /* 0, 1, 2, ...: for a primitive without indices whose vertices became more than it draws. */
 static norma_document_result put_sequence(gltf_job *job, uint32_t number) {
     const gltf_primitive *p = &job->g->primitives[number];
     uint32_t *corners = norma_io_allocate(p->vertices, sizeof *corners);
-    if (!corners) return fail_indices(job);
+    if (!corners) return norma_gltf_job_memory(job);
     for (size_t i = 0; i < p->vertices; ++i) corners[i] = (uint32_t)i;
     return put_index_list(job, number, corners, p->vertices, 0);
 }
