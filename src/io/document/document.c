@@ -43,7 +43,7 @@ static void swap_documents(norma_document *document, norma_document *made) {
     document->functions->adopt(made);
 }
 
-norma_document_result norma_document_flush(norma_document *document, norma_document_error *error) {
+static norma_document_result flush_changes(norma_document *document, norma_document_error *error) {
     if (!document->functions->reopen || !document->functions->has_change(document))
         return NORMA_DOCUMENT_OK;
     const norma_document_options options = {.struct_size = sizeof options,
@@ -62,20 +62,23 @@ norma_document_result norma_document_flush(norma_document *document, norma_docum
     return result;
 }
 
-norma_document_result norma_document_settle(norma_document *document, norma_document_error *error) {
+/* Before something is given out, so that it stays where it is until the next change: nothing waits
+ * that giving out something else would first have to write. Changes that wait together (OBJ) are
+ * shown as they are. */
+static norma_document_result flush_waiting(norma_document *document, norma_document_error *error) {
     const edited_format *edited = document->functions->edited;
     return edited && !edited->gathers ? norma_edited_flush(document, error)
-                                      : norma_document_flush(document, error);
+                                      : flush_changes(document, error);
 }
 
 norma_document_result norma_document_ready(norma_document *document, norma_document_error *error) {
     const norma_document_result result = norma_document_usable(document, error);
-    return result ? result : norma_document_settle(document, error);
+    return result ? result : flush_waiting(document, error);
 }
 
 int norma_document_up_to_date(const norma_document *document) {
     norma_document *own = (norma_document *)(uintptr_t)document;
-    if (own && !own->failed && own->state) (void)norma_document_flush(own, NULL);
+    if (own && !own->failed && own->state) (void)flush_changes(own, NULL);
     return document != NULL;
 }
 
@@ -107,7 +110,7 @@ norma_document_result norma_document_mesh_info(
     /* Its texts are valid as long as the arrays are. */
     norma_document *own = (norma_document *)(uintptr_t)document;
     const norma_document_result result =
-        document->failed || !document->state ? NORMA_DOCUMENT_OK : norma_document_settle(own, NULL);
+        document->failed || !document->state ? NORMA_DOCUMENT_OK : flush_waiting(own, NULL);
     if (result) return result;
     return document->functions->mesh_info(document, index, info);
 }
@@ -156,7 +159,7 @@ norma_document_result norma_document_mesh_data(
 
 static norma_document_result begin_change(norma_document *document, norma_document_error *error) {
     norma_document_result result = norma_document_usable(document, error);
-    if (!result) result = norma_document_flush(document, error);
+    if (!result) result = flush_changes(document, error);
     if (!result && !document->functions->compute)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "files of this format can be read, but not changed");
@@ -223,7 +226,7 @@ static norma_document_result renew_tangents(norma_document *document,
         .progress_user = compute->progress_user,
         .meshes = document->renew};
     norma_tangent_summary made = {0};
-    norma_document_result result = norma_document_flush(document, error);
+    norma_document_result result = flush_changes(document, error);
     if (!result) result = document->functions->tangents(document, &options, &made, error);
     document->failed |= result != NORMA_DOCUMENT_OK;
     summary->changed |= made.changed;
@@ -376,7 +379,7 @@ norma_document_result norma_document_turn_green(
     result = document->functions->turn_green(document, meshes, changed, error);
     end_change(document, result);
     if (result || !*changed) return result;
-    result = norma_document_flush(document, error);
+    result = flush_changes(document, error);
     document->failed |= result != NORMA_DOCUMENT_OK;
     return result;
 }

@@ -172,7 +172,7 @@ norma_document_result norma_stored_normals_progress(const norma_document *docume
 }
 
 static norma_document_result prepare_map(const norma_document *document, const double model[16],
-    normal_carrier *carrier, norma_document_error *error) {
+    normal_mapping *mapping, norma_document_error *error) {
     double exact[9], greatest = 0, squares[3] = {0};
     norma_matrix_info info;
     norma_result failed = norma_normal_matrix_double(model, NORMA_WINDING_REVERSED, exact, &info);
@@ -181,25 +181,25 @@ static norma_document_result prepare_map(const norma_document *document, const d
     /* Near 1, so that no entry that matters is lost when it becomes a float. */
     for (size_t i = 0; i < 9; ++i) {
         exact[i] = greatest > 0 ? exact[i] / greatest : 0;
-        carrier->matrix[i] = (float)exact[i];
+        mapping->matrix[i] = (float)exact[i];
         squares[i / 3] += exact[i] * exact[i];
     }
     size_t longest = 0;
     for (size_t column = 1; column < 3; ++column)
         longest = squares[column] > squares[longest] ? column : longest;
     for (size_t axis = 0; axis < 3; ++axis)
-        carrier->flat[axis] =
+        mapping->flat[axis] =
             greatest > 0 ? exact[3 * longest + axis] / sqrt(squares[longest]) : axis == 2;
-    carrier->mirrored = info.mirrored;
+    mapping->mirrored = info.mirrored;
     return NORMA_DOCUMENT_OK;
 }
 
 norma_document_result norma_stored_normals_begin(const norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
-    normal_carrier *carrier, norma_document_error *error) {
-    norma_document_result result = prepare_map(document, options->matrix, carrier, error);
+    normal_mapping *mapping, norma_document_error *error) {
+    norma_document_result result = prepare_map(document, options->matrix, mapping, error);
     if (result) return result;
-    summary->mirrored = carrier->mirrored;
+    summary->mirrored = mapping->mirrored;
     return norma_stored_normals_progress(document, options, 0, error);
 }
 
@@ -223,7 +223,7 @@ norma_document_result norma_check_transformed_range(const norma_document *docume
     return NORMA_DOCUMENT_OK;
 }
 
-static void settle_lost(const normal_carrier *carrier, const double *before, float *after,
+static void fill_lost(const normal_mapping *mapping, const double *before, float *after,
     size_t count, size_t *vanished, size_t *not_finite) {
     for (size_t i = 0; i < count; ++i, before += 3, after += 3) {
         if (after[0] != 0 || after[1] != 0 || after[2] != 0) continue;
@@ -231,19 +231,19 @@ static void settle_lost(const normal_carrier *carrier, const double *before, flo
             ++*not_finite;
         } else if (before[0] != 0 || before[1] != 0 || before[2] != 0) {
             ++*vanished;
-            for (int axis = 0; axis < 3; ++axis) after[axis] = (float)carrier->flat[axis];
+            for (int axis = 0; axis < 3; ++axis) after[axis] = (float)mapping->flat[axis];
         }
     }
 }
 
 norma_document_result norma_transform_stored_normals(norma_document *document,
-    const normal_carrier *carrier, const double *normals, size_t count, float *out,
+    const normal_mapping *mapping, const double *normals, size_t count, float *out,
     norma_document_error *error) {
     const norma_vec3_view view = {.data = normals, .count = count, .format = NORMA_FORMAT_DOUBLE};
-    norma_result failed = norma_transform_normals(carrier->matrix, view, out, 0, count);
+    norma_result failed = norma_transform_normals(mapping->matrix, view, out, 0, count);
     if (failed) return norma_document_fail_core(document, error, failed);
     size_t vanished = 0, not_finite = 0;
-    settle_lost(carrier, normals, out, count, &vanished, &not_finite);
+    fill_lost(mapping, normals, out, count, &vanished, &not_finite);
     if (vanished > 0)
         norma_document_add_note(document,
             "%zu normals vanish under this matrix, because it flattens; they got the one direction "

@@ -237,14 +237,8 @@ int norma_document_changed(const norma_document *document, norma_document_error 
 /* Before it is asked: what a change has made of it shows, unless it cannot be read anew; then it
  * answers as it was. Whether there is a document. */
 int norma_document_up_to_date(const norma_document *document);
-/* Reads a changed document anew from what it has become, where its format has changes wait. */
-norma_document_result norma_document_flush(norma_document *document, norma_document_error *error);
-/* Before something is given out, so that it stays where it is until the next change: nothing waits
- * that giving out something else would first have to write. Changes that wait together (OBJ) are
- * shown as they are. */
-norma_document_result norma_document_settle(norma_document *document, norma_document_error *error);
-norma_document_result norma_document_ready(
-    norma_document *document, norma_document_error *error); /* usable, and settled */
+norma_document_result norma_document_ready(norma_document *document,
+    norma_document_error *error); /* usable, and nothing waits to be written */
 
 /* Of the image of this number the bytes that it will have; NULL: those of its file. */
 const given_image *norma_document_given_image(const norma_document *document, size_t number);
@@ -332,15 +326,6 @@ void norma_scene_forget(
 /* ---- Single faces and vectors of a document changed, for norma_document_edit. Each format has
  * a file of its own. */
 
-norma_document_result norma_obj_edit(
-    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
-norma_document_result norma_ply_edit(
-    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
-norma_document_result norma_stl_edit(
-    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
-norma_document_result norma_gltf_edit(
-    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
-
 static inline int norma_edit_has_faces(const norma_mesh_edit *edit) {
     return edit->reverse_faces || edit->drop_faces || edit->source_vertices;
 }
@@ -399,27 +384,24 @@ void norma_recentre_add(recentre_box *box, const double position[3]);
  */
 int norma_recentre_step(const recentre_box *box, double step[3]);
 
-norma_document_result norma_gltf_recentre(
-    norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error);
-
 /* ---- Stored normals under the matrix of a whole document. */
 
-typedef struct normal_carrier {
+typedef struct normal_mapping {
     float matrix[9]; /* the normal matrix, its greatest entry 1 */
     double flat[3];  /* where the model flattens: the direction of the normals that remain */
     int mirrored;
-} normal_carrier;
+} normal_mapping;
 
 /* Progress is 0, and the summary knows whether the matrix mirrors. */
 norma_document_result norma_stored_normals_begin(const norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
-    normal_carrier *carrier, norma_document_error *error);
+    normal_mapping *mapping, norma_document_error *error);
 norma_document_result norma_stored_normals_progress(const norma_document *document,
     const norma_transform_options *options, double fraction, norma_document_error *error);
 /* normals: three doubles each, out: three floats. What the matrix takes to nothing gets the
  * direction that remains, what is not finite becomes zero; notes say how many. */
 norma_document_result norma_transform_stored_normals(norma_document *document,
-    const normal_carrier *carrier, const double *normals, size_t count, float *out,
+    const normal_mapping *mapping, const double *normals, size_t count, float *out,
     norma_document_error *error);
 /* Refuses a matrix that takes a finite coordinate beyond most, the largest number that the file can
  * hold. what: the element that the message names, which has positions_each of them. */

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- What is known of nodes before any is baked: which are animated, joints, or carry
+/* ---- What is known of nodes before any is baked: which are animated, joints, or hold
  * more than a mesh. */
 
 uint32_t *norma_gltf_bake_order(const gltf *g, const gltf_tree *tree) {
@@ -80,7 +80,7 @@ static void flag_skins(const gltf *g, unsigned char *flags) {
 static const char *const placeless[] = {"EXT_mesh_gpu_instancing", "KHR_node_visibility",
     "KHR_node_selectability", "KHR_node_hoverability", "KHR_xmp_json_ld", "KHR_xmp"};
 
-static int carries_more(const gltf *g, uint32_t node) {
+static int holds_more(const gltf *g, uint32_t node) {
     const json *j = &g->json;
     const uint32_t token = g->nodes[node].token,
                    extensions = norma_json_member(j, token, "extensions");
@@ -102,7 +102,7 @@ unsigned char *norma_gltf_bake_flags(const gltf *g, const uint32_t *order) {
     flag_skins(g, flags);
     for (uint32_t i = 0; i < g->node_count; i++) {
         const uint32_t node = order[i], parent = g->nodes[node].parent;
-        if (carries_more(g, node)) flags[node] |= BAKE_CARRIES;
+        if (holds_more(g, node)) flags[node] |= BAKE_HOLDS_MORE;
         if ((flags[node] & BAKE_MOVES) || (parent != GLTF_NONE && (flags[parent] & BAKE_MOVED)))
             flags[node] |= BAKE_MOVED;
     }
@@ -122,13 +122,13 @@ const char *norma_gltf_bake_obstacle(const gltf *g, uint32_t mesh) {
 }
 
 /* ---- --bake: the world matrix of every node that draws a mesh becomes the identity, the mesh
- * is carried instead.
+ * is transformed instead.
  *
  * A node that is baked stays where it hangs. Below a node that keeps its own world matrix it gets
  * the inverse of that (two nodes where it is sheared; where there is no inverse, it becomes a
  * root); below another baked node, and as a root, nothing. What hangs below it and keeps its world
  * matrix goes under a new node between them that holds the matrix which the baked node gave up. A
- * node that carries more than a mesh (a camera, a light, a joint) keeps its matrix, and a new node
+ * node that holds more than a mesh (a camera, a light, a joint) keeps its matrix, and a new node
  * below draws the mesh.
  *
  * The matrix that is applied after all node transforms is in the meshes that are baked. All else
@@ -151,12 +151,12 @@ typedef struct baking {
     int moves; /* options->matrix is not the identity */
     uint32_t *order;
     unsigned char *flags, *fates,
-        *carried;         /* by node; carried: by root, whether the matrix goes above it */
+        *under_matrix;    /* by node; under_matrix: by root, whether the matrix goes above it */
     uint32_t *roots;      /* by node: its root */
     uint32_t *stays;      /* by mesh: how many nodes draw it that are not baked */
     unsigned char *taken; /* by mesh: a baked node has it already, another one gets a copy */
     int instances_left;   /* instances that stay */
-    size_t uses, done;    /* meshes to be carried */
+    size_t uses, done;    /* meshes to be transformed */
 } baking;
 
 static int allocate_baking(baking *b) {
@@ -164,11 +164,11 @@ static int allocate_baking(baking *b) {
     b->order = norma_gltf_bake_order(b->g, &b->tree);
     b->flags = b->order ? norma_gltf_bake_flags(b->g, b->order) : NULL;
     b->fates = norma_io_allocate(nodes, 1);
-    b->carried = norma_io_allocate(nodes, 1);
+    b->under_matrix = norma_io_allocate(nodes, 1);
     b->roots = norma_io_allocate(nodes, sizeof *b->roots);
     b->stays = norma_io_allocate(meshes, sizeof *b->stays);
     b->taken = norma_io_allocate(meshes, 1);
-    return b->flags && b->fates && b->carried && b->roots && b->stays && b->taken;
+    return b->flags && b->fates && b->under_matrix && b->roots && b->stays && b->taken;
 }
 
 static void free_baking(baking *b) {
@@ -177,7 +177,7 @@ static void free_baking(baking *b) {
     free(b->order);
     free(b->flags);
     free(b->fates);
-    free(b->carried);
+    free(b->under_matrix);
     free(b->roots);
     free(b->stays);
     free(b->taken);
@@ -201,7 +201,7 @@ static const char *why_not(const baking *b, uint32_t node) {
     if (n->skin != GLTF_NONE) return "its mesh is skinned, and follows its joints";
     if (flags & BAKE_MOVES) return "it is animated";
     if (flags & BAKE_MOVED) return "a node above it is animated";
-    if ((flags & BAKE_WEIGHTS) && ((flags & (BAKE_CARRIES | BAKE_JOINT)) || n->instanced))
+    if ((flags & BAKE_WEIGHTS) && ((flags & (BAKE_HOLDS_MORE | BAKE_JOINT)) || n->instanced))
         return "its morph weights are animated, and it holds more than one mesh at one place";
     return NULL;
 }
@@ -223,7 +223,7 @@ static node_fate fate_of(const baking *b, uint32_t node) {
     norma_gltf_matrix_multiply(b->options->matrix, n->world, world);
     if (!n->instanced && norma_gltf_matrix_is_identity(world))
         return FATE_KEEPS; /* nothing to bake */
-    return b->flags[node] & (BAKE_CARRIES | BAKE_JOINT) ? FATE_PARTED : FATE_BAKED;
+    return b->flags[node] & (BAKE_HOLDS_MORE | BAKE_JOINT) ? FATE_PARTED : FATE_BAKED;
 }
 
 static void decide_fates(baking *b) {
@@ -243,7 +243,7 @@ static void decide_fates(baking *b) {
 }
 
 /* Which roots hold something besides baked nodes and the groups above them. */
-static norma_document_result decide_carried(baking *b, norma_document_error *error) {
+static norma_document_result decide_under_matrix(baking *b, norma_document_error *error) {
     unsigned char *groups =
         norma_io_allocate((size_t)b->g->node_count + 1, 1); /* has a baked node below */
     if (!groups) return norma_document_fail_memory(b->g->document, error);
@@ -252,9 +252,9 @@ static norma_document_result decide_carried(baking *b, norma_document_error *err
         const int baked = b->fates[node] == FATE_BAKED;
         if ((baked || groups[node]) && parent != GLTF_NONE) groups[parent] = 1;
         const int draws = b->g->nodes[node].mesh != GLTF_NONE;
-        if (!baked &&
-            (draws || !groups[node] || (b->flags[node] & (BAKE_MOVES | BAKE_JOINT | BAKE_CARRIES))))
-            b->carried[b->roots[node]] = 1;
+        if (!baked && (draws || !groups[node] ||
+                          (b->flags[node] & (BAKE_MOVES | BAKE_JOINT | BAKE_HOLDS_MORE))))
+            b->under_matrix[b->roots[node]] = 1;
     }
     free(groups);
     return NORMA_DOCUMENT_OK;
@@ -265,7 +265,7 @@ static norma_document_result decide_carried(baking *b, norma_document_error *err
 /* The world matrix that a node which keeps its own will have. */
 static void kept_world(const baking *b, uint32_t node, double world[16]) {
     memcpy(world, b->g->nodes[node].world, 16 * sizeof *world);
-    if (b->moves && b->carried[b->roots[node]])
+    if (b->moves && b->under_matrix[b->roots[node]])
         norma_gltf_matrix_multiply(b->options->matrix, world, world);
 }
 
@@ -314,12 +314,12 @@ static void rehang_baked(baking *b, uint32_t node) {
 /* The matrix above all roots that hold something it must move. Roots that are baked have it in what
  * keep_children made; a skinned mesh without children goes by its joints and would rather be a
  * root. */
-static norma_document_result raise_carried(baking *b, norma_document_error *error) {
+static norma_document_result raise_under_matrix(baking *b, norma_document_error *error) {
     unsigned char *wanted = norma_io_allocate((size_t)b->g->node_count + 1, 1);
     if (!wanted) return norma_document_fail_memory(b->g->document, error);
     for (uint32_t i = 0; i < b->g->node_count; i++) {
         const int is_root = b->g->nodes[i].parent == GLTF_NONE;
-        wanted[i] = is_root && b->carried[i] && b->fates[i] != FATE_BAKED &&
+        wanted[i] = is_root && b->under_matrix[i] && b->fates[i] != FATE_BAKED &&
                     !(b->g->nodes[i].skin != GLTF_NONE && b->tree.nodes[i].first == GLTF_NONE);
     }
     norma_gltf_tree_raise(&b->tree, wanted, b->options->matrix);
@@ -329,7 +329,7 @@ static norma_document_result raise_carried(baking *b, norma_document_error *erro
 
 /* ---- the meshes */
 
-/* A mesh of its own for holder, carried by world. */
+/* A mesh of its own for holder, transformed by world. */
 static norma_document_result bake_use(baking *b, uint32_t node, uint32_t holder,
     const double world[16], norma_document_error *error) {
     gltf *g = b->g;
@@ -438,10 +438,10 @@ static norma_document_result unlist_instancing(baking *b, norma_document_error *
 
 static norma_document_result bake_all(baking *b, norma_document_error *error) {
     decide_fates(b);
-    norma_document_result result = decide_carried(b, error);
+    norma_document_result result = decide_under_matrix(b, error);
     for (uint32_t i = 0; !result && i < b->g->node_count; i++)
         if (b->fates[b->order[i]] != FATE_KEEPS) result = bake_node(b, b->order[i], error);
-    if (!result && b->moves) result = raise_carried(b, error);
+    if (!result && b->moves) result = raise_under_matrix(b, error);
     if (!result) result = unlist_instancing(b, error);
     return result ? result : norma_gltf_tree_write(&b->tree, error);
 }

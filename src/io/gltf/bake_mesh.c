@@ -28,7 +28,7 @@ static int is_wanted_entry(const void *context, uint32_t number) {
     return memcmp(&w->entries[number], w->key, ENTRY_KEY) == 0;
 }
 
-static uint32_t *slot_of(
+static uint32_t *entry_slot_of(
     const bake_cache *cache, uint32_t *slots, size_t size, const bake_entry *key) {
     const wanted_entry w = {cache->entries, key};
     return norma_core_table_find(slots, size, norma_core_hash(key, ENTRY_KEY), is_wanted_entry, &w);
@@ -36,7 +36,7 @@ static uint32_t *slot_of(
 
 static int find_entry(const bake_cache *cache, const bake_entry *key, uint32_t *data) {
     const uint32_t found =
-        cache->slot_count ? *slot_of(cache, cache->slots, cache->slot_count, key) : 0;
+        cache->slot_count ? *entry_slot_of(cache, cache->slots, cache->slot_count, key) : 0;
     if (found) *data = cache->entries[found - 1].data;
     return found != 0;
 }
@@ -46,7 +46,7 @@ static int grow_slots(bake_cache *cache) {
     uint32_t *slots = norma_io_allocate(size, sizeof *slots);
     if (!slots) return 0;
     for (uint32_t i = 0; i < cache->count; i++)
-        *slot_of(cache, slots, size, &cache->entries[i]) = i + 1;
+        *entry_slot_of(cache, slots, size, &cache->entries[i]) = i + 1;
     free(cache->slots);
     cache->slots = slots;
     cache->slot_count = size;
@@ -54,7 +54,7 @@ static int grow_slots(bake_cache *cache) {
 }
 
 /* 0: out of memory */
-static int add_entry(bake_cache *cache, const bake_entry *entry) {
+static int add_baked_entry(bake_cache *cache, const bake_entry *entry) {
     bake_entry *grown =
         cache->count < GLTF_NONE - 1
             ? norma_io_grow(cache->entries, &cache->capacity, cache->count + 1, sizeof *grown)
@@ -63,7 +63,7 @@ static int add_entry(bake_cache *cache, const bake_entry *entry) {
     cache->entries = grown;
     if (2 * (cache->count + 1) > cache->slot_count && !grow_slots(cache)) return 0;
     cache->entries[cache->count] = *entry;
-    *slot_of(cache, cache->slots, cache->slot_count, entry) = (uint32_t)++cache->count;
+    *entry_slot_of(cache, cache->slots, cache->slot_count, entry) = (uint32_t)++cache->count;
     return 1;
 }
 
@@ -110,7 +110,7 @@ static int identify(bake_cache *cache, bake_map *map) {
     cache->matrices = grown;
     memcpy(cache->matrices[cache->matrix_count], map->matrix, sizeof map->matrix);
     key.data = map->id = (uint32_t)cache->matrix_count++;
-    return add_entry(cache, &key);
+    return add_baked_entry(cache, &key);
 }
 
 int norma_gltf_bake_map(bake_cache *cache, const double matrix[16], bake_map *map) {
@@ -253,7 +253,7 @@ static norma_document_result gltf_bake_winding(gltf *g, bake_cache *cache,
     if (!find_entry(cache, &entry, &entry.data)) {
         const norma_document_result result = make_corners(g, primitive, polygons, &entry, error);
         if (result) return result;
-        if (!add_entry(cache, &entry)) return norma_document_fail_memory(g->document, error);
+        if (!add_baked_entry(cache, &entry)) return norma_document_fail_memory(g->document, error);
     }
     if (entry.data == BAKE_UNCHANGED) return NORMA_DOCUMENT_OK;
     const gltf_slot slot = {copy, primitive_number, GLTF_SLOT_INDICES, NULL};
@@ -347,7 +347,8 @@ static norma_document_result bake_slot(const mesh_baker *b, bake_role role, uint
     if (!find_entry(b->cache, &entry, &entry.data)) {
         const norma_document_result result = make_data(b, &entry, error);
         if (result) return result;
-        if (!add_entry(b->cache, &entry)) return norma_document_fail_memory(b->g->document, error);
+        if (!add_baked_entry(b->cache, &entry))
+            return norma_document_fail_memory(b->g->document, error);
     }
     if (entry.data != BAKE_UNCHANGED && !norma_gltf_put(b->g, slot, entry.data))
         return norma_document_fail_memory(b->g->document, error);

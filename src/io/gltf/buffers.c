@@ -368,7 +368,7 @@ norma_document_result norma_gltf_read_buffers(gltf *g, norma_document_error *err
 
 /* ---- bytes */
 
-/* One of a settled document is nowhere else. */
+/* That of a document read anew is nowhere else. */
 static int take_given(const gltf *g, gltf_buffer *buffer) {
     const size_t number = (size_t)(buffer - g->buffers);
     const given_buffer *given =

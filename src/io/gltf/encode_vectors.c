@@ -78,14 +78,14 @@ static double vanishing(const bake_map *map, const double normal[3]) {
 }
 
 /* The unit normal; returns the length it had under the unnormalised map, 0 where there was nothing
- * to carry: zero stays zero, what is not finite gets the fallback. */
+ * to transform: zero stays zero, what is not finite gets the fallback. */
 static double transform_normal(const bake_map *map, const double normal[3], double out[3]) {
-    double carried[3];
-    normal_map(map->normal, normal, carried);
-    const double size = length(carried);
+    double mapped[3];
+    normal_map(map->normal, normal, mapped);
+    const double size = length(mapped);
     const int zero = length(normal) == 0,
               lost = !(finite3(normal) && size > vanishing(map, normal));
-    for (int k = 0; k < 3; k++) out[k] = zero ? 0 : lost ? map->fallback[k] : carried[k] / size;
+    for (int k = 0; k < 3; k++) out[k] = zero ? 0 : lost ? map->fallback[k] : mapped[k] / size;
     return lost ? 0 : size;
 }
 
@@ -99,7 +99,7 @@ static void some_perpendicular(const double normal[3], double out[3]) {
     for (int k = 0; k < 3; k++) out[k] /= size;
 }
 
-/* x, y, z, sign. normal: the carried unit normal, zeros: no normal. */
+/* x, y, z, sign. normal: the transformed unit normal, zeros: no normal. */
 static void transform_tangent(
     const bake_map *map, const double tangent[4], const double normal[3], double out[4]) {
     out[3] = map->mirrored ? -tangent[3] : tangent[3];
@@ -107,10 +107,10 @@ static void transform_tangent(
         out[0] = out[1] = out[2] = 0;
         return;
     }
-    double carried[3], flat[3];
-    linear(map->matrix, tangent, carried);
-    const double along = vector_dot(carried, normal), whole = length(carried);
-    for (int k = 0; k < 3; k++) flat[k] = carried[k] - along * normal[k];
+    double mapped[3], flat[3];
+    linear(map->matrix, tangent, mapped);
+    const double along = vector_dot(mapped, normal), whole = length(mapped);
+    for (int k = 0; k < 3; k++) flat[k] = mapped[k] - along * normal[k];
     const double size = length(flat);
     if (size > 1e-12 * whole) {
         for (int k = 0; k < 3; k++) out[k] = flat[k] / size;
@@ -132,9 +132,9 @@ static void transform_normal_delta(
 
 static void transform_tangent_delta(
     const bake_map *map, const double delta[3], const double *base, double out[3]) {
-    double carried[3] = {0, 0, 0};
-    if (base) linear(map->matrix, base, carried);
-    const double size = length(carried);
+    double mapped[3] = {0, 0, 0};
+    if (base) linear(map->matrix, base, mapped);
+    const double size = length(mapped);
     linear(map->matrix, delta, out);
     for (int k = 0; k < 3 && size > 0; k++) out[k] /= size;
 }

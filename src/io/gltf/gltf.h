@@ -379,6 +379,10 @@ norma_document_result norma_gltf_compute(norma_document *document,
 norma_document_result norma_gltf_tangents(norma_document *document,
     const norma_tangent_options *options, norma_tangent_summary *summary,
     norma_document_error *error);
+norma_document_result norma_gltf_edit(
+    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
+norma_document_result norma_gltf_recentre(
+    norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error);
 norma_document_result norma_gltf_turn_green(
     norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error);
 norma_document_result norma_gltf_transform(norma_document *document,
@@ -724,7 +728,7 @@ int norma_gltf_same_folder(
 
 /* ---- The elements of one accessor through a matrix, and back into an encoding. */
 
-typedef struct bake_map { /* what carries one mesh */
+typedef struct bake_map { /* what transforms one mesh */
     uint32_t id;          /* equal for equal matrices */
     double matrix[16];
     double normal[9];   /* sign(det) cof, times a power of two */
@@ -989,7 +993,7 @@ norma_document_result norma_gltf_tree_write(
     gltf_tree *tree, norma_document_error *error); /* into g->edits */
 
 /* ---- What the files of --bake share. bake.c decides which nodes are baked and what becomes of
- * the hierarchy, bake.c finds out what must stay, bake_mesh.c carries a mesh's data,
+ * the hierarchy, bake.c finds out what must stay, bake_mesh.c transforms a mesh's data,
  * bake_mesh.c reverses its triangles, gltf_bake_tree*.c hold the nodes. */
 
 /* Contents that several slots ask for, made once. */
@@ -1022,17 +1026,17 @@ norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, const mes
 
 /* For each node of the file. */
 enum {
-    BAKE_MOVES = 1,   /* an animation moves it */
-    BAKE_WEIGHTS = 2, /* an animation sets its morph weights */
-    BAKE_MOVED = 4,   /* it or a node above it is moved */
-    BAKE_JOINT = 8,   /* of a skin, or its skeleton */
-    BAKE_CARRIES = 16 /* a camera, a light, an extension that may depend on where the node is */
+    BAKE_MOVES = 1,      /* an animation moves it */
+    BAKE_WEIGHTS = 2,    /* an animation sets its morph weights */
+    BAKE_MOVED = 4,      /* it or a node above it is moved */
+    BAKE_JOINT = 8,      /* of a skin, or its skeleton */
+    BAKE_HOLDS_MORE = 16 /* a camera, a light, an extension that may depend on where the node is */
 };
 unsigned char *norma_gltf_bake_flags(
     const gltf *g, const uint32_t *order); /* NULL: out of memory; to be freed */
 /* Parents before their children; NULL: out of memory; to be freed. */
 uint32_t *norma_gltf_bake_order(const gltf *g, const gltf_tree *tree);
-/* NULL, or why a mesh cannot be carried. */
+/* NULL, or why a mesh cannot be transformed. */
 const char *norma_gltf_bake_obstacle(const gltf *g, uint32_t mesh);
 
 norma_document_result norma_gltf_bake(gltf *g, const norma_transform_options *options,

@@ -191,7 +191,7 @@ double norma_gltf_matrix_decompose(const double m[16], gltf_trs *trs) {
 
 /* Rotates columns p and q of a, and of v with them, so that those of a become perpendicular.
  * Returns whether they were not. */
-static int rotate_column_pair(double a[9], double v[9], int p, int q) {
+static int rotate_node_columns(double a[9], double v[9], int p, int q) {
     double *x = a + 3 * p, *y = a + 3 * q;
     const double xx = matrix_dot(x, x), yy = matrix_dot(y, y), xy = matrix_dot(x, y);
     if (fabs(xy) <= 1e-16 * sqrt(xx) * sqrt(yy)) return 0;
@@ -212,9 +212,9 @@ void norma_gltf_matrix_split(const double m[16], gltf_trs *outer, gltf_trs *inne
     double a[9], lengths[3], v[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     const int exponent = scaled_columns(m, a);
     for (int sweep = 0, turned = 1; turned && sweep < 60; sweep++) { /* converges in about six */
-        turned = rotate_column_pair(a, v, 0, 1);
-        turned |= rotate_column_pair(a, v, 0, 2); /* in this order, which no compiler may change */
-        turned |= rotate_column_pair(a, v, 1, 2);
+        turned = rotate_node_columns(a, v, 0, 1);
+        turned |= rotate_node_columns(a, v, 0, 2); /* in this order, which no compiler may change */
+        turned |= rotate_node_columns(a, v, 1, 2);
     }
     normalise_columns(a, lengths);
     memcpy(outer->translation, m + 12, sizeof outer->translation);

@@ -200,7 +200,7 @@ static norma_document_result read_primitive(
 }
 
 /* Normals too few or too many are judged by norma check, where it asks for that; as normals alone,
- * for what else has them loses them when they are mended. */
+ * for what else has them loses them when they are fixed. */
 static norma_document_result check_counts(
     gltf *g, const gltf_primitive *p, const gltf_attributes *set, norma_document_error *error) {
     for (uint32_t i = set->first; i < set->first + set->count; ++i) {

@@ -22,7 +22,7 @@ static void take_numbers(obj_state *state, const norma_mesh_edit *edit) {
     state->positions_moved |= edit->set_positions != NULL;
 }
 
-norma_document_result norma_obj_edit(
+static norma_document_result obj_edit(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
     norma_document_result result = norma_edited_flush(document, error);
     if (result) return result;
@@ -420,7 +420,7 @@ const format_functions norma_obj_functions = {.open = norma_edited_open,
     .mesh_data = mesh_data,
     .compute = norma_obj_compute,
     .transform = norma_obj_transform,
-    .edit = norma_obj_edit,
+    .edit = obj_edit,
     .equal_vertices = norma_obj_equal_vertices,
     .write = norma_obj_write,
     .visit_files = visit_files,

@@ -269,7 +269,7 @@ static norma_document_result ply_edit_faces(
     return NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_ply_edit(
+static norma_document_result edit_ply(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
     norma_document_result result = norma_edited_flush(document, error);
     ply_state *state = document->state;
@@ -492,7 +492,7 @@ const format_functions norma_ply_functions = {
     .mesh_data = give_mesh,
     .compute = norma_ply_compute,
     .transform = norma_ply_transform,
-    .edit = norma_ply_edit,
+    .edit = edit_ply,
     .equal_vertices = ply_equal_vertices,
     .write = norma_ply_write,
     .visit_files = ply_visit_files,

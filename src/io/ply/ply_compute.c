@@ -432,7 +432,7 @@ typedef struct carried_normals {
 } carried_normals;
 
 static norma_document_result transform_column(norma_document *document,
-    const normal_carrier *carrier, const ply_element *element, const int properties[3],
+    const normal_mapping *mapping, const ply_element *element, const int properties[3],
     carried_normals *carried, norma_document_error *error) {
     const ply_header *header = &((const ply_state *)document->state)->header;
     const size_t count = (size_t)element->count;
@@ -443,7 +443,7 @@ static norma_document_result transform_column(norma_document *document,
     if (!result && !carried->normals) result = norma_document_fail_memory(document, error);
     if (!result)
         result = norma_transform_stored_normals(
-            document, carrier, stored, count, carried->normals, error);
+            document, mapping, stored, count, carried->normals, error);
     if (!result) {
         norma_ply_normal_types(header, element, properties, carried->types);
         result = norma_ply_encode_normals(document, carried->types, carried->normals, count, error);
@@ -453,19 +453,19 @@ static norma_document_result transform_column(norma_document *document,
 }
 
 static norma_document_result transform_normals(
-    norma_document *document, const normal_carrier *carrier, norma_document_error *error) {
+    norma_document *document, const normal_mapping *mapping, norma_document_error *error) {
     ply_state *state = document->state;
     const ply_header *header = &state->header;
     norma_document_result result = NORMA_DOCUMENT_OK;
     carried_normals carried = {0};
     if (header->normal[0] != PLY_NONE) {
-        result = transform_column(document, carrier, norma_ply_element(header, header->vertex),
+        result = transform_column(document, mapping, norma_ply_element(header, header->vertex),
             header->normal, &carried, error);
         state->edit.normals = carried.normals;
         memcpy(state->edit.normal_types, carried.types, sizeof carried.types);
     }
     if (!result && header->face_normal[0] != PLY_NONE) {
-        result = transform_column(document, carrier, norma_ply_element(header, header->face),
+        result = transform_column(document, mapping, norma_ply_element(header, header->face),
             header->face_normal, &carried, error);
         state->edit.face_normals = carried.normals;
         memcpy(state->edit.face_normal_types, carried.types, sizeof carried.types);
@@ -499,12 +499,12 @@ norma_document_result norma_ply_transform(norma_document *document,
     summary->vertices = state->vertices;
     summary->meshes = 1;
     if (norma_stored_normals_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
-    normal_carrier carrier;
-    result = norma_stored_normals_begin(document, options, summary, &carrier, error);
+    normal_mapping mapping;
+    result = norma_stored_normals_begin(document, options, summary, &mapping, error);
     if (result) return result;
     result = transform_positions(document, options->matrix, error);
-    if (!result) result = transform_normals(document, &carrier, error);
-    if (!result && carrier.mirrored) result = ply_reverse_faces(document, error);
+    if (!result) result = transform_normals(document, &mapping, error);
+    if (!result && mapping.mirrored) result = ply_reverse_faces(document, error);
     if (!result) result = norma_ply_drop_idle_edit(document, &summary->changed, error);
     return result ? result : norma_stored_normals_progress(document, options, 1, error);
 }

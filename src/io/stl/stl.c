@@ -243,7 +243,7 @@ static norma_document_result transform_vertices(
 }
 
 static norma_document_result stl_transform_normals(
-    norma_document *document, const normal_carrier *carrier, norma_document_error *error) {
+    norma_document *document, const normal_mapping *mapping, norma_document_error *error) {
     stl_state *state = document->state;
     const size_t numbers = 3 * state->facets;
     double *stored = norma_io_allocate(numbers, sizeof *stored);
@@ -253,7 +253,7 @@ static norma_document_result stl_transform_normals(
     for (size_t i = 0; i < numbers && !result; ++i) stored[i] = (double)state->stored[i];
     if (!result)
         result = norma_transform_stored_normals(
-            document, carrier, stored, state->facets, state->normals, error);
+            document, mapping, stored, state->facets, state->normals, error);
     free(stored);
     return result;
 }
@@ -267,12 +267,12 @@ static norma_document_result stl_transform(norma_document *document,
     summary->vertices = 3 * ((const stl_state *)document->state)->facets;
     summary->meshes = 1;
     if (norma_stored_normals_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
-    normal_carrier carrier;
-    result = norma_stored_normals_begin(document, options, summary, &carrier, error);
+    normal_mapping mapping;
+    result = norma_stored_normals_begin(document, options, summary, &mapping, error);
     if (result) return result;
     result = stl_decode(document, error);
-    if (!result) result = transform_vertices(document, options->matrix, carrier.mirrored, error);
-    if (!result) result = stl_transform_normals(document, &carrier, error);
+    if (!result) result = transform_vertices(document, options->matrix, mapping.mirrored, error);
+    if (!result) result = stl_transform_normals(document, &mapping, error);
     if (!result) result = stl_drop_idle_edit(document, &summary->changed, error);
     return result ? result : norma_stored_normals_progress(document, options, 1, error);
 }
@@ -433,7 +433,7 @@ static norma_document_result edit_text(norma_document *document, const norma_mes
     return result;
 }
 
-norma_document_result norma_stl_edit(
+static norma_document_result stl_edit(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
     growing_bytes memory = {0};
     norma_document_result result = norma_edited_flush(document, error);
@@ -523,6 +523,6 @@ const format_functions norma_stl_functions = {
     .mesh_data = stl_give_mesh,
     .compute = stl_compute,
     .transform = stl_transform,
-    .edit = norma_stl_edit,
+    .edit = stl_edit,
     .write = write_stl,
 };
