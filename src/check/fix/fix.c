@@ -15,8 +15,8 @@ enum { MOST_CHECKS = 40 };
 
 typedef struct harm { /* why the fix of a rule was left out */
     uint8_t by[CHECK_RULE_COUNT];
-    int loose;   /* edges came open */
-    int untried; /* there was no time to find out */
+    const char *shape; /* what else became worse; NULL: nothing */
+    int untried;       /* there was no time to find out */
 } harm;
 
 typedef struct fixing {
@@ -113,8 +113,8 @@ static norma_document_result try_request(
         return result;
     }
     f->request.changes_maps |= plan.greens != NULL;
-    if (!f->before.has_loose)
-        result = norma_fix_count_loose(f->document, &f->request, &f->before, f->error);
+    if (!f->before.has_shape)
+        result = norma_fix_measure_shape(f->document, &f->request, &f->before, f->error);
     if (result) {
         norma_fix_plan_free(&plan);
         return result;
@@ -122,7 +122,7 @@ static norma_document_result try_request(
     result = norma_fix_try(f->document, &f->request, &plan, trial, f->error);
     f->checks += trial->count + 1;
     if (!result) *is_worse = norma_fix_find_worse(&f->before, &trial->after, harmful->by);
-    harmful->loose = !result && trial->after.loose > f->before.loose;
+    if (!result) harmful->shape = norma_fix_worse_shape(&f->before, &trial->after);
     return result;
 }
 
@@ -278,8 +278,8 @@ static void describe_harm(const harm *h, char by[CHECK_MESSAGE]) {
                 text, "%s%s%s %s", by, by[0] ? ", " : "", rules[i].id, rules[i].name);
             memcpy(by, text, sizeof text);
         }
-    if (h->loose && !by[0])
-        norma_check_message(by, "closed edges would become open");
+    if (h->shape && !by[0])
+        norma_check_message(by, "%s", h->shape);
     else if (by[0]) {
         norma_check_message(text, "%s would report more than before", by);
         memcpy(by, text, sizeof text);

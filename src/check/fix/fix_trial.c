@@ -15,26 +15,26 @@ static norma_document_result fail(
     return result;
 }
 
-/* ---- loose edges: of the primitives of a glTF mesh together */
+/* ---- edges: of the primitives of a glTF mesh together */
 
-typedef struct loose_count {
-    size_t *blocks;
-} loose_count;
+typedef struct edge_count { /* of a block */
+    size_t loose, surplus;
+} edge_count;
 
 static void see_edge(
     void *context, size_t block, uint32_t position, const core_edge_run *runs, size_t count) {
-    loose_count *loose = context;
+    edge_count *counts = context;
     size_t out = 0;
     (void)position;
     for (size_t i = 0; i < count; i++) out += runs[i].out != 0;
-    loose->blocks[block] += 2 * out != count;
+    counts[block].loose += 2 * out != count;
+    counts[block].surplus += count > 2 ? count - 2 : 0;
 }
 
-static norma_result count_loose_of(const norma_mesh *mesh, uint32_t threads, size_t *count) {
+static norma_result count_edges(const norma_mesh *mesh, uint32_t threads, fix_measure *measure) {
     core_call call;
     core_mesh checked;
     core_topology topology;
-    loose_count loose;
     const norma_options options = {.struct_size = sizeof options, .threads = threads};
     norma_result result = norma_core_begin(&call, &options);
     if (!result) result = norma_core_mesh_shape(mesh, &checked);
@@ -42,16 +42,55 @@ static norma_result count_loose_of(const norma_mesh *mesh, uint32_t threads, siz
     if (!result) result = norma_core_topology_open(&call, &checked, &topology);
     if (result) return result;
     const size_t blocks = norma_core_topology_blocks(&topology);
-    const core_topology_visitor visitor = {.context = &loose, .edge = see_edge};
-    loose.blocks = calloc(blocks + 1, sizeof *loose.blocks);
-    result = loose.blocks ? norma_core_pair_edges(&topology, &visitor) : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; loose.blocks && i < blocks; i++) *count += loose.blocks[i];
-    free(loose.blocks);
+    edge_count *counts = calloc(blocks + 1, sizeof *counts);
+    const core_topology_visitor visitor = {.context = counts, .edge = see_edge};
+    result = counts ? norma_core_pair_edges(&topology, &visitor) : NORMA_ERROR_MEMORY;
+    for (size_t i = 0; counts && i < blocks; i++) {
+        measure->loose += counts[i].loose;
+        measure->surplus += counts[i].surplus;
+    }
+    free(counts);
     norma_core_topology_close(&topology);
     return result;
 }
 
-norma_document_result norma_fix_count_loose(norma_document *document, const fix_request *request,
+/* ---- normals on the other side */
+
+static int is_opposed(const fix_mesh *m, size_t face, const core_face *geometry, double across) {
+    const size_t begin = norma_core_face_begin(&m->mesh, face),
+                 end = norma_core_face_end(&m->mesh, face);
+    int opposed = end > begin;
+    for (size_t c = begin; c < end && opposed; c++) {
+        double n[3];
+        const size_t number = norma_fix_normal_of(m, face, c);
+        if (number == SIZE_MAX) return 0;
+        norma_view_read(&m->data.normals, number, n);
+        opposed = norma_core_dot(geometry->normal, n) < -across * norma_core_length(n);
+    }
+    return opposed;
+}
+
+/* Whatever else is wrong with them: rules are silent where others hold. */
+static norma_document_result measure_normals(
+    const fix_group *group, size_t index, fix_measure *measure) {
+    fix_mesh m = {.document = group->document};
+    norma_document_result result = norma_document_mesh_info(group->document, index, &m.info);
+    if (!result) result = norma_document_mesh_data(group->document, index, &m.data, group->error);
+    if (result || norma_core_mesh_shape(&m.data.mesh, &m.mesh)) return result;
+    m.mesh.scale = 1;
+    const double across = fmax(1e-6, norma_check_encoding_bound(m.info.encoding));
+    for (size_t face = 0; face < m.mesh.face_count; face++) {
+        core_face geometry;
+        norma_core_face_geometry(&m.mesh, face, &geometry);
+        if (!(geometry.flags & CORE_FACE_FINITE)) continue;
+        measure->area += geometry.twice_area;
+        if (geometry.flags & CORE_FACE_DIRECTED && is_opposed(&m, face, &geometry, across))
+            measure->opposed += geometry.twice_area;
+    }
+    return result;
+}
+
+norma_document_result norma_fix_measure_shape(norma_document *document, const fix_request *request,
     fix_measure *measure, norma_document_error *error) {
     const size_t meshes = norma_document_mesh_count(document);
     size_t *indices = calloc(meshes + 1, sizeof *indices), of;
@@ -67,12 +106,14 @@ norma_document_result norma_fix_count_loose(norma_document *document, const fix_
         result = norma_fix_open_whole(&these, &whole, &how);
         if (!result && !how && whole.face_count)
             how = norma_fix_join(&whole)
-                      ? count_loose_of(&whole.mesh, request->options.threads, &measure->loose)
+                      ? count_edges(&whole.mesh, request->options.threads, measure)
                       : NORMA_ERROR_MEMORY;
         norma_fix_close_whole(&whole);
+        for (size_t i = 0; i < of && !result && !how; i++)
+            result = measure_normals(&these, indices[i], measure);
     }
     free(indices);
-    measure->has_loose = 1;
+    measure->has_shape = 1;
     if (result || !how) return result;
     return fail(error,
         how == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_MALFORMED,
@@ -102,7 +143,7 @@ static norma_document_result measure_copy(norma_document *copy, const fix_reques
     fix_measure *measure, norma_document_error *error) {
     const norma_document_result result =
         find(copy, request, request->changes_maps, 1, &measure->findings, error);
-    return result ? result : norma_fix_count_loose(copy, request, measure, error);
+    return result ? result : norma_fix_measure_shape(copy, request, measure, error);
 }
 
 void norma_fix_measure_free(fix_measure *measure) {
@@ -147,9 +188,18 @@ static int moves(const fix_measure *before, const fix_measure *after, check_rule
     return 0;
 }
 
+const char *norma_fix_worse_shape(const fix_measure *before, const fix_measure *after) {
+    const double whole = fmax(before->area, after->area);
+    return after->loose > before->loose       ? "closed edges would become open"
+           : after->surplus > before->surplus ? "an edge would get a third face"
+           : after->opposed > before->opposed + 1e-9 * whole
+               ? "a face would have its normals on the other side"
+               : NULL;
+}
+
 int norma_fix_find_worse(const fix_measure *before, const fix_measure *after, uint8_t *worse) {
     const verdict was = weigh(before->findings), is = weigh(after->findings);
-    int any = after->loose > before->loose;
+    int any = norma_fix_worse_shape(before, after) != NULL;
     for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
         worse[i] = is.counts[i] > was.counts[i] || is.gravest[i] > was.gravest[i];
     worse[RULE_N812] |= (uint8_t)moves(before, after, RULE_N812);

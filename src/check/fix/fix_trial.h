@@ -7,19 +7,23 @@ enum { FIX_MOST_STEPS = 8 };
 
 typedef struct fix_measure { /* of a document, by all rules */
     norma_findings *findings;
-    int has_loose;
-    size_t loose; /* edges along which faces do not run as often one way as the other */
+    int has_shape;        /* the following is known */
+    size_t loose;         /* edges along which faces do not run as often one way as the other */
+    size_t surplus;       /* faces at edges, beyond the second */
+    double area, opposed; /* twice, of all faces; of those with normals on their other side */
 } fix_measure;
 /* Every element that any rule finds, to be freed by the caller. */
 norma_document_result norma_fix_find(norma_document *document, const fix_request *request,
     norma_findings **findings, norma_document_error *error);
-norma_document_result norma_fix_count_loose(norma_document *document, const fix_request *request,
+norma_document_result norma_fix_measure_shape(norma_document *document, const fix_request *request,
     fix_measure *measure, norma_document_error *error);
 void norma_fix_measure_free(fix_measure *measure);
 
 /* Rules that report more than before at warning or above, or graver; 0: there are none. worse: room
  * for a mark of each rule. What one rule gains is no excuse for what another loses. */
 int norma_fix_find_worse(const fix_measure *before, const fix_measure *after, uint8_t *worse);
+const char *norma_fix_worse_shape(
+    const fix_measure *before, const fix_measure *after); /* NULL: it is no worse */
 
 typedef struct fix_trial {
     fix_plan plans[FIX_MOST_STEPS]; /* of each step, until nothing more is to be done */

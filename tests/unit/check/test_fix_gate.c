@@ -242,6 +242,23 @@ static void progress_never_falls(void **state) {
     norma_document_close(document);
 }
 
+/* Two squares at an edge, and a third one almost at it: joined to them, it would be the edge's
+ * third face, which is no more than an information. */
+static void no_edge_gets_a_third_face(void **state) {
+    (void)state;
+    static const char squares[] =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 -1 0\nv 0 -1 0\nv 0 0 1e-7\nv 1 0 1e-7\nv 1 0 1\n"
+        "v 0 0 1\nf 1 2 3 4\nf 2 1 6 5\nf 7 8 9 10\n";
+    norma_document *document =
+        scene_reopen((const unsigned char *)squares, strlen(squares), "a.obj");
+    assert_int_equal(count_of(document, "N503"), 4);
+    const norma_fix_summary summary = fix(document, "N503");
+    assert_int_equal(summary.changed, 0);
+    assert_int_equal(summary.left_out, 1);
+    assert_true(has_note(document, "N503 almost-coincident is not fixed", "a third face"));
+    norma_document_close(document);
+}
+
 /* ---- what findings offer, tried */
 
 static norma_findings *tried(norma_document *document, norma_severity from) {
@@ -323,6 +340,7 @@ int main(void) {
         cmocka_unit_test(degenerate_faces_that_are_kept_are_named),
         cmocka_unit_test(the_only_face_of_a_primitive_stays),
         cmocka_unit_test(progress_never_falls),
+        cmocka_unit_test(no_edge_gets_a_third_face),
         cmocka_unit_test(an_offer_keeps_its_promise),
         cmocka_unit_test(informations_are_left),
     };
