@@ -1,6 +1,7 @@
-/* fuzz_check.c: norma_orient and the rules over any arrays; check, mend and edit over any document,
+/* fuzz_check.c: norma_orient and the rules over any arrays; check, fix and edit over any document,
  * which can then still be written, and read again. The first byte says which; of a document the
  * next two say its format and the options, and the rest is the file. */
+#include "fix_judge.h"
 #include "made_mesh.h"
 #include "mutate.h"
 #include <math.h>
@@ -112,6 +113,27 @@ static norma_document *open(
                                                                                     : document;
 }
 
+/* What a fix writes is judged by RULES.md, "What a fix may never do". */
+static void check_and_fix(norma_document *document, const fuzz_bytes *file, uint8_t kind) {
+    norma_check_options options = {.struct_size = sizeof options,
+        .strict = kind & 1,
+        .profile = (norma_check_profile)(kind / 2 % 3),
+        .threads = kind & 8 ? 2 : 1};
+    norma_findings *findings;
+    norma_document_error error;
+    if (norma_document_mesh_count(document) > 64) return;
+    const norma_document_result result =
+        norma_check_document(document, &options, &findings, &error);
+    if (result == NORMA_DOCUMENT_ERROR_ARGUMENT)
+        fuzz_fail("an argument error of our own making: %s", error.message);
+    if (result) return;
+    read_findings(findings);
+    norma_findings_free(findings);
+    const fix_verdict verdict = judge_fix("fuzz",
+        (fix_file){file->at, file->left, norma_document_format(document)}, &options, kind & 16);
+    if (verdict.wrong) fuzz_fail("a fix does %zu things that it may never do", verdict.wrong);
+}
+
 /* What could be changed can be written, unless a buffer that checks have no use for is in a file;
  * and what is written can be read. */
 static void write_and_read(norma_document *document, norma_file_format format) {
@@ -127,27 +149,6 @@ static void write_and_read(norma_document *document, norma_file_format format) {
                error.result != NORMA_DOCUMENT_ERROR_REFUSED)
         fuzz_fail("not written: %s", error.message);
     free(blob.bytes);
-}
-
-static void check_and_fix(norma_document *document, norma_file_format format, uint8_t kind) {
-    norma_check_options options = {.struct_size = sizeof options,
-        .strict = kind & 1,
-        .profile = (norma_check_profile)(kind / 2 % 3),
-        .threads = kind & 8 ? 2 : 1};
-    norma_findings *findings;
-    norma_fix_summary summary;
-    norma_document_error error;
-    if (norma_document_mesh_count(document) > 64) return;
-    norma_document_result result = norma_check_document(document, &options, &findings, &error);
-    if (!result) {
-        read_findings(findings);
-        norma_findings_free(findings);
-        result = norma_fix_document(document, &options, kind & 16, &summary, &error);
-    }
-    if (!result)
-        write_and_read(document, format);
-    else if (result == NORMA_DOCUMENT_ERROR_ARGUMENT)
-        fuzz_fail("an argument error of our own making: %s", error.message);
 }
 
 static void *marks(fuzz_random *random, size_t count, size_t one_in) {
@@ -237,7 +238,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
         uint8_t kind = fuzz_u8(&rest), seed = fuzz_u8(&rest);
         norma_document *document = open(rest.at, rest.left, format, 1);
         if (document && what == 2)
-            check_and_fix(document, format, kind);
+            check_and_fix(document, &rest, kind);
         else if (document)
             edit(document, format, seed);
         norma_document_close(document);
