@@ -30,6 +30,13 @@ void judge_plans(trial *t);
  * triangles whose coordinates are small whole numbers). */
 void judge_orientation(trial *t);
 
+/* A call with one wrong argument is refused with the right result, and writes nothing. */
+void judge_arguments(trial *t);
+/* Steady tangents are the sums that they are said to be; all are unit, of a sign, with reasons. */
+void judge_tangents(trial *t);
+/* Normal matrices are exact cofactors, rounded; normals go through them. */
+void judge_matrices(trial *t);
+
 void complain(trial *t, const char *what, size_t index);
 /* A random number below bound, of the case's own chain. */
 uint32_t trial_below(trial *t, uint32_t bound);

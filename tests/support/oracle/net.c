@@ -240,6 +240,9 @@ size_t net_judge(const char *name, const made_case *made) {
     judge_split(&t);
     judge_plans(&t);
     judge_orientation(&t);
+    judge_arguments(&t);
+    judge_tangents(&t);
+    judge_matrices(&t);
     if (scratch.live || scratch.wrong)
         complain(&t, "scratch memory that is not given back:", scratch.live);
     free(t.corner_normals);
