@@ -960,7 +960,8 @@ typedef enum norma_tangent_mode {
  * compiled without contraction of products and sums, with every run of its edges sorted. Doubles
  * are first rounded to floats. Quads are cut along the diagonal that is shorter in texture space,
  * then in space. Larger polygons are first cut into triangles; a corner takes the tangent of the
- * first one that contains it.
+ * first one that contains it. There is one exception: if more than 2,048 corners meet at a vertex
+ * and some of their tangents are opposed to each other, each has its own triangle's tangent there.
  *
  * NORMA_TANGENTS_STEADY takes the direction in which u grows in each face, made perpendicular to
  * the normal, and sums it over the corners that share a tangent and whose faces have the same sign
@@ -975,10 +976,9 @@ typedef enum norma_tangent_mode {
  * Errors: those of norma_corner_normals; NORMA_ERROR_ARGUMENT also for an unknown mode or format
  * and for fewer values than positions or corners; NORMA_ERROR_INDEX for a corner whose value does
  * not exist.
- * Cost: O(corners + positions), whatever the valence. In MikkTSpace mode, a corner whose tangent is
- * opposed to others at the same vertex has a sum of its own, as in the reference: that costs
- * O(opposed pairs), and up to O(corners there) each if the faces are in random order. The bits are
- * the same for any number of threads. */
+ * Cost: O(corners + positions), whatever the valence. In MikkTSpace mode, corners at a vertex where
+ * tangents are opposed to each other are compared in pairs, up to 2,048 of them. The bits are the
+ * same for any number of threads. */
 NORMA_API norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
     const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
     float *tangents, size_t capacity, norma_report *report);

@@ -69,8 +69,6 @@ int norma_core_mikk_fan(
  * corners of the group that are not opposed to it. Links are used up. */
 void norma_core_mikk_divide(mikk_star *star);
 
-/* mikk_opposed.c: whether neither of two corners of a group is left out of the other's sum. */
-int norma_core_mikk_are_joined(const mikk_star *star, size_t i, size_t j);
 void norma_core_mikk_normalise(float v[3]);
 
 static inline int mikk_follows(const mikk_star *star, size_t j) {

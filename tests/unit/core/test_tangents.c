@@ -9,7 +9,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-enum { MOST = 4000 };
+enum { MOST = 6400 };
 
 typedef struct shape {
     float positions[MOST][3], normals[MOST][3], texcoords[MOST][2];
@@ -450,6 +450,29 @@ static void each_allocation_of_a_large_star_failing(void **state) {
     free(s);
 }
 
+/* Where more corners meet than are compared in pairs, opposed tangents are those of the triangles.
+ */
+static void too_many_opposed_tangents(void **state) {
+    (void)state;
+    shape *s = swirl(2100);
+    answer *all = compute(s, NORMA_TANGENTS_MIKK, NO_OPTIONS);
+    assert_ok(all->result);
+    for (size_t f = 0; f < s->faces; f += 50) {
+        shape *one = calloc(1, sizeof *one);
+        memcpy(one, s, sizeof *one);
+        memcpy(one->corners, s->corners + 3 * f, 3 * sizeof *one->corners);
+        one->corner_count = 3;
+        one->faces = 1;
+        answer *alone = compute(one, NORMA_TANGENTS_MIKK, NO_OPTIONS);
+        assert_ok(alone->result);
+        assert_memory_equal(alone->tangents[0], all->tangents[3 * f], sizeof all->tangents[0]);
+        free(alone);
+        free(one);
+    }
+    free(all);
+    free(s);
+}
+
 /* Triangles that touch only at one vertex, whose normal is no number: none goes on with another. */
 static void large_star_without_a_normal(void **state) {
     (void)state;
@@ -603,7 +626,8 @@ int main(void) {
         cmocka_unit_test(the_same_bits_however), cmocka_unit_test(the_bits_of_the_reference),
         cmocka_unit_test(each_allocation_failing),
         cmocka_unit_test(each_allocation_of_a_large_star_failing),
-        cmocka_unit_test(large_star_without_a_normal), cmocka_unit_test(cancelling),
-        cmocka_unit_test(wrong_arguments), cmocka_unit_test(other_dress)};
+        cmocka_unit_test(too_many_opposed_tangents), cmocka_unit_test(large_star_without_a_normal),
+        cmocka_unit_test(cancelling), cmocka_unit_test(wrong_arguments),
+        cmocka_unit_test(other_dress)};
     return cmocka_run_group_tests_name("tangents", tests, NULL, NULL);
 }
