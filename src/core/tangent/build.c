@@ -1,7 +1,7 @@
 /* build.c: norma_build: normals of corners, tangents of corners, then corners that agree in
  * position, normal, texture coordinates and tangent, byte for byte, as vertices. */
-#include "core/corner/index_corners.h"
 #include "core/tangent/tangents.h"
+#include "core/corner/index_corners.h"
 #include <string.h>
 
 enum {
@@ -94,7 +94,7 @@ static norma_result find_vertices(mesh_build *b) {
     return result;
 }
 
-static norma_result write_vertices(const mesh_build *b) {
+static norma_result write_built_vertices(const mesh_build *b) {
     const norma_built *to = b->built;
     const size_t count = to->indexed.vertex_count;
     const uint32_t *firsts = b->firsts;
@@ -114,7 +114,7 @@ static norma_result write_vertices(const mesh_build *b) {
 }
 
 /* Nothing is written if a stride is too small. */
-static norma_result check_output(const mesh_build *b) {
+static norma_result check_built_output(const mesh_build *b) {
     const norma_built *to = b->built;
     if (!to || (to->normal_stride && to->normal_stride < NORMAL_BYTES) ||
         (to->tangent_stride && to->tangent_stride < TANGENT_BYTES) ||
@@ -123,7 +123,7 @@ static norma_result check_output(const mesh_build *b) {
     return norma_core_check_indexed(&to->indexed);
 }
 
-static norma_result allocate(mesh_build *b) {
+static norma_result allocate_build(mesh_build *b) {
     const norma_built *to = b->built;
     const int needs_firsts =
         to->indexed.source_corners || to->source_vertices || to->normals || to->tangents;
@@ -145,7 +145,7 @@ static norma_result allocate(mesh_build *b) {
     return NORMA_OK;
 }
 
-static void release(const mesh_build *b) {
+static void release_build(const mesh_build *b) {
     norma_core_release(&b->call, b->firsts, b->corner_count, sizeof *b->firsts);
     norma_core_release(&b->call, b->corners, b->corner_count, sizeof *b->corners);
     norma_core_release(&b->call, b->tangents, b->corner_count, TANGENT_BYTES);
@@ -158,20 +158,20 @@ norma_result norma_build(const norma_mesh *mesh, const norma_attribute *texcoord
     mesh_build b = {.mesh = mesh, .texcoords = texcoords, .built = built};
     core_mesh checked;
     norma_result result = norma_core_begin(&b.call, options);
-    if (result == NORMA_OK) result = check_output(&b);
+    if (result == NORMA_OK) result = check_built_output(&b);
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked);
     if (result != NORMA_OK) return result;
     b.corner_count = checked.corner_count;
-    if (b.corner_count) result = allocate(&b);
+    if (b.corner_count) result = allocate_build(&b);
     if (result == NORMA_OK) result = compute_values(&b, crease_angle_rad, mode, report);
     if (result == NORMA_OK && b.corner_count) {
         norma_core_share(&b.call, b.corner_count);
         norma_core_stage(&b.call, SHARE_OF_TANGENTS / 100.0, 1);
         result = find_vertices(&b);
-        if (result == NORMA_OK) result = write_vertices(&b);
+        if (result == NORMA_OK) result = write_built_vertices(&b);
     } else if (result == NORMA_OK) {
         built->indexed.vertex_count = 0;
     }
-    release(&b);
+    release_build(&b);
     return result;
 }

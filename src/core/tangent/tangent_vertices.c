@@ -1,9 +1,13 @@
 /* tangent_vertices.c: positions, normals and texture coordinates brought together, and which of
- * them are equal. */
-#include "core/call/instruction_set.h"
-#include "core/mesh/weld_buckets.h"
+ * them are equal; the tangents that are written. */
 #include "core/tangent/tangents.h"
+#include "core/call/instruction_set.h"
+#include "core/face/face_geometry.h"
+#include "core/mesh/weld_buckets.h"
 #include <math.h>
+
+/* ---- Positions, normals and texture coordinates brought together, and which of
+ * them are equal. */
 
 /* ---- attributes, checked and read */
 
@@ -36,7 +40,7 @@ static float from_integer(double value, double most) {
     return (float)(scaled < -1 ? -1 : scaled);
 }
 
-static float read_number(norma_format format, const unsigned char *at) {
+static float read_attribute_number(norma_format format, const unsigned char *at) {
     float single;
     double wide;
     int16_t i16;
@@ -70,10 +74,11 @@ CORE_INLINE void read_attribute(
     if (a->format == NORMA_FORMAT_FLOAT)
         memcpy(out, at, numbers * sizeof *out);
     else
-        for (size_t i = 0; i < numbers; i++) out[i] = read_number(a->format, at + i * size);
+        for (size_t i = 0; i < numbers; i++)
+            out[i] = read_attribute_number(a->format, at + i * size);
 }
 
-static void read_position(const norma_vec3_view *view, size_t index, float out[3]) {
+static void read_float_position(const norma_vec3_view *view, size_t index, float out[3]) {
     if (view->format == NORMA_FORMAT_FLOAT) {
         memcpy(out, (const unsigned char *)view->data + index * view->stride, 3 * sizeof *out);
         return;
@@ -93,7 +98,7 @@ typedef struct reading {
 } reading;
 
 /* Returns SIZE_MAX if no such vertex exists. */
-static size_t value_of(const norma_attribute *a, size_t position, size_t corner) {
+static size_t value_of_corner(const norma_attribute *a, size_t position, size_t corner) {
     const size_t value = a->corners                  ? a->corners[corner]
                          : a->of == NORMA_PER_VERTEX ? position
                                                      : corner;
@@ -102,10 +107,10 @@ static size_t value_of(const norma_attribute *a, size_t position, size_t corner)
 
 int norma_core_tangent_read_key(const tangent_mesh *m, size_t key, tangent_vertex *v) {
     const size_t position = m->by_position ? key : norma_core_corner(&m->mesh, key),
-                 normal = value_of(m->normals, position, key),
-                 texcoord = value_of(m->texcoords, position, key);
+                 normal = value_of_corner(m->normals, position, key),
+                 texcoord = value_of_corner(m->texcoords, position, key);
     if (normal == SIZE_MAX || texcoord == SIZE_MAX) return 0;
-    read_position(&m->mesh.positions, position, v->position);
+    read_float_position(&m->mesh.positions, position, v->position);
     read_attribute(m->normals, normal, 3, v->normal);
     read_attribute(m->texcoords, texcoord, 2, v->texcoord);
     return 1;
@@ -123,7 +128,7 @@ static void read_task(void *context, size_t task) {
         }
 }
 
-static norma_result read_vertices(tangent_mesh *mesh) {
+static norma_result read_all_vertices(tangent_mesh *mesh) {
     reading r = {.mesh = mesh};
     const norma_result result = norma_core_parallel(mesh->call,
         mesh->key_count / KEYS_IN_TASK + (mesh->key_count % KEYS_IN_TASK != 0), read_task, &r);
@@ -196,7 +201,7 @@ norma_result norma_core_tangent_read(tangent_mesh *mesh) {
     mesh->by_position = is_per_vertex(mesh->normals) && is_per_vertex(mesh->texcoords);
     mesh->key_count = mesh->by_position ? mesh->mesh.positions.count : mesh->mesh.corner_count;
     mesh->vertices = norma_core_allocate(mesh->call, mesh->key_count, sizeof *mesh->vertices);
-    return mesh->vertices ? read_vertices(mesh) : NORMA_ERROR_MEMORY;
+    return mesh->vertices ? read_all_vertices(mesh) : NORMA_ERROR_MEMORY;
 }
 
 norma_result norma_core_tangent_open(tangent_mesh *mesh) {
@@ -212,4 +217,47 @@ void norma_core_tangent_close(tangent_mesh *mesh) {
     norma_core_release(mesh->call, mesh->own_weld, mesh->key_count, sizeof *mesh->own_weld);
     mesh->vertices = NULL;
     mesh->weld = mesh->own_weld = NULL;
+}
+
+/* ---- One place for what reaches the caller. */
+
+norma_result norma_core_tangent_output_open(const norma_options *options, float *tangents,
+    size_t count, size_t capacity, tangent_output *output) {
+    const size_t least = 4 * sizeof(float), asked = options ? options->normal_stride : 0;
+    *output = (tangent_output){.tangents = (unsigned char *)tangents,
+        .stride = asked ? asked : least,
+        .reasons = options ? options->reasons : NULL};
+    if (output->stride < least || (count && !tangents)) return NORMA_ERROR_ARGUMENT;
+    if (count > capacity) return NORMA_ERROR_CAPACITY;
+    return count && count > SIZE_MAX / output->stride ? NORMA_ERROR_OVERFLOW : NORMA_OK;
+}
+
+/* A unit vector perpendicular to n, the same on every machine: the axis that n leans on least, made
+ * perpendicular; the first axis where n has no direction. */
+static void perpendicular_to_normal(const float normal[3], float out[3]) {
+    const double given[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
+    double n[3] = {0}, v[3], unit[3];
+    int axis = 0;
+    if (norma_core_finite(given)) norma_core_normalise(given, n);
+    for (int k = 1; k < 3; k++)
+        if (fabs(n[k]) < fabs(n[axis])) axis = k;
+    for (int k = 0; k < 3; k++) v[k] = (k == axis ? 1.0 : 0.0) - n[axis] * n[k];
+    norma_core_normalise(v, unit);
+    for (int k = 0; k < 3; k++) out[k] = (float)unit[k] + 0.0F;
+}
+
+written_tangent norma_core_tangent_to_write(
+    const tangent_vertex *vertex, const corner_tangent *tangent) {
+    written_tangent out = {.reason = tangent->reason};
+    memcpy(out.numbers, tangent->direction, sizeof tangent->direction);
+    out.numbers[3] = tangent->sign;
+    if (!norma_core_tangent_is_finite(vertex)) out.reason = NORMA_REASON_NON_FINITE;
+    if (out.reason != NORMA_REASON_NONE) perpendicular_to_normal(vertex->normal, out.numbers);
+    return out;
+}
+
+void norma_core_write_tangent(const tangent_output *output, size_t corner,
+    const tangent_vertex *vertex, const corner_tangent *tangent, core_tally *tally) {
+    const written_tangent out = norma_core_tangent_to_write(vertex, tangent);
+    norma_core_put_tangent(output, corner, &out, tally);
 }

@@ -3,7 +3,7 @@
  * threads, each allocation failing, arguments. Its bits are compared with other programs by
  * tests/tangent. */
 #include "check.h"
-#include "core/tangent/mikk_lanes.h"
+#include "core/tangent/tangents.h"
 #include "accountant.h"
 #include "watcher.h"
 #include <inttypes.h>

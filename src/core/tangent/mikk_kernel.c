@@ -1,6 +1,6 @@
-/* mikk_lanes.c: equations 18 and 19 of Mikkelsen 2008 and what a triangle adds at its corners,
+/* mikk_kernel.c: equations 18 and 19 of Mikkelsen 2008 and what a triangle adds at its corners,
  * compiled for each instruction set of the machine's family and chosen at run time. */
-#include "core/tangent/mikk_lanes.h"
+#include "core/tangent/tangents.h"
 #include "core/face/triangle.h"
 #include <float.h>
 
@@ -15,27 +15,27 @@ CORE_INLINE float acos_of(float x) {
 
 float norma_core_mikk_acos(float x) { return acos_of(x); }
 
-CORE_INLINE int is_zero(float x) { return !(fabsf(x) > FLT_MIN); }
+CORE_INLINE int is_zero_lane(float x) { return !(fabsf(x) > FLT_MIN); }
 
 typedef struct vector {
     float x, y, z;
 } vector;
 
-CORE_INLINE float dot(vector a, vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-CORE_INLINE vector scale(float s, vector v) { return (vector){s * v.x, s * v.y, s * v.z}; }
+CORE_INLINE float dot_3(vector a, vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+CORE_INLINE vector scale_3(float s, vector v) { return (vector){s * v.x, s * v.y, s * v.z}; }
 CORE_INLINE vector subtract(vector a, vector b) {
     return (vector){a.x - b.x, a.y - b.y, a.z - b.z};
 }
-CORE_INLINE vector add(vector a, vector b) { return (vector){a.x + b.x, a.y + b.y, a.z + b.z}; }
+CORE_INLINE vector add_3(vector a, vector b) { return (vector){a.x + b.x, a.y + b.y, a.z + b.z}; }
 CORE_INLINE vector normalised(vector v) {
-    const int zero = is_zero(v.x) & is_zero(v.y) & is_zero(v.z);
-    return scale(zero ? 1 : 1 / sqrtf(dot(v, v)), v);
+    const int zero = is_zero_lane(v.x) & is_zero_lane(v.y) & is_zero_lane(v.z);
+    return scale_3(zero ? 1 : 1 / sqrtf(dot_3(v, v)), v);
 }
 /* Made perpendicular to n, unit. */
 CORE_INLINE vector projected(vector v, vector n) {
-    return normalised(subtract(v, scale(dot(n, v), n)));
+    return normalised(subtract(v, scale_3(dot_3(n, v), n)));
 }
-CORE_INLINE vector at(const mikk_lane *v, int lane) {
+CORE_INLINE vector axis_at(const mikk_lane *v, int lane) {
     return (vector){v[0][lane], v[1][lane], v[2][lane]};
 }
 
@@ -44,8 +44,8 @@ CORE_INLINE float one_of(float turn, float first, float second, float third) {
 }
 /* Of a triangle's vertices, the one so many after the corner's own. */
 CORE_INLINE vector value_after(const mikk_batch *b, const mikk_lane of[3][3], int after, int lane) {
-    const vector p[3] = {
-        at(of[after % 3], lane), at(of[(after + 1) % 3], lane), at(of[(after + 2) % 3], lane)};
+    const vector p[3] = {axis_at(of[after % 3], lane), axis_at(of[(after + 1) % 3], lane),
+        axis_at(of[(after + 2) % 3], lane)};
     const float turn = b->turn[lane];
     return (vector){one_of(turn, p[0].x, p[1].x, p[2].x), one_of(turn, p[0].y, p[1].y, p[2].y),
         one_of(turn, p[0].z, p[1].z, p[2].z)};
@@ -61,18 +61,19 @@ CORE_INLINE derivative derive_lane(const mikk_batch *b, int l) {
                 t21y = b->texcoord[1][1][l] - b->texcoord[0][1][l],
                 t31x = b->texcoord[2][0][l] - b->texcoord[0][0][l],
                 t31y = b->texcoord[2][1][l] - b->texcoord[0][1][l];
-    const vector origin = at(b->position[0], l), d1 = subtract(at(b->position[1], l), origin),
-                 d2 = subtract(at(b->position[2], l), origin);
-    return (derivative){t21x * t31y - t21y * t31x, subtract(scale(t31y, d1), scale(t21y, d2)),
-        add(scale(-t31x, d1), scale(t21x, d2))};
+    const vector origin = axis_at(b->position[0], l),
+                 d1 = subtract(axis_at(b->position[1], l), origin),
+                 d2 = subtract(axis_at(b->position[2], l), origin);
+    return (derivative){t21x * t31y - t21y * t31x, subtract(scale_3(t31y, d1), scale_3(t21y, d2)),
+        add_3(scale_3(-t31x, d1), scale_3(t21x, d2))};
 }
 
 CORE_INLINE void derive(const mikk_batch *restrict b, mikk_derivative *restrict out) {
     for (int l = 0; l < MIKK_LANES; l++) {
         const derivative d = derive_lane(b, l);
-        const int none = is_zero(d.area);
-        const float s = sqrtf(dot(d.s, d.s)) / fabsf(d.area),
-                    t = sqrtf(dot(d.t, d.t)) / fabsf(d.area);
+        const int none = is_zero_lane(d.area);
+        const float s = sqrtf(dot_3(d.s, d.s)) / fabsf(d.area),
+                    t = sqrtf(dot_3(d.t, d.t)) / fabsf(d.area);
         out->area[l] = d.area;
         out->length_s[l] = none ? 0 : s;
         out->length_t[l] = none ? 0 : t;
@@ -81,16 +82,16 @@ CORE_INLINE void derive(const mikk_batch *restrict b, mikk_derivative *restrict 
 
 /* Unit, in the sense of the area's sign; zero where it has no length. */
 CORE_INLINE vector unit(vector v, float length, float sign) {
-    const int zero = is_zero(length);
+    const int zero = is_zero_lane(length);
     const float by = sign / length;
     return (vector){zero ? 0 : by * v.x, zero ? 0 : by * v.y, zero ? 0 : by * v.z};
 }
 
-/* Of the angle at the middle one of three positions, seen along n. */
+/* Of the angle axis_at the middle one of three positions, seen along n. */
 CORE_INLINE float cosine_of(vector previous, vector here, vector next, vector n) {
     const vector in = projected(subtract(previous, here), n),
                  away = projected(subtract(next, here), n);
-    const float cosine = dot(in, away);
+    const float cosine = dot_3(in, away);
     return cosine > 1 ? 1 : cosine < -1 ? -1 : cosine;
 }
 
@@ -99,8 +100,8 @@ CORE_INLINE void contribute(const mikk_batch *restrict b, mikk_corners *restrict
     float cosines[MIKK_LANES];
     for (int l = 0; l < MIKK_LANES; l++) {
         const derivative d = derive_lane(b, l);
-        const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot(d.s, d.s)),
-                    length_t = sqrtf(dot(d.t, d.t));
+        const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot_3(d.s, d.s)),
+                    length_t = sqrtf(dot_3(d.t, d.t));
         const vector n = value_after(b, b->normal, 0, l),
                      s = projected(unit(d.s, length_s, sign), n),
                      t = projected(unit(d.t, length_t, sign), n);
@@ -123,7 +124,7 @@ CORE_INLINE uint32_t ends_of(vector v) {
     return (v.x > 0.5F ? 1U : 0) | (v.y > 0.5F ? 2U : 0) | (v.z > 0.5F ? 4U : 0) |
            (v.x < -0.5F ? 64U : 0) | (v.y < -0.5F ? 128U : 0) | (v.z < -0.5F ? 256U : 0);
 }
-CORE_INLINE int is_unit(vector v) { return fabsf(dot(v, v) - 1) < 0x1p-10F; /* not NaN */ }
+CORE_INLINE int is_unit(vector v) { return fabsf(dot_3(v, v) - 1) < 0x1p-10F; /* not NaN */ }
 
 typedef struct directions {
     mikk_lane s[3], t[3]; /* unit, in the triangle's plane */
@@ -133,9 +134,9 @@ CORE_INLINE void derive_directions(
     const mikk_batch *restrict b, directions *restrict out, mikk_derivative *restrict lengths) {
     for (int l = 0; l < MIKK_LANES; l++) {
         const derivative d = derive_lane(b, l);
-        const int none = is_zero(d.area);
-        const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot(d.s, d.s)),
-                    length_t = sqrtf(dot(d.t, d.t)), area = fabsf(d.area);
+        const int none = is_zero_lane(d.area);
+        const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot_3(d.s, d.s)),
+                    length_t = sqrtf(dot_3(d.t, d.t)), area = fabsf(d.area);
         const vector s = unit(d.s, length_s, sign), t = unit(d.t, length_t, sign);
         out->s[0][l] = s.x;
         out->s[1][l] = s.y;
@@ -153,12 +154,13 @@ CORE_INLINE void add_up_corner(const mikk_batch *restrict b, const directions *r
     int corner, mikk_addends *restrict out) {
     mikk_lane angle;
     for (int l = 0; l < MIKK_LANES; l++)
-        angle[l] = cosine_of(at(b->position[(corner + 2) % 3], l), at(b->position[corner], l),
-            at(b->position[(corner + 1) % 3], l), at(b->normal[corner], l));
+        angle[l] =
+            cosine_of(axis_at(b->position[(corner + 2) % 3], l), axis_at(b->position[corner], l),
+                axis_at(b->position[(corner + 1) % 3], l), axis_at(b->normal[corner], l));
     for (int l = 0; l < MIKK_LANES; l++) angle[l] = acos_of(angle[l]);
     for (int l = 0; l < MIKK_LANES; l++) {
-        const vector n = at(b->normal[corner], l), s = projected(at(d->s, l), n),
-                     t = projected(at(d->t, l), n);
+        const vector n = axis_at(b->normal[corner], l), s = projected(axis_at(d->s, l), n),
+                     t = projected(axis_at(d->t, l), n);
         out->ends[corner][l] =
             is_unit(s) & is_unit(t) ? ends_of(s) | ends_of(t) << 3 : MIKK_ALL_ENDS;
         out->sum[corner][0][l] = angle[l] * s.x;
@@ -167,7 +169,7 @@ CORE_INLINE void add_up_corner(const mikk_batch *restrict b, const directions *r
     }
 }
 
-CORE_INLINE void add_up(const mikk_batch *restrict b, mikk_addends *restrict out) {
+CORE_INLINE void add_up_mikk(const mikk_batch *restrict b, mikk_addends *restrict out) {
     directions d;
     derive_directions(b, &d, &out->derivative);
     for (int corner = 0; corner < 3; corner++) add_up_corner(b, &d, corner, out);
@@ -180,7 +182,7 @@ static void contribute_portable(const mikk_batch *restrict b, mikk_corners *rest
     contribute(b, out);
 }
 static void add_up_portable(const mikk_batch *restrict b, mikk_addends *restrict out) {
-    add_up(b, out);
+    add_up_mikk(b, out);
 }
 
 #if defined(CORE_HAS_X86)
@@ -192,7 +194,7 @@ CORE_FOR_AVX2 static void contribute_avx2(
     contribute(b, out);
 }
 CORE_FOR_AVX2 static void add_up_avx2(const mikk_batch *restrict b, mikk_addends *restrict out) {
-    add_up(b, out);
+    add_up_mikk(b, out);
 }
 CORE_FOR_AVX512 static void derive_avx512(
     const mikk_batch *restrict b, mikk_derivative *restrict out) {
@@ -204,7 +206,7 @@ CORE_FOR_AVX512 static void contribute_avx512(
 }
 CORE_FOR_AVX512 static void add_up_avx512(
     const mikk_batch *restrict b, mikk_addends *restrict out) {
-    add_up(b, out);
+    add_up_mikk(b, out);
 }
 #endif
 

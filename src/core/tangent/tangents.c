@@ -1,7 +1,51 @@
-/* split_tangents.c: norma_split_tangents: tangents of corners, then corners that agree in what they
- * have, byte for byte, as vertices. */
-#include "core/corner/index_corners.h"
+/* tangents.c: norma_corner_tangents and norma_split_tangents. */
 #include "core/tangent/tangents.h"
+#include "core/corner/index_corners.h"
+
+/* ---- norma_corner_tangents. Arguments, the vertices that corners share, then one of
+ * two ways to make tangents. */
+
+static norma_result compute_tangents(tangent_mesh *mesh, norma_tangent_mode mode,
+    const tangent_output *output, norma_report *report) {
+    core_tally tally = {0};
+    norma_core_stage(mesh->call, 0.05, 0.3);
+    norma_result result = norma_core_tangent_open(mesh);
+    if (result != NORMA_OK) return result;
+    norma_core_stage(mesh->call, 0.3, 0.97);
+    result = mode == NORMA_TANGENTS_MIKK ? norma_core_mikk_tangents(mesh, output, &tally)
+                                         : norma_core_steady_tangents(mesh, output, &tally);
+    result = norma_core_finish(mesh->call, result);
+    norma_core_tangent_close(mesh);
+    if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
+    return result;
+}
+
+norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
+    const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
+    float *tangents, size_t capacity, norma_report *report) {
+    core_call call;
+    tangent_mesh checked = {.call = &call};
+    tangent_output output;
+    norma_result result = norma_core_begin(&call, options);
+    if (result == NORMA_OK && mode != NORMA_TANGENTS_STEADY && mode != NORMA_TANGENTS_MIKK)
+        result = NORMA_ERROR_ARGUMENT;
+    if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked.mesh);
+    if (result == NORMA_OK) norma_core_share(&call, checked.mesh.corner_count);
+    if (result == NORMA_OK) result = norma_core_tangent_attributes(&checked, normals, texcoords);
+    if (result == NORMA_OK)
+        result = norma_core_tangent_output_open(
+            options, tangents, checked.mesh.corner_count, capacity, &output);
+    norma_core_stage(&call, 0, 0.05);
+    if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked.mesh);
+    if (result != NORMA_OK) return result;
+    norma_core_gather(&call, checked.mesh.corner_count);
+    result = compute_tangents(&checked, mode, &output, report);
+    norma_core_dismiss(&call);
+    return result;
+}
+
+/* ---- norma_split_tangents: tangents of corners, then corners that agree in what they
+ * have, byte for byte, as vertices. */
 
 enum { STREAMS = 4, TANGENT_BYTES = 4 * sizeof(float) };
 
@@ -51,7 +95,7 @@ static norma_result index_corners(tangent_split *s) {
 }
 
 /* By the sources, in memory of our own: what is written for the caller is not read again. */
-static norma_result split(tangent_split *s, float *tangents, size_t stride) {
+static norma_result split_by_tangents(tangent_split *s, float *tangents, size_t stride) {
     norma_indexed *to = s->indexed;
     uint32_t *wanted = to->source_corners;
     if (tangents) {
@@ -96,7 +140,7 @@ norma_result norma_split_tangents(const norma_mesh *mesh, const norma_attribute 
     if (result == NORMA_OK && s.corner_count) {
         norma_core_share(&s.call, s.corner_count);
         norma_core_stage(&s.call, 1, 1);
-        result = split(&s, tangents, asked);
+        result = split_by_tangents(&s, tangents, asked);
     } else if (result == NORMA_OK) {
         indexed->vertex_count = 0;
     }
