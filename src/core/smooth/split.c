@@ -5,7 +5,7 @@
  * again in the second pass, when they have their numbers. */
 #include "core/corner/fallback_normals.h"
 #include "core/corner/corner_sort.h"
-#include "core/smooth/split.h"
+#include "core/smooth/smooth_fans.h"
 #include <math.h>
 
 typedef struct split_work {
@@ -26,8 +26,13 @@ typedef struct split_work {
     size_t few_count;
     uint8_t *reasons, *wanted; /* where the nearest is to be found: of each corner; of corners that
                                   stand for a vertex with no normal at all */
-    const split_room *room;    /* the caller's; or NULL */
 } split_work;
+
+typedef struct split_output {
+    uint32_t *corners, *source_vertices;
+    float *normals;
+    size_t corner_capacity, vertex_capacity, *vertex_count;
+} split_output;
 
 /* ---- one position */
 
@@ -239,9 +244,6 @@ static norma_result write_numbers(split_work *work) {
     norma_core_stage(call, 0.76, 0.78);
     norma_result result = norma_core_parallel(call, blocks, write_vertices, work);
     release_normals(work);
-    if (result == NORMA_OK && work->room &&
-        !(work->numbers = work->room->of_corners(work->room->context)))
-        return NORMA_ERROR_MEMORY;
     norma_core_stage(call, 0.78, 0.8);
     if (result == NORMA_OK && work->numbers)
         result = norma_core_parallel(call, blocks, number_block, work);
@@ -336,34 +338,13 @@ static norma_result allocate_numbers(split_work *work, int lacking) {
     return NORMA_OK;
 }
 
-/* Nobody asks for the corners of positions that are skipped: they pass for single ones. */
-static void pass_over(split_work *work, const uint8_t *skip) {
-    for (size_t p = 0; skip && p < work->prepared->mesh.positions.count; p++)
-        work->single[p] |= skip[p];
-}
-
-static norma_result ask_for_vertices(split_work *work, size_t count) {
-    split_vertices room = {0};
-    const norma_result result = work->room->of_vertices(work->room->context, count, &room);
-    work->source_vertices = room.sources;
-    work->output.normals = (unsigned char *)room.normals;
-    work->output.reasons = room.reasons;
-    return result;
-}
-
 /* lacking: some corner is to get the nearest normal. */
-static norma_result write_split(
-    split_work *work, const split_output *out, size_t vertices, int lacking) {
+static norma_result write_split(split_work *work, int lacking) {
     core_prepared_mesh *prepared = work->prepared;
-    const uint8_t *skip = out->skip;
     stars_part ignored;
     const int others = norma_core_has_others(work->smooth);
-    pass_over(work, skip);
     norma_result result = lacking || !others ? NORMA_OK : thin_out(work);
-    if (result == NORMA_OK && work->room) result = ask_for_vertices(work, vertices);
     if (result == NORMA_OK) result = allocate_numbers(work, lacking);
-    if (result == NORMA_OK && skip)
-        memset(work->vertices, 0, prepared->mesh.positions.count * sizeof *work->vertices);
     if (result == NORMA_OK) result = write_numbers(work);
     if (result != NORMA_OK || !others || !(work->numbers || work->output.normals)) return result;
     const position_visit visit = {
@@ -385,13 +366,12 @@ static norma_result check_room(
 }
 
 /* The first pass. */
-static norma_result find_firsts(split_work *work, const uint8_t *skip, stars_part *sum) {
+static norma_result find_firsts(split_work *work, stars_part *sum) {
     core_prepared_mesh *prepared = work->prepared;
     const smooth_target target = {
         .normals = work->normals, .single = work->single, .firsts = work->firsts};
     const position_visit visit = {.join = CORE_JOIN_FANS,
         .counting = 1,
-        .skip = skip,
         .see = see_to_number,
         .context = work,
         .target = work->firsts,
@@ -409,15 +389,15 @@ static norma_result compute(
     core_call *call = prepared->call;
     stars_part sum = {.tally.degenerate = prepared->degenerate_faces};
     size_t count;
-    norma_result result = find_firsts(work, out->skip, &sum);
+    norma_result result = find_firsts(work, &sum);
     norma_core_stage(call, 0.75, 0.76);
     if (result == NORMA_OK) result = count_vertices(work, &count);
     if (result == NORMA_OK) result = check_room(prepared, out, count);
     if (result != NORMA_OK) return result;
     const int lacking =
         sum.tally.non_finite.count || sum.tally.unreferenced.count || sum.tally.cancelled.count;
-    if (out->corners || out->source_vertices || out->normals || out->room)
-        result = write_split(work, out, count, lacking && work->normals && work->output.nearest);
+    if (out->corners || out->source_vertices || out->normals)
+        result = write_split(work, lacking && work->normals && work->output.nearest);
     if (result != NORMA_OK) return result;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
     if (call->options.edges) *call->options.edges = sum.counts.edges;
@@ -455,22 +435,15 @@ static norma_result allocate_work(const core_call *call, split_work *work, int w
     return NORMA_OK;
 }
 
-norma_result norma_core_split_prepared(core_prepared_mesh *prepared, smooth_fans *smooth,
+static norma_result split_prepared(core_prepared_mesh *prepared, smooth_fans *smooth,
     const split_output *out, norma_report *report) {
-    smooth_fans none = {.ranges = NULL};
     split_work work = {.prepared = prepared,
-        .smooth = smooth ? smooth : &none,
+        .smooth = smooth,
         .numbers = out->corners,
-        .source_vertices = out->source_vertices,
-        .room = out->room};
+        .source_vertices = out->source_vertices};
     norma_result result = norma_core_output_open(prepared->call, out->normals, 0, 0, &work.output);
-    if (result == NORMA_OK)
-        result = allocate_work(prepared->call, &work, out->normals || out->room);
+    if (result == NORMA_OK) result = allocate_work(prepared->call, &work, out->normals != NULL);
     if (result == NORMA_OK) result = compute(prepared, &work, out, report);
-    if (out->reasons) {
-        *out->reasons = work.reasons;
-        work.reasons = NULL;
-    }
     release_work(prepared->call, &work);
     return result;
 }
@@ -487,8 +460,8 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     const norma_options *options, uint32_t *corners, size_t corner_capacity,
     uint32_t *source_vertices, float *normals, size_t vertex_capacity, size_t *vertex_count,
     norma_report *report) {
-    const split_output out = {corners, source_vertices, normals, corner_capacity, vertex_capacity,
-        vertex_count, NULL, NULL, NULL};
+    const split_output out = {
+        corners, source_vertices, normals, corner_capacity, vertex_capacity, vertex_count};
     core_call call;
     core_mesh checked;
     core_prepared_mesh prepared;
@@ -503,8 +476,7 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     result =
         norma_core_open_smooth_fans(&call, &checked, (double)crease_angle_rad, &prepared, &smooth);
     if (result == NORMA_OK) {
-        result =
-            norma_core_finish(&call, norma_core_split_prepared(&prepared, &smooth, &out, report));
+        result = norma_core_finish(&call, split_prepared(&prepared, &smooth, &out, report));
         norma_core_release_smooth_fans(&prepared, &smooth);
         norma_core_prepared_mesh_close(&prepared);
     }
