@@ -101,7 +101,7 @@ static uint32_t largest_joint(const void *joints, size_t size, size_t count) {
 }
 
 /* Whether all are finite, by their exponents. */
-static int all_finite(const float *numbers, size_t count) {
+static int all_numbers_finite(const float *numbers, size_t count) {
     uint32_t most = 0;
     for (size_t i = 0; i < count; i++) {
         uint32_t bits;
@@ -120,7 +120,7 @@ static norma_result check_influences(const norma_skin *s, norma_fault *fault) {
         return norma_core_refuse(fault, NORMA_ERROR_INDEX, "skin->joints", i,
             "the number of a joint, below skin->joint_count");
     }
-    if (!all_finite(s->weights, count)) {
+    if (!all_numbers_finite(s->weights, count)) {
         while (s->weights[i] * 0.0F == 0.0F) i++;
         return norma_core_refuse(
             fault, NORMA_ERROR_ARGUMENT, "skin->weights", i, "a finite number");
@@ -266,7 +266,7 @@ static void prepare_joint(const float matrix[16], norma_blend blend, skin_joint 
  */
 #if defined(CORE_HAS_SHUFFLES)
 typedef core_d4 sum_row;
-CORE_INLINE sum_row add_row(sum_row sum, double weight, const double *from) {
+CORE_INLINE sum_row add_matrix_row(sum_row sum, double weight, const double *from) {
     sum_row row;
     memcpy(&row, from, sizeof row);
     return sum + weight * row;
@@ -275,7 +275,7 @@ CORE_INLINE sum_row add_row(sum_row sum, double weight, const double *from) {
 typedef struct sum_row {
     double at[4];
 } sum_row;
-CORE_INLINE sum_row add_row(sum_row sum, double weight, const double *from) {
+CORE_INLINE sum_row add_matrix_row(sum_row sum, double weight, const double *from) {
     for (int i = 0; i < 4; i++) sum.at[i] += weight * from[i];
     return sum;
 }
@@ -292,7 +292,7 @@ CORE_INLINE double add_joints(
     for (size_t k = 0; k < influences; k++) {
         const double weight = (double)s->skin->weights[first + k];
         const skin_joint *j = &s->table[norma_index_read(s->joints, joint_size, first + k)];
-        for (int i = 0; i < 3; i++) sum[i] = add_row(sum[i], weight, j->entry + 4 * i);
+        for (int i = 0; i < 3; i++) sum[i] = add_matrix_row(sum[i], weight, j->entry + 4 * i);
         size += fabs(weight) * j->size;
     }
     memcpy(b, sum, sizeof sum);
@@ -395,7 +395,7 @@ static void add_products(
 }
 
 /* Adds factor times entry row of b[first] x b[second], columns of three sums. */
-static void add_cross(exact_sum *sum, const long_sum *b, int first, int second, int row,
+static void add_exact_cross(exact_sum *sum, const long_sum *b, int first, int second, int row,
     const double *factor, int count) {
     const int y = (row + 1) % 3, z = (row + 2) % 3;
     add_products(sum, &b[3 * first + y], &b[3 * second + z], factor, count, 0);
@@ -407,14 +407,15 @@ static scaled_number exact_component(const long_sum b[9], const double n[3], int
     exact_sum sum;
     norma_exact_clear(&sum);
     for (int c = 0; c < 3; c++)
-        if (n[c] != 0.0) add_cross(&sum, b, (c + 1) % 3, (c + 2) % 3, row, &n[c], 1);
+        if (n[c] != 0.0) add_exact_cross(&sum, b, (c + 1) % 3, (c + 2) % 3, row, &n[c], 1);
     return norma_exact_round(&sum);
 }
 
 static int exactly_mirrors(const long_sum b[9]) {
     exact_sum sum;
     norma_exact_clear(&sum);
-    for (int row = 0; row < 3; row++) add_cross(&sum, b, 1, 2, row, b[row].part, b[row].count);
+    for (int row = 0; row < 3; row++)
+        add_exact_cross(&sum, b, 1, 2, row, b[row].part, b[row].count);
     return norma_exact_round(&sum).mantissa < 0.0;
 }
 
@@ -612,7 +613,7 @@ static size_t chunk_count(const skin_stream *s) {
 }
 
 /* Everything that can be refused, before anything is written. */
-static norma_result open_stream(skin_stream *s, const norma_options *options,
+static norma_result open_skin_stream(skin_stream *s, const norma_options *options,
     const norma_vec3_view *in, float *out, size_t capacity) {
     norma_result result = norma_core_begin(&s->call, options);
     if (result == NORMA_OK) result = check_skin(s->skin, NULL);
@@ -648,7 +649,7 @@ static norma_result run_stream(skin_stream *s) {
 norma_result norma_skin_positions(const norma_skin *skin, norma_vec3_view in,
     const norma_options *options, float *out, size_t capacity) {
     skin_stream s = {.skin = skin};
-    const norma_result result = open_stream(&s, options, &in, out, capacity);
+    const norma_result result = open_skin_stream(&s, options, &in, out, capacity);
     return result != NORMA_OK || !skin->vertex_count ? result : run_stream(&s);
 }
 
@@ -656,7 +657,7 @@ norma_result norma_skin_normals(const norma_skin *skin, norma_vec3_view in,
     const norma_options *options, float *out, size_t capacity, norma_report *report) {
     skin_stream s = {.skin = skin};
     core_tally sum = {.non_finite = {0, 0}};
-    norma_result result = open_stream(&s, options, &in, out, capacity);
+    norma_result result = open_skin_stream(&s, options, &in, out, capacity);
     if (result != NORMA_OK) return result;
     if (skin->vertex_count) {
         s.tallies = norma_core_allocate(&s.call, chunk_count(&s), sizeof *s.tallies);
@@ -673,7 +674,7 @@ norma_result norma_skin_normals(const norma_skin *skin, norma_vec3_view in,
 norma_result norma_skin_tangents(const norma_skin *skin, const float *in,
     norma_vec3_view skinned_normals, const norma_options *options, float *out, size_t capacity) {
     skin_stream s = {.skin = skin, .tangents = in};
-    norma_result result = open_stream(&s, options, &skinned_normals, out, capacity);
+    norma_result result = open_skin_stream(&s, options, &skinned_normals, out, capacity);
     if (result != NORMA_OK || !skin->vertex_count) return result;
     if (options && options->normal_stride && options->normal_stride < TANGENT_BYTES)
         return NORMA_ERROR_ARGUMENT;

@@ -41,7 +41,7 @@ CORE_IN_REGISTERS void take_apart(const float *from, __m512 axis[3]) {
     axis[2] = _mm512_permutexvar_ps(places(3, 2), of_three(a, b, LAST_THIRD, c, FIRST_THIRD));
 }
 
-CORE_IN_REGISTERS void put_together(const __m512 axis[3], float *to) {
+CORE_IN_REGISTERS void put_axes_together(const __m512 axis[3], float *to) {
     const __m512 x = _mm512_permutexvar_ps(places(11, 0), axis[0]),
                  y = _mm512_permutexvar_ps(places(11, 16 - 11), axis[1]),
                  z = _mm512_permutexvar_ps(places(11, 32 - 22), axis[2]);
@@ -110,7 +110,7 @@ CORE_IN_REGISTERS void close_sixteen(const opened_sixteen *o, float *out) {
     __m512 v[3];
     for (int k = 0; k < 3; k++)
         v[k] = as_floats(_mm512_mul_pd(o->low.axis[k], low), _mm512_mul_pd(o->high.axis[k], high));
-    put_together(v, out);
+    put_axes_together(v, out);
 }
 
 /* The next sixteen are multiplied while the root and the quotient of these are under way: what

@@ -78,6 +78,15 @@ CORE_FOR_AVX512 static void core_block_angles_avx512(
 }
 #endif
 
+/* ---- the normal of a group, from its sum */
+
+int norma_core_plan_decide(const double sum[4], float normal[3]) {
+    if (signbit(sum[3])) return NORMA_REASON_UNREFERENCED;
+    if (norma_core_cancels(sum, sum[3])) return NORMA_REASON_CANCELLED;
+    norma_core_direction(sum, normal);
+    return NORMA_REASON_NONE;
+}
+
 /* ---- The loops in which an update spends its time: eight triangles at a time are
  * read, measured and kept as rows; groups sum rows in the order of their members. Compiled for each
  * instruction set; what is computed is what norma_vertex_normals computes, by the same steps. */

@@ -5,16 +5,7 @@
 #include "core/mesh/nearest.h"
 #include <math.h>
 
-/* ---- The normal of a group, from its sum or its voters. */
-
-int norma_core_plan_decide(const double sum[4], float normal[3]) {
-    if (signbit(sum[3])) return NORMA_REASON_UNREFERENCED;
-    if (norma_core_cancels(sum, sum[3])) return NORMA_REASON_CANCELLED;
-    norma_core_direction(sum, normal);
-    return NORMA_REASON_NONE;
-}
-
-/* The same of the normals that voted, by the most visible one. */
+/* norma_core_plan_decide of the normals that voted, by the most visible one. */
 static int core_plan_decide_cone(
     double weight, norma_core_cone_at *at, const void *context, size_t count, float normal[3]) {
     double axis[3];
@@ -347,7 +338,7 @@ typedef struct blocks_work {
 
 /* ---- in */
 
-static void load_position(
+static void load_block_position(
     const core_mesh *mesh, const block_view *t, uint32_t vertex, block_room *room) {
     double *position = room->positions[vertex];
     norma_core_position(mesh, t->vertices[vertex], position);
@@ -359,10 +350,10 @@ static void load_position(
 static void load_each(
     const core_mesh *mesh, const block_view *t, const block_some *eights, block_room *room) {
     room->all_finite = 1;
-    for (uint32_t v = 0; v < t->vertex_count && !eights; v++) load_position(mesh, t, v, room);
+    for (uint32_t v = 0; v < t->vertex_count && !eights; v++) load_block_position(mesh, t, v, room);
     for (uint32_t i = 0; eights && i < eights->count; i++)
         for (uint32_t c = 0; c < 3 * CORE_LANES; c++)
-            load_position(mesh, t, t->corners[3 * CORE_LANES * eights->numbers[i] + c], room);
+            load_block_position(mesh, t, t->corners[3 * CORE_LANES * eights->numbers[i] + c], room);
 }
 
 /* Those of some faces at least, among them the vertices of all groups in which they vote. A vertex

@@ -16,7 +16,7 @@ CORE_INLINE int is_held_lane(double square) {
 }
 
 /* along: unit. */
-CORE_INLINE void measure_lanes(const steady_batch *restrict b, steady_lane along[3],
+CORE_INLINE void measure_steady_lanes(const steady_batch *restrict b, steady_lane along[3],
     double *restrict twice_area, steady_addends *restrict out) {
     for (int l = 0; l < STEADY_LANES; l++) {
         double here[3], p[3], q[3], cross[3], v[3];
@@ -95,7 +95,7 @@ CORE_INLINE void weigh_lanes(const corner_lanes *restrict c, const double *restr
 CORE_INLINE void add_up_steady(
     const steady_batch *restrict b, norma_weight weight, steady_addends *restrict out) {
     steady_lane along[3], twice_area;
-    measure_lanes(b, along, twice_area, out);
+    measure_steady_lanes(b, along, twice_area, out);
     for (int corner = 0; corner < 3; corner++) {
         corner_lanes c;
         steady_lane weights;
@@ -244,7 +244,7 @@ typedef struct face_points {
     size_t first;
 } face_points;
 
-static void texcoord_of(const void *context, size_t index, double point[3]) {
+static void texcoord_at(const void *context, size_t index, double point[3]) {
     const face_points *face = context;
     position_at_corner(face->mesh, face->first + index, point);
 }
@@ -261,7 +261,7 @@ static int is_corner_reflex(const steady_mesh *m, const steady_face *face, size_
     position_at_corner(m, corner, here);
     position_at_corner(m, norma_core_next_in_face(mesh, number, corner), next);
     position_at_corner(m, norma_core_previous_in_face(mesh, number, corner), previous);
-    return norma_core_turns_back(texcoord_of, &points,
+    return norma_core_turns_back(texcoord_at, &points,
         norma_core_face_end(mesh, number) - points.first, here, next, previous);
 }
 

@@ -334,7 +334,7 @@ static int read_keys(tangent_part *p) {
     return 1;
 }
 
-static norma_result compute_part(tangent_part *p) {
+static norma_result compute_region_part(tangent_part *p) {
     const tangent_output output = {(unsigned char *)p->tangents, sizeof *p->tangents, p->reasons};
     core_tally tally = {0};
     tangent_mesh *m = &p->mesh;
@@ -403,7 +403,7 @@ static norma_result core_tangent_update_part(const norma_tangent_plan *plan,
     if (!region->corner_count) return NORMA_OK;
     if (open_tangent_part(&p, whole->call)) {
         list_part_corners(&p, region);
-        result = compute_part(&p);
+        result = compute_region_part(&p);
     }
     if (result == NORMA_OK && !*is_awkward) write_wanted(&p, region, output, tally);
     close_tangent_part(&p, whole->call);
@@ -413,7 +413,7 @@ static norma_result core_tangent_update_part(const norma_tangent_plan *plan,
 /* ---- norma_tangent_plan_update. What the plan knows is used where it is still
  * true, so that the bits are always those of norma_corner_tangents. */
 
-static norma_result compute_all(const norma_tangent_plan *plan, const tangent_mesh *m,
+static norma_result compute_plan_tangents(const norma_tangent_plan *plan, const tangent_mesh *m,
     const tangent_output *output, core_tally *tally) {
     return plan->mode == NORMA_TANGENTS_MIKK ? norma_core_mikk_tangents(m, output, tally)
                                              : norma_core_steady_tangents(m, output, tally);
@@ -431,7 +431,7 @@ static norma_result update_all(const norma_tangent_plan *plan, tangent_mesh *m,
     }
     if (result == NORMA_OK && !holds) result = norma_core_tangent_weld(m);
     norma_core_stage(m->call, 0.3, 0.97);
-    if (result == NORMA_OK) result = compute_all(plan, m, output, tally);
+    if (result == NORMA_OK) result = compute_plan_tangents(plan, m, output, tally);
     norma_core_tangent_close(m);
     return result;
 }

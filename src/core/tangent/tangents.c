@@ -5,7 +5,7 @@
 /* ---- norma_corner_tangents. Arguments, the vertices that corners share, then one of
  * two ways to make tangents. */
 
-static norma_result compute_tangents(tangent_mesh *mesh, norma_tangent_mode mode,
+static norma_result compute_corner_tangents(tangent_mesh *mesh, norma_tangent_mode mode,
     const tangent_output *output, norma_report *report) {
     core_tally tally = {0};
     norma_core_stage(mesh->call, 0.05, 0.3);
@@ -39,7 +39,7 @@ norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked.mesh);
     if (result != NORMA_OK) return result;
     norma_core_gather(&call, checked.mesh.corner_count);
-    result = compute_tangents(&checked, mode, &output, report);
+    result = compute_corner_tangents(&checked, mode, &output, report);
     norma_core_dismiss(&call);
     return result;
 }

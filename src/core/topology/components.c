@@ -1,4 +1,4 @@
-/* components.c: faces are visited from edge to edge, each component from its least face on. */
+/* components.c: faces are visited from edge to edge, each component from its lower_of face on. */
 #include "core/topology/topology.h"
 #include "core/face/triangle.h"
 
@@ -248,7 +248,7 @@ static void add_polygon_volume(
 
 enum { FACES_IN_BLOCK = 1 << 13 };
 
-static double least(double a, double b) { return a < b ? a : b; }
+static double lower_of(double a, double b) { return a < b ? a : b; }
 static double greatest(double a, double b) { return a > b ? a : b; }
 
 /* The same of a triangle, straight. */
@@ -257,7 +257,7 @@ static void add_triangle_volume(
     double p[3][3], cross[3];
     for (size_t k = 0; k < 3; k++) norma_core_position(&t->mesh, t->corners[3 * face + k], p[k]);
     for (int k = 0; k < 3; k++) {
-        sum->box.low[k] = least(least(p[0][k], p[1][k]), least(p[2][k], sum->box.low[k]));
+        sum->box.low[k] = lower_of(lower_of(p[0][k], p[1][k]), lower_of(p[2][k], sum->box.low[k]));
         sum->box.high[k] =
             greatest(greatest(p[0][k], p[1][k]), greatest(p[2][k], sum->box.high[k]));
         for (int i = 0; i < 3; i++) p[i][k] -= origin[k];

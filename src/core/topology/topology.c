@@ -12,7 +12,9 @@
 
 enum { CORNERS_IN_BLOCK = 1 << 15, FACES_IN_BLOCK = 1 << 12, POSITIONS_IN_BLOCK = 1 << 12 };
 
-static size_t blocks_of(size_t count, size_t size) { return count / size + (count % size != 0); }
+static size_t block_count_of(size_t count, size_t size) {
+    return count / size + (count % size != 0);
+}
 
 typedef struct corner_copy {
     const core_mesh *from;
@@ -65,14 +67,14 @@ static void find_polygons(void *context, size_t block) {
 static norma_result fill_topology(core_topology *t, const core_mesh *welded) {
     corner_copy copy = {welded, t->corners};
     norma_result result = norma_core_parallel(
-        t->call, blocks_of(welded->corner_count, CORNERS_IN_BLOCK), weld_corners, &copy);
+        t->call, block_count_of(welded->corner_count, CORNERS_IN_BLOCK), weld_corners, &copy);
     t->mesh = *welded;
     t->mesh.weld = NULL;
     t->mesh.corners = t->corners;
     t->mesh.corner_size = 4;
     if (result == NORMA_OK && t->polygons)
         result = norma_core_parallel(
-            t->call, blocks_of(t->mesh.face_count, FACES_IN_BLOCK), find_polygons, t);
+            t->call, block_count_of(t->mesh.face_count, FACES_IN_BLOCK), find_polygons, t);
     return result;
 }
 
@@ -355,7 +357,7 @@ static norma_result pair_large(const pairing *p) {
 }
 
 size_t norma_core_topology_blocks(const core_topology *topology) {
-    return blocks_of(topology->mesh.positions.count, POSITIONS_IN_BLOCK) + 1;
+    return block_count_of(topology->mesh.positions.count, POSITIONS_IN_BLOCK) + 1;
 }
 
 norma_result norma_core_pair_edges(core_topology *topology, const core_topology_visitor *visitor) {
