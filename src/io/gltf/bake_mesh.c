@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define BAKE_UNCHANGED (UINT32_MAX - 1) /* as data: the slot keeps what it has */
+
 /* ---- What several primitives share stays shared where the matrix is the same: contents
  * are found again by what they were made of. */
 

@@ -1,4 +1,4 @@
-/* drawn_mesh.c: A mesh as a viewer draws it at rest: the weights of its morph targets and its skin
+/* drawn_mesh.c: a mesh as a viewer draws it at rest: the weights of its morph targets and its skin
  * applied (glTF 2.0, 3.7.2.2 and 3.7.3.3), normals through the cofactors of the same matrices. */
 #include "io/gltf/gltf.h"
 #include <math.h>

@@ -1,4 +1,4 @@
-/* gltf.c: A glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
+/* gltf.c: a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
  * requires, and its table of functions. */
 #include "io/gltf/gltf.h"
 #include "io/format/format.h"

@@ -13,7 +13,7 @@
 /* ---- What the glTF files share: the parsed asset, how its numbers are read, and how new
  * contents and other changes get into it.
  *
- * Reading. The JSON stays as text with the place of every value (json.h). Buffers are loaded, views
+ * Reading. The JSON stays as text with the place of every value. Buffers are loaded, views
  * decoded and accessors resolved where they are first needed. Nothing is trusted: what is in the
  * arrays here has been checked against what the file holds.
  *
@@ -429,7 +429,7 @@ double norma_gltf_matrix_decompose(const double m[16], gltf_trs *trs);
  * decomposition, inner a rotation. So two nodes, one below the other, hold what one cannot. */
 void norma_gltf_matrix_split(const double m[16], gltf_trs *outer, gltf_trs *inner);
 
-/* ---- What the files share that tell what else a glTF's surfaces have. */
+/* ---- what else a glTF's surfaces have (gltf_scene.c, drawn_mesh.c, skins.c, materials.c) */
 
 /* What several elements share is found out once, so that a small file that names one thing a
  * thousand times costs no more than its size. */
@@ -516,22 +516,6 @@ int norma_gltf_needs_later(const gltf *g);
 /* The fields of a drawing node's info that are not about what it draws. */
 norma_document_result norma_gltf_describe_node(
     const norma_document *document, size_t index, norma_node_info *info);
-
-/* ---- What an animation does to the rotations and scales of nodes, at any time.
- * Translations and weights are no matter here. */
-
-typedef struct gltf_channel {
-    uint32_t node;
-    int scales; /* 1: scale, three numbers; 0: rotation, a quaternion */
-    enum { GLTF_LINEAR, GLTF_STEP, GLTF_CUBIC } interpolation;
-    const float *times, *values; /* cubic: in-tangent, value, out-tangent for each time */
-    size_t count;                /* of times; at least one */
-} gltf_channel;
-
-typedef struct gltf_animation {
-    gltf_channel *channels;
-    size_t count;
-} gltf_animation;
 
 /* ---- Sines of our own, for results with the same bits everywhere: the C library's differ
  * between systems. */
@@ -905,38 +889,6 @@ norma_document_result norma_gltf_account_tangents(gltf_job *job);
 norma_document_result norma_gltf_put_indices(
     gltf_job *job, uint32_t primitive); /* vertex_sharing.c */
 
-/* ---- What computing tangents of glTF shares between its files. Sets of primitives
- * that draw the same vertices are those of computing normals; their vertices are split where
- * corners have different tangents. */
-
-typedef struct tangent_job {
-    gltf_job sets;
-    norma_compute_options all; /* what the sets are made for */
-    const norma_tangent_options *options;
-    norma_tangent_summary *summary;
-    norma_options core;
-    uint32_t *materials; /* the token of each material */
-    double progress_base, progress_scale;
-} tangent_job;
-
-/* The tangents of a set's vertices as they will be. */
-typedef struct tangent_set {
-    gltf_set *set;
-    gltf_array encoding; /* of the stored tangents; floats where there are none */
-    size_t size;         /* bytes of one code */
-    unsigned char *codes;
-    float **deltas; /* for each morph target with normals three numbers a vertex; else NULL */
-    size_t capacity;
-} tangent_set;
-
-/* The corners of one primitive. */
-typedef struct tangent_corners {
-    const uint32_t *corners; /* old vertices */
-    size_t count;
-    unsigned char *codes;
-    float **deltas;
-} tangent_corners;
-
 /* ---- The surfaces of a glTF, mesh by mesh. */
 
 /* A mesh of which no triangle can be read is left out. */
@@ -992,9 +944,8 @@ void norma_gltf_tree_raise(gltf_tree *tree, const unsigned char *wanted, const d
 norma_document_result norma_gltf_tree_write(
     gltf_tree *tree, norma_document_error *error); /* into g->edits */
 
-/* ---- What the files of --bake share. bake.c decides which nodes are baked and what becomes of
- * the hierarchy, bake.c finds out what must stay, bake_mesh.c transforms a mesh's data,
- * bake_mesh.c reverses its triangles, gltf_bake_tree*.c hold the nodes. */
+/* ---- --bake: bake.c decides which nodes are baked and what becomes of the hierarchy, bake_mesh.c
+ * transforms a mesh's data and reverses its triangles. */
 
 /* Contents that several slots ask for, made once. */
 typedef struct bake_entry {
@@ -1008,8 +959,6 @@ typedef struct bake_cache {
     double (*matrices)[16]; /* by id */
     size_t matrix_count, matrix_capacity;
 } bake_cache;
-
-#define BAKE_UNCHANGED (UINT32_MAX - 1) /* as data: the slot keeps what it has */
 
 void norma_gltf_bake_cache_free(bake_cache *cache);
 int norma_gltf_bake_map(

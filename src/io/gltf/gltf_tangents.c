@@ -7,6 +7,34 @@
 #include <stdlib.h>
 #include <string.h>
 
+typedef struct tangent_job {
+    gltf_job sets;
+    norma_compute_options all; /* what the sets are made for */
+    const norma_tangent_options *options;
+    norma_tangent_summary *summary;
+    norma_options core;
+    uint32_t *materials; /* the token of each material */
+    double progress_base, progress_scale;
+} tangent_job;
+
+/* The tangents of a set's vertices as they will be. */
+typedef struct tangent_set {
+    gltf_set *set;
+    gltf_array encoding; /* of the stored tangents; floats where there are none */
+    size_t size;         /* bytes of one code */
+    unsigned char *codes;
+    float **deltas; /* for each morph target with normals three numbers a vertex; else NULL */
+    size_t capacity;
+} tangent_set;
+
+/* The corners of one primitive. */
+typedef struct tangent_corners {
+    const uint32_t *corners; /* old vertices */
+    size_t count;
+    unsigned char *codes;
+    float **deltas;
+} tangent_corners;
+
 /* ---- What the tangents of a primitive are made of: normals, and the set of texture
  * coordinates that its normal map uses, through that map's KHR_texture_transform. */
 

@@ -6,6 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What an animation does to the rotations and scales of nodes, at any time. Translations and
+ * weights are no matter here. */
+typedef struct gltf_channel {
+    uint32_t node;
+    int scales; /* 1: scale, three numbers; 0: rotation, a quaternion */
+    enum { GLTF_LINEAR, GLTF_STEP, GLTF_CUBIC } interpolation;
+    const float *times, *values; /* cubic: in-tangent, value, out-tangent for each time */
+    size_t count;                /* of times; at least one */
+} gltf_channel;
+
+typedef struct gltf_animation {
+    gltf_channel *channels;
+    size_t count;
+} gltf_animation;
+
 /* ---- Channels of rotations and scales, and their values between keys (glTF 2.0, appendix
  * C: step, linear, spherical linear, cubic spline). */
 
