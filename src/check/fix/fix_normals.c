@@ -2,7 +2,7 @@
  * what is far from the surface, facets that differ from their winding, seams. New ones come from
  * the surface, by the weight and crease that the others show. */
 #include "check/fix/fix.h"
-#include "check/rules/mesh_rules.h"
+#include "check/rules/rules.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -3,7 +3,7 @@
  * open. Rays say nothing of a material that is seen from both sides. The primitives of a glTF mesh
  * are looked at together. */
 #include "check/fix/fix.h"
-#include "check/rules/conflicts.h"
+#include "check/rules/rules.h"
 #include "core/topology/topology.h"
 #include <stdlib.h>
 #include <string.h>

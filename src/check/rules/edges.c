@@ -1,10 +1,41 @@
-/* edges.c: N301, N303, N305 and N306: faces wound against each other, edges of more than two faces,
- * faces that are there twice. */
-#include "check/rules/conflicts.h"
+/* edges.c: N301, N303, N305, N306 and N307: what is found where faces meet. */
+#include "check/rules/rules.h"
 #include "core/face/twin_key.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- N307: edges of one face only, over one mesh by itself, or over the primitives of a
+ * glTF mesh together (solids.c). For a print they are what is left to close. */
+
+norma_result norma_check_add_open(check_mesh *m, const core_topology *topology, size_t first) {
+    check_hits hits = {0};
+    for (size_t f = 0; f < m->mesh.face_count; f++)
+        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
+             c++)
+            if (topology->partners[first + c] == CORE_EDGE_OPEN)
+                norma_check_hit(
+                    m->run, &hits, 0, (check_spot){norma_core_corner(&m->mesh, c), f, SIZE_MAX});
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N307, .severity = NORMA_SEVERITY_WARNING, .no_value = 1, .hits = &hits},
+        "%z open edge%s (of one face only); nothing separates inside from outside there",
+        hits.count, norma_check_plural(hits.count));
+}
+
+int norma_check_wants_open(const check_run *run, const uint8_t *rules) {
+    return rules[RULE_N307] && run->profile != NORMA_CHECK_PROFILE_RENDER;
+}
+
+norma_result norma_check_open_edges(check_mesh *m) {
+    if (m->siblings || !m->mesh.face_count || !norma_check_wants_open(m->run, m->rules))
+        return NORMA_OK;
+    const norma_result result = norma_check_pairs(m);
+    return result ? result : norma_check_add_open(m, &m->topology, 0);
+}
+
+/* ---- N301, N303, N305 and N306: faces wound against each other, edges of more than two faces,
+ * faces that are there twice. */
 
 typedef struct conflict { /* two faces that run along an edge in the same direction, from these
                              corners */
@@ -115,6 +146,14 @@ static void see_twins(void *context, size_t block, const core_twin *twins, size_
         }
 }
 
+/* What is shown of the faces along an edge that both run along in the same direction. */
+typedef enum conflict_kind {
+    CONFLICT_TURNED,
+    CONFLICT_UNDECIDED,
+    CONFLICT_RIGHT,
+    CONFLICT_KINDS
+} conflict_kind;
+
 /* ---- N301 */
 
 typedef struct conflict_count {
@@ -153,7 +192,9 @@ static int is_repeated(const core_topology *t, size_t first, size_t second) {
                        : last_position(t, a, first) == last_position(t, b, second);
 }
 
-conflict_kind norma_check_conflict_kind(
+/* Of the faces of two corners that begin such an edge, by the sides of all faces. A face that is
+ * there twice is not wound against itself. */
+static conflict_kind check_conflict_kind(
     const core_topology *t, size_t first, size_t second, const uint8_t *sides) {
     const uint8_t a = sides[norma_core_topology_face(t, first)],
                   b = sides[norma_core_topology_face(t, second)];
@@ -199,7 +240,8 @@ static norma_result add_conflicts_of(
             .message = message});
 }
 
-norma_result norma_check_add_conflicts(
+/* Reports the hits of each kind and frees them; edges and sides: of the mesh's own faces. */
+static norma_result check_add_conflicts(
     check_mesh *m, const uint8_t *edges, const uint8_t *sides, check_hits kinds[CONFLICT_KINDS]) {
     const size_t turned = norma_check_count_turned(m, edges, sides);
     norma_result result = NORMA_OK;
@@ -218,10 +260,10 @@ static norma_result add_judged(check_mesh *m, const edge_part *parts, size_t blo
         for (size_t k = 0; k < parts[i].conflict_count; k++) {
             const conflict *c = &parts[i].conflicts[k];
             const conflict_kind kind =
-                norma_check_conflict_kind(&m->topology, c->first, c->second, sides);
+                check_conflict_kind(&m->topology, c->first, c->second, sides);
             norma_check_hit(m->run, &kinds[kind], 0, conflict_spot(m, c, edges));
         }
-    return norma_check_add_conflicts(m, edges, sides, kinds);
+    return check_add_conflicts(m, edges, sides, kinds);
 }
 
 static norma_result add_conflicts(check_mesh *m, const edge_part *parts, size_t blocks) {
@@ -345,4 +387,44 @@ norma_result norma_check_pairs(check_mesh *m) {
 
 norma_result norma_check_edges(check_mesh *m) {
     return norma_check_wants_any(m, RULE_N301, RULE_N306) ? norma_check_pairs(m) : NORMA_OK;
+}
+
+/* ---- N301 over the primitives of one glTF mesh together: a part that is wound
+ * against a part of another material is seen as one within a material is. */
+
+static size_t other_face(const core_topology *t, size_t corner) {
+    return norma_core_topology_face(t, t->others[corner]);
+}
+
+int norma_check_count_conflicts(const core_topology *t, uint8_t *edges) {
+    int any = 0;
+    for (size_t c = 0; c < t->mesh.corner_count; c++) {
+        const size_t face = norma_core_topology_face(t, c);
+        if (t->partners[c] != CORE_EDGE_CONFLICT) continue;
+        edges[face] = (uint8_t)(edges[face] + (edges[face] < 255));
+        any = 1;
+    }
+    return any;
+}
+
+/* Whether the edge is told of at this corner and not at the other. */
+static int is_told_here(
+    const core_topology *t, size_t corner, const uint8_t *edges, const uint8_t *sides) {
+    const size_t here = norma_core_topology_face(t, corner), there = other_face(t, corner);
+    const int turned = norma_check_is_turned(sides[here]) - norma_check_is_turned(sides[there]);
+    if (turned) return turned > 0;
+    return edges[here] != edges[there] ? edges[here] > edges[there] : corner < t->others[corner];
+}
+
+norma_result norma_check_conflicts_joined(check_mesh *m, const core_topology *t,
+    size_t first_corner, const uint8_t *edges, const uint8_t *sides) {
+    check_hits kinds[CONFLICT_KINDS] = {{0}};
+    const size_t first = first_corner / 3;
+    for (size_t c = first_corner; c < first_corner + m->mesh.corner_count; c++) {
+        if (t->partners[c] != CORE_EDGE_CONFLICT || !is_told_here(t, c, edges, sides)) continue;
+        const conflict_kind kind = check_conflict_kind(t, c, t->others[c], sides);
+        norma_check_hit(m->run, &kinds[kind], 0,
+            (check_spot){norma_core_corner(&m->mesh, c - first_corner), c / 3 - first, SIZE_MAX});
+    }
+    return check_add_conflicts(m, edges + first, sides + first, kinds);
 }

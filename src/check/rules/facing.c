@@ -1,8 +1,553 @@
-/* facing.c: N201: normals on the other side of their faces. */
-#include "check/rules/mesh_rules.h"
+/* facing.c: N201 to N204 and N206: stored normals against the faces around them. */
+#include "check/rules/rules.h"
+#include "check/explain/explain_normals.h"
 #include "check/findings/angle.h"
-#include "check/rules/facing.h"
+#include "core/face/triangle.h"
 #include <math.h>
+#include <string.h>
+
+/* ---- Which faces have normals on their other side at every corner, for the rules on normals
+ * against faces. */
+
+enum { FACES_IN_BLOCK = 1 << 13 };
+static const double ACROSS = 1e-6; /* a normal along its face, up to rounding, opposes nothing */
+
+#define FAR_COSINE 0.25881904510252074 /* of 75 degrees */
+
+typedef struct facing_part {
+    double opposed_area; /* twice */
+    size_t opposed, far;
+} facing_part;
+
+typedef struct facing_pass {
+    const check_mesh *m;
+    double across;
+    facing_part *parts;
+} facing_pass;
+
+/* The greatest over the face's corners; NaN: a normal there has no direction. far:
+ * counts corners whose normal is far from the face. */
+static double check_greatest_cosine(const check_mesh *m, size_t face, size_t *far) {
+    double greatest = -2;
+    int whole = 1;
+    for (size_t c = norma_core_face_begin(&m->mesh, face); c < norma_core_face_end(&m->mesh, face);
+         c++) {
+        const size_t number = norma_check_normal_of(m, face, c);
+        const double cosine = norma_check_cosine_to(m, face, number);
+        if (cosine < FAR_COSINE) {
+            ++*far;
+            atomic_store_explicit(&m->far[number], 1, memory_order_relaxed);
+        }
+        whole &= !isnan(cosine);
+        greatest = cosine > greatest ? cosine : greatest;
+    }
+    return whole ? greatest : NAN;
+}
+
+static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
+    const facing_pass *pass = context;
+    const check_mesh *m = pass->m;
+    facing_part *part = &pass->parts[block];
+    for (size_t f = begin; f < end; f++) {
+        m->opposed[f] = 0;
+        if (!norma_check_directed(&m->faces[f]) || norma_check_is_sliver(&m->faces[f])) continue;
+        const double greatest = check_greatest_cosine(m, f, &part->far);
+        if (!(greatest < -pass->across) || greatest < -1.5) continue;
+        m->opposed[f] = 1;
+        part->opposed++;
+        part->opposed_area += norma_check_twice_area(m, f);
+    }
+}
+
+/* Fills m->opposed. */
+static norma_result check_opposed(check_mesh *m) {
+    const size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
+    if (m->opposed) return NORMA_OK;
+    norma_result result = norma_check_faces(m);
+    if (!result) result = norma_check_users(m);
+    if (result) return result;
+    facing_pass pass = {m, fmax(ACROSS, norma_check_encoding_bound(m->given->info.encoding)),
+        norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+    m->opposed = norma_core_allocate(&m->run->call, m->mesh.face_count, 1);
+    m->far = norma_core_allocate(&m->run->call, norma_check_normal_count(m), sizeof *m->far);
+    result = pass.parts && m->opposed && m->far ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!result) {
+        memset((void *)m->far, 0, norma_check_normal_count(m) * sizeof *m->far);
+        memset(pass.parts, 0, blocks * sizeof *pass.parts);
+        result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_faces, &pass);
+    }
+    for (size_t i = 0; !result && i < blocks; i++) {
+        m->opposed_count += pass.parts[i].opposed;
+        m->opposed_area += pass.parts[i].opposed_area;
+        m->far_count += pass.parts[i].far;
+    }
+    norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
+    return result;
+}
+
+/* ---- N203: one and the same normal nearly everywhere, on a mesh that is curved. */
+
+static const double MOST_ALIKE = .95; /* of the normals */
+static const double MOST_FLAT = .95;  /* of the faces: more of them within the angle of one
+                                         direction, or against it, make a flat mesh */
+static const double FLAT_COSINE = 0.9961946980917455; /* of 5 degrees */
+
+static int is_used(const check_mesh *m, size_t number) {
+    return !m->users || m->users[number] != UINT32_MAX;
+}
+
+static int same(const double a[3], const double b[3]) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* The one that more than half of them are, if there is one (Boyer and Moore 1981). */
+static void find_majority(const check_mesh *m, double majority[3]) {
+    size_t count = norma_check_normal_count(m), lead = 0;
+    for (size_t i = 0; i < count; i++) {
+        double n[3];
+        if (!is_used(m, i)) continue;
+        norma_check_normal(m, i, n);
+        if (!lead) memcpy(majority, n, sizeof n);
+        lead = !lead || same(n, majority) ? lead + 1 : lead - 1;
+    }
+}
+
+static size_t count_alike(const check_mesh *m, const double normal[3], size_t *used) {
+    size_t count = norma_check_normal_count(m), alike = 0;
+    *used = 0;
+    for (size_t i = 0; i < count; i++) {
+        double n[3];
+        if (!is_used(m, i)) continue;
+        norma_check_normal(m, i, n);
+        ++*used;
+        alike += same(n, normal) != 0;
+    }
+    return alike;
+}
+
+/* Flat: nearly all faces that have a direction look along one line. Whether it is that of most of
+ * them is tried with each of a few. */
+static int is_curved(const check_mesh *m) {
+    enum { TRIES = 16 };
+    size_t directed = 0, best = 0, faces = m->mesh.face_count;
+    for (size_t f = 0; f < faces; f++) directed += norma_check_directed(&m->faces[f]) != 0;
+    for (size_t i = 0; i < TRIES && i < faces; i++) {
+        size_t try = i * (faces / (faces < TRIES ? faces : TRIES)), alike = 0;
+        const double n[3] = {(double)m->faces[try].normal[0], (double)m->faces[try].normal[1],
+            (double)m->faces[try].normal[2]};
+        for (size_t f = 0; f < faces; f++)
+            alike += fabs(norma_check_dot(m->faces[f].normal, n)) > FLAT_COSINE;
+        best = alike > best ? alike : best;
+    }
+    return directed > 1 && (double)best < MOST_FLAT * (double)directed;
+}
+
+typedef struct placeholder {
+    double normal[3];
+    size_t alike, used;
+} placeholder;
+
+static norma_result find_placeholder(check_mesh *m, placeholder *p) {
+    const int known = m->placeholder;
+    *p = (placeholder){.used = 0};
+    m->placeholder = CHECK_NO;
+    if (known == CHECK_NO || !norma_check_normal_count(m) ||
+        m->given->info.normals == NORMA_NORMALS_PER_FACET || !m->mesh.face_count)
+        return NORMA_OK;
+    norma_result result = norma_check_users(m);
+    if (result) return result;
+    find_majority(m, p->normal);
+    p->alike = count_alike(m, p->normal, &p->used);
+    if (!p->used || (double)p->alike <= MOST_ALIKE * (double)p->used ||
+        !norma_core_finite(p->normal) ||
+        (p->normal[0] == 0 && p->normal[1] == 0 && p->normal[2] == 0))
+        return NORMA_OK;
+    result = norma_check_faces(m);
+    if (!result && is_curved(m)) m->placeholder = CHECK_YES;
+    return result;
+}
+
+static norma_result check_is_placeholder(check_mesh *m, int *is) {
+    placeholder p;
+    const norma_result result = m->placeholder ? NORMA_OK : find_placeholder(m, &p);
+    *is = m->placeholder == CHECK_YES;
+    return result;
+}
+
+norma_result norma_check_placeholder(check_mesh *m) {
+    placeholder p;
+    char message[CHECK_MESSAGE];
+    if (!norma_check_wants(m, RULE_N203)) return NORMA_OK;
+    const norma_result result = find_placeholder(m, &p);
+    if (result || m->placeholder != CHECK_YES) return result;
+    norma_check_message(message,
+        "%z of %z normals are (%g, %g, %g), although the mesh is curved; it is lit like a flat "
+        "plate",
+        p.alike, p.used, p.normal[0], p.normal[1], p.normal[2]);
+    return norma_check_add_one(m->run, &m->place, m, RULE_N203,
+        m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
+}
+
+/* ---- N204: how far the stored normals are from the computed ones that explain them best. */
+
+static void describe_deviation(
+    const norma_deviation *d, size_t count, char message[CHECK_MESSAGE]) {
+    char how[CHECK_MESSAGE];
+    double degrees = 180 / NORMA_PI;
+    if (d->shading == NORMA_SHADING_FLAT)
+        norma_check_message(how, "flat shading");
+    else if (d->shading == NORMA_SHADING_SMOOTH)
+        norma_check_message(how, "%s weights, smooth", norma_weight_name(d->weight));
+    else
+        norma_check_message(how, "%s weights, crease %g", norma_weight_name(d->weight),
+            d->crease_angle_rad * degrees);
+    norma_check_message(message,
+        "%z stored normals are best explained by %s: median %g, 99 %% within %g, at most %g "
+        "degrees off",
+        count, how, d->p50_rad * degrees, d->p99_rad * degrees, d->max_rad * degrees);
+}
+
+/* Normals that corners use: each vertex, each vn. */
+static size_t count_normals(const check_mesh *m) {
+    size_t count = norma_check_normal_count(m), used = 0;
+    for (size_t i = 0; i < count && m->users; i++) used += m->users[i] != UINT32_MAX;
+    return m->users ? used : count;
+}
+
+/* Each looks at what the rule is about, whether it is wanted or not, once a mesh. */
+static norma_result check_deviation_of(check_mesh *m, const norma_deviation **deviation) {
+    *deviation = &m->deviation;
+    if (m->has_deviation || !m->mesh.corner_count || !norma_check_normal_count(m) ||
+        m->given->info.normals == NORMA_NORMALS_PER_FACET)
+        return NORMA_OK;
+    norma_result result = norma_check_users(m);
+    if (!result) result = norma_check_around(m);
+    if (!result)
+        result = norma_explain_with(
+            &m->run->call, &m->given->data, &m->mesh, &m->topology, &m->deviation);
+    m->has_deviation = !result;
+    return result;
+}
+
+norma_result norma_check_deviation(check_mesh *m) {
+    const norma_deviation *deviation;
+    char message[CHECK_MESSAGE];
+    if (!norma_check_wants(m, RULE_N204)) return NORMA_OK;
+    const norma_result result = check_deviation_of(m, &deviation);
+    if (result || !deviation->corners) return result;
+    check_hits hits = {0};
+    norma_check_hit(m->run, &hits, deviation->max_rad * (180 / NORMA_PI), CHECK_NOWHERE);
+    hits.count = count_normals(m);
+    describe_deviation(deviation, hits.count, message);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N204,
+            .severity = NORMA_SEVERITY_INFO,
+            .unit = "deg",
+            .hits = &hits,
+            .message = message,
+            .deviation = deviation});
+}
+
+/* ---- N206: normals of another frame. Nothing that could have been computed from the surface
+ * is near them; often they were reversed, mirrored or rotated and the surface was not. */
+
+static const double FAR_OFF = 0.52359877559829882; /* 30 degrees */
+
+/* The winding is shown to be wrong, or that is undecided, for more than a hundredth of the area
+ * where normals and winding disagree: then N201 says so, and to compute all normals again would
+ * reverse some that are right. */
+static norma_result is_winding_in_doubt(check_mesh *m, int *in_doubt) {
+    *in_doubt = 0;
+    norma_result result = check_opposed(m);
+    if (result || !m->opposed_count) return result;
+    double right = 0;
+    uint8_t *sides = norma_core_allocate(&m->run->call, m->mesh.face_count, 1);
+    result = sides ? norma_check_sides(m, m->opposed, sides) : NORMA_ERROR_MEMORY;
+    for (size_t f = 0; !result && f < m->mesh.face_count; f++)
+        if (m->opposed[f] && !(sides[f] & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)))
+            right += norma_check_twice_area(m, f);
+    *in_doubt = !(right > 0.99 * m->opposed_area);
+    norma_core_release(&m->run->call, sides, m->mesh.face_count, 1);
+    return result;
+}
+
+norma_result norma_check_is_of_another_frame(check_mesh *m, int *is) {
+    const norma_deviation *deviation;
+    int is_placeholder = 0, in_doubt = 0;
+    *is = m->frame == CHECK_YES;
+    if (m->frame) return NORMA_OK;
+    m->frame = CHECK_NO;
+    norma_result result = check_deviation_of(m, &deviation);
+    if (result || !deviation->corners || !(deviation->p50_rad > FAR_OFF)) return result;
+    result = check_is_placeholder(m, &is_placeholder);
+    if (!result && !is_placeholder) result = is_winding_in_doubt(m, &in_doubt);
+    if (result || is_placeholder || in_doubt) return result;
+    m->frame = CHECK_YES;
+    *is = 1;
+    return NORMA_OK;
+}
+
+/* ---- in words */
+
+static void describe_trial(const explain_trial *trial, char text[CHECK_MESSAGE]) {
+    if (trial->flat)
+        norma_check_message(text, "flat shading");
+    else if (isnan(trial->crease_rad))
+        norma_check_message(text, "%s weights, smooth", norma_weight_name(trial->weight));
+    else
+        norma_check_message(text, "%s weights, crease %g", norma_weight_name(trial->weight),
+            trial->crease_rad * (180 / NORMA_PI));
+}
+
+static void describe_frame(const explain_frame *f, char text[CHECK_MESSAGE]) {
+    const double *axis = f->axis, degrees = f->angle_rad * (180 / NORMA_PI);
+    switch (f->kind) {
+    case EXPLAIN_FRAME_REVERSED:
+        norma_check_message(text, "they are reversed");
+        break;
+    case EXPLAIN_FRAME_MIRROR:
+        norma_check_message(text, "a mirror along the axis (%g, %g, %g) puts them right", axis[0],
+            axis[1], axis[2]);
+        break;
+    case EXPLAIN_FRAME_ROTATION:
+        norma_check_message(text,
+            "a rotation of %g degrees about the axis (%g, %g, %g) puts them right", degrees,
+            axis[0], axis[1], axis[2]);
+        break;
+    case EXPLAIN_FRAME_BOTH:
+        norma_check_message(text,
+            "a mirror along the axis (%g, %g, %g) and a rotation of %g degrees about it put them "
+            "right",
+            axis[0], axis[1], axis[2], degrees);
+        break;
+    default:
+        norma_check_message(text, "no mirror or rotation puts them right, so they may belong to "
+                                  "another surface");
+    }
+}
+
+static norma_result add_frame(check_mesh *m, const explain_frame *frame) {
+    char message[CHECK_MESSAGE], how[CHECK_MESSAGE], trial[CHECK_MESSAGE];
+    const double degrees = 180 / NORMA_PI, median = m->deviation.p50_rad * degrees;
+    check_hits hits = {0};
+    describe_frame(frame, how);
+    describe_trial(&frame->trial, trial);
+    if (frame->kind)
+        norma_check_message(message,
+            "the normals do not fit the surface: half of them are %g degrees off or more; %s, to "
+            "within %g degrees at half of them (%s)",
+            median, how, frame->median_rad * degrees, trial);
+    else
+        norma_check_message(message,
+            "the normals do not fit the surface: half of them are %g degrees off or more; %s",
+            median, how);
+    norma_check_hit(m->run, &hits, median, CHECK_NOWHERE);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_report){.rule = RULE_N206,
+            .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_ERROR,
+            .unit = "deg",
+            .hits = &hits,
+            .message = message});
+}
+
+norma_result norma_check_frame(check_mesh *m) {
+    explain_frame frame;
+    int holds = 0;
+    if (!norma_check_wants(m, RULE_N206) || !m->mesh.face_count) return NORMA_OK;
+    norma_result result = norma_check_is_of_another_frame(m, &holds);
+    if (result || !holds) return result;
+    result = norma_check_around(m);
+    if (!result)
+        result = norma_explain_find_frame(
+            &m->run->call, &m->given->data, &m->mesh, &m->topology, &frame);
+    return result ? result : add_frame(m, &frame);
+}
+
+/* ---- N202: normals far from every face at their position, and from every average of
+ * those faces. */
+
+enum {
+    LARGEST_STAR = 1 << 10
+}; /* corners at one position: where more meet, a normal is held
+      against its own faces and the averages only, or the work would
+      grow with their square */
+static const double AVERAGE_COSINE = 0.90630778703664994; /* of 25 degrees */
+
+typedef struct far_state {
+    float *greatest; /* cosine of each normal: 2: of no face that says anything, or near an average
+                      */
+    uint8_t *open;   /* of each normal: some face at its positions is not named by N201 */
+} far_state;
+
+static int says_something(const check_mesh *m, size_t face) {
+    return norma_check_directed(&m->faces[face]) && !norma_check_is_sliver(&m->faces[face]);
+}
+
+/* Against the faces of its own vertices, of those that are far from one of them. */
+static void find_nearest(const check_mesh *m, far_state *state) {
+    for (size_t i = 0; i < norma_check_normal_count(m); i++) state->greatest[i] = 2;
+    for (size_t f = 0; f < m->mesh.face_count; f++) {
+        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
+             c++) {
+            const size_t number = norma_check_normal_of(m, f, c);
+            if (number == SIZE_MAX || !m->far[number] || !says_something(m, f)) continue;
+            const double cosine = norma_check_cosine_to(m, f, number);
+            if (!isnan(cosine) &&
+                (state->greatest[number] > 1.5f || cosine > (double)state->greatest[number]))
+                state->greatest[number] = (float)cosine;
+        }
+    }
+}
+
+static int is_far(const far_state *state, size_t number) {
+    return number != SIZE_MAX && (double)state->greatest[number] < FAR_COSINE;
+}
+
+/* ---- a position: where vertices are split, as in a triangle soup, a smooth normal is the average
+ * of faces that use other vertices */
+
+typedef struct star {
+    const check_mesh *m;
+    const uint32_t *corners;
+    size_t count;
+    double averages[3][3]; /* uniform, by area, by angle; not of unit length */
+    int open;              /* some face is not named by N201 */
+} star;
+
+static double angle_at(const check_mesh *m, size_t face, size_t corner) {
+    const size_t begin = norma_core_face_begin(&m->mesh, face),
+                 end = norma_core_face_end(&m->mesh, face);
+    double p[3], a[3], b[3], u[3], v[3], cross[3];
+    norma_core_position(&m->mesh, norma_core_corner(&m->mesh, corner), p);
+    norma_core_position(
+        &m->mesh, norma_core_corner(&m->mesh, corner + 1 < end ? corner + 1 : begin), a);
+    norma_core_position(
+        &m->mesh, norma_core_corner(&m->mesh, corner > begin ? corner - 1 : end - 1), b);
+    norma_core_subtract(a, p, u);
+    norma_core_subtract(b, p, v);
+    norma_core_cross(u, v, cross);
+    const double across = norma_core_length(cross), along = norma_core_dot(u, v);
+    return across > 0 || along != 0 ? norma_core_angle(across, along) : 0;
+}
+
+static void sum_star(star *s) {
+    const check_mesh *m = s->m;
+    memset(s->averages, 0, sizeof s->averages);
+    s->open = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        const size_t face = norma_check_face_of(m, s->corners[i]);
+        if (!says_something(m, face)) continue;
+        const double weights[3] = {
+            1, norma_check_twice_area(m, face), angle_at(m, face, s->corners[i])};
+        for (int w = 0; w < 3; w++)
+            for (int k = 0; k < 3; k++)
+                s->averages[w][k] += weights[w] * (double)m->faces[face].normal[k];
+        s->open |= !m->opposed[face];
+    }
+}
+
+static int is_average(const star *s, size_t number) {
+    double n[3];
+    norma_check_normal(s->m, number, n);
+    const double length = norma_core_length(n);
+    for (int w = 0; w < 3; w++) {
+        const double size = norma_core_length(s->averages[w]);
+        if (norma_core_dot(n, s->averages[w]) > AVERAGE_COSINE * length * size) return 1;
+    }
+    return 0;
+}
+
+static void judge_star(const star *s, far_state *state) {
+    for (size_t i = 0; i < s->count; i++) {
+        const size_t own = norma_check_face_of(s->m, s->corners[i]),
+                     number = norma_check_normal_of(s->m, own, s->corners[i]);
+        if (!is_far(state, number)) continue;
+        state->open[number] |= (uint8_t)s->open;
+        if (is_average(s, number)) state->greatest[number] = 2;
+        for (size_t k = 0; k < s->count && s->count <= LARGEST_STAR; k++) {
+            const size_t face = norma_check_face_of(s->m, s->corners[k]);
+            const double cosine =
+                says_something(s->m, face) ? norma_check_cosine_to(s->m, face, number) : -2;
+            state->greatest[number] = fmaxf(state->greatest[number], (float)cosine);
+        }
+    }
+}
+
+/* Marks the positions at which a corner has a far normal. */
+static void mark_positions(const check_mesh *m, const far_state *state, uint8_t *marks) {
+    memset(marks, 0, m->mesh.positions.count);
+    for (size_t f = 0; f < m->mesh.face_count; f++)
+        for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
+             c++)
+            if (is_far(state, norma_check_normal_of(m, f, c))) marks[m->topology.corners[c]] = 1;
+}
+
+static void judge_position(const check_mesh *m, size_t position, far_state *state) {
+    const core_corners_of_position *around = &m->topology.corners_of;
+    star s = {.m = m,
+        .corners = &around->corners[around->starts[position]],
+        .count = around->starts[position + 1] - around->starts[position]};
+    int any = 0; /* none, if all turned out to be averages at positions before */
+    for (size_t i = 0; i < s.count && !any; i++)
+        any = is_far(
+            state, norma_check_normal_of(m, norma_check_face_of(m, s.corners[i]), s.corners[i]));
+    if (!any) return;
+    sum_star(&s);
+    judge_star(&s, state);
+}
+
+static norma_result judge_stars(check_mesh *m, far_state *state) {
+    const core_call *call = &m->run->call;
+    norma_result result = norma_check_around(m);
+    uint8_t *marks = norma_core_allocate(call, m->mesh.positions.count, 1);
+    if (!result && !marks) result = NORMA_ERROR_MEMORY;
+    if (!result) {
+        mark_positions(m, state, marks);
+        for (size_t p = 0; p < m->topology.corners_of.position_count; p++)
+            if (marks[p]) judge_position(m, p, state);
+    }
+    norma_core_release(call, marks, m->mesh.positions.count, 1);
+    return result;
+}
+
+/* ---- the finding */
+
+static norma_result add_far(check_mesh *m, const far_state *state) {
+    check_hits hits = {0};
+    for (size_t i = 0; i < norma_check_normal_count(m); i++)
+        if (is_far(state, i) && state->open[i])
+            norma_check_hit(m->run, &hits,
+                norma_check_arc_cosine(fmax((double)state->greatest[i], -1)) * (180 / NORMA_PI),
+                norma_check_normal_spot(m, i));
+    return norma_check_report(m,
+        &(check_report){.rule = RULE_N202,
+            .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,
+            .unit = "deg",
+            .hits = &hits},
+        "%z normal%s more than 75 degrees from every face at the position, up to %g, and far "
+        "from every average of those faces",
+        hits.count, norma_check_plural(hits.count), hits.worst);
+}
+
+/* m->opposed is filled. */
+static norma_result check_far(check_mesh *m) {
+    const core_call *call = &m->run->call;
+    const size_t count = norma_check_normal_count(m);
+    far_state state = {norma_core_allocate(call, count, sizeof *state.greatest),
+        norma_core_allocate(call, count, 1)};
+    norma_result result = state.greatest && state.open ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!result) {
+        memset(state.open, 0, count);
+        find_nearest(m, &state);
+        result = judge_stars(m, &state);
+    }
+    if (!result) result = add_far(m, &state);
+    norma_core_release(call, state.open, count, 1);
+    norma_core_release(call, state.greatest, count, sizeof *state.greatest);
+    return result;
+}
+
+/* ---- N201: normals on the other side of their faces. */
 
 /* ---- which is wrong, the normals or the winding */
 
@@ -55,7 +600,7 @@ static void gather_hits(check_mesh *m, check_hits *hits) {
         size_t far = 0;
         if (!m->opposed[f]) continue;
         norma_check_hit(m->run, hits,
-            norma_check_arc_cosine(fmax(norma_check_greatest_cosine(m, f, &far), -1)) *
+            norma_check_arc_cosine(fmax(check_greatest_cosine(m, f, &far), -1)) *
                 (180 / 3.141592653589793),
             norma_check_face(f));
     }
@@ -92,10 +637,10 @@ norma_result norma_check_facing(check_mesh *m) {
     if (!norma_check_normal_count(m) || m->given->info.normals == NORMA_NORMALS_PER_FACET ||
         !m->mesh.face_count || !norma_check_wants_any(m, RULE_N201, RULE_N202))
         return NORMA_OK;
-    norma_result result = norma_check_opposed(m);
+    norma_result result = check_opposed(m);
     if (!result && (m->opposed_count || m->far_count))
         result = norma_check_is_of_another_frame(m, &other_frame);
     if (result || other_frame) return result;
     if (m->opposed_count && norma_check_wants(m, RULE_N201)) result = add_opposed(m);
-    return !result && m->far_count && norma_check_wants(m, RULE_N202) ? norma_check_far(m) : result;
+    return !result && m->far_count && norma_check_wants(m, RULE_N202) ? check_far(m) : result;
 }

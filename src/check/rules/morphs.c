@@ -1,6 +1,6 @@
 /* morphs.c: N901 to N903: morph targets that turn the surface and not its normals, that cancel
  * normals, that have normals where the mesh has none. */
-#include "check/rules/scene_rules.h"
+#include "check/rules/rules.h"
 #include "check/findings/angle.h"
 #include "core/face/face_geometry.h"
 #include <math.h>

@@ -1,7 +1,7 @@
 /* nodes.c: N601 to N605: world matrices of the nodes that draw meshes, of each of their instances,
  * and of the joints of skins. A skinned mesh follows its joints, and the matrix of its own node is
  * ignored (glTF 2.0, 3.7.3.3): such a node is not judged. */
-#include "check/rules/scene_rules.h"
+#include "check/rules/rules.h"
 #include "check/findings/angle.h"
 #include <math.h>
 

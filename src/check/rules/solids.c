@@ -1,6 +1,399 @@
-/* solids.c: N302 and N304 over one mesh by itself, or held until the other primitives of its glTF
- * mesh have come (solids_joined.c). */
-#include "check/rules/solids.h"
+/* solids.c: N302 and N304: bodies that look inward, and those of which it cannot be said. */
+#include "check/rules/rules.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- N302 and N304: components that look inward, solids in solids, and components of
+ * which neither can be said. */
+
+typedef struct check_solids {
+    check_mesh *m; /* who is told: rules, place, positions */
+    const core_components *components;
+    size_t begin, end; /* of the components' faces those that are the mesh's; one that begins there
+                          is told of there */
+} check_solids;
+
+static const uint8_t NOT_CLOSED = COMPONENT_OPEN | COMPONENT_CONFLICT | COMPONENT_UNBALANCED;
+
+/* Whether a component is told of here: its first face is. */
+static int is_here(const check_solids *s, size_t number) {
+    const size_t face = s->components->faces[s->components->starts[number]];
+    return face >= s->begin && face < s->end;
+}
+
+static check_spot spot_of(const check_solids *s, size_t number) {
+    return norma_check_face(s->components->faces[s->components->starts[number]] - s->begin);
+}
+
+static size_t count_here(const check_solids *s) {
+    size_t count = 0;
+    for (size_t i = 0; i < s->components->count; i++) count += (size_t)is_here(s, i);
+    return count;
+}
+
+/* ---- N302 */
+
+static norma_result add_inward(check_mesh *m, check_hits *hits, size_t count) {
+    norma_severity severity = m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_ERROR
+                                                                           : NORMA_SEVERITY_WARNING;
+    return norma_check_report(m,
+        &(check_report){.rule = RULE_N302, .severity = severity, .unit = "volume", .hits = hits},
+        "%z of %z component%s %s inside out: closed, and the faces look inward", hits->count, count,
+        norma_check_plural(count), hits->count == 1 ? "is" : "are");
+}
+
+static norma_result add_nested(check_mesh *m, check_hits *hits) {
+    norma_severity severity =
+        m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
+    return norma_check_report(m,
+        &(check_report){
+            .rule = RULE_N302, .severity = severity, .unit = "volume", .no_fix = 1, .hits = hits},
+        "%z component%s directly inside a solid and facing outward; either cavities that were "
+        "turned, or separate bodies",
+        hits->count, norma_check_plural(hits->count));
+}
+
+static norma_result tell_inward(const check_solids *s) {
+    check_mesh *m = s->m;
+    const core_components *c = s->components;
+    check_hits inward = {.least = 1}, nested = {0};
+    norma_result result = NORMA_OK;
+    for (size_t i = 0; i < c->count; i++) {
+        const core_component *component = &c->each[i];
+        if (component->verdict == COMPONENT_INWARD && is_here(s, i))
+            norma_check_hit(m->run, &inward, component->volume / 6, spot_of(s, i));
+        else if (component->verdict == COMPONENT_NESTED && is_here(s, i))
+            norma_check_hit(m->run, &nested, component->volume / 6, spot_of(s, i));
+    }
+    if (inward.count) result = add_inward(m, &inward, count_here(s));
+    if (!result && nested.count) result = add_nested(m, &nested);
+    norma_check_hits_free(&inward);
+    norma_check_hits_free(&nested);
+    return result;
+}
+
+/* ---- N304: open, or of one side whichever faces are reversed */
+
+/* Whether a component that has conflicts is of one side: its faces are wound alike as far as that
+ * goes, and some part then still disagrees with itself. */
+static norma_result find_one_sided(const core_topology *topology, core_components *c) {
+    core_components parts;
+    size_t conflicts = 0;
+    for (size_t i = 0; i < c->count; i++)
+        conflicts +=
+            (c->each[i].flags & COMPONENT_CONFLICT) != 0 && !(c->each[i].flags & COMPONENT_OPEN);
+    if (!conflicts) return NORMA_OK;
+    norma_result result = norma_core_find_components(topology, CORE_JOIN_CUT, &parts);
+    if (result) return result;
+    for (size_t i = 0; i < parts.count; i++)
+        if (parts.each[i].flags & COMPONENT_ONE_SIDED)
+            c->each[c->of[parts.faces[parts.starts[i]]]].flags |= COMPONENT_ONE_SIDED;
+    norma_core_release_components(topology->call, &parts);
+    return NORMA_OK;
+}
+
+static norma_result tell_undecidable(const check_solids *s) {
+    check_mesh *m = s->m;
+    const core_components *c = s->components;
+    check_hits hits = {0};
+    size_t one_sided = 0;
+    for (size_t i = 0; i < c->count; i++) {
+        uint8_t flags = c->each[i].flags;
+        if (!(flags & (COMPONENT_OPEN | COMPONENT_ONE_SIDED | COMPONENT_UNBALANCED)) ||
+            !is_here(s, i))
+            continue;
+        one_sided += (flags & COMPONENT_ONE_SIDED) != 0;
+        norma_check_hit(m->run, &hits, (double)(c->starts[i + 1] - c->starts[i]), spot_of(s, i));
+    }
+    if (hits.count) {
+        return norma_check_report(m,
+            &(check_report){
+                .rule = RULE_N304, .severity = NORMA_SEVERITY_INFO, .unit = "faces", .hits = &hits},
+            one_sided ? "%z of %z component%s %s open or one-sided (%z): which side is outward "
+                        "cannot be decided"
+                      : "%z of %z component%s %s open: which side is outward cannot be decided",
+            hits.count, count_here(s), norma_check_plural(count_here(s)),
+            hits.count == 1 ? "is" : "are", one_sided);
+    }
+    norma_check_hits_free(&hits);
+    return NORMA_OK;
+}
+
+/* ---- both */
+
+static int any_is_closed(const core_components *c) {
+    size_t i = 0;
+    while (i < c->count && c->each[i].flags & NOT_CLOSED) i++;
+    return i < c->count;
+}
+
+static norma_result check_judge_solids(
+    const core_topology *topology, core_components *c, int nesting, int sides) {
+    nesting = nesting && any_is_closed(c);
+    norma_result result =
+        nesting ? norma_core_measure_components(topology, c, NOT_CLOSED) : NORMA_OK;
+    if (!result && nesting) result = norma_core_judge_nesting(topology, c, NOT_CLOSED);
+    return !result && sides ? find_one_sided(topology, c) : result;
+}
+
+/* What a component is, from outside in (N302), and whether it is of one side (N304). */
+static norma_result check_tell_solids(const check_solids *s) {
+    norma_result result = norma_check_wants(s->m, RULE_N302) ? tell_inward(s) : NORMA_OK;
+    return !result && norma_check_wants(s->m, RULE_N304) ? tell_undecidable(s) : result;
+}
+
+/* ---- N301, N302, N304 and N307 over the primitives of one glTF mesh together: a body
+ * of several materials is closed although each of its parts is open, and a cavity of one material
+ * lies in a shell of another. A component that is closed within its own primitive is a body by
+ * itself, even if others touch it; open parts are joined at equal positions. A component is
+ * reported at the primitive of its first face. */
+
+struct check_solid_member {
+    const norma_check_mesh *given;
+    core_mesh mesh;
+    size_t order, number; /* in its group */
+    uint8_t rules[CHECK_RULE_COUNT];
+    uint32_t *corners; /* positions that are one, the least of them */
+    uint8_t *loose;    /* of each face: its component is not closed */
+};
+
+typedef struct joined {
+    check_run *run;
+    size_t vertices, corner_count;
+    double *positions;
+    uint32_t *corners, *loose, *sources; /* loose: corners of the loose faces, numbers of sources;
+                                            sources: the vertex of each such corner */
+    size_t loose_count;
+} joined;
+
+static uint8_t *mark_loose(const check_mesh *m, const core_components *c) {
+    uint8_t *loose = calloc(m->mesh.face_count + 1, 1);
+    for (size_t f = 0; loose && f < m->mesh.face_count; f++)
+        loose[f] = c->of[f] == UINT32_MAX || c->each[c->of[f]].flags != 0;
+    return loose;
+}
+
+/* Of a mesh that has siblings, until the last one has come. */
+static norma_result check_solids_hold(check_mesh *m, const core_components *components) {
+    check_run *run = m->run;
+    if (run->solid_count == run->solid_room) {
+        size_t room = run->solid_room ? 2 * run->solid_room : 8;
+        check_solid_member *grown =
+            room > SIZE_MAX / sizeof *grown ? NULL : realloc(run->solids, room * sizeof *grown);
+        if (!grown) return NORMA_ERROR_MEMORY;
+        run->solids = grown;
+        run->solid_room = room;
+    }
+    check_solid_member *member = &run->solids[run->solid_count++];
+    *member = (check_solid_member){.given = m->given,
+        .mesh = m->mesh,
+        .order = m->place.order,
+        .number = m->number,
+        .loose = mark_loose(m, components)};
+    memcpy(member->rules, m->rules, sizeof member->rules);
+    member->corners = malloc((m->mesh.corner_count + 1) * sizeof *member->corners);
+    if (!member->corners || !member->loose) return NORMA_ERROR_MEMORY;
+    memcpy(member->corners, m->topology.corners, m->mesh.corner_count * sizeof *member->corners);
+    return NORMA_OK;
+}
+
+void norma_check_solids_drop(check_run *run) {
+    for (size_t i = 0; i < run->solid_count; i++) {
+        free(run->solids[i].corners);
+        free(run->solids[i].loose);
+    }
+    run->solid_count = 0;
+}
+
+/* ---- the whole */
+
+static norma_result open_joined(joined *j) {
+    const core_call *call = &j->run->call;
+    j->positions = norma_core_allocate(call, j->vertices, 3 * sizeof *j->positions);
+    j->corners = norma_core_allocate(call, j->corner_count, sizeof *j->corners);
+    j->loose = norma_core_allocate(call, j->corner_count, sizeof *j->loose);
+    j->sources = norma_core_allocate(call, j->corner_count, sizeof *j->sources);
+    return j->positions && j->corners && j->loose && j->sources ? NORMA_OK : NORMA_ERROR_MEMORY;
+}
+
+static void close_joined(joined *j) {
+    const core_call *call = &j->run->call;
+    norma_core_release(call, j->sources, j->corner_count, sizeof *j->sources);
+    norma_core_release(call, j->loose, j->corner_count, sizeof *j->loose);
+    norma_core_release(call, j->corners, j->corner_count, sizeof *j->corners);
+    norma_core_release(call, j->positions, j->vertices, 3 * sizeof *j->positions);
+}
+
+static void fill_joined(joined *j) {
+    size_t vertex = 0, corner = 0;
+    for (size_t i = 0; i < j->run->solid_count; i++) {
+        const check_solid_member *member = &j->run->solids[i];
+        for (size_t v = 0; v < member->mesh.positions.count; v++)
+            norma_view_read(&member->mesh.positions, v, &j->positions[3 * (vertex + v)]);
+        for (size_t c = 0; c < member->mesh.corner_count; c++) {
+            j->corners[corner + c] = (uint32_t)vertex + member->corners[c];
+            if (member->loose[c / 3]) j->sources[j->loose_count++] = (uint32_t)(corner + c);
+        }
+        vertex += member->mesh.positions.count;
+        corner += member->mesh.corner_count;
+    }
+}
+
+static norma_mesh mesh_of(const joined *j, const uint32_t *corners, size_t corner_count) {
+    return (norma_mesh){.positions = {j->positions, j->vertices, 0, NORMA_FORMAT_DOUBLE},
+        .corners = corners,
+        .corner_count = corner_count};
+}
+
+/* Loose corners at equal positions, whichever primitive they are of, become one. */
+static norma_result join_loose(joined *j) {
+    core_mesh mesh;
+    core_topology topology;
+    for (size_t i = 0; i < j->loose_count; i++) j->loose[i] = j->corners[j->sources[i]];
+    const norma_mesh loose = mesh_of(j, j->loose, j->loose_count);
+    if (!j->loose_count) return NORMA_OK;
+    norma_result result = norma_core_mesh_shape(&loose, &mesh);
+    mesh.scale = 1;
+    if (!result) result = norma_core_topology_open(&j->run->call, &mesh, &topology);
+    if (result) return result;
+    for (size_t i = 0; i < j->loose_count; i++) j->corners[j->sources[i]] = topology.corners[i];
+    norma_core_topology_close(&topology);
+    return NORMA_OK;
+}
+
+/* ---- judging */
+
+/* Without a place's label, which the caller keeps. */
+static check_mesh mesh_of_member(check_run *run, const check_solid_member *member) {
+    check_mesh m = {.run = run,
+        .given = member->given,
+        .number = member->number,
+        .on_purpose = member->given->material.double_sided || member->given->material.not_opaque,
+        .mesh = member->mesh};
+    memcpy(m.rules, member->rules, sizeof m.rules);
+    m.place = (check_place){.order = member->order,
+        .where = member->given->info.where ? member->given->info.where : ""};
+    return m;
+}
+
+static norma_result tell_members(
+    check_run *run, const core_topology *topology, const core_components *components) {
+    norma_result result = NORMA_OK;
+    size_t face = 0;
+    for (size_t i = 0; i < run->solid_count && !result; i++) {
+        const check_solid_member *member = &run->solids[i];
+        check_mesh m = mesh_of_member(run, member);
+        char label[CHECK_MESSAGE];
+        norma_check_label(&member->given->info, label);
+        m.place.label = label;
+        result = check_tell_solids(
+            &(check_solids){&m, components, face, face + member->mesh.face_count});
+        if (!result && norma_check_wants_open(run, m.rules))
+            result = norma_check_add_open(&m, topology, 3 * face);
+        face += member->mesh.face_count;
+    }
+    return result;
+}
+
+/* ---- N301 */
+
+static norma_result find_sides(check_run *run, const uint8_t *edges, uint8_t *sides) {
+    norma_result result = NORMA_OK;
+    size_t face = 0;
+    for (size_t i = 0; i < run->solid_count && !result; i++) {
+        check_mesh m = mesh_of_member(run, &run->solids[i]);
+        result = norma_check_sides(&m, edges + face, sides + face);
+        face += m.mesh.face_count;
+    }
+    return result;
+}
+
+static norma_result tell_conflicts(
+    check_run *run, const core_topology *topology, const uint8_t *edges, const uint8_t *sides) {
+    norma_result result = NORMA_OK;
+    size_t face = 0;
+    for (size_t i = 0; i < run->solid_count && !result; i++) {
+        check_mesh m = mesh_of_member(run, &run->solids[i]);
+        char label[CHECK_MESSAGE];
+        norma_check_label(&run->solids[i].given->info, label);
+        m.place.label = label;
+        if (norma_check_wants(&m, RULE_N301))
+            result = norma_check_conflicts_joined(&m, topology, 3 * face, edges, sides);
+        face += m.mesh.face_count;
+    }
+    return result;
+}
+
+static norma_result judge_conflicts(check_run *run, const core_topology *topology) {
+    const size_t faces = topology->mesh.face_count;
+    if (!run->rules[RULE_N301]) return NORMA_OK;
+    uint8_t *edges = norma_core_allocate(&run->call, faces, 1),
+            *sides = norma_core_allocate(&run->call, faces, 1);
+    norma_result result = edges && sides ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!result) {
+        memset(edges, 0, faces);
+        if (norma_check_count_conflicts(topology, edges)) {
+            result = find_sides(run, edges, sides);
+            if (!result) result = tell_conflicts(run, topology, edges, sides);
+        }
+    }
+    norma_core_release(&run->call, sides, faces, 1);
+    norma_core_release(&run->call, edges, faces, 1);
+    return result;
+}
+
+/* The positions that are to be one are one already. */
+static norma_result judge_joined(joined *j) {
+    core_call call = j->run->call;
+    core_mesh mesh;
+    core_topology topology;
+    core_components components;
+    const core_topology_visitor nobody = {NULL, NULL, NULL, NULL};
+    const norma_mesh whole = mesh_of(j, j->corners, j->corner_count);
+    norma_result result = norma_core_mesh_shape(&whole, &mesh);
+    mesh.scale = 1;
+    call.options.weld = NORMA_WELD_NONE;
+    if (!result) result = norma_core_topology_open(&call, &mesh, &topology);
+    if (result) return result;
+    result = norma_core_pair_edges(&topology, &nobody);
+    if (!result) result = judge_conflicts(j->run, &topology);
+    if (!result) result = norma_core_find_components(&topology, CORE_JOIN_BODIES, &components);
+    if (!result) {
+        result = check_judge_solids(
+            &topology, &components, j->run->rules[RULE_N302], j->run->rules[RULE_N304]);
+        if (!result) result = tell_members(j->run, &topology, &components);
+        norma_core_release_components(&call, &components);
+    }
+    norma_core_topology_close(&topology);
+    return result;
+}
+
+norma_result norma_check_solids_joined(check_run *run) {
+    joined j = {.run = run};
+    norma_result result = NORMA_OK;
+    for (size_t i = 0; i < run->solid_count && !result; i++) {
+        const core_mesh *mesh = &run->solids[i].mesh;
+        if (mesh->positions.count >= UINT32_MAX - 1 - j.vertices ||
+            mesh->corner_count >= UINT32_MAX - 1 - j.corner_count)
+            result = NORMA_ERROR_OVERFLOW;
+        j.vertices += mesh->positions.count;
+        j.corner_count += mesh->corner_count;
+    }
+    if (!result && run->solid_count) {
+        result = open_joined(&j);
+        if (!result) {
+            fill_joined(&j);
+            result = join_loose(&j);
+        }
+        if (!result) result = judge_joined(&j);
+        close_joined(&j);
+    }
+    norma_check_solids_drop(run);
+    return result;
+}
+
+/* ---- N302 and N304 over one mesh by itself, or held until the other primitives of its glTF
+ * mesh have come. */
 
 norma_result norma_check_solids(check_mesh *m) {
     core_components components;
@@ -15,12 +408,11 @@ norma_result norma_check_solids(check_mesh *m) {
     if (!result) result = norma_core_find_components(&m->topology, CORE_JOIN_BODIES, &components);
     if (result) return result;
     if (m->siblings) {
-        result = norma_check_solids_hold(m, &components);
+        result = check_solids_hold(m, &components);
     } else {
-        result = norma_check_judge_solids(&m->topology, &components, nesting, sides);
+        result = check_judge_solids(&m->topology, &components, nesting, sides);
         if (!result)
-            result =
-                norma_check_tell_solids(&(check_solids){m, &components, 0, m->mesh.face_count});
+            result = check_tell_solids(&(check_solids){m, &components, 0, m->mesh.face_count});
     }
     norma_core_release_components(&m->run->call, &components);
     return result;

@@ -2,7 +2,7 @@
  * and skins; what it could not read is told of (N002), and so is a file that could not be opened
  * (N001). */
 #include "check/findings/findings.h"
-#include "check/rules/scene_rules.h"
+#include "check/rules/rules.h"
 #include "check/run/run_maps.h"
 #include <stdlib.h>
 #include <string.h>

@@ -2,9 +2,7 @@
  * gone through, then its faces, part by part; what each rule sums up over the parts is what it sums
  * up over the whole. Rules that need neighbours are named as not looked at. */
 #include "check/findings/findings.h"
-#include "check/rules/local_rules.h"
-#include "check/rules/mesh_rules.h"
-#include "check/rules/scene_rules.h"
+#include "check/rules/rules.h"
 #include "check/run/run.h"
 #include "core/face/unit_length.h"
 #include "io/large/large.h"

@@ -1,8 +1,7 @@
 /* run.c: one run over a file or over arrays: options made whole, each mesh through all families of
  * rules, then nodes. */
 #include "check/findings/findings.h"
-#include "check/rules/mesh_rules.h"
-#include "check/rules/scene_rules.h"
+#include "check/rules/rules.h"
 #include "check/run/run.h"
 #include <stdlib.h>
 #include <string.h>

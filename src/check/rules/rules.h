@@ -1,0 +1,163 @@
+/* rules.h: the families of rules. Each function looks at its rules on one mesh, or on a scene; what
+ * families share follows. */
+#ifndef NORMA_CHECK_RULES_H
+#define NORMA_CHECK_RULES_H
+#include "check/findings/check_run.h"
+#include <math.h>
+#include "core/topology/topology.h"
+
+/* ---- families, each over one mesh */
+
+norma_result norma_check_lengths(check_mesh *m);           /* stored_normals.c: N101 to N103 */
+norma_result norma_check_missing_normals(check_mesh *m);   /* stored_normals.c: N104 to N106 */
+norma_result norma_check_facing(check_mesh *m);            /* facing.c: N201, N202 */
+norma_result norma_check_placeholder(check_mesh *m);       /* facing.c: N203 */
+norma_result norma_check_deviation(check_mesh *m);         /* facing.c: N204 */
+norma_result norma_check_frame(check_mesh *m);             /* facing.c: N206 */
+norma_result norma_check_facets(check_mesh *m);            /* sides.c: N205 */
+norma_result norma_check_edges(check_mesh *m);             /* edges.c: N301, N303, N305, N306 */
+norma_result norma_check_open_edges(check_mesh *m);        /* edges.c: N307 */
+norma_result norma_check_solids(check_mesh *m);            /* solids.c: N302, N304 */
+norma_result norma_check_shapes(check_mesh *m);            /* shapes.c: N401, N402 */
+norma_result norma_check_cancelled(check_mesh *m);         /* shapes.c: N403 */
+norma_result norma_check_polygons(check_mesh *m);          /* shapes.c: N404, N405 */
+norma_result norma_check_seams(check_mesh *m);             /* seams.c: N501 */
+norma_result norma_check_coincident(check_mesh *m);        /* positions.c: N503 */
+norma_result norma_check_precision(check_mesh *m);         /* positions.c: N502, N701, N702 */
+norma_result norma_check_tangents(check_mesh *m);          /* tangents.c: N801 to N806 */
+norma_result norma_check_tangent_deviation(check_mesh *m); /* tangents.c: N807 */
+norma_result norma_check_morphs(check_mesh *m);            /* morphs.c: N901 to N903 */
+
+/* Over the primitives of one glTF mesh together, which were held until the last one came. */
+norma_result norma_check_seams_joined(check_run *run);  /* seams.c: N501 */
+norma_result norma_check_solids_joined(check_run *run); /* solids.c: N301, N302, N304, N307 */
+void norma_check_solids_drop(check_run *run);
+
+/* nodes.c: N601 to N605, with the materials of the meshes that nodes draw (info.mesh and material
+ * of scene->meshes). world_of gives the world matrix of one instance of a node by its index in
+ * scene->nodes; NULL: there is nothing but the node's own. */
+typedef norma_result check_instance_world(
+    void *context, size_t index, size_t instance, double world[16]);
+norma_result norma_check_nodes(
+    check_run *run, const norma_check_scene *scene, check_instance_world *world_of, void *context);
+
+/* ---- what families share */
+
+/* Tangents serve normal maps only: without one, what is wrong with them is worth knowing, no more.
+ */
+static inline norma_severity norma_check_tangent_severity(const check_mesh *m) {
+    return m->given->material.normal_map ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
+}
+
+/* Cosine between a face and a stored normal; NaN: there is none, or it has no direction. */
+static inline double norma_check_cosine_to(const check_mesh *m, size_t face, size_t number) {
+    double n[3];
+    if (number == SIZE_MAX) return NAN;
+    norma_check_normal(m, number, n);
+    const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if (!(square >= 1e-12 && square < INFINITY)) /* N101 and N102 tell of it */
+        return NAN;
+    const double dot = norma_check_dot(m->faces[face].normal, n);
+    return square > .99 && square < 1.01 ? dot : dot / sqrt(square);
+}
+
+/* edges.c: fills topology.partners, and adds the findings of edges that are wanted; once a mesh. */
+norma_result norma_check_pairs(check_mesh *m);
+
+/* facing.c: N206 holds: N201, N202 and N501 are silent then. */
+norma_result norma_check_is_of_another_frame(check_mesh *m, int *is);
+
+/* sides.c: which faces are turned, as core_side_judge says; asked: a mark for each face that
+ * matters. sides: of each face of the mesh. */
+norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides);
+void norma_check_sides_drop(check_run *run);
+/* Of an STL's facets whose sides neither volume nor rays decide: a normal within 25 degrees of its
+ * winding, or of its winding's opposite, that agrees with its neighbours' says which it is. */
+#define CHECK_LEAN_COSINE 0.9063077870366499
+norma_result norma_check_sides_by_facets(
+    const core_side_judge *judge, const norma_vec3_view *normals, uint8_t *sides);
+int norma_check_is_turned(uint8_t side); /* shown to be, not only different from most */
+/* After that: how many faces are shown to be turned, of those and of all in components whose faces
+ * do not agree. */
+size_t norma_check_count_turned(const check_mesh *m, const uint8_t *asked, const uint8_t *sides);
+
+/* edges.c, for solids.c. Of the primitive whose corners begin at first_corner of a topology that
+ * holds all of them; edges: how many conflicts each of the topology's faces has, at most 255;
+ * sides: of those faces. An edge between primitives belongs to the one whose face is turned, or has
+ * more of them. */
+norma_result norma_check_conflicts_joined(check_mesh *m, const core_topology *topology,
+    size_t first_corner, const uint8_t *edges, const uint8_t *sides);
+int norma_check_count_conflicts(
+    const core_topology *topology, uint8_t *edges); /* 1: there are any */
+norma_result norma_check_add_open(
+    check_mesh *m, const core_topology *topology, size_t first_corner);
+int norma_check_wants_open(const check_run *run, const uint8_t *rules);
+
+/* ---- rules that need no neighbours, so that a file can be looked at part by part. Each has
+ * a sum, zero-initialised, to which _look adds what a mesh shows; _add makes the findings, and
+ * leaves the sum empty, as _drop does. */
+
+/* stored_normals.c: N101 to N103. idle: normals of no length that only degenerate faces use. */
+typedef struct check_lengths {
+    check_hits non_finite, zero, non_unit;
+} check_lengths;
+void norma_check_lengths_drop(check_lengths *sum);
+norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum);
+norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, size_t idle);
+
+/* sides.c: N205. behind: NULL, or a mark for each face whose normal is on its other side. The
+ * caller fills whole_area (twice the area of all faces), turned (facets whose winding is known to
+ * be wrong) and undecided (it may be). */
+typedef struct check_facets {
+    check_hits hits;
+    size_t zeros, turned, undecided;
+    double twice_area, whole_area; /* twice_area: of those that were hit */
+} check_facets;
+norma_result norma_check_facets_look(check_mesh *m, check_facets *sum, uint8_t *behind);
+norma_result norma_check_facets_add(check_mesh *m, check_facets *sum);
+
+/* shapes.c: N401, N402. */
+typedef struct check_shapes {
+    check_hits degenerate, slivers;
+} check_shapes;
+void norma_check_shapes_drop(check_shapes *sum);
+norma_result norma_check_shapes_look(check_mesh *m, check_shapes *sum);
+norma_result norma_check_shapes_add(check_mesh *m, check_shapes *sum);
+
+/* shapes.c: N404, N405. */
+typedef struct check_folds {
+    check_hits hits;
+    size_t crossing; /* of them: their edges cross */
+} check_folds;
+typedef struct check_polygons {
+    check_folds folds, slight; /* slight: what faces away is next to nothing of the polygon */
+    check_hits bent;
+} check_polygons;
+void norma_check_polygons_drop(check_polygons *sum);
+norma_result norma_check_polygons_look(check_mesh *m, check_polygons *sum);
+norma_result norma_check_polygons_add(check_mesh *m, check_polygons *sum);
+
+/* positions.c: N701 and N702. */
+typedef struct check_largest {
+    double coordinate; /* its absolute value; 0: none but zeros */
+    size_t vertex;
+} check_largest;
+/* Takes a larger one of these positions, which are those from first on. */
+void norma_check_find_largest(const core_mesh *mesh, size_t first, check_largest *largest);
+/* An edge below this length is too short for such coordinates; 0: none is. */
+double norma_check_coarse_length(const check_mesh *m, const check_largest *largest);
+/* Sorts the edges by ascending lengths: counts[i] of count + 1 numbers grows by those that are
+ * shorter than length i and not than the one before. Once more than enough are no shorter than the
+ * last length, the others may be left out. After norma_check_weld. */
+norma_result norma_check_sort_edges(
+    check_mesh *m, const double *lengths, size_t count, size_t enough, size_t *counts);
+/* Finds the length below high that half of the edges are shorter than. shorter: writes how many are
+ * shorter than the middle of low and high, and how many there are. */
+typedef norma_result check_ask_shorter(
+    void *context, double low, double high, size_t *shorter, size_t *all);
+norma_result norma_check_median_edge(
+    double high, check_ask_shorter *ask, void *context, double *median);
+norma_result norma_check_distance_add(check_mesh *m, const check_largest *largest, double median);
+norma_result norma_check_encoding_add(check_mesh *m);
+
+#endif
