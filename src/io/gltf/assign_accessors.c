@@ -1,6 +1,7 @@
 /* assign_accessors.c: which accessors hold what was put; primitives that Draco held are written
  * without it. */
 #include "io/gltf/gltf.h"
+#include "core/call/table.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,10 +69,7 @@ static norma_document_result put_elements(
     if (!data.bytes) return norma_document_fail_memory(g->document, error);
     for (size_t i = 0; i < data.count; ++i)
         memcpy(data.bytes + i * size, array.data + i * array.stride, size);
-    const uint32_t number = norma_gltf_add_data(g, &data);
-    return number != GLTF_NONE && norma_gltf_put(g, slot, number)
-               ? NORMA_DOCUMENT_OK
-               : norma_document_fail_memory(g->document, error);
+    return norma_gltf_put_new(g, slot, &data, error);
 }
 
 static norma_document_result put_stream(gltf *g, const group *of, norma_document_error *error) {
@@ -203,19 +201,6 @@ static uint64_t hash_shape(const gltf_data *data) {
            data->count * UINT64_C(0xD6E8FEB86659FD93);
 }
 
-static uint64_t hash_data(const gltf_data *data) {
-    const uint64_t prime = 0x9E3779B97F4A7C15u;
-    size_t size = data->count * norma_gltf_data_size(data);
-    uint64_t hash = hash_shape(data) * prime;
-    for (size_t i = 0; i < size; i += 8) {
-        uint64_t word = 0;
-        memcpy(&word, data->bytes + i, size - i < 8 ? size - i : 8);
-        hash = (hash ^ word) * prime;
-        hash ^= hash >> 29;
-    }
-    return hash;
-}
-
 static int equal_data(const gltf_data *a, const gltf_data *b) {
     size_t size = norma_gltf_data_size(a);
     return a->component == b->component && a->width == b->width && a->normalized == b->normalized &&
@@ -246,7 +231,9 @@ static int find_equal_datas(gltf_patch *patch) {
     for (size_t i = 0; list && i < count; ++i)
         if ((i && list[i - 1].shape == list[i].shape) ||
             (i + 1 < count && list[i + 1].shape == list[i].shape))
-            list[i].contents = hash_data(&patch->datas[list[i].data]);
+            list[i].contents = norma_core_hash(patch->datas[list[i].data].bytes,
+                patch->datas[list[i].data].count *
+                    norma_gltf_data_size(&patch->datas[list[i].data]));
     if (list && count) qsort(list, count, sizeof *list, compare_hashed);
     for (size_t i = 0, first = 0; list && patch->same && i < count; ++i) {
         const gltf_data *data = &patch->datas[list[i].data];
@@ -331,7 +318,7 @@ static void find_free(gltf *g, uint32_t *uses) {
 
 /* ---- decisions */
 
-static int is_same_as(const gltf_array *old, const gltf_data *data) {
+int norma_gltf_is_same(const gltf_array *old, const gltf_data *data) {
     size_t size = norma_gltf_data_size(data);
     if (old->component != data->component || old->width != data->width ||
         old->normalized != data->normalized || old->count != data->count)
@@ -348,7 +335,7 @@ static norma_document_result drop_unchanged(gltf *g, norma_document_error *error
         if (slot->old == GLTF_NONE) continue;
         norma_document_result result = norma_gltf_array(g, slot->old, &old, error);
         if (result) return result;
-        slot->kept = is_same_as(&old, &g->patch->datas[slot->data]);
+        slot->kept = norma_gltf_is_same(&old, &g->patch->datas[slot->data]);
     }
     return NORMA_DOCUMENT_OK;
 }

@@ -304,15 +304,6 @@ static norma_document_result check_vector_shape(const mesh_baker *b, const bake_
     return NORMA_DOCUMENT_OK;
 }
 
-/* Contents equal to the stored ones, bit for bit, change nothing. */
-static int unchanged(const gltf_data *data, const gltf_array *old) {
-    if (data->component != old->component || data->normalized != old->normalized) return 0;
-    const size_t size = data->width * norma_gltf_component_size(data->component);
-    for (size_t i = 0; i < data->count; i++)
-        if (memcmp(data->bytes + i * size, old->data + i * old->stride, size) != 0) return 0;
-    return 1;
-}
-
 static norma_document_result make_data(
     const mesh_baker *b, bake_entry *entry, norma_document_error *error) {
     gltf_array array, base;
@@ -330,7 +321,7 @@ static norma_document_result make_data(
     free(values);
     if (encoded == BAKE_TOO_LARGE) return too_large(b, entry->a, error);
     if (encoded == BAKE_NO_MEMORY) return norma_document_fail_memory(b->g->document, error);
-    if (unchanged(&data, &array)) {
+    if (norma_gltf_is_same(&array, &data)) {
         free(data.bytes);
         entry->data = BAKE_UNCHANGED;
         return NORMA_DOCUMENT_OK;

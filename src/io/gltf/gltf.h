@@ -343,6 +343,11 @@ uint32_t norma_gltf_add_data(gltf *g, const gltf_data *data);
 /* These contents in this slot. Without a word about a slot it keeps its accessor. Once for each
  * slot. 0: out of memory. */
 int norma_gltf_put(gltf *g, const gltf_slot *slot, uint32_t data);
+/* Both at once: contents, which the patch then owns in any case, into a slot. */
+norma_document_result norma_gltf_put_new(
+    gltf *g, const gltf_slot *slot, const gltf_data *data, norma_document_error *error);
+/* Whether an accessor's elements are these, bit for bit. */
+int norma_gltf_is_same(const gltf_array *old, const gltf_data *data);
 void norma_gltf_set_mode(gltf *g, uint32_t copy, uint32_t primitive, uint32_t mode);
 /* A copy of a mesh at the end of "meshes": its handle for slots and edits (from 1), its number in
  * the file in *mesh_number. 0: out of memory. */

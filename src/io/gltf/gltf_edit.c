@@ -18,10 +18,7 @@ typedef struct vector_edit {
 static norma_document_result put_edit(gltf *g, uint32_t primitive, int32_t target,
     const char *attribute, const gltf_data *data, norma_document_error *error) {
     const gltf_slot slot = {.primitive = primitive, .target = target, .attribute = attribute};
-    uint32_t number = norma_gltf_add_data(g, data);
-    return number != GLTF_NONE && norma_gltf_put(g, &slot, number)
-               ? NORMA_DOCUMENT_OK
-               : norma_document_fail_memory(g->document, error);
+    return norma_gltf_put_new(g, &slot, data, error);
 }
 
 /* ---- vectors */

@@ -85,10 +85,7 @@ static norma_document_result move_mesh_positions(
     data.bounds = 1;
     const gltf_slot slot = {
         .primitive = primitive, .target = GLTF_SLOT_BASE, .attribute = "POSITION"};
-    const uint32_t number = norma_gltf_add_data(g, &data);
-    return number != GLTF_NONE && norma_gltf_put(g, &slot, number)
-               ? NORMA_DOCUMENT_OK
-               : norma_document_fail_memory(g->document, error);
+    return norma_gltf_put_new(g, &slot, &data, error);
 }
 
 static void move_node(gltf_tree *tree, uint32_t node, const double step[3]) {

@@ -181,6 +181,14 @@ int norma_gltf_put(gltf *g, const gltf_slot *slot, uint32_t data) {
     return 1;
 }
 
+norma_document_result norma_gltf_put_new(
+    gltf *g, const gltf_slot *slot, const gltf_data *data, norma_document_error *error) {
+    const uint32_t number = norma_gltf_add_data(g, data);
+    return number != GLTF_NONE && norma_gltf_put(g, slot, number)
+               ? NORMA_DOCUMENT_OK
+               : norma_document_fail_memory(g->document, error);
+}
+
 void norma_gltf_set_mode(gltf *g, uint32_t copy, uint32_t primitive, uint32_t mode) {
     norma_json_set_uint(norma_gltf_edits(g, copy), g->primitives[primitive].token, "mode", mode);
 }

@@ -64,10 +64,7 @@ static norma_document_result copy_attribute(gltf *g, uint32_t primitive, int32_t
         .count = array.count,
         .bytes = bytes};
     const gltf_slot slot = {.primitive = primitive, .target = target, .attribute = attribute->name};
-    uint32_t number = norma_gltf_add_data(g, &data);
-    return number != GLTF_NONE && norma_gltf_put(g, &slot, number)
-               ? NORMA_DOCUMENT_OK
-               : norma_document_fail_memory(g->document, error);
+    return norma_gltf_put_new(g, &slot, &data, error);
 }
 
 /* Whether single numbers of it are replaced as well, by whom the copies are made then. */

@@ -537,9 +537,7 @@ static norma_document_result put_index_list(
     }
     if (result) return result;
     const gltf_slot slot = {.primitive = number, .target = GLTF_SLOT_INDICES};
-    uint32_t added = norma_gltf_add_data(g, &data);
-    return added != GLTF_NONE && norma_gltf_put(g, &slot, added) ? NORMA_DOCUMENT_OK
-                                                                 : norma_gltf_job_memory(job);
+    return norma_gltf_put_new(g, &slot, &data, job->error);
 }
 
 /* 0, 1, 2, ...: for a primitive without indices whose vertices became more than it draws. */
