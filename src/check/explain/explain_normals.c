@@ -1,17 +1,328 @@
-/* explain_normals.c: which weight and crease explain the normals that a surface has: those whose
- * normals lie nearest to the stored ones, by mean angle. Creases are tried with angle weights, then
- * weights with the best crease, then creases again; creases between which no edge's angle lies are
- * one. */
+/* explain_normals.c: which weight and crease explain stored normals best, and how far they are off.
+ */
+#include "check/explain/explain.h"
 #include "core/face/triangle.h"
-#include "check/explain/explain_normals.h"
 #include <math.h>
 #include <string.h>
 
+/* ---- Mean, percentiles and histogram of the angles between stored and computed
+ * normals. */
+
+/* Angles that are not negative; their bits, read as integers, have their order. */
+
+enum { SUMMARY_CORNERS = 1 << 16, HALVES = 1 << 16 };
+
+static const double bounds_deg[NORMA_DEVIATION_BINS] = {
+    .01, .02, .05, .1, .2, .5, 1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 120, 180};
+
+double norma_deviation_bound_rad(size_t bin) {
+    return bounds_deg[bin < NORMA_DEVIATION_BINS ? bin : NORMA_DEVIATION_BINS - 1] *
+           (NORMA_PI / 180);
+}
+
+typedef struct angle_part {
+    double sum, max;
+    size_t count, histogram[NORMA_DEVIATION_BINS];
+} angle_part;
+
+typedef struct angle_pass {
+    const explain_surface *surface;
+    double bounds[NORMA_DEVIATION_BINS];
+    angle_part *parts;
+} angle_pass;
+
+static size_t bin_of(const angle_pass *pass, double angle) {
+    size_t bin = 0;
+    while (bin + 1 < NORMA_DEVIATION_BINS && angle >= pass->bounds[bin]) bin++;
+    return bin;
+}
+
+static void sum_block(void *context, size_t block) {
+    const angle_pass *pass = context;
+    const explain_surface *s = pass->surface;
+    angle_part *part = &pass->parts[block];
+    size_t count = s->checked.corner_count, begin = block * SUMMARY_CORNERS,
+           end = count - begin < SUMMARY_CORNERS ? count : begin + SUMMARY_CORNERS;
+    for (size_t c = begin; c < end; c++) {
+        const double angle = (double)s->angles[c];
+        if (angle < 0) continue;
+        part->sum += angle;
+        part->max = angle > part->max ? angle : part->max;
+        part->count++;
+        part->histogram[bin_of(pass, angle)]++;
+    }
+}
+
+static uint32_t bits_of(float angle) {
+    uint32_t bits;
+    memcpy(&bits, &angle, sizeof bits);
+    return bits;
+}
+
+/* The upper half of the bits of the angle of that rank, and the rank among those with the same
+ * upper half. */
+static uint32_t find_half(const uint32_t *counts, size_t rank, size_t *left) {
+    uint32_t half = 0;
+    while (rank >= counts[half]) rank -= counts[half++];
+    *left = rank;
+    return half;
+}
+
+static double join_halves(uint32_t upper, uint32_t lower) {
+    uint32_t bits = upper << 16 | lower;
+    float angle;
+    memcpy(&angle, &bits, sizeof angle);
+    return (double)angle;
+}
+
+/* Two ranks at once. counts: room for three times HALVES. */
+static void find_percentiles(
+    const explain_surface *s, uint32_t *counts, const size_t ranks[2], double angles[2]) {
+    uint32_t upper[2], *lower[2] = {counts + HALVES, counts + 2 * HALVES};
+    size_t left[2], none;
+    memset(counts, 0, 3 * HALVES * sizeof *counts);
+    for (size_t c = 0; c < s->checked.corner_count; c++)
+        if (s->angles[c] >= 0) counts[bits_of(s->angles[c]) >> 16]++;
+    for (int i = 0; i < 2; i++) upper[i] = find_half(counts, ranks[i], &left[i]);
+    for (size_t c = 0; c < s->checked.corner_count; c++) {
+        uint32_t bits = bits_of(s->angles[c]);
+        for (int i = 0; i < 2; i++)
+            if (bits >> 16 == upper[i]) lower[i][bits & 0xffff]++;
+    }
+    for (int i = 0; i < 2; i++)
+        angles[i] = join_halves(upper[i], find_half(lower[i], left[i], &none));
+}
+
+static void add_part(norma_deviation *d, const angle_part *part) {
+    d->mean_rad += part->sum;
+    d->max_rad = fmax(d->max_rad, part->max);
+    d->corners += part->count;
+    for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++) d->histogram[i] += part->histogram[i];
+}
+
+norma_result norma_explain_summarise(
+    core_call *call, const explain_surface *surface, norma_deviation *d) {
+    size_t blocks = norma_check_block_count(surface->checked.corner_count, SUMMARY_CORNERS);
+    uint32_t *counts = norma_core_allocate(call, 3 * HALVES, sizeof *counts);
+    angle_pass pass = {
+        .surface = surface, .parts = norma_core_allocate(call, blocks, sizeof *pass.parts)};
+    norma_result result = counts && pass.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
+    *d = (norma_deviation){.crease_angle_rad = NAN};
+    if (!result) {
+        for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++)
+            pass.bounds[i] = norma_deviation_bound_rad(i);
+        memset(pass.parts, 0, blocks * sizeof *pass.parts);
+        result = norma_core_parallel(call, blocks, sum_block, &pass);
+        for (size_t i = 0; i < blocks; i++) add_part(d, &pass.parts[i]);
+    }
+    if (!result && d->max_rad > 0) {
+        d->mean_rad /= (double)d->corners;
+        double angles[2];
+        find_percentiles(surface, counts,
+            (const size_t[2]){(d->corners - 1) / 2, (size_t)(0.99 * (double)(d->corners - 1))},
+            angles);
+        d->p50_rad = angles[0];
+        d->p99_rad = angles[1];
+    }
+    norma_core_release(call, counts, 3 * HALVES, sizeof *counts);
+    norma_core_release(call, pass.parts, blocks, sizeof *pass.parts);
+    return result;
+}
+
+/* ---- A part of a mesh small enough to try many ways of computing normals on, with
+ * whole rings around the positions that are looked at. */
+
+/* A part of a mesh with many faces, chosen by numbers alone: the faces around
+ * some of its positions. Everything is owned by it. */
+typedef struct explain_sample {
+    norma_mesh mesh;
+    double (*positions)[3];
+    uint32_t *corners, *starts, *groups;
+    uint8_t *hard_edges;
+    uint32_t *sources; /* of each corner the corner of the whole mesh */
+    uint8_t *whole;    /* of each corner: all faces at its position are there */
+    size_t position_count, corner_count, face_count;
+} explain_sample;
+enum { EXPLAIN_FACES = 4096 }; /* a mesh of no more is its own sample */
+
+enum { MOST_AT_POSITION = 128 };
+
+static uint64_t mix(uint64_t h) {
+    h = (h ^ (h >> 32)) * UINT64_C(0x9e3779b97f4a7c15);
+    h = (h ^ (h >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
+    return h ^ (h >> 32);
+}
+
+typedef struct choice {
+    const core_topology *topology;
+    uint64_t one_in;
+} choice;
+
+static int is_chosen(const choice *c, uint32_t position) {
+    const core_corners_of_position *around = &c->topology->corners_of;
+    size_t count = around->starts[position + 1] - around->starts[position];
+    return count > 0 && count <= MOST_AT_POSITION && mix(position) % c->one_in == 0;
+}
+
+/* The places of the ones, ascending. */
+static void list_marked(const uint8_t *marks, size_t count, uint32_t *places) {
+    for (const uint8_t *at = marks; (at = memchr(at, 1, count - (size_t)(at - marks))); at++)
+        *places++ = (uint32_t)(at - marks);
+}
+
+static size_t place_of(const uint32_t *sorted, size_t count, uint32_t number) {
+    size_t low = 0, high = count;
+    while (low + 1 < high) {
+        size_t middle = low + (high - low) / 2;
+        if (sorted[middle] <= number)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static size_t mark(uint8_t *marks, size_t place) {
+    const int is_new = !marks[place];
+    marks[place] = 1;
+    return (size_t)is_new;
+}
+
+/* The faces around all chosen positions; how many. */
+static size_t mark_faces(const choice *c, uint8_t *marks) {
+    const core_topology *t = c->topology;
+    size_t count = 0;
+    memset(marks, 0, t->mesh.face_count);
+    for (uint32_t p = 0; p < t->corners_of.position_count; p++) {
+        if (!is_chosen(c, p)) continue;
+        for (uint32_t i = t->corners_of.starts[p]; i < t->corners_of.starts[p + 1]; i++)
+            count += mark(marks, norma_core_topology_face(t, t->corners_of.corners[i]));
+    }
+    return count;
+}
+
+static int allocate(const core_call *call, const core_mesh *mesh, explain_sample *s) {
+    s->positions = norma_core_allocate(call, s->corner_count, sizeof *s->positions);
+    s->corners = norma_core_allocate(call, s->corner_count, sizeof *s->corners);
+    s->sources = norma_core_allocate(call, s->corner_count, sizeof *s->sources);
+    s->whole = norma_core_allocate(call, s->corner_count, 1);
+    s->starts = norma_core_allocate(call, s->face_count + 1, sizeof *s->starts);
+    s->groups =
+        mesh->smoothing_groups ? norma_core_allocate(call, s->face_count, sizeof *s->groups) : NULL;
+    s->hard_edges = mesh->hard_edges ? norma_core_allocate(call, s->corner_count, 1) : NULL;
+    return s->positions && s->corners && s->sources && s->whole && s->starts &&
+           (s->groups || !mesh->smoothing_groups) && (s->hard_edges || !mesh->hard_edges);
+}
+
+/* places: the positions that the faces use, ascending. */
+static void copy_faces(
+    const choice *c, const uint32_t *faces, const uint32_t *places, explain_sample *s) {
+    const core_topology *t = c->topology;
+    size_t at = 0;
+    for (size_t i = 0; i < s->face_count; i++) {
+        s->starts[i] = (uint32_t)at;
+        if (s->groups) s->groups[i] = t->mesh.smoothing_groups[faces[i]];
+        for (size_t corner = norma_core_face_begin(&t->mesh, faces[i]);
+             corner < norma_core_face_end(&t->mesh, faces[i]); corner++, at++) {
+            s->corners[at] = (uint32_t)place_of(places, s->position_count, t->corners[corner]);
+            s->sources[at] = (uint32_t)corner;
+            s->whole[at] = (uint8_t)is_chosen(c, t->corners[corner]);
+            if (s->hard_edges) s->hard_edges[at] = t->mesh.hard_edges[corner];
+        }
+    }
+    s->starts[s->face_count] = (uint32_t)at;
+    for (size_t i = 0; i < s->position_count; i++)
+        norma_core_position(&t->mesh, places[i], s->positions[i]);
+    s->mesh = (norma_mesh){.positions = {s->positions, s->position_count, 0, NORMA_FORMAT_DOUBLE},
+        .corners = s->corners,
+        .corner_count = at,
+        .face_starts = t->mesh.face_starts ? s->starts : NULL,
+        .face_count = s->face_count,
+        .smoothing_groups = s->groups,
+        .hard_edges = s->hard_edges};
+}
+
+/* The positions that the faces use; how many. */
+static size_t mark_places(
+    const choice *c, const uint32_t *faces, const explain_sample *s, uint8_t *marks) {
+    const core_mesh *mesh = &c->topology->mesh;
+    size_t count = 0;
+    memset(marks, 0, mesh->positions.count);
+    for (size_t i = 0; i < s->face_count; i++)
+        for (size_t corner = norma_core_face_begin(mesh, faces[i]);
+             corner < norma_core_face_end(mesh, faces[i]); corner++)
+            count += mark(marks, c->topology->corners[corner]);
+    return count;
+}
+
+static void explain_free_sample(const core_call *call, explain_sample *s) {
+    norma_core_release(call, s->positions, s->corner_count, sizeof *s->positions);
+    norma_core_release(call, s->corners, s->corner_count, sizeof *s->corners);
+    norma_core_release(call, s->sources, s->corner_count, sizeof *s->sources);
+    norma_core_release(call, s->whole, s->corner_count, 1);
+    norma_core_release(call, s->starts, s->face_count + 1, sizeof *s->starts);
+    norma_core_release(call, s->groups, s->face_count, sizeof *s->groups);
+    norma_core_release(call, s->hard_edges, s->corner_count, 1);
+    *s = (explain_sample){.face_count = 0};
+}
+
+static norma_result copy_sample(
+    core_call *call, const choice *c, const uint32_t *faces, explain_sample *s) {
+    const core_mesh *mesh = &c->topology->mesh;
+    const size_t positions = mesh->positions.count;
+    for (size_t i = 0; i < s->face_count; i++)
+        s->corner_count +=
+            norma_core_face_end(mesh, faces[i]) - norma_core_face_begin(mesh, faces[i]);
+    uint32_t *places = norma_core_allocate(call, s->corner_count, sizeof *places);
+    uint8_t *marks = norma_core_allocate(call, positions, 1);
+    norma_result result =
+        allocate(call, mesh, s) && places && marks ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!result) {
+        s->position_count = mark_places(c, faces, s, marks);
+        list_marked(marks, positions, places);
+        copy_faces(c, faces, places, s);
+    }
+    norma_core_release(call, marks, positions, 1);
+    norma_core_release(call, places, s->corner_count, sizeof *places);
+    if (result) explain_free_sample(call, s);
+    return result;
+}
+
+static norma_result explain_take_sample(
+    core_call *call, const core_topology *topology, explain_sample *sample) {
+    const choice c = {topology, topology->mesh.corner_count / EXPLAIN_FACES + 1};
+    const size_t all = topology->mesh.face_count;
+    *sample = (explain_sample){.face_count = 0};
+    uint8_t *marks = norma_core_allocate(call, all, 1);
+    if (!marks) return NORMA_ERROR_MEMORY;
+    const size_t count = mark_faces(&c, marks);
+    uint32_t *faces = norma_core_allocate(call, count, sizeof *faces);
+    if (faces) list_marked(marks, all, faces);
+    norma_core_release(call, marks, all, 1);
+    if (!faces) return NORMA_ERROR_MEMORY;
+    sample->face_count = count;
+    const norma_result result = copy_sample(call, &c, faces, sample);
+    norma_core_release(call, faces, count, sizeof *faces);
+    return result;
+}
+
+/* ---- Which weight and crease explain the normals that a surface has: those whose
+ * normals lie nearest to the stored ones, by mean angle. Creases are tried with angle weights, then
+ * weights with the best crease, then creases again; creases between which no edge's angle lies are
+ * one. */
+
 static double radians(double degrees) { return degrees * (NORMA_PI / 180); }
+
+static void explain_close(const core_call *call, explain_surface *s) {
+    norma_core_release(call, s->stored, s->stored_count, 3 * sizeof *s->stored);
+    norma_core_release(call, s->computed, s->room, 3 * sizeof *s->computed);
+    norma_core_release(call, s->angles, s->checked.corner_count, sizeof *s->angles);
+    *s = (explain_surface){.room = 0};
+}
 
 /* ---- one trial */
 
-norma_result norma_explain_open(
+static norma_result explain_open(
     const core_call *call, const norma_mesh *mesh, int per_vertex, explain_surface *s) {
     *s = (explain_surface){.mesh = mesh, .per_vertex = per_vertex};
     norma_result result = norma_core_mesh_shape(mesh, &s->checked);
@@ -27,15 +338,8 @@ norma_result norma_explain_open(
         memset(s->stored, 0, 3 * s->stored_count * sizeof *s->stored);
         return NORMA_OK;
     }
-    norma_explain_close(call, s);
+    explain_close(call, s);
     return NORMA_ERROR_MEMORY;
-}
-
-void norma_explain_close(const core_call *call, explain_surface *s) {
-    norma_core_release(call, s->stored, s->stored_count, 3 * sizeof *s->stored);
-    norma_core_release(call, s->computed, s->room, 3 * sizeof *s->computed);
-    norma_core_release(call, s->angles, s->checked.corner_count, sizeof *s->angles);
-    *s = (explain_surface){.room = 0};
 }
 
 /* Right for small angles, whatever the lengths. Negative: one of them is no direction. */
@@ -304,9 +608,9 @@ static norma_result visit_sample(core_call *call, const norma_mesh_data *data,
     const core_mesh *checked, const core_topology *topology, explain_visit *visit, void *context) {
     explain_sample sample;
     explain_surface surface;
-    norma_result result = norma_explain_take_sample(call, topology, &sample);
+    norma_result result = explain_take_sample(call, topology, &sample);
     if (result) return result;
-    result = norma_explain_open(call, &sample.mesh, 0, &surface);
+    result = explain_open(call, &sample.mesh, 0, &surface);
     surface.welded = 1;
     if (!result) {
         for (size_t c = 0; c < sample.mesh.corner_count; c++)
@@ -314,9 +618,9 @@ static norma_result visit_sample(core_call *call, const norma_mesh_data *data,
                 read_normal(
                     data, number_of(data, checked, sample.sources[c]), surface.stored + 3 * c);
         result = visit(call, &surface, context);
-        norma_explain_close(call, &surface);
+        explain_close(call, &surface);
     }
-    norma_explain_free_sample(call, &sample);
+    explain_free_sample(call, &sample);
     return result;
 }
 
@@ -335,12 +639,12 @@ static norma_result visit_large(core_call *call, const norma_mesh_data *data,
 /* The surface with its normals; closed in any case where they cannot be read. */
 static norma_result open_whole(
     core_call *call, const norma_mesh_data *data, explain_surface *surface) {
-    norma_result result = norma_explain_open(call, &data->mesh, !data->corner_normals, surface);
+    norma_result result = explain_open(call, &data->mesh, !data->corner_normals, surface);
     if (result) return result;
     stored_pass pass = {data, surface};
     result = norma_core_parallel(
         call, norma_check_block_count(surface->stored_count, CORNERS_IN_BLOCK), read_block, &pass);
-    if (result) norma_explain_close(call, surface);
+    if (result) explain_close(call, surface);
     return result;
 }
 
@@ -352,7 +656,7 @@ norma_result norma_explain_on_sample(core_call *call, const norma_mesh_data *dat
     norma_result result = open_whole(call, data, &surface);
     if (result) return result;
     result = visit(call, &surface, context);
-    norma_explain_close(call, &surface);
+    explain_close(call, &surface);
     return result;
 }
 
@@ -367,7 +671,7 @@ norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
                  : search_surface(call, &surface, &best);
     if (!result) result = norma_explain_measure(call, &surface, &best);
     if (!result) result = norma_explain_summarise(call, &surface, deviation);
-    norma_explain_close(call, &surface);
+    explain_close(call, &surface);
     if (!result && deviation->corners) {
         deviation->weight = best.weight;
         deviation->shading = best.flat                ? NORMA_SHADING_FLAT

@@ -5,6 +5,11 @@
 #include <norma/check.h>
 #include <stdatomic.h>
 #include "core/topology/topology.h"
+#include <math.h>
+#include "core/face/triangle.h"
+
+/* ---- What the files of src/check share: one run over a file, one mesh in it with the
+ * geometry that its rules have in common, and how findings are added. */
 
 typedef enum check_rule {
 #define RULE(id, name, render, print, fix, verb, validator, what, why, how) RULE_##id,
@@ -13,7 +18,7 @@ typedef enum check_rule {
     CHECK_RULE_COUNT
 } check_rule;
 
-/* ---- findings (findings.c) */
+/* ---- findings */
 
 typedef struct check_spot { /* SIZE_MAX: does not apply */
     size_t vertex, face, normal;
@@ -38,8 +43,8 @@ typedef struct check_hits {
     int failed; /* out of memory: told by norma_check_add */
 } check_hits;
 
-typedef struct check_member check_member;             /* seams_joined.c */
-typedef struct check_solid_member check_solid_member; /* solids_joined.c */
+typedef struct check_member check_member;             /* rules/seams.c */
+typedef struct check_solid_member check_solid_member; /* rules/solids.c */
 
 /* The primitives of one glTF mesh, or the one mesh of another file. */
 typedef struct check_group {
@@ -113,7 +118,7 @@ void norma_check_partly(
 /* rule_table.c: whether a generated model must be free of what the rule finds. */
 int norma_check_is_required(const norma_rule *rule);
 
-/* ---- messages (message.c), without locale: %s text, %z size_t, %g double with three significant
+/* ---- messages, without locale: %s text, %z size_t, %g double with three significant
  * digits, %% a percent sign */
 enum { CHECK_MESSAGE = 1000 };
 void norma_check_message(char text[CHECK_MESSAGE], const char *format, ...);
@@ -240,7 +245,7 @@ static inline size_t norma_check_block_count(size_t count, size_t size) {
     return count / size + (count % size != 0);
 }
 
-/* ---- places (place.c) */
+/* ---- places */
 
 /* "mesh 0 primitive 1 \"name\"", or "" for the one mesh of OBJ, PLY and STL. */
 void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]);
@@ -249,4 +254,46 @@ void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]);
 void norma_check_silence(uint8_t mask[CHECK_RULE_COUNT], const char *ignore);
 /* Whether both are primitives of one glTF mesh, in this order. */
 int norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *second);
+
+/* ---- what stands behind norma_findings */
+
+typedef struct findings_entry {
+    norma_finding finding;
+    size_t order; /* of its place, then of its addition */
+    size_t number;
+} findings_entry;
+
+struct norma_findings {
+    norma_check_profile profile;
+    int partly;
+    findings_entry *entries;
+    size_t count, room;
+};
+
+norma_findings *norma_findings_new(norma_check_profile profile); /* NULL: out of memory */
+void norma_findings_sort(norma_findings *findings);              /* by place, rule, severity */
+
+/* To be changed: by norma_finding_withdraw, which takes its fix from it and gives it another
+ * message. 0: out of memory. */
+norma_finding *norma_findings_change(norma_findings *findings, size_t index);
+int norma_finding_withdraw(norma_finding *finding, const char *message);
+
+/* Fills in the positions of samples, as locate finds that of their vertex or else the middle of
+ * their face. */
+typedef norma_document_result check_locate(void *context, norma_sample *sample);
+norma_document_result norma_findings_locate(
+    norma_findings *findings, check_locate *locate, void *context);
+
+/* ---- angles of cosines and sines, by the core's own arc tangent: the C library's differ
+ * between systems by a last bit, and findings are the same on all of them. */
+
+/* Of a cosine from -1 to 1: 0 to pi. */
+static inline double norma_check_arc_cosine(double cosine) {
+    return norma_core_angle(sqrt(fmax((1 - cosine) * (1 + cosine), 0)), cosine);
+}
+
+/* Of a sine from 0 to 1: 0 to pi/2. */
+static inline double norma_check_arc_sine(double sine) {
+    return norma_core_angle(sine, sqrt(fmax((1 - sine) * (1 + sine), 0)));
+}
 #endif

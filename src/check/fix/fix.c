@@ -4,7 +4,7 @@
  * stand alone: they are left out, first at the meshes that suffer, then everywhere.
  * norma_document_try_fixes: the same trial, of each rule by itself, for the fixes that findings
  * offer. */
-#include "check/findings/findings.h"
+#include "check/findings/check_run.h"
 #include "check/fix/fix_trial.h"
 #include "io/format/for_fixes.h"
 #include <stdlib.h>

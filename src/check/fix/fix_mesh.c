@@ -1,6 +1,6 @@
 /* fix_mesh.c: one mesh while it is being fixed: the elements that its findings name, its corners
  * and normals as they will be once the edit is made. */
-#include "check/explain/explain_normals.h"
+#include "check/explain/explain.h"
 #include "check/fix/fix.h"
 #include "core/face/triangle.h"
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* facing.c: N201 to N204 and N206: stored normals against the faces around them. */
 #include "check/rules/rules.h"
-#include "check/explain/explain_normals.h"
-#include "check/findings/angle.h"
+#include "check/explain/explain.h"
+#include "check/findings/check_run.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* morphs.c: N901 to N903: morph targets that turn the surface and not its normals, that cancel
  * normals, that have normals where the mesh has none. */
 #include "check/rules/rules.h"
-#include "check/findings/angle.h"
+#include "check/findings/check_run.h"
 #include "core/face/face_geometry.h"
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * and of the joints of skins. A skinned mesh follows its joints, and the matrix of its own node is
  * ignored (glTF 2.0, 3.7.3.3): such a node is not judged. */
 #include "check/rules/rules.h"
-#include "check/findings/angle.h"
+#include "check/findings/check_run.h"
 #include <math.h>
 
 static const double UNEVEN = 1.05, SHEARED = 1e-3, DEGREES = 180 / 3.141592653589793;

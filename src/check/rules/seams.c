@@ -1,6 +1,6 @@
 /* seams.c: N501: normals that differ along a seam. */
 #include "check/rules/rules.h"
-#include "check/findings/angle.h"
+#include "check/findings/check_run.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include <stdlib.h>

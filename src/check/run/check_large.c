@@ -1,9 +1,9 @@
-/* check_large.c: a file larger than memory, by the rules that need no neighbours. Its vertices are
+/* check_large.c: A file larger than memory, by the rules that need no neighbours. Its vertices are
  * gone through, then its faces, part by part; what each rule sums up over the parts is what it sums
  * up over the whole. Rules that need neighbours are named as not looked at. */
-#include "check/findings/findings.h"
-#include "check/rules/rules.h"
 #include "check/run/run.h"
+#include "check/findings/check_run.h"
+#include "check/rules/rules.h"
 #include "core/face/unit_length.h"
 #include "io/large/large.h"
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* run.c: one run over a file or over arrays: options made whole, each mesh through all families of
  * rules, then nodes. */
-#include "check/findings/findings.h"
-#include "check/rules/rules.h"
 #include "check/run/run.h"
+#include "check/findings/check_run.h"
+#include "check/rules/rules.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,10 +1,10 @@
-/* find_frame.c: what all normals of a surface have been turned by: reversed, mirrored or rotated.
- * For each weight and crease, the mirror and the rotations that bring stored normals nearest to
- * computed ones (Horn 1987: unit quaternions; the sum of angles rather than of their squares, by
- * weights that are found again and again, so that a minority that was not turned does not matter).
- */
+/* explain_frame.c: what all normals of a surface have been turned by: reversed, mirrored or
+ * rotated. For each weight and crease, the mirror and the rotations that bring stored normals
+ * nearest to computed ones (Horn 1987: unit quaternions; the sum of angles rather than of their
+ * squares, by weights that are found again and again, so that a minority that was not turned does
+ * not matter). */
+#include "check/explain/explain.h"
 #include "core/face/triangle.h"
-#include "check/explain/explain_normals.h"
 #include <stdlib.h>
 
 static const double NEAR = 0.017453292519943295; /* 1 degree */

@@ -1,4 +1,5 @@
-/* explain_normals.h: what the search for an explanation and its measure share. */
+/* explain.h: how stored normals and tangents were made: the weight and crease, the frame, the way
+ * of making tangents that explain them best. */
 #ifndef NORMA_CHECK_EXPLAIN_H
 #define NORMA_CHECK_EXPLAIN_H
 #include "check/findings/check_run.h"
@@ -25,26 +26,6 @@ typedef struct explain_surface {
     size_t room;
 } explain_surface;
 
-/* explain_sample.c: a part of a mesh with many faces, chosen by numbers alone: the faces around
- * some of its positions. Everything is owned by it. */
-typedef struct explain_sample {
-    norma_mesh mesh;
-    double (*positions)[3];
-    uint32_t *corners, *starts, *groups;
-    uint8_t *hard_edges;
-    uint32_t *sources; /* of each corner the corner of the whole mesh */
-    uint8_t *whole;    /* of each corner: all faces at its position are there */
-    size_t position_count, corner_count, face_count;
-} explain_sample;
-enum { EXPLAIN_FACES = 4096 }; /* a mesh of no more is its own sample */
-norma_result norma_explain_take_sample(
-    core_call *call, const core_topology *topology, explain_sample *sample);
-void norma_explain_free_sample(const core_call *call, explain_sample *sample);
-
-/* explain_normals.c */
-norma_result norma_explain_open(const core_call *call, const norma_mesh *mesh, int per_vertex,
-    explain_surface *surface); /* stored is zeroed */
-void norma_explain_close(const core_call *call, explain_surface *surface);
 /* Computes the trial's normals and the angle at each corner that has a stored one. */
 norma_result norma_explain_measure(
     core_call *call, explain_surface *surface, const explain_trial *trial);
@@ -72,7 +53,7 @@ typedef norma_result explain_try(const explain_trial *trial, void *context);
 norma_result norma_explain_each_trial(
     core_call *call, explain_surface *surface, explain_try *visit, void *context, const int *done);
 
-/* find_frame.c: what all normals were turned by, so that a weight and a crease explain them. */
+/* explain_frame.c: what all normals were turned by, so that a weight and a crease explain them. */
 typedef enum explain_frame_kind {
     EXPLAIN_FRAME_NONE = 0, /* nothing that was tried */
     EXPLAIN_FRAME_REVERSED,
@@ -91,7 +72,9 @@ typedef struct explain_frame {
 norma_result norma_explain_find_frame(core_call *call, const norma_mesh_data *data,
     const core_mesh *checked, const core_topology *topology, explain_frame *frame);
 
-/* summarise_angles.c */
 norma_result norma_explain_summarise(
     core_call *call, const explain_surface *surface, norma_deviation *deviation);
+norma_result norma_explain_tangents_with(core_call *call, const norma_mesh_data *data,
+    const norma_mesh_attributes *attributes, const core_mesh *checked,
+    norma_tangent_deviation *deviation);
 #endif
