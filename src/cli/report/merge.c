@@ -104,6 +104,6 @@ norma_severity report_severity(const json_t *finding) {
 
 int report_fail_on(const json_t *file) {
     const char *name = json_string_value(json_object_get(file, "fail_on"));
-    const int severity = severity_of(name ? name : "error");
+    const int severity = (int)severity_of(name ? name : "error");
     return severity ? severity : CHECK_FAIL_NEVER;
 }
