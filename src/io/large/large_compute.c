@@ -754,6 +754,7 @@ static norma_document_result passes_compute(ply_passes *p) {
         if (result || !broken) return result ? result : copy_whole(p);
     }
     summary->changed = !p->had;
+    norma_large_add_count(&summary->report.degenerate_faces, &p->survey.empty, 0);
     return passes_compute_all(p);
 }
 
@@ -771,7 +772,6 @@ norma_document_result norma_large_compute_ply(large_compute *job) {
         p.only_broken = job->policy.options->only == NORMA_ONLY_BROKEN && p.had;
         summary->faces = (size_t)p.ply.faces;
         summary->vertices_before = summary->vertices_after = p.ply.vertices;
-        norma_large_add_count(&summary->report.degenerate_faces, &p.survey.empty, 0);
         result = passes_compute(&p);
     }
     result = norma_large_output_close(&p.output, result, job->options->size);

@@ -77,12 +77,26 @@ static void choose_positions(large_ply *ply) {
     if (plain) ply->plain_floats = 1 + norma_ply_offset_in_row(header, ply->vertex, position[0]);
 }
 
+static int large_make_room(large_ply *ply, size_t more) {
+    large_faces *chunk = &ply->chunk;
+    const size_t needed = chunk->corner_count + more;
+    if (needed <= chunk->capacity) return 1;
+    const size_t capacity = needed < (size_t)3 * LARGE_CHUNK ? (size_t)3 * LARGE_CHUNK : 2 * needed;
+    uint32_t *grown = norma_large_grow(
+        &ply->file->budget, chunk->corners, chunk->capacity, capacity, sizeof *grown);
+    if (!grown) return 0;
+    chunk->corners = grown;
+    chunk->capacity = capacity;
+    return 1;
+}
+
 static norma_document_result open_parts(large_ply *ply) {
     large_budget *budget = &ply->file->budget;
     ply->scratch = norma_large_take(budget, LARGE_BLOCK, 3 * sizeof *ply->scratch);
     ply->chunk.starts = norma_large_take(budget, LARGE_CHUNK + 1, sizeof *ply->chunk.starts);
     if (!norma_large_reader_open(ply->file, &ply->rows) ||
-        !norma_large_reader_open(ply->file, &ply->blocks) || !ply->scratch || !ply->chunk.starts)
+        !norma_large_reader_open(ply->file, &ply->blocks) || !ply->scratch || !ply->chunk.starts ||
+        !large_make_room(ply, 1))
         return norma_large_fail_memory(ply->file);
     return find_elements(ply);
 }
@@ -224,19 +238,6 @@ norma_document_result norma_large_ply_write_rows(
 }
 
 /* ---- faces */
-
-static int large_make_room(large_ply *ply, size_t more) {
-    large_faces *chunk = &ply->chunk;
-    const size_t needed = chunk->corner_count + more;
-    if (needed <= chunk->capacity) return 1;
-    const size_t capacity = needed < (size_t)3 * LARGE_CHUNK ? (size_t)3 * LARGE_CHUNK : 2 * needed;
-    uint32_t *grown = norma_large_grow(
-        &ply->file->budget, chunk->corners, chunk->capacity, capacity, sizeof *grown);
-    if (!grown) return 0;
-    chunk->corners = grown;
-    chunk->capacity = capacity;
-    return 1;
-}
 
 /* Of the list of a row: count of them at `at`. */
 static norma_document_result large_take_corners(

@@ -327,6 +327,40 @@ static void test_refused(void **state) {
     free_mesh(&m);
 }
 
+static void write_small(const char *header, const void *body, size_t size) {
+    FILE *out = fopen(input, "wb");
+    assert_non_null(out);
+    fputs("ply\nformat binary_little_endian 1.0\n", out);
+    fputs(header, out);
+    fputs("end_header\n", out);
+    put(out, body, size);
+    assert_int_equal(fclose(out), 0);
+}
+
+/* No corner at all, and so no memory for corners; and lists before the vertices, which are only
+ * walked over, as strictly as in memory. */
+static void test_odd_rows(void **state) {
+    static const float vertices[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const char listed[] = "element vertex 3\nproperty float x\nproperty float y\n"
+                                 "property float z\nelement face 2\n"
+                                 "property list uchar int vertex_indices\n";
+    unsigned char body[64] = {0};
+    size_t passes;
+    (void)state;
+    memcpy(body, vertices, sizeof vertices);
+    write_small(listed, body, sizeof vertices + 2);
+    assert_same(NULL, &passes);
+    char header[300];
+    snprintf(header, sizeof header, "element before 1\nproperty list char char a\n%s", listed);
+    body[0] = 2;
+    memcpy(body + 3, vertices, sizeof vertices);
+    write_small(header, body, 3 + sizeof vertices + 2);
+    assert_same(NULL, &passes);
+    body[0] = 0xff;
+    write_small(header, body, 3 + sizeof vertices + 2);
+    assert_refused(NULL, NORMA_DOCUMENT_ERROR_MALFORMED, "a list of negative length");
+}
+
 static void test_described(void **state) {
     made_mesh m = make_grid();
     norma_large_description found;
@@ -375,6 +409,7 @@ int main(void) {
         cmocka_unit_test(test_faults),
         cmocka_unit_test(test_again),
         cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_odd_rows),
         cmocka_unit_test(test_described),
         cmocka_unit_test(test_blanks),
     };
