@@ -4,8 +4,8 @@
  * stand alone: they are left out, first at the meshes that suffer, then everywhere.
  * norma_document_try_fixes: the same trial, of each rule by itself, for the fixes that findings
  * offer. */
+#include "check/fix/fix.h"
 #include "check/findings/check_run.h"
-#include "check/fix/fix_trial.h"
 #include "io/format/for_fixes.h"
 #include <stdlib.h>
 #include <string.h>

@@ -4,6 +4,7 @@
 #define NORMA_CHECK_MEND_INTERNAL_H
 #include "check/findings/check_run.h"
 #include <math.h>
+#include "core/mesh/input_mesh.h"
 
 /* What may be done: the fixes asked for, less those that would harm. */
 typedef struct fix_left_out {
@@ -94,7 +95,6 @@ int norma_fix_is_rule(const norma_finding *finding, check_rule rule);
 int norma_fix_has(const fix_mesh *m, check_rule rule);
 int norma_fix_has_edit(const norma_mesh_edit *edit);
 
-norma_result norma_fix_corners(fix_mesh *m); /* corners */
 norma_result norma_fix_surface(fix_mesh *m); /* deviation, surface */
 norma_result norma_fix_face_normals(fix_mesh *m);
 norma_mesh norma_fix_mesh_now(const fix_mesh *m); /* the mesh with corners as they will be */
@@ -128,11 +128,11 @@ size_t norma_fix_gather_group(const norma_document *document, size_t first, size
 norma_document_result norma_fix_turn(
     const fix_group *group, norma_result *how); /* turn_bodies.c: N302, N304 */
 norma_document_result norma_fix_sides(
-    const fix_group *group, norma_result *how); /* sides.c: N201, N205, N301 */
+    const fix_group *group, norma_result *how); /* turn_bodies.c: N201, N205, N301 */
 norma_document_result norma_fix_seams(
-    const fix_group *group, norma_result *how); /* seam_normals.c: N501 between primitives */
+    const fix_group *group, norma_result *how); /* fix_normals.c: N501 between primitives */
 
-typedef struct fix_whole { /* joined_primitives.c */
+typedef struct fix_whole { /* fix_mesh.c */
     const fix_group *group;
     core_mesh *meshes;
     size_t vertices, corner_count, face_count; /* of all */
@@ -145,18 +145,71 @@ norma_document_result norma_fix_open_whole(
     const fix_group *group, fix_whole *whole, norma_result *how);
 void norma_fix_close_whole(fix_whole *whole);
 int norma_fix_join(fix_whole *whole); /* 0: out of memory */
-/* turn_bodies.c: marks the faces that a rule's findings name, counted over all meshes; 1: any. */
-int norma_fix_mark_named(const fix_whole *whole, check_rule rule, uint8_t *marks);
-/* inward_bodies.c: named: a mark for each face of all meshes; those of whole bodies in which a face
- * is marked become marked. */
-norma_result norma_fix_whole_bodies(const core_mesh *meshes, size_t count, uint8_t *named);
 
 norma_result norma_fix_faces(fix_mesh *m);     /* fix_faces.c: N301, N302, N305, N401 */
-norma_result norma_fix_polygons(fix_mesh *m);  /* fix_polygons.c: N404, N405 */
-norma_result norma_fix_positions(fix_mesh *m); /* fix_positions.c: N503 */
+norma_result norma_fix_polygons(fix_mesh *m);  /* fix_faces.c: N404, N405 */
+norma_result norma_fix_positions(fix_mesh *m); /* fix_vertices.c: N503 */
 norma_result norma_fix_normals(
     fix_mesh *m); /* fix_normals.c: N101 to N103, N201 to N203, N205, N206, N501 */
 norma_result norma_fix_vertices(
     fix_mesh *m); /* fix_vertices.c: N403, N502; last, and only where nothing else is edited */
-norma_result norma_fix_tangents(fix_mesh *m); /* fix_tangents.c: N801 to N805 */
+norma_result norma_fix_tangents(fix_mesh *m); /* fix_normals.c: N801 to N805 */
+
+/* ---- edges by the exact positions of their ends, and the parts that faces joined by them
+ * make. */
+
+typedef struct fix_edge {
+    double a[3], b[3];   /* its ends, the lesser first */
+    uint32_t face, mesh; /* whose it is: the caller's numbers */
+    int way;             /* from a to b */
+} fix_edge;
+
+/* By x, then y, then z: below, equal to or above 0. */
+int norma_fix_compare_points(const double a[3], const double b[3]);
+/* Of fix_edge, for qsort: by their ends, then by mesh. */
+int norma_fix_compare_edges(const void *a, const void *b);
+/* A face's edges between finite positions that differ, numbered as given. edges: room for one for
+ * each of its corners. Returns how many. */
+size_t norma_fix_face_edges(const core_mesh *mesh, size_t face, uint32_t face_number,
+    uint32_t mesh_number, fix_edge *edges);
+
+/* parents: of each face one of the same part, itself where none is less. Returns the least;
+ * shortens the way to it. */
+uint32_t norma_fix_root(uint32_t *parents, uint32_t face);
+void norma_fix_unite(uint32_t *parents, uint32_t one, uint32_t other);
+
+/* ---- what fixes would make of a document, found out on a copy of it, and measured. */
+
+enum { FIX_MOST_STEPS = 8 };
+
+typedef struct fix_measure { /* of a document, by all rules */
+    norma_findings *findings;
+    int has_shape;        /* the following is known */
+    size_t loose;         /* edges along which faces do not run as often one way as the other */
+    size_t surplus;       /* faces at edges, beyond the second */
+    double area, opposed; /* twice, of all faces; of those with normals on their other side */
+} fix_measure;
+/* Every element that any rule finds, to be freed by the caller. */
+norma_document_result norma_fix_find(norma_document *document, const fix_request *request,
+    norma_findings **findings, norma_document_error *error);
+norma_document_result norma_fix_measure_shape(norma_document *document, const fix_request *request,
+    fix_measure *measure, norma_document_error *error);
+void norma_fix_measure_free(fix_measure *measure);
+
+/* Rules that report more than before at warning or above, or graver; 0: there are none. worse: room
+ * for a mark of each rule. What one rule gains is no excuse for what another loses. */
+int norma_fix_find_worse(const fix_measure *before, const fix_measure *after, uint8_t *worse);
+const char *norma_fix_worse_shape(
+    const fix_measure *before, const fix_measure *after); /* NULL: it is no worse */
+
+typedef struct fix_trial {
+    fix_plan plans[FIX_MOST_STEPS]; /* of each step, until nothing more is to be done */
+    size_t count;
+    fix_measure after;
+    char said[CHECK_MESSAGE]; /* by the format: what it could not do; "": nothing */
+} fix_trial;
+/* first: the plan for the document as it is; it becomes the trial's. */
+norma_document_result norma_fix_try(norma_document *document, const fix_request *request,
+    fix_plan *first, fix_trial *trial, norma_document_error *error);
+void norma_fix_trial_free(fix_trial *trial);
 #endif

@@ -1,10 +1,116 @@
-/* fix_mesh.c: one mesh while it is being fixed: the elements that its findings name, its corners
- * and normals as they will be once the edit is made. */
-#include "check/explain/explain.h"
+/* fix_mesh.c: what fixes share: one mesh while it is being fixed, the primitives of a glTF mesh
+ * together, and the edges of either. */
 #include "check/fix/fix.h"
+#include "check/explain/explain.h"
 #include "core/face/triangle.h"
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- edges */
+
+int norma_fix_compare_points(const double a[3], const double b[3]) {
+    for (int axis = 0; axis < 3; axis++)
+        if (a[axis] != b[axis]) return a[axis] < b[axis] ? -1 : 1;
+    return 0;
+}
+
+int norma_fix_compare_edges(const void *a, const void *b) {
+    const fix_edge *one = a, *other = b;
+    int order = norma_fix_compare_points(one->a, other->a);
+    order = order ? order : norma_fix_compare_points(one->b, other->b);
+    return order ? order : one->mesh != other->mesh ? (one->mesh < other->mesh ? -1 : 1) : 0;
+}
+
+size_t norma_fix_face_edges(const core_mesh *mesh, size_t face, uint32_t face_number,
+    uint32_t mesh_number, fix_edge *edges) {
+    const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
+    size_t count = 0;
+    for (size_t c = begin; c < end; c++) {
+        double from[3], to[3];
+        norma_core_position(mesh, norma_core_corner(mesh, c), from);
+        norma_core_position(mesh, norma_core_corner(mesh, c + 1 < end ? c + 1 : begin), to);
+        const int order = norma_fix_compare_points(from, to);
+        if (!norma_core_finite(from) || !norma_core_finite(to) || order == 0) continue;
+        fix_edge *edge = &edges[count++];
+        memcpy(edge->a, order < 0 ? from : to, sizeof from);
+        memcpy(edge->b, order < 0 ? to : from, sizeof to);
+        edge->face = face_number;
+        edge->mesh = mesh_number;
+        edge->way = order < 0;
+    }
+    return count;
+}
+
+uint32_t norma_fix_root(uint32_t *parents, uint32_t face) {
+    while (parents[face] != face) face = parents[face] = parents[parents[face]];
+    return face;
+}
+
+void norma_fix_unite(uint32_t *parents, uint32_t one, uint32_t other) {
+    const uint32_t a = norma_fix_root(parents, one), b = norma_fix_root(parents, other);
+    parents[a > b ? a : b] = a < b ? a : b;
+}
+
+/* ---- The primitives of a glTF mesh, or the one mesh of another file, side by
+ * side, and joined to one mesh where that is wanted. */
+
+norma_document_result norma_fix_open_whole(
+    const fix_group *group, fix_whole *whole, norma_result *how) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    *whole = (fix_whole){.group = group, .meshes = calloc(group->count + 1, sizeof *whole->meshes)};
+    *how = whole->meshes ? NORMA_OK : NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < group->count && !result && !*how; i++) {
+        norma_mesh_data data;
+        core_mesh *mesh = &whole->meshes[i];
+        result = norma_document_mesh_data(group->document, group->indices[i], &data, group->error);
+        if (result) break;
+        *how = norma_core_mesh_shape(&data.mesh, mesh);
+        mesh->scale = 1;
+        whole->vertices += mesh->positions.count;
+        whole->corner_count += mesh->corner_count;
+        whole->face_count += mesh->face_count;
+    }
+    if (!result && !*how && (whole->corner_count >= UINT32_MAX || whole->vertices >= UINT32_MAX))
+        *how = NORMA_ERROR_OVERFLOW;
+    return result;
+}
+
+void norma_fix_close_whole(fix_whole *whole) {
+    free(whole->meshes);
+    free(whole->positions);
+    free(whole->corners);
+    free(whole->starts);
+}
+
+int norma_fix_join(fix_whole *whole) {
+    size_t vertex = 0, corner = 0, face = 0;
+    if (whole->mesh.face_starts) return 1; /* it is done */
+    whole->positions = malloc((whole->vertices + 1) * 3 * sizeof *whole->positions);
+    whole->corners = malloc((whole->corner_count + 1) * sizeof *whole->corners);
+    whole->starts = malloc((whole->face_count + 1) * sizeof *whole->starts);
+    if (!whole->positions || !whole->corners || !whole->starts) return 0;
+    for (size_t i = 0; i < whole->group->count; i++) {
+        const core_mesh *mesh = &whole->meshes[i];
+        for (size_t v = 0; v < mesh->positions.count; v++)
+            norma_view_read(&mesh->positions, v, whole->positions + 3 * (vertex + v));
+        for (size_t f = 0; f < mesh->face_count; f++)
+            whole->starts[face++] = (uint32_t)(corner + norma_core_face_begin(mesh, f));
+        for (size_t c = 0; c < mesh->corner_count; c++)
+            whole->corners[corner + c] = (uint32_t)vertex + norma_core_corner(mesh, c);
+        vertex += mesh->positions.count;
+        corner += mesh->corner_count;
+    }
+    whole->starts[face] = (uint32_t)corner;
+    whole->mesh = (norma_mesh){.positions = {whole->positions, vertex, 0, NORMA_FORMAT_DOUBLE},
+        .corners = whole->corners,
+        .corner_count = corner,
+        .face_starts = whole->starts,
+        .face_count = face};
+    return 1;
+}
+
+/* ---- One mesh while it is being fixed: the elements that its findings name, its corners
+ * and normals as they will be once the edit is made. */
 
 /* ---- which findings, which elements */
 
@@ -68,7 +174,7 @@ void norma_fix_note(fix_plan *plan, uint64_t rules, const char *text, const char
 
 /* ---- a mesh as it will be */
 
-norma_result norma_fix_corners(fix_mesh *m) {
+static norma_result fix_corners(fix_mesh *m) {
     if (m->corners) return NORMA_OK;
     const core_mesh *mesh = &m->mesh;
     m->corners = malloc((mesh->corner_count + 1) * sizeof *m->corners);
@@ -91,7 +197,7 @@ norma_mesh norma_fix_mesh_now(const fix_mesh *m) {
 }
 
 norma_result norma_fix_face_normals(fix_mesh *m) {
-    norma_result result = norma_fix_corners(m);
+    norma_result result = fix_corners(m);
     if (result || m->face_normals) return result;
     const norma_mesh now = norma_fix_mesh_now(m);
     const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
@@ -139,7 +245,7 @@ static norma_result find_deviation(fix_mesh *m) {
 }
 
 norma_result norma_fix_surface(fix_mesh *m) {
-    norma_result result = m->surface ? NORMA_OK : norma_fix_corners(m);
+    norma_result result = m->surface ? NORMA_OK : fix_corners(m);
     if (result || m->surface) return result;
     result = find_deviation(m);
     if (result) return result;

@@ -1,10 +1,12 @@
-/* fix_normals.c: normals put right one by one: what is no unit vector, what lies on the wrong side,
- * what is far from the surface, facets that differ from their winding, seams. New ones come from
- * the surface, by the weight and crease that the others show. */
+/* fix_normals.c: normals and tangents put right one by one. */
 #include "check/fix/fix.h"
 #include "check/rules/rules.h"
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- Normals put right one by one: what is no unit vector, what lies on the wrong side,
+ * what is far from the surface, facets that differ from their winding, seams. New ones come from
+ * the surface, by the weight and crease that the others show. */
 
 /* What a rule names normals by: their own number in OBJ, the facet in STL, else the vertex. */
 static fix_element element_of(const fix_mesh *m) {
@@ -295,4 +297,210 @@ norma_result norma_fix_normals(fix_mesh *m) {
     if (!result) result = turn_sides(m);
     if (!result && m->info.normals == NORMA_NORMALS_PER_FACET) result = rewrite_facets(m);
     return result ? result : share_seams(m);
+}
+
+/* ---- The normals that both sides of a seam get where it runs between two primitives of
+ * a glTF mesh (N501): those of the whole mesh. */
+
+typedef struct joint_place {
+    double position[3];
+} joint_place;
+
+static int compare_joint_places(const void *a, const void *b) {
+    const joint_place *one = a, *other = b;
+    return norma_fix_compare_points(one->position, other->position);
+}
+
+static size_t count_samples(const fix_group *g) {
+    size_t count, sum = 0;
+    const norma_rule *rule = norma_rules(&count) + RULE_N501;
+    for (size_t k = 0; k < norma_findings_count(g->findings); k++)
+        sum += norma_findings_get(g->findings, k)->rule == rule
+                   ? norma_findings_get(g->findings, k)->sample_count
+                   : 0;
+    return sum;
+}
+
+/* Positions that findings at the mesh's primitives name. NULL: out of memory. */
+static joint_place *gather_joint_places(const fix_whole *w, size_t *count) {
+    const fix_group *g = w->group;
+    size_t rules;
+    const norma_rule *rule = norma_rules(&rules) + RULE_N501;
+    joint_place *places = calloc(count_samples(g) + 1, sizeof *places);
+    *count = 0;
+    for (size_t i = 0; places && i < g->count; i++)
+        for (size_t k = 0; k < norma_findings_count(g->findings); k++) {
+            const norma_finding *finding = norma_findings_get(g->findings, k);
+            if (finding->rule != rule || !norma_fix_may(g->request, finding) ||
+                strcmp(finding->where, g->wheres[i]) != 0)
+                continue;
+            for (size_t s = 0; s < finding->sample_count; s++)
+                if (finding->samples[s].vertex < w->meshes[i].positions.count)
+                    norma_core_position(&w->meshes[i], (uint32_t)finding->samples[s].vertex,
+                        places[(*count)++].position);
+        }
+    if (places) qsort(places, *count, sizeof *places, compare_joint_places);
+    return places;
+}
+
+/* As the first primitive's stored normals show. */
+static norma_document_result find_weight(
+    const fix_group *g, norma_weight *weight, norma_result *how) {
+    const norma_options options = {
+        .struct_size = sizeof options, .threads = g->request->options.threads};
+    norma_mesh_info info;
+    norma_mesh_data data;
+    norma_deviation deviation;
+    norma_document_result result = norma_document_mesh_info(g->document, g->indices[0], &info);
+    if (!result) result = norma_document_mesh_data(g->document, g->indices[0], &data, g->error);
+    if (result) return result;
+    *how = norma_explain_normals(&data, info.normals, &options, &deviation);
+    *weight = !*how && deviation.corners ? deviation.weight : NORMA_WEIGHT_ANGLE;
+    return NORMA_DOCUMENT_OK;
+}
+
+/* Of each primitive the normals at those places. */
+static norma_result share_out(
+    const fix_whole *w, const joint_place *places, size_t count, const float *normals) {
+    size_t begin = 0;
+    for (size_t i = 0; i < w->group->count; begin += w->meshes[i++].positions.count) {
+        const size_t vertices = w->meshes[i].positions.count;
+        float *smooth = malloc((vertices + 1) * 3 * sizeof *smooth);
+        if (!smooth) return NORMA_ERROR_MEMORY;
+        w->group->smooth[w->group->indices[i]] = smooth;
+        for (size_t v = 0; v < vertices; v++) {
+            joint_place key;
+            norma_core_position(&w->meshes[i], (uint32_t)v, key.position);
+            const int named =
+                bsearch(&key, places, count, sizeof *places, compare_joint_places) != NULL;
+            for (size_t k = 0; k < 3; k++)
+                smooth[3 * v + k] = named ? normals[3 * (begin + v) + k] : NAN;
+        }
+    }
+    return NORMA_OK;
+}
+
+norma_document_result norma_fix_seams(const fix_group *group, norma_result *how) {
+    fix_whole w;
+    size_t count = 0;
+    norma_weight weight = NORMA_WEIGHT_ANGLE;
+    float *normals = NULL;
+    norma_document_result result = norma_fix_open_whole(group, &w, how);
+    joint_place *places = !result && !*how ? gather_joint_places(&w, &count) : NULL;
+    if (!result && !*how && !places) *how = NORMA_ERROR_MEMORY;
+    if (!result && !*how && count) result = find_weight(group, &weight, how);
+    if (!result && !*how && count) {
+        const norma_options options = {.struct_size = sizeof options,
+            .weight = weight,
+            .threads = group->request->options.threads};
+        normals = malloc((w.vertices + 1) * 3 * sizeof *normals);
+        *how = normals && norma_fix_join(&w)
+                   ? norma_vertex_normals(&w.mesh, &options, normals, w.vertices, NULL)
+                   : NORMA_ERROR_MEMORY;
+        if (!*how) *how = share_out(&w, places, count, normals);
+    }
+    norma_fix_close_whole(&w);
+    free(places);
+    free(normals);
+    return result;
+}
+
+/* ---- Tangents put right one by one. Broken and missing ones are computed as
+ * norma_document_tangents does, with MikkTSpace's bits, once the edits are made; without normals or
+ * texture coordinates broken ones become some unit vector perpendicular to the normal. Where signs
+ * of a primitive disagree, those of the smaller side turn round and nothing else does. */
+
+/* 0: out of memory. */
+static int compute_later(const fix_mesh *m) {
+    if (!m->plan->tangents) m->plan->tangents = calloc(m->plan->mesh_count + 1, 1);
+    if (m->plan->tangents) m->plan->tangents[m->index] = 1;
+    return m->plan->tangents != NULL;
+}
+
+static int has_inputs(const fix_mesh *m) {
+    return m->attributes.texcoords && m->info.normals == NORMA_NORMALS_PER_VERTEX;
+}
+
+/* ---- which */
+
+typedef struct tangent_marks {
+    uint8_t *again, *lean, *turned; /* of each vertex: to be made; to be made perpendicular; its
+                                       sign turns round. NULL: none */
+} tangent_marks;
+
+/* 1: any; 0: none; -1: out of memory. */
+static int mark_again(const fix_mesh *m, tangent_marks *marks) {
+    static const check_rule rules[] = {RULE_N801, RULE_N802};
+    int any = 0;
+    if (has_inputs(m))
+        return norma_fix_has(m, RULE_N801) || norma_fix_has(m, RULE_N802) ||
+                       norma_fix_has(m, RULE_N805)
+                   ? compute_later(m) - 1
+                   : 0;
+    for (size_t i = 0; i < sizeof rules / sizeof *rules && any >= 0; i++) {
+        int found = norma_fix_mark(m, rules[i], MEND_VERTEX, m->info.vertices, &marks->again);
+        any = found < 0 ? found : any | found;
+    }
+    return any;
+}
+
+static int mark_vertices(const fix_mesh *m, tangent_marks *marks) {
+    const int any = mark_again(m, marks);
+    int leaning =
+        any < 0 ? any : norma_fix_mark(m, RULE_N803, MEND_VERTEX, m->info.vertices, &marks->lean);
+    int turning = leaning < 0
+                      ? leaning
+                      : norma_fix_mark(m, RULE_N804, MEND_VERTEX, m->info.vertices, &marks->turned);
+    return any < 0 || leaning < 0 || turning < 0 ? -1 : any | leaning | turning;
+}
+
+/* ---- making */
+
+static int is_marked(const uint8_t *marks, size_t i) { return marks && marks[i]; }
+
+/* A sign that is wrong by itself keeps its vector, to the bit. */
+static void turn_signs(const fix_mesh *m, const tangent_marks *marks, float *tangents) {
+    for (size_t i = 0; marks->turned && i < m->attributes.tangent_count; i++) {
+        if (!marks->turned[i] || is_marked(marks->again, i)) continue;
+        if (!is_marked(marks->lean, i))
+            memcpy(tangents + 4 * i, m->attributes.tangents + 4 * i, 3 * sizeof *tangents);
+        tangents[4 * i + 3] = -m->attributes.tangents[4 * i + 3];
+    }
+}
+
+static norma_result make_tangents(fix_mesh *m, const tangent_marks *marks) {
+    size_t count = m->info.vertices;
+    float *tangents = calloc(4 * count + 1, sizeof *tangents),
+          *normals = calloc(3 * count + 1, sizeof *normals);
+    uint8_t *set = calloc(count + 1, 1);
+    m->edit->tangents = tangents;
+    m->edit->set_tangents = set;
+    norma_result result = tangents && normals && set ? NORMA_OK : NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !result; i++) {
+        double normal[3] = {0, 0, 0};
+        int made = is_marked(marks->again, i);
+        set[i] = (uint8_t)(made || is_marked(marks->lean, i) || is_marked(marks->turned, i));
+        if (i < norma_fix_normal_count(m)) norma_fix_normal(m, i, normal);
+        for (size_t k = 0; k < 3; k++) normals[3 * i + k] = (float)normal[k];
+        if (made)
+            tangents[4 * i + 3] = 1;
+        else if (i < m->attributes.tangent_count)
+            memcpy(tangents + 4 * i, m->attributes.tangents + 4 * i, 4 * sizeof *tangents);
+    }
+    const norma_vec3_view view = {.data = normals, .count = count, .format = NORMA_FORMAT_FLOAT};
+    if (!result)
+        result = norma_orthogonalise_tangents(tangents, 0, view, count, tangents, 0, count);
+    if (!result) turn_signs(m, marks, tangents);
+    free(normals);
+    return result;
+}
+
+norma_result norma_fix_tangents(fix_mesh *m) {
+    tangent_marks marks = {0};
+    int any = mark_vertices(m, &marks);
+    norma_result result = any < 0 ? NORMA_ERROR_MEMORY : any ? make_tangents(m, &marks) : NORMA_OK;
+    free(marks.again);
+    free(marks.lean);
+    free(marks.turned);
+    return result;
 }

@@ -1,6 +1,5 @@
-/* fix_trial.c: see fix_trial.h. The copy is the document as it would be written, so that what its
- * format makes of an edit is measured too. */
-#include "check/fix/fix_trial.h"
+/* fix_trial.c: what fixes would make of a document, found out on a copy of it, and measured. */
+#include "check/fix/fix.h"
 #include "core/topology/topology.h"
 #include "io/format/for_fixes.h"
 #include <stdlib.h>

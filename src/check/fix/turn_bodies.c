@@ -1,12 +1,108 @@
-/* turn_bodies.c: which faces are reversed with the whole body that they belong to: bodies that look
- * inward (N302), and, where that is asked for, open ones (N304) as a majority of rays has it. The
- * primitives of a glTF mesh are looked at together, as those rules do. */
+/* turn_bodies.c: which faces are turned: those that are shown to be, and whole bodies. */
 #include "check/fix/fix.h"
+#include "check/rules/rules.h"
 #include "core/topology/topology.h"
 #include <stdlib.h>
 #include <string.h>
 
-int norma_fix_mark_named(const fix_whole *t, check_rule rule, uint8_t *marks) {
+/* ---- Bodies that N302 names, to be reversed as a whole. As the rule has it, what is
+ * closed in its own primitive is a body by itself, and the open parts of all primitives of a glTF
+ * mesh are joined where their edges have equal positions. */
+
+typedef struct bodies {
+    const core_mesh *meshes;
+    size_t count, face_count;
+    fix_edge *edges;
+    size_t edge_count;
+    uint32_t *parts, *joined; /* of each face a face of the same part; of the same body */
+    uint8_t *open;            /* at the face that stands for a part */
+} bodies;
+
+static int same_edge(const fix_edge *a, const fix_edge *b) {
+    return norma_fix_compare_points(a->a, b->a) == 0 && norma_fix_compare_points(a->b, b->b) == 0;
+}
+
+/* ---- edges: of faces that have three or more */
+
+static int gather(bodies *b) {
+    size_t corners = 0, face = 0;
+    for (size_t i = 0; i < b->count; i++) corners += b->meshes[i].corner_count;
+    b->edges = malloc((corners + 1) * sizeof *b->edges);
+    for (size_t i = 0; b->edges && i < b->count; i++)
+        for (size_t f = 0; f < b->meshes[i].face_count; f++, face++) {
+            fix_edge *edges = b->edges + b->edge_count;
+            const size_t count =
+                norma_fix_face_edges(&b->meshes[i], f, (uint32_t)face, (uint32_t)i, edges);
+            b->edge_count += count < 3 ? 0 : count;
+        }
+    if (b->edges) qsort(b->edges, b->edge_count, sizeof *b->edges, norma_fix_compare_edges);
+    return b->edges != NULL;
+}
+
+/* ---- parts and bodies */
+
+static void find_parts(bodies *b) {
+    const fix_edge *e = b->edges;
+    for (size_t i = 1; i < b->edge_count; i++)
+        if (norma_fix_compare_edges(&e[i - 1], &e[i]) == 0)
+            norma_fix_unite(b->parts, e[i - 1].face, e[i].face);
+    for (size_t begin = 0, end; begin < b->edge_count; begin = end) {
+        for (end = begin + 1;
+             end < b->edge_count && norma_fix_compare_edges(&e[begin], &e[end]) == 0;)
+            end++;
+        if (end - begin != 2 || e[begin].way == e[begin + 1].way)
+            b->open[norma_fix_root(b->parts, e[begin].face)] = 1;
+    }
+}
+
+static void join_open(bodies *b) {
+    for (size_t f = 0; f < b->face_count; f++) b->joined[f] = norma_fix_root(b->parts, (uint32_t)f);
+    for (size_t begin = 0, end; begin < b->edge_count; begin = end) {
+        size_t first = SIZE_MAX;
+        for (end = begin; end < b->edge_count && same_edge(&b->edges[begin], &b->edges[end]);
+             end++) {
+            const uint32_t part = norma_fix_root(b->parts, b->edges[end].face);
+            if (!b->open[part]) continue;
+            if (first != SIZE_MAX)
+                norma_fix_unite(b->joined, b->edges[first].face, b->edges[end].face);
+            first = end;
+        }
+    }
+}
+
+/* named: a mark for each face of all meshes; those of whole bodies in which a face
+ * is marked become marked. */
+static norma_result fix_whole_bodies(const core_mesh *meshes, size_t count, uint8_t *named) {
+    bodies b = {.meshes = meshes, .count = count};
+    for (size_t i = 0; i < count; i++) b.face_count += meshes[i].face_count;
+    b.parts = malloc((b.face_count + 1) * sizeof *b.parts);
+    b.joined = malloc((b.face_count + 1) * sizeof *b.joined);
+    b.open = calloc(b.face_count + 1, 1);
+    uint8_t *bodies_named = calloc(b.face_count + 1, 1);
+    const int fine =
+        b.parts && b.joined && b.open && bodies_named && b.face_count < UINT32_MAX && gather(&b);
+    if (fine) {
+        for (size_t f = 0; f < b.face_count; f++) b.parts[f] = (uint32_t)f;
+        find_parts(&b);
+        join_open(&b);
+        for (size_t f = 0; f < b.face_count; f++)
+            if (named[f]) bodies_named[norma_fix_root(b.joined, (uint32_t)f)] = 1;
+        for (size_t f = 0; f < b.face_count; f++)
+            named[f] = bodies_named[norma_fix_root(b.joined, (uint32_t)f)];
+    }
+    free(b.edges);
+    free(b.parts);
+    free(b.joined);
+    free(b.open);
+    free(bodies_named);
+    return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
+}
+
+/* ---- Which faces are reversed with the whole body that they belong to: bodies that look
+ * inward (N302), and, where that is asked for, open ones (N304) as a majority of rays has it. The
+ * primitives of a glTF mesh are looked at together, as those rules do. */
+
+static int fix_mark_named(const fix_whole *t, check_rule rule, uint8_t *marks) {
     const fix_group *g = t->group;
     size_t begin = 0;
     int any = 0;
@@ -117,14 +213,14 @@ static norma_result turn_shells(fix_whole *t, uint8_t *marks) {
 
 static norma_result turn(fix_whole *t, uint8_t *inward, uint8_t *open) {
     norma_result result = NORMA_OK;
-    if (norma_fix_mark_named(t, RULE_N302, inward)) result = turn_shells(t, inward);
-    if (result || !norma_fix_mark_named(t, RULE_N304, open)) return result;
-    result = norma_fix_whole_bodies(t->meshes, t->group->count, open);
+    if (fix_mark_named(t, RULE_N302, inward)) result = turn_shells(t, inward);
+    if (result || !fix_mark_named(t, RULE_N304, open)) return result;
+    result = fix_whole_bodies(t->meshes, t->group->count, open);
     return result ? result : ask_rays(t, open);
 }
 
 /* Of each mesh marks of its own, where there are any. */
-static norma_result share_out(const fix_whole *t, const uint8_t *inward, const uint8_t *open) {
+static norma_result share_turned(const fix_whole *t, const uint8_t *inward, const uint8_t *open) {
     size_t begin = 0;
     for (size_t i = 0; i < t->group->count; begin += t->meshes[i++].face_count) {
         uint8_t *marks = malloc(t->meshes[i].face_count + 1);
@@ -145,9 +241,106 @@ norma_document_result norma_fix_turn(const fix_group *group, norma_result *how) 
     norma_document_result result = norma_fix_open_whole(group, &t, how);
     uint8_t *inward = calloc(t.face_count + 1, 1), *open = calloc(t.face_count + 1, 1);
     if (!result && !*how) *how = inward && open ? turn(&t, inward, open) : NORMA_ERROR_MEMORY;
-    if (!result && !*how) *how = share_out(&t, inward, open);
+    if (!result && !*how) *how = share_turned(&t, inward, open);
     norma_fix_close_whole(&t);
     free(inward);
     free(open);
+    return result;
+}
+
+/* ---- Where normals and winding disagree (N201, N205), or neighbours do (N301), which faces
+ * are turned: those that are shown to be, by the volume of what is closed and by rays from what is
+ * open. Rays say nothing of a material that is seen from both sides. The primitives of a glTF mesh
+ * are looked at together. */
+
+/* 1: its material is double-sided, or not opaque. */
+static norma_document_result is_on_purpose(const fix_group *group, size_t index, int *on_purpose) {
+    norma_mesh_attributes attributes;
+    norma_material_info material;
+    *on_purpose = 0;
+    norma_document_result result =
+        norma_document_mesh_attributes(group->document, index, &attributes, group->error);
+    if (result || attributes.material >= norma_document_material_count(group->document))
+        return result;
+    result = norma_document_material_info(group->document, attributes.material, &material);
+    *on_purpose = !result && (material.double_sided || material.not_opaque);
+    return result;
+}
+
+static norma_document_result share_sides(
+    const fix_whole *whole, const uint8_t *sides, norma_result *how) {
+    const fix_group *group = whole->group;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t i = 0; i < group->count && !result; sides += whole->meshes[i++].face_count) {
+        const size_t faces = whole->meshes[i].face_count;
+        int on_purpose;
+        uint8_t *own = malloc(faces + 1);
+        if (!own) {
+            *how = NORMA_ERROR_MEMORY;
+            return result;
+        }
+        memcpy(own, sides, faces);
+        group->sides[group->indices[i]] = own;
+        result = is_on_purpose(group, group->indices[i], &on_purpose);
+        for (size_t f = 0; f < faces && !result && on_purpose; f++)
+            if (own[f] & CORE_SIDE_BY_RAYS) own[f] |= CORE_SIDE_UNDECIDED;
+    }
+    return result;
+}
+
+/* The faces whose sides matter: those that are named, those that are turned with a whole body, and
+ * those at edges that two faces run along the same way. Rays are cast from the pieces of these
+ * alone, as the rules do. NULL: out of memory. */
+static uint8_t *mark_asked(const fix_whole *whole, const core_topology *topology) {
+    static const check_rule rules[] = {RULE_N201, RULE_N205};
+    const fix_group *group = whole->group;
+    uint8_t *asked = calloc(whole->face_count + 1, 1);
+    if (!asked) return NULL;
+    (void)norma_check_count_conflicts(topology, asked);
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+        (void)fix_mark_named(whole, rules[i], asked);
+    size_t begin = 0;
+    for (size_t i = 0; i < group->count; begin += whole->meshes[i++].face_count) {
+        const uint8_t *turned = group->turned[group->indices[i]];
+        for (size_t f = 0; turned && f < whole->meshes[i].face_count; f++)
+            asked[begin + f] |= turned[f];
+    }
+    return asked;
+}
+
+/* Those of an STL by their stored normals, where nothing else decides. */
+static norma_document_result judge_whole(fix_whole *whole, uint8_t *sides, norma_result *how) {
+    const fix_group *group = whole->group;
+    const norma_options options = {
+        .struct_size = sizeof options, .threads = group->request->options.threads};
+    core_side_judge judge;
+    norma_mesh_info info;
+    norma_mesh_data data;
+    norma_document_result result =
+        norma_document_mesh_info(group->document, group->indices[0], &info);
+    if (!result)
+        result = norma_document_mesh_data(group->document, group->indices[0], &data, group->error);
+    if (result || !whole->face_count) return result;
+    *how = norma_core_side_judge_open(&whole->mesh, &options, &judge);
+    if (*how) return result;
+    uint8_t *asked = mark_asked(whole, &judge.topology);
+    *how = asked ? norma_core_side_judge_ask(&judge, 0, whole->face_count, asked, sides)
+                 : NORMA_ERROR_MEMORY;
+    free(asked);
+    if (!*how && info.normals == NORMA_NORMALS_PER_FACET)
+        *how = norma_check_sides_by_facets(&judge, &data.normals, sides);
+    norma_core_side_judge_close(&judge);
+    return result;
+}
+
+norma_document_result norma_fix_sides(const fix_group *group, norma_result *how) {
+    fix_whole whole;
+    norma_document_result result = norma_fix_open_whole(group, &whole, how);
+    uint8_t *sides = !result && !*how ? malloc(whole.face_count + 1) : NULL;
+    if (!result && !*how && !(sides && norma_fix_join(&whole))) *how = NORMA_ERROR_MEMORY;
+    if (!result && !*how) result = judge_whole(&whole, sides, how);
+    if (!result && !*how) result = share_sides(&whole, sides, how);
+    norma_fix_close_whole(&whole);
+    free(sides);
     return result;
 }
