@@ -690,9 +690,8 @@ static void core_plan_block_vertices(const norma_plan *plan, uint32_t *vertices)
     }
 }
 
-/* ---- Sums of overflow groups. Each streams through the faces that vote in it,
- * eight triangles at a time, and keeps nothing but its sum, so that it needs no memory however many
- * there are. */
+/* ---- Sums of overflow groups. Each streams through the faces that vote in it and keeps
+ * nothing but its sum, so that it needs no memory however many there are. */
 
 enum { CACHED_FACES = 16, SLOTS_IN_BLOCK = 1 << 16, FACES_IN_BLOCK = 1 << 16 };
 
@@ -710,11 +709,7 @@ typedef struct overflow_work {
     core_tally tallies[PLAN_MOST_TASKS];
 } overflow_work;
 
-/* ---- votes, in the order of members, eight at a time */
-
-typedef struct votes {
-    double normal[CORE_LANES][4], weight[CORE_LANES]; /* the fourth: 1; a weight of -0 is no vote */
-} votes;
+/* ---- votes, in the order of members */
 
 static uint32_t overflow_face_of(const overflow_group *overflow, uint32_t corner) {
     return overflow->corner_faces ? overflow->corner_faces[corner] : corner / 3;
@@ -745,18 +740,17 @@ static void count_degenerate_overflow(const overflow_work *w, const core_face *f
 }
 
 static void add_overflow_face(const overflow_work *w, const core_face *face, uint32_t number,
-    uint32_t corner, double normal[4], double *weight) {
-    const int voting =
-        (face->flags & CORE_FACE_DIRECTED) && norma_core_is_kept(&w->mesh, number, corner);
-    for (int k = 0; k < 3; k++) normal[k] = voting ? face->normal[k] : 0;
-    normal[3] = 1;
-    *weight = voting ? norma_core_corner_weight(
-                           &w->mesh, w->work->call->options.weight, number, face, corner)
-                     : -0.0;
+    uint32_t corner, double sum[4]) {
+    if (!(face->flags & CORE_FACE_DIRECTED) || !norma_core_is_kept(&w->mesh, number, corner))
+        return;
+    const double weight =
+        norma_core_corner_weight(&w->mesh, w->work->call->options.weight, number, face, corner);
+    for (int k = 0; k < 3; k++) sum[k] += weight * face->normal[k];
+    sum[3] += weight;
 }
 
 /* Groups that follow each other meet the same large polygons. */
-static const core_face *measured_polygon(
+static const core_face *measured_face_of(
     const overflow_work *w, uint32_t number, cached_face *cache) {
     cached_face *at = &cache[number % CACHED_FACES];
     if (at->number != number) {
@@ -766,43 +760,6 @@ static const core_face *measured_polygon(
     return &at->face;
 }
 
-static void collect_triangles(const overflow_work *w, size_t group, const uint32_t *members,
-    size_t count, core_tally *tally, votes *out) {
-    core_batch batch;
-    int edged[CORE_LANES];
-    for (size_t i = 0; i < CORE_LANES; i++)
-        edged[i] = norma_core_load_lane(&w->mesh, members[i < count ? i : 0] / 3, &batch, (int)i);
-    norma_core_measure(
-        w->work->call->level, &batch, w->work->call->options.weight, CORE_ALL_CORNERS);
-    for (size_t i = 0; i < count; i++) {
-        if (edged[i] && batch.sure[i] != 0) {
-            for (int k = 0; k < 3; k++) out->normal[i][k] = batch.normal[k][i];
-            out->normal[i][3] = 1;
-            out->weight[i] = batch.weight[members[i] % 3][i];
-            continue;
-        }
-        core_face face;
-        norma_core_face_geometry(&w->mesh, members[i] / 3, &face);
-        count_degenerate_overflow(w, &face, members[i] / 3, members[i], group, tally);
-        add_overflow_face(w, &face, members[i] / 3, members[i], out->normal[i], &out->weight[i]);
-    }
-}
-
-static void collect_votes(const overflow_work *w, size_t group, const uint32_t *members,
-    size_t count, cached_face *cache, core_tally *tally, votes *out) {
-    const overflow_group *overflow = &w->work->plan->overflow;
-    if (!overflow->corner_faces) {
-        collect_triangles(w, group, members, count, tally, out);
-        return;
-    }
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t number = overflow_face_of(overflow, members[i]);
-        const core_face *face = measured_polygon(w, number, cache);
-        count_degenerate_overflow(w, face, number, members[i], group, tally);
-        add_overflow_face(w, face, number, members[i], out->normal[i], &out->weight[i]);
-    }
-}
-
 /* ---- one group */
 
 /* Over all members, or those that are corners of one vertex. tally: NULL where its faces are
@@ -810,18 +767,14 @@ static void collect_votes(const overflow_work *w, size_t group, const uint32_t *
 static void sum_group(const overflow_work *w, size_t group, uint32_t vertex, cached_face *cache,
     core_tally *tally, double sum[4]) {
     const overflow_group *overflow = &w->work->plan->overflow;
-    const uint32_t end = overflow->member_starts[group + 1];
-    votes v;
     sum[0] = sum[1] = sum[2] = 0;
     sum[3] = -0.0;
-    for (uint32_t i = overflow->member_starts[group]; i < end; i += CORE_LANES) {
-        const size_t count = end - i < CORE_LANES ? end - i : CORE_LANES;
-        collect_votes(w, group, overflow->members + i, count, cache, tally, &v);
-        for (size_t j = 0; j < count; j++) {
-            if (vertex != UINT32_MAX && overflow->corners[overflow->members[i + j]] != vertex)
-                continue;
-            for (int k = 0; k < 4; k++) sum[k] += v.weight[j] * v.normal[j][k];
-        }
+    for (uint32_t i = overflow->member_starts[group]; i < overflow->member_starts[group + 1]; i++) {
+        const uint32_t corner = overflow->members[i], number = overflow_face_of(overflow, corner);
+        const core_face *face = measured_face_of(w, number, cache);
+        count_degenerate_overflow(w, face, number, corner, group, tally);
+        if (vertex == UINT32_MAX || overflow->corners[corner] == vertex)
+            add_overflow_face(w, face, number, corner, sum);
     }
 }
 
@@ -837,14 +790,10 @@ static int overflow_cone_normal(const void *context, size_t index, double normal
     const overflow_work *w = cone->work;
     const overflow_group *overflow = &w->work->plan->overflow;
     const uint32_t corner = cone->members[index], number = overflow_face_of(overflow, corner);
-    core_face face;
     if (cone->vertex != UINT32_MAX && overflow->corners[corner] != cone->vertex) return 0;
-    if (overflow->corner_faces)
-        face = *measured_polygon(w, number, cone->cache);
-    else
-        norma_core_face_geometry(&w->mesh, number, &face);
-    memcpy(normal, face.normal, sizeof face.normal);
-    return (face.flags & CORE_FACE_DIRECTED) && norma_core_is_kept(&w->mesh, number, corner);
+    const core_face *face = measured_face_of(w, number, cone->cache);
+    memcpy(normal, face->normal, sizeof face->normal);
+    return (face->flags & CORE_FACE_DIRECTED) && norma_core_is_kept(&w->mesh, number, corner);
 }
 
 static int decide_group(const overflow_work *w, size_t group, uint32_t vertex, cached_face *cache,
