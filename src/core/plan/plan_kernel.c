@@ -149,16 +149,6 @@ CORE_INLINE int load_vertex_floats(const block_view *t, const block_some *eights
 
 /* ---- triangles */
 
-/* More would leave the nearest cache, and the small stack of a caller's job, less for the block.
- * Without registers for eight one is enough: several only spill. */
-enum { BATCHES_AT_ONCE = 3 };
-
-typedef struct block_batch {
-    core_batch measured;
-    core_arcs arcs;
-    uint32_t eight;
-} block_batch;
-
 /* at: the vertices of eight triangles, three by three. */
 #if defined(CORE_HAS_SHUFFLES)
 CORE_INLINE void read_four(
@@ -201,55 +191,24 @@ CORE_INLINE void keep_batch(const core_batch *batch, uint32_t eight, block_room 
             sizeof batch->weight[k]);
 }
 
-CORE_INLINE int all_batches_sure(const block_batch *batches, uint32_t count) {
-    double sure[CORE_LANES] = {0};
-    for (uint32_t b = 0; b < count; b++)
-        for (int i = 0; i < CORE_LANES; i++) sure[i] += batches[b].measured.sure[i];
-    return core_lanes_total(sure) == (double)count * CORE_LANES;
-}
-
 static void list_doubted_faces(
-    const block_view *t, const block_batch *batches, uint32_t count, block_room *room) {
-    for (uint32_t i = 0; i < count * CORE_LANES; i++) {
-        const uint32_t face = batches[i / CORE_LANES].eight * CORE_LANES + i % CORE_LANES;
-        if (face < t->face_count && batches[i / CORE_LANES].measured.sure[i % CORE_LANES] == 0)
-            room->doubted[room->doubted_count++] = (uint16_t)face;
-    }
+    const block_view *t, const core_batch *batch, uint32_t eight, block_room *room) {
+    for (uint32_t i = 0; i < CORE_LANES && eight * CORE_LANES + i < t->face_count; i++)
+        if (batch->sure[i] == 0)
+            room->doubted[room->doubted_count++] = (uint16_t)(eight * CORE_LANES + i);
 }
 
-CORE_INLINE void measure_batches(
-    block_batch *batches, uint32_t count, norma_weight weight, block_room *room) {
-    const int in_steps = weight == NORMA_WEIGHT_ANGLE;
-    for (uint32_t i = 0; i < count; i++) {
-        if (in_steps)
-            core_lanes_products(&batches[i].measured);
-        else
-            core_lanes_measure(&batches[i].measured, CORE_ALL_CORNERS, weight);
-    }
-    for (uint32_t i = 0; i < count && in_steps; i++)
-        core_lanes_slopes(&batches[i].measured, &batches[i].arcs);
-    for (uint32_t i = 0; i < count && in_steps; i++) core_lanes_arcs(&batches[i].arcs);
-    for (uint32_t i = 0; i < count; i++) {
-        if (in_steps) core_lanes_corner_angles(&batches[i].measured, &batches[i].arcs);
-        keep_batch(&batches[i].measured, batches[i].eight, room);
-    }
-}
-
-/* One batch after the other from end to end is a chain of some 200 steps that each wait for the one
- * before, too long for the processor to see the next one's beginning. So each step is taken for
- * some batches at a time: they wait for nothing of each other. */
-CORE_INLINE void measure_some(const block_view *t, block_some eights, block_room *room,
-    block_batch *batches, uint32_t at_once, norma_weight weight) {
-    for (uint32_t begin = 0; begin < eights.count; begin += at_once) {
-        const uint32_t count = eights.count - begin < at_once ? eights.count - begin : at_once;
-        for (uint32_t i = 0; i < count; i++) {
-            batches[i].eight = number_of_some(eights, begin + i);
-            read_vertex_batch((const double(*)[4])room->positions,
-                t->corners + (size_t)3 * CORE_LANES * batches[i].eight, &batches[i].measured);
-            norma_core_ask_ahead(&room->ahead);
-        }
-        measure_batches(batches, count, weight, room);
-        if (!all_batches_sure(batches, count)) list_doubted_faces(t, batches, count, room);
+CORE_INLINE void measure_some(
+    const block_view *t, block_some eights, block_room *room, norma_weight weight) {
+    for (uint32_t i = 0; i < eights.count; i++) {
+        const uint32_t eight = number_of_some(eights, i);
+        core_batch batch;
+        read_vertex_batch((const double(*)[4])room->positions,
+            t->corners + (size_t)3 * CORE_LANES * eight, &batch);
+        norma_core_ask_ahead(&room->ahead);
+        core_lanes_measure(&batch, CORE_ALL_CORNERS, weight);
+        keep_batch(&batch, eight, room);
+        if (core_lanes_total(batch.sure) != CORE_LANES) list_doubted_faces(t, &batch, eight, room);
     }
 }
 
@@ -409,8 +368,7 @@ static int load_portable(const block_view *t, const block_some *eights, const un
 }
 static void measure_block_portable(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
-    block_batch batch;
-    CORE_LOOP_FOR_WEIGHT(weight, measure_some, t, eights, room, &batch, 1)
+    CORE_LOOP_FOR_WEIGHT(weight, measure_some, t, eights, room)
 }
 static void lengths_portable(const vertex_sum *sums, core_lengths *out, double *fine) {
     core_lanes_lengths(sums, out, fine);
@@ -427,13 +385,10 @@ CORE_FOR_AVX2 static int load_avx2(const block_view *t, const block_some *eights
     const unsigned char *data, size_t stride, double (*out)[4]) {
     return load_vertex_floats(t, eights, data, stride, out);
 }
-CORE_INLINE void measure_triangles(
-    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
-    block_batch batches[BATCHES_AT_ONCE];
-    CORE_LOOP_FOR_WEIGHT(weight, measure_some, t, eights, room, batches, BATCHES_AT_ONCE)
-}
-CORE_FOR_AVX2 static void measure_block_avx2(
-    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
+CORE_INLINE void measure_triangles(const block_view *t, block_some eights, norma_weight weight,
+    block_room *room){CORE_LOOP_FOR_WEIGHT(weight, measure_some, t, eights, room)} CORE_FOR_AVX2
+    static void measure_block_avx2(
+        const block_view *t, block_some eights, norma_weight weight, block_room *room) {
     measure_triangles(t, eights, weight, room);
 }
 #if defined(CORE_HAS_AVX512)
