@@ -1,6 +1,6 @@
 /* fix_vertices.c: vertices and positions put right. */
 #include "check/fix/fix.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 #include "core/mesh/weld.h"
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * fold or bend. */
 #include "check/rules/rules.h"
 #include "check/findings/check_run.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include <string.h>

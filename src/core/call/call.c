@@ -1,10 +1,10 @@
 /* call.c: options checked once, so that nothing behind needs to ask again. */
 #define _DEFAULT_SOURCE /* madvise */
 #include "core/call/call.h"
-#include "core/call/fault.h"
-#include "core/call/vec3_view.h"
+#include "core/call/weight.h"
 #include <math.h>
 #include <stdlib.h>
+
 #if defined(__linux__)
 #include <sys/mman.h>
 #endif
@@ -138,4 +138,183 @@ int norma_core_progress(core_call *call, double fraction_of_stage) {
 norma_result norma_core_finish(core_call *call, norma_result result) {
     norma_core_stage(call, 1, 1);
     return result == NORMA_OK && norma_core_progress(call, 1) ? NORMA_CANCELLED : result;
+}
+
+/* ---- what the machine can run, asked of the processor, not of the compiler. */
+
+#if defined(CORE_HAS_X86)
+static int has_x86(norma_isa isa) {
+    __builtin_cpu_init();
+    if (isa == NORMA_ISA_SSE2) return __builtin_cpu_supports("sse2") != 0;
+    if (isa == NORMA_ISA_AVX2) return __builtin_cpu_supports("avx2") != 0;
+#if defined(CORE_HAS_AVX512)
+    if (isa == NORMA_ISA_AVX512)
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+               __builtin_cpu_supports("avx512vl");
+#endif
+    return 0;
+}
+#endif
+
+int norma_core_has_isa(norma_isa isa) {
+    if (isa == NORMA_ISA_BEST || isa == NORMA_ISA_PORTABLE) return 1;
+#if defined(CORE_HAS_X86)
+    return has_x86(isa);
+#elif defined(__x86_64__)
+    return isa == NORMA_ISA_SSE2;
+#elif defined(__aarch64__)
+    return isa == NORMA_ISA_NEON;
+#elif defined(__wasm_simd128__)
+    return isa == NORMA_ISA_SIMD128;
+#else
+    return 0;
+#endif
+}
+
+core_level norma_core_level(norma_isa isa) {
+#if defined(CORE_HAS_X86)
+    if (isa == NORMA_ISA_PORTABLE || isa == NORMA_ISA_SSE2)
+        return CORE_PORTABLE; /* SSE2 is what portable code compiles to on this family */
+    if (isa != NORMA_ISA_AVX2 && norma_core_has_isa(NORMA_ISA_AVX512)) return CORE_AVX512;
+    if (norma_core_has_isa(NORMA_ISA_AVX2)) return CORE_AVX2;
+#endif
+    (void)isa;
+    return CORE_PORTABLE;
+}
+
+/* ---- the text of every result, in one place, the names of weights, and the version. */
+
+#define TEXT_OF(number)              #number
+#define VERSION(major, minor, patch) TEXT_OF(major) "." TEXT_OF(minor) "." TEXT_OF(patch)
+
+const char *norma_result_text(norma_result result) {
+    switch (result) {
+    case NORMA_OK:
+        return "Done.";
+    case NORMA_CANCELLED:
+        return "Cancelled by the progress callback.";
+    case NORMA_ERROR_ARGUMENT:
+        return "An argument is missing, not a number, out of its range, or contradicts another.";
+    case NORMA_ERROR_CAPACITY:
+        return "An output buffer is too small for what would be written.";
+    case NORMA_ERROR_INDEX:
+        return "A corner names a position that does not exist.";
+    case NORMA_ERROR_MEMORY:
+        return "Memory could not be allocated.";
+    case NORMA_ERROR_OVERFLOW:
+        return "Counts times strides exceed the range of size_t.";
+    }
+    return "Unknown result code.";
+}
+
+#define NAME_OF(constant, name, by, formula, unused)                                               \
+    case NORMA_WEIGHT_##constant:                                                                  \
+        return name;
+
+const char *norma_weight_name(norma_weight weight) {
+    switch (weight) { CORE_WEIGHTS(NAME_OF, ) }
+    return NULL;
+}
+
+const char *norma_version(void) {
+    return VERSION(NORMA_VERSION_MAJOR, NORMA_VERSION_MINOR, NORMA_VERSION_PATCH);
+}
+
+uint32_t norma_version_number(void) { return NORMA_VERSION; }
+
+/* ---- one place for what reaches the caller. */
+
+norma_result norma_core_output_open(
+    const core_call *call, float *normals, size_t count, size_t capacity, core_output *output) {
+    const norma_options *o = &call->options;
+    *output = (core_output){.normals = (unsigned char *)normals,
+        .stride = o->normal_stride,
+        .reasons = o->reasons,
+        .nearest = o->fallback == NORMA_FALLBACK_NEAREST};
+    for (int k = 0; k < 3 && o->fallback == NORMA_FALLBACK_GIVEN; k++)
+        output->fallback[k] = o->fallback_normal[k] + 0.0F; /* no -0 */
+    if (count && !normals) return NORMA_ERROR_ARGUMENT;
+    if (count > capacity) return NORMA_ERROR_CAPACITY;
+    return count && count > SIZE_MAX / o->normal_stride ? NORMA_ERROR_OVERFLOW : NORMA_OK;
+}
+
+void norma_core_direction(const double direction[3], float normal[3]) {
+    double unit[3];
+    norma_core_normalise(direction, unit);
+    for (int k = 0; k < 3; k++) normal[k] = (float)unit[k] + 0.0F;
+}
+
+int norma_core_cancels(const double sum[3], double weight) {
+    return norma_core_length(sum) <= 0x1p-20 * weight;
+}
+
+void norma_core_tally(core_tally *tally, int reason, size_t index) {
+    if (reason == NORMA_REASON_NON_FINITE) norma_core_count_one(&tally->non_finite, index);
+    if (reason == NORMA_REASON_UNREFERENCED) norma_core_count_one(&tally->unreferenced, index);
+    if (reason == NORMA_REASON_CANCELLED) norma_core_count_one(&tally->cancelled, index);
+    if (reason == NORMA_REASON_DEGENERATE) norma_core_count_one(&tally->degenerate, index);
+}
+
+void norma_core_write_element(
+    const core_output *output, size_t index, int reason, const float normal[3], core_tally *tally) {
+    if (reason == NORMA_REASON_NONE)
+        norma_core_write_normal(output, index, normal);
+    else if (!output->nearest)
+        norma_core_write_normal(output, index, output->fallback);
+    if (output->reasons) output->reasons[index] = (uint8_t)reason;
+    norma_core_tally(tally, reason, index);
+}
+
+void norma_core_tally_add(core_tally *sum, const core_tally *part) {
+    norma_core_count_add(&sum->non_finite, &part->non_finite);
+    norma_core_count_add(&sum->unreferenced, &part->unreferenced);
+    norma_core_count_add(&sum->cancelled, &part->cancelled);
+    norma_core_count_add(&sum->degenerate, &part->degenerate);
+}
+
+static norma_count reported(const norma_count *count) {
+    return count && count->count ? *count : (norma_count){0, SIZE_MAX};
+}
+
+void norma_core_write_report(norma_report *report, const core_tally *tally,
+    const norma_count *non_manifold, const norma_count *conflicts) {
+    if (!report) return;
+    *report = (norma_report){
+        .degenerate_faces = reported(&tally->degenerate),
+        .non_finite = reported(&tally->non_finite),
+        .unreferenced = reported(&tally->unreferenced),
+        .cancelled = reported(&tally->cancelled),
+        .non_manifold_edges = reported(non_manifold),
+        .winding_conflicts = reported(conflicts),
+    };
+}
+
+/* ---- lengths and directions of any scale: what squares of doubles cannot hold is brought near 1 first, by an exact power of two. */
+
+double norma_core_length(const double v[3]) {
+    const double square = norma_core_dot(v, v);
+    if (square > NORMA_TINIEST && square < NORMA_HUGEST) return sqrt(square);
+    const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+    if (!(largest > 0) || largest > 0x1.fffffffffffffp1023) return largest;
+    const int exponent = ilogb(largest);
+    const double scaled[3] = {
+        ldexp(v[0], -exponent), ldexp(v[1], -exponent), ldexp(v[2], -exponent)};
+    return ldexp(sqrt(norma_core_dot(scaled, scaled)), exponent);
+}
+
+void norma_core_normalise(const double v[3], double unit[3]) {
+    double scaled[3] = {v[0], v[1], v[2]};
+    const double square = norma_core_dot(v, v);
+    if (!(square > NORMA_TINIEST && square < NORMA_HUGEST)) {
+        const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+        if (!(largest > 0)) {
+            unit[0] = unit[1] = unit[2] = 0;
+            return;
+        }
+        const int exponent = ilogb(largest);
+        for (int k = 0; k < 3; k++) scaled[k] = ldexp(v[k], -exponent);
+    }
+    const double inverse =
+        1 / sqrt(norma_core_dot(scaled, scaled)); /* as the kernel that makes eight at once */
+    for (int k = 0; k < 3; k++) unit[k] = scaled[k] * inverse;
 }

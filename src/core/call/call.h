@@ -1,9 +1,286 @@
-/* call.h: one call of the library: the caller's options made whole, its memory, its threads, its
- * progress. */
-#ifndef NORMA_CORE_CALL_H
-#define NORMA_CORE_CALL_H
-#include "core/call/instruction_set.h"
+/* call.h: what every call of the library begins and ends with: instruction sets, the caller's views, small
+ * vectors, counts, faults, sets and tables, options made whole, memory, threads, progress, and the
+ * output. */
+#ifndef NORMA_CORE_CALL_CALL_H
+#define NORMA_CORE_CALL_CALL_H
+#include <norma/norma.h>
+#include <string.h>
+#include <stdint.h>
+#include <stddef.h>
 #include <stdatomic.h>
+
+/* ---- which instruction sets this machine runs, and how a loop is compiled for each. Every one gives the bits of the portable C code. */
+
+int norma_core_has_isa(norma_isa isa);
+
+/* A kernel is an inline function in plain C over arrays of lanes, and one wrapper for each of
+ * these, whose target decides what instructions it becomes. Portable code becomes SSE2, NEON or
+ * SIMD128 where the compiler's target has them. */
+typedef enum core_level { CORE_PORTABLE = 0, CORE_AVX2, CORE_AVX512 } core_level;
+core_level norma_core_level(norma_isa isa); /* the highest that the machine has and isa allows */
+
+#if defined(NORMA_COVERAGE) || defined(NORMA_SANITIZED)
+#define CORE_INLINE                                                                                \
+    static inline /* what is counted is the source, once, not each copy of a kernel; with the      \
+                     checks of a sanitizer one file would be 16 MB */
+#elif defined(__GNUC__) || defined(__clang__)
+#define CORE_INLINE static inline __attribute__((always_inline))
+#else
+#define CORE_INLINE static inline
+#endif
+
+#if defined(__GNUC__) && (defined(__x86_64__) || defined(__i386__))
+#define CORE_HAS_X86
+#if !defined(NORMA_WITHOUT_AVX512) /* a choice of the single file's users: less code */
+#define CORE_HAS_AVX512
+#endif
+#define CORE_FOR_AVX2 __attribute__((target("avx2")))
+#if defined(CORE_FOR_AVX512) /* tests/bits/avx512_in_c.h */
+#elif defined(__clang__)
+#define CORE_FOR_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl")))
+#else
+#define CORE_FOR_AVX512 __attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")))
+#endif
+#define CORE_IN_REGISTERS                                                                          \
+    CORE_FOR_AVX512 CORE_INLINE /* a step of a loop that is written for AVX-512 */
+#endif
+
+/* The kernels of one name, by level. */
+#if defined(CORE_HAS_AVX512)
+#define CORE_KERNELS(name)                                                                         \
+    { name##_portable, name##_avx2, name##_avx512 }
+#elif defined(CORE_HAS_X86)
+#define CORE_KERNELS(name)                                                                         \
+    { name##_portable, name##_avx2 }
+#else
+#define CORE_KERNELS(name)                                                                         \
+    { name##_portable }
+#endif
+
+/* ---- one vector of a view, of any format, stride and alignment, as three doubles, and one index of an array. Every format fits a double exactly. */
+
+/* Bytes of one number; 0 for what is no format. */
+static inline size_t norma_format_size(norma_format format) {
+    switch (format) {
+    case NORMA_FORMAT_FLOAT:
+        return sizeof(float);
+    case NORMA_FORMAT_DOUBLE:
+        return sizeof(double);
+    case NORMA_FORMAT_INT8:
+        return sizeof(int8_t);
+    case NORMA_FORMAT_UINT8:
+        return sizeof(uint8_t);
+    case NORMA_FORMAT_INT16:
+        return sizeof(int16_t);
+    case NORMA_FORMAT_UINT16:
+        return sizeof(uint16_t);
+    }
+    return 0;
+}
+
+/* Bytes from one vector to the next, never 0 for a valid format. */
+static inline size_t norma_view_stride(const norma_vec3_view *view) {
+    return view->stride ? view->stride : 3 * norma_format_size(view->format);
+}
+
+/* Whether count * stride, or the end of the last vector where it is wider than the stride, is
+ * beyond size_t. */
+static inline int norma_view_overflows(const norma_vec3_view *view) {
+    const size_t stride = norma_view_stride(view), size = 3 * norma_format_size(view->format);
+    if (!view->count || !stride) return 0;
+    return view->count > SIZE_MAX / stride || (view->count - 1) * stride > SIZE_MAX - size;
+}
+
+/* Vector index of the view; the caller has checked format and index. */
+static inline void norma_view_read(const norma_vec3_view *view, size_t index, double out[3]) {
+    const unsigned char *at = (const unsigned char *)view->data + index * norma_view_stride(view);
+    switch (view->format) {
+    case NORMA_FORMAT_FLOAT: {
+        float v[3];
+        memcpy(v, at, sizeof v);
+        for (int i = 0; i < 3; i++) out[i] = (double)v[i];
+        return;
+    }
+    case NORMA_FORMAT_DOUBLE:
+        memcpy(out, at, 3 * sizeof(double));
+        return;
+    case NORMA_FORMAT_INT8: {
+        int8_t v[3];
+        memcpy(v, at, sizeof v);
+        for (int i = 0; i < 3; i++) out[i] = (double)v[i];
+        return;
+    }
+    case NORMA_FORMAT_UINT8:
+        for (int i = 0; i < 3; i++) out[i] = (double)at[i];
+        return;
+    case NORMA_FORMAT_INT16: {
+        int16_t v[3];
+        memcpy(v, at, sizeof v);
+        for (int i = 0; i < 3; i++) out[i] = (double)v[i];
+        return;
+    }
+    case NORMA_FORMAT_UINT16: {
+        uint16_t v[3];
+        memcpy(v, at, sizeof v);
+        for (int i = 0; i < 3; i++) out[i] = (double)v[i];
+        return;
+    }
+    }
+    out[0] = out[1] = out[2] = 0.0;
+}
+
+/* Index number of an array of integers of 1, 2 or 4 bytes. */
+static inline uint32_t norma_index_read(const unsigned char *indices, size_t size, size_t number) {
+    uint32_t four;
+    uint16_t two;
+    if (size == 1) return indices[number];
+    if (size == 2) {
+        memcpy(&two, indices + 2 * number, sizeof two);
+        return two;
+    }
+    memcpy(&four, indices + 4 * number, sizeof four);
+    return four;
+}
+
+/* ---- three doubles: products, length, direction. */
+
+/* Squares between these lost nothing to underflow or overflow, nor do products of three such
+ * lengths. */
+#define NORMA_TINIEST 0x1p-640
+#define NORMA_HUGEST  0x1p640
+
+/* Of any scale: to a unit vector, zeros stay zeros; the length. */
+void norma_core_normalise(const double v[3], double unit[3]);
+double norma_core_length(const double v[3]);
+
+static inline double norma_core_dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+static inline void norma_core_cross(const double a[3], const double b[3], double out[3]) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+static inline void norma_core_subtract(const double a[3], const double b[3], double out[3]) {
+    for (int k = 0; k < 3; k++) out[k] = a[k] - b[k];
+}
+
+/* Not NaN, not infinite. */
+static inline int norma_core_finite(const double v[3]) {
+    const double zero = (v[0] - v[0]) + (v[1] - v[1]) + (v[2] - v[2]);
+    return zero == 0;
+}
+
+/* ---- the counts of a report, added up from those of parts. */
+
+static inline void norma_core_count_one(norma_count *count, size_t index) {
+    if (!count->count || index < count->first) count->first = index;
+    count->count++;
+}
+static inline void norma_core_count_add(norma_count *sum, const norma_count *part) {
+    if (!part->count) return;
+    if (!sum->count || part->first < sum->first) sum->first = part->first;
+    sum->count += part->count;
+}
+static inline void norma_core_edges_add(norma_edges *sum, const norma_edges *part) {
+    sum->count += part->count;
+    sum->open += part->open;
+    sum->smooth += part->smooth;
+    sum->hard += part->hard;
+}
+
+/* ---- a refusal, and what it was about, for a caller who asks. */
+
+/* Returns result. fault may be NULL: then nobody asks. index: SIZE_MAX for the argument as a whole.
+ */
+static inline norma_result norma_core_refuse(norma_fault *fault, norma_result result,
+    const char *argument, size_t index, const char *expected) {
+    if (fault)
+        *fault = (norma_fault){
+            .result = result, .argument = argument, .index = index, .expected = expected};
+    return result;
+}
+
+/* ---- numbers joined into sets (union by the lower number, paths halved: Tarjan, van Leeuwen 1984). joined[i] is a number of the same set, lower or i itself; the lowest of a set is its own. */
+
+/* The lowest number of i's set. */
+static inline uint32_t norma_core_set_of(uint32_t *joined, uint32_t i) {
+    while (joined[i] != i) i = joined[i] = joined[joined[i]];
+    return i;
+}
+
+static inline void norma_core_join_sets(uint32_t *joined, uint32_t a, uint32_t b) {
+    const uint32_t set_a = norma_core_set_of(joined, a), set_b = norma_core_set_of(joined, b);
+    if (set_a < set_b)
+        joined[set_b] = set_a;
+    else
+        joined[set_a] = set_b;
+}
+
+/* ---- numbers found again by what they stand for: a hash table with open addressing and linear probing (Knuth, volume 3, 6.4), at most half full. A slot holds a number + 1, or 0 where it is free. What the numbers stand for is the caller's, who compares it. */
+
+/* Slots for so many numbers: a power of two. */
+static inline size_t norma_core_table_size(size_t count) {
+    size_t size = 16;
+    while (size / 2 < count) size *= 2;
+    return size;
+}
+
+/* Whether a number stands for what is looked for. */
+typedef int core_is_wanted(const void *context, uint32_t number);
+
+/* The slot of the number that is wanted, else a free one. */
+static inline uint32_t *norma_core_table_find(
+    uint32_t *slots, size_t size, uint64_t hash, core_is_wanted *is_wanted, const void *context) {
+    size_t at = (size_t)hash & (size - 1);
+    while (slots[at] && !is_wanted(context, slots[at] - 1)) at = (at + 1) & (size - 1);
+    return &slots[at];
+}
+
+/* Eight bytes at a time; every bit of the result hangs on all of them. */
+static inline uint64_t norma_core_hash(const void *bytes, size_t size) {
+    const unsigned char *at = bytes;
+    const uint64_t prime = UINT64_C(0x9E3779B97F4A7C15);
+    uint64_t hash = size * prime;
+    for (size_t i = 0; i < size; i += 8) {
+        uint64_t word = 0;
+        memcpy(&word, at + i, size - i < 8 ? size - i : 8);
+        hash = (hash ^ word) * prime;
+        hash ^= hash >> 29;
+    }
+    return hash ^ hash >> 32;
+}
+
+/* ---- for what is sorted seldom and may be large. */
+
+enum { SORT_MOST_BYTES = 32 }; /* of one item */
+
+/* Heap sort (Williams 1964): in place, O(n log n) whatever the input; the same order everywhere
+ * where less tells any two apart. */
+void norma_core_sort(
+    void *items, size_t count, size_t size, int (*less)(const void *a, const void *b));
+
+/* Ascending, without further memory, O(n). */
+void norma_core_sort_numbers(uint64_t *numbers, size_t count);
+
+/* Bisection: of 0 to count, of which those at the beginning come before, the first that does not.
+ */
+typedef int core_comes_before(const void *context, size_t i);
+
+static inline size_t norma_core_bisect(
+    size_t count, core_comes_before *comes_before, const void *context) {
+    size_t low = 0, high = count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (comes_before(context, middle))
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* ---- one call of the library: the caller's options made whole, its memory, its threads, its progress. */
 
 typedef struct core_team core_team;
 typedef struct core_call {
@@ -60,4 +337,51 @@ void norma_core_dismiss(core_call *call);
  * never in the caller's parallel_for: tasks of our own threads are begun in ascending order, so
  * that one of a lower index is at work or done. */
 void norma_core_wait(const atomic_size_t *value, size_t least);
+
+/* ---- the caller's normals, reasons and report: checked before anything is written, written once, never read. */
+
+typedef struct core_output {
+    unsigned char *normals; /* NULL: only counted (norma_split) */
+    size_t stride;
+    uint8_t *reasons;
+    float fallback[3]; /* what an element without a normal gets, but for the nearest */
+    int nearest;
+} core_output;
+
+typedef struct core_tally {
+    norma_count non_finite, unreferenced, cancelled, degenerate;
+} core_tally;
+
+/* ARGUMENT, CAPACITY or OVERFLOW where count normals cannot go to normals. */
+norma_result norma_core_output_open(
+    const core_call *call, float *normals, size_t count, size_t capacity, core_output *output);
+
+static inline void norma_core_write_normal(
+    const core_output *output, size_t index, const float normal[3]) {
+    memcpy(output->normals + index * output->stride, normal, 3 * sizeof(float));
+}
+/* Of count elements in a row, all with a normal of their own. */
+static inline void norma_core_write_normals(
+    const core_output *output, size_t first, size_t count, const float (*normals)[3]) {
+    if (output->stride == 3 * sizeof(float))
+        memcpy(output->normals + first * output->stride, normals, count * sizeof *normals);
+    else
+        for (size_t i = 0; i < count; i++) norma_core_write_normal(output, first + i, normals[i]);
+    if (output->reasons) memset(output->reasons + first, NORMA_REASON_NONE, count);
+}
+/* Writes the normal of an element that has one, or the fallback (not the nearest, which is written
+ * later), and its reason; counts what has none. */
+void norma_core_write_element(
+    const core_output *output, size_t index, int reason, const float normal[3], core_tally *tally);
+
+/* Of any scale, to a unit vector of floats, never -0. */
+void norma_core_direction(const double direction[3], float normal[3]);
+/* What is left of a sum must be more than rounding: 2^-20 of the weights that were put in. */
+int norma_core_cancels(const double sum[3], double weight);
+
+void norma_core_tally(core_tally *tally, int reason, size_t index);
+void norma_core_tally_add(core_tally *sum, const core_tally *part);
+/* Sets what the counts say; the firsts of empty counts become SIZE_MAX. report may be NULL. */
+void norma_core_write_report(norma_report *report, const core_tally *tally,
+    const norma_count *non_manifold, const norma_count *conflicts);
 #endif

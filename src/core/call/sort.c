@@ -1,5 +1,5 @@
 /* sort.c: the library's own, since qsort may allocate, and orders equals as it likes. */
-#include "core/call/sort.h"
+#include "core/call/call.h"
 #include <string.h>
 
 typedef struct heap {

@@ -2,7 +2,7 @@
  * weight of a corner, loops compiled once for each weight. */
 #ifndef NORMA_CORE_WEIGHT_H
 #define NORMA_CORE_WEIGHT_H
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include <math.h>
 
 /* What a weight is made of. */

@@ -1,6 +1,6 @@
 /* corner_sort.c: insertion for the few of ordinary stars, a heap for the rest. */
 #include "core/corner/corner_sort.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 
 _Static_assert(
     sizeof(star_member) <= 2 * sizeof(star_edge), "a star's members lie in the room of its edges");

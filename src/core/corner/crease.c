@@ -1,6 +1,6 @@
 /* crease.c: the threshold, and the angles that a cosine does not decide. */
 #include "core/corner/crease.h"
-#include "core/call/fault.h"
+#include "core/call/call.h"
 #include "core/face/triangle.h"
 
 /* An angle, whatever the size of the mesh: flat quads and hexagonal prisms, rounded to floats, bend

@@ -8,7 +8,7 @@
  * normals lean (bent polygons) or are borrowed are few, and are compared with all; twins among the
  * others stand opposite, beyond any crease that is asked about. */
 #include "core/corner/star_edges.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 #include "core/face/triangle.h"
 
 typedef struct fin {

@@ -2,7 +2,7 @@
  * since files where many corners lack one are rare. */
 #include "core/corner/fallback_normals.h"
 #include "core/mesh/nearest.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 
 norma_result norma_core_find_sources(const core_prepared_mesh *prepared, const uint8_t *reasons,
     const uint8_t *wanted, corner_request *requests, size_t count, size_t *found) {

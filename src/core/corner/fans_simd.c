@@ -1,7 +1,7 @@
 /* fans_simd.c: a batch of stars joined and summed: loops over lanes, compiled for each instruction
  * set as those of measure.c are. */
 #include "core/corner/fan_batch.h"
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include "core/face/eight_vectors.h"
 #include "core/face/measure.h"
 #include "core/face/polygon.h"

@@ -1,6 +1,6 @@
 /* find_fault.c: norma_find_fault. The checks are those that every call makes, asked once more with
  * room for what they find. */
-#include "core/call/fault.h"
+#include "core/call/call.h"
 #include "core/corner/crease.h"
 
 static norma_result find_wrong_corner(const core_mesh *mesh, norma_fault *fault) {

@@ -2,7 +2,7 @@
  * bytes for each corner instead of 260. Nothing that can be read or measured again is kept: its
  * edges are two sorted lists of numbers, joined some at a time in a star of ordinary size; its fans
  * are summed one after the other, and each is seen at once. */
-#include "core/call/sort.h"
+#include "core/call/call.h"
 #include "core/corner/star_edges.h"
 #include "core/corner/visit_positions.h"
 

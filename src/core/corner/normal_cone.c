@@ -4,7 +4,7 @@
  * normal that lies farthest outside: each time the cone of the few grows, so the search ends; ties
  * go to the first. */
 #include "core/corner/normal_cone.h"
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include "core/corner/vertex_star.h"
 #include "core/face/triangle.h"
 

@@ -2,7 +2,7 @@
  * sorted by position, its polygons measured. */
 #ifndef NORMA_CORE_SURFACE_H
 #define NORMA_CORE_SURFACE_H
-#include "core/call/count.h"
+#include "core/call/call.h"
 #include "core/corner/crease.h"
 #include "core/mesh/corners_of_position.h"
 #include "core/face/face_geometry.h"

@@ -1,7 +1,7 @@
 /* vertex_star.c: loading a star of corners, and summing its fans. */
 #include "core/corner/vertex_star.h"
 #include "core/face/twin_key.h"
-#include "core/call/output.h"
+#include "core/call/call.h"
 
 void norma_core_star_in_room(core_star *star, star_room *room) {
     *star = (core_star){.corners = room->corners,

@@ -2,7 +2,7 @@
  * their faces, and the sum of each fan. */
 #ifndef NORMA_CORE_STAR_H
 #define NORMA_CORE_STAR_H
-#include "core/call/joined_sets.h"
+#include "core/call/call.h"
 #include "core/corner/prepared_mesh.h"
 
 enum {

@@ -2,7 +2,7 @@
 #ifndef NORMA_CORE_STARS_H
 #define NORMA_CORE_STARS_H
 #include "core/corner/corner_sort.h"
-#include "core/call/output.h"
+#include "core/call/call.h"
 
 typedef enum core_join { CORE_JOIN_ALL = 0, CORE_JOIN_FANS } core_join;
 typedef struct stars_part {

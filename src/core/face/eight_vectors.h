@@ -4,7 +4,7 @@
  * took three times as long. */
 #ifndef NORMA_CORE_LANES_H
 #define NORMA_CORE_LANES_H
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include "core/face/measure.h"
 #include "core/mesh/input_mesh.h"
 #include <string.h>

@@ -1,7 +1,7 @@
 /* measure.h: triangles measured eight at a time. */
 #ifndef NORMA_CORE_MEASURE_H
 #define NORMA_CORE_MEASURE_H
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 
 enum {
     CORE_LANES = 8

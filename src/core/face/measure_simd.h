@@ -2,7 +2,7 @@
  * each instruction set. */
 #ifndef NORMA_CORE_MEASURE_LANES_H
 #define NORMA_CORE_MEASURE_LANES_H
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include "core/face/measure.h"
 #include "core/face/triangle.h"
 

@@ -3,7 +3,7 @@
  * one triangle alone. */
 #ifndef NORMA_CORE_TRIANGLE_H
 #define NORMA_CORE_TRIANGLE_H
-#include "core/call/vector.h"
+#include "core/call/call.h"
 #include "core/call/weight.h"
 #include <math.h>
 #include <norma/norma.h>

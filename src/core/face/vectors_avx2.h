@@ -2,7 +2,7 @@
  * of AVX2. Sums, products and quotients are the compiler's own operators. */
 #ifndef NORMA_CORE_VECTORS_AVX2_H
 #define NORMA_CORE_VECTORS_AVX2_H
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #if defined(CORE_HAS_X86)
 #include "core/face/measure.h"
 #include "core/mesh/input_mesh.h"

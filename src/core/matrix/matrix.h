@@ -4,11 +4,9 @@
 #define NORMA_CORE_MATRIX_INTERNAL_H
 #include "core/face/exact_sum.h"
 #include <norma/norma.h>
-#include "core/call/vec3_view.h"
-#include "core/call/vector.h"
+#include "core/call/call.h"
 #include <float.h>
 #include <math.h>
-#include "core/call/instruction_set.h"
 
 /* ---- What the files about matrices share. A 3x3 is nine numbers, column after column. */
 

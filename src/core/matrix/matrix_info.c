@@ -1,8 +1,7 @@
 /* matrix_info.c: exact determinants and cofactors, what kind of matrix one is, and by how much
  * plain M errs. */
 #include "core/matrix/matrix.h"
-#include "core/call/fault.h"
-#include "core/call/vector.h"
+#include "core/call/call.h"
 #include "core/face/triangle.h"
 #include <math.h>
 #include <string.h>

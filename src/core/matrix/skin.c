@@ -12,8 +12,7 @@
  * rotation (Shoemake, Duff 1992). Stretches are blended linearly, rotations and translations on the
  * sphere. */
 #include "core/matrix/matrix.h"
-#include "core/call/fault.h"
-#include "core/call/output.h"
+#include "core/call/call.h"
 #include "core/face/eight_vectors.h"
 #include "core/face/exact_sum.h"
 

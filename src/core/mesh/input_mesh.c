@@ -1,8 +1,7 @@
 /* input_mesh.c: what must hold of a mesh before anything is computed or written: first its shape,
  * then what its arrays say. */
 #include "core/mesh/input_mesh.h"
-#include "core/call/fault.h"
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include <math.h>
 #include <stdatomic.h>
 

@@ -3,8 +3,6 @@
 #ifndef NORMA_CORE_MESH_H
 #define NORMA_CORE_MESH_H
 #include "core/call/call.h"
-#include "core/call/vector.h"
-#include "core/call/vec3_view.h"
 
 typedef struct core_mesh {
     norma_vec3_view positions; /* its stride is never 0 */

@@ -1,5 +1,5 @@
 /* mesh_arrays.c: the caller's arrays, element by element, for callers. */
-#include "core/call/vec3_view.h"
+#include "core/call/call.h"
 
 void norma_view_vector(const norma_vec3_view *view, size_t index, double out[3]) {
     norma_view_read(view, index, out);

@@ -3,7 +3,7 @@
  * the nearest cache, finds equal tags, and only then are keys looked at. The first one stands for
  * the rest. One table for all took a miss of every cache for each key. */
 #include "core/mesh/weld_buckets.h"
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include <string.h>
 
 static const uint32_t EMPTY = UINT32_MAX;

@@ -2,7 +2,7 @@
  * itself. Two branches are joined whole where even their farthest points are a step apart, and
  * passed over where their nearest are not, or where they are joined already: so dense clusters cost
  * no more than sparse ones, and the answer does not depend on any order. */
-#include "core/call/joined_sets.h"
+#include "core/call/call.h"
 #include "core/mesh/kdtree.h"
 #include "core/mesh/weld.h"
 

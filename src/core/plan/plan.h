@@ -5,11 +5,10 @@
 #ifndef NORMA_CORE_PLAN_H
 #define NORMA_CORE_PLAN_H
 #include "core/corner/normal_cone.h"
-#include "core/call/output.h"
+#include "core/call/call.h"
 #include "core/corner/prepared_mesh.h"
 #include <stdatomic.h>
 #include "core/face/measure.h"
-#include "core/call/instruction_set.h"
 
 /* ---- What of a mesh's normals depends on topology alone. Its unit is the group: the corners
  * whose votes make up one sum. Per corner a group is a fan; per vertex it is the fans that a

@@ -1,7 +1,7 @@
 /* plan_build.c: how a plan is made: the groups at each position, the blocks of faces that these are
  * listed in, and lists of those that no block has room for. */
 #include "core/plan/plan.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 #include "core/corner/visit_positions.h"
 #include <math.h>
 

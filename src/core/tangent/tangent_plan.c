@@ -1,6 +1,6 @@
 /* tangent_plan.c: tangents of meshes that move. */
 #include "core/tangent/tangents.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 #include "core/mesh/weld.h"
 
 /* ---- What a tangent plan keeps, from the allocator of its creation. */

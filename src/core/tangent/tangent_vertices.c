@@ -1,7 +1,7 @@
 /* tangent_vertices.c: positions, normals and texture coordinates brought together, and which of
  * them are equal; the tangents that are written. */
 #include "core/tangent/tangents.h"
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include "core/face/face_geometry.h"
 #include "core/mesh/weld_buckets.h"
 #include <math.h>

@@ -3,8 +3,7 @@
 #ifndef NORMA_CORE_TANGENTS_H
 #define NORMA_CORE_TANGENTS_H
 #include "core/mesh/input_mesh.h"
-#include "core/call/output.h"
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include "core/mesh/corners_of_position.h"
 #include <float.h>
 #include <math.h>

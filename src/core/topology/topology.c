@@ -2,8 +2,7 @@
  * surface has, fans of two faces at each edge, comparing the few of them with one another is
  * enough; all else is sorted. */
 #include "core/topology/topology.h"
-#include "core/call/joined_sets.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 #include "core/face/twin_key.h"
 #include "core/mesh/weld.h"
 #include <stdlib.h>

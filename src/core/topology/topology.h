@@ -5,7 +5,7 @@
 #include "core/mesh/corners_of_position.h"
 #include "core/face/face_geometry.h"
 #include "core/mesh/kdtree.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 
 /* ---- Which faces lie side by side: the faces along each edge of (welded) positions,
  * and what is out of the ordinary there. */

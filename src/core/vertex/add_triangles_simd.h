@@ -3,7 +3,7 @@
  * from begin on, and returns the first that is left. */
 #ifndef NORMA_CORE_VERTEX_ADD_SIMD_H
 #define NORMA_CORE_VERTEX_ADD_SIMD_H
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include "core/vertex/add_triangles.h"
 
 #if defined(CORE_HAS_X86)

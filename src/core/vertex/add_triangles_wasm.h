@@ -5,7 +5,7 @@
 #ifndef NORMA_CORE_VERTEX_ADD_SIMD128_H
 #define NORMA_CORE_VERTEX_ADD_SIMD128_H
 #if defined(__wasm_simd128__)
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include "core/face/triangle.h"
 #include "core/vertex/add_eight_triangles.h"
 #include <wasm_simd128.h>

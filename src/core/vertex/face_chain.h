@@ -15,7 +15,7 @@
  * it. */
 #ifndef NORMA_CORE_VERTEX_FACE_CHAIN_H
 #define NORMA_CORE_VERTEX_FACE_CHAIN_H
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 #include "core/face/triangle.h"
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 /* sum_record.c: votes added one face at a time, and sums made normals one at a time. The kernels of
  * add_triangles.c do the same for many at once. */
 #include "core/vertex/sum_record.h"
-#include "core/call/output.h"
+#include "core/call/call.h"
 
 void norma_core_add_vote(vertex_sum *sum, double weight, const double normal[3]) {
     sum->x += weight * normal[0];

@@ -1,6 +1,6 @@
 /* document.c: what a document tells of its meshes and nodes, and the changes that it takes. */
 #include "io/format/format.h"
-#include "core/call/vec3_view.h"
+#include "core/call/call.h"
 #include <errno.h>
 #include <math.h>
 #include <stddef.h>

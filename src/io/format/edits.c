@@ -1,7 +1,7 @@
 /* edits.c: changes that wait beside the bytes that were read, and what a matrix or a move makes of
  * positions and stored normals. */
 #include "io/format/format.h"
-#include "core/call/vec3_view.h"
+#include "core/call/call.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* bake_mesh.c: --bake: the data of a mesh under a matrix, made once for all that share it, and its
  * winding. */
 #include "io/gltf/gltf.h"
-#include "core/call/table.h"
+#include "core/call/call.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* vertex_sharing.c: which primitives share vertices, and what becomes of those: points become
  * vertices, corners new indices. */
 #include "io/gltf/gltf.h"
-#include "core/call/table.h"
+#include "core/call/call.h"
 #include "io/file/file.h"
 #include "io/stream/stream.h"
 #include <math.h>

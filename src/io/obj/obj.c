@@ -1,7 +1,7 @@
 /* obj.c: OBJ as a document: one mesh, its positions as doubles, a normal for each corner that names
  * one. */
 #include "io/obj/obj.h"
-#include "core/call/table.h"
+#include "core/call/call.h"
 #include "io/format/format.h"
 #include "io/stream/stream.h"
 #include "io/text/text.h"

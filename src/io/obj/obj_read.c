@@ -6,7 +6,6 @@
  * Errors are not reported from here: the text is then read once more, as one part from its
  * beginning, so that the message knows what stands before each statement. */
 #include "io/obj/obj.h"
-#include "core/call/joined_sets.h"
 #include "core/call/call.h"
 #include "core/mesh/weld.h"
 #include "io/file/file.h"

@@ -1,8 +1,7 @@
 /* member.c: files of one surface, one at a time: what is locked, which level of detail it is, where
  * it is drawn. */
 #include "io/together/together.h"
-#include "core/call/vec3_view.h"
-#include "core/call/vector.h"
+#include "core/call/call.h"
 #include "io/file/file.h"
 #include "io/format/format.h"
 #include "io/gltf/gltf.h"

@@ -1,9 +1,7 @@
 /* surface_normals.c: normals of smooth surfaces: what the faces of each file add, and what its
  * positions get. */
 #include "io/together/together.h"
-#include "core/call/output.h"
-#include "core/call/vec3_view.h"
-#include "core/call/vector.h"
+#include "core/call/call.h"
 #include "core/mesh/nearest.h"
 #include "core/vertex/open_votes.h"
 #include "io/file/file.h"

@@ -3,7 +3,7 @@
  * its faces name come from the ranks that read them. The output's rows have one size, so each rank
  * writes those of its own vertices where they belong. */
 #include "mpi/file/shared_file.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 #include "io/format/format.h"
 #include "io/large/large.h"
 #include <errno.h>

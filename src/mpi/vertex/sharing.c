@@ -4,7 +4,7 @@
  * rounds by their hash, so that a round holds all of one key and leaves nothing but slots behind.
  */
 #include "mpi/vertex/vertex.h"
-#include "core/call/table.h"
+#include "core/call/call.h"
 
 enum { MOST_KEY = 24, LEAST_LOANS = 1024 };
 static const uint64_t MOST_SLOTS = UINT64_C(1) << MPI_HOME_AT; /* an answer has room for it */

@@ -2,7 +2,6 @@
 #ifndef NORMA_MPI_VERTEX_H
 #define NORMA_MPI_VERTEX_H
 #include "core/call/call.h"
-#include "core/call/output.h"
 #include "core/corner/prepared_mesh.h"
 #include "mpi/exchange/exchange.h"
 #include "core/mesh/input_mesh.h"

@@ -1,7 +1,6 @@
 /* vertex_normals.c: vertex normals over ranks, and what has none counted and filled. */
 #include "mpi/vertex/vertex.h"
-#include "core/call/output.h"
-#include "core/call/sort.h"
+#include "core/call/call.h"
 #include "core/mesh/kdtree.h"
 #include <norma/mpi.h>
 

@@ -1,7 +1,7 @@
 /* test_transform_kernels.c: a stream of normals by the kernel of each instruction set that the
  * machine has: the same bits. norma_transform_normals takes the best and offers no choice, so its
  * source is compiled here once more, with one. */
-#include "core/call/instruction_set.h"
+#include "core/call/call.h"
 static core_level chosen_level(norma_isa isa);
 #define norma_core_level                 chosen_level
 #define norma_transform_normals          transform_as_chosen

@@ -3,7 +3,7 @@
  * star, which knows everything. Both add in ascending order of corners, so that the bits are the
  * same. */
 #include "crease_slider.h"
-#include "core/call/output.h"
+#include "core/call/call.h"
 #include "core/corner/vertex_star.h"
 #include "core/face/triangle.h"
 #include <stdlib.h>
