@@ -4,7 +4,7 @@
 #define NORMA_CHECK_MEND_INTERNAL_H
 #include "check/findings/check_run.h"
 #include <math.h>
-#include "core/mesh/input_mesh.h"
+#include "core/mesh/mesh.h"
 
 /* What may be done: the fixes asked for, less those that would harm. */
 typedef struct fix_left_out {

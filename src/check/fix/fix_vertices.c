@@ -1,7 +1,7 @@
 /* fix_vertices.c: vertices and positions put right. */
 #include "check/fix/fix.h"
 #include "core/call/call.h"
-#include "core/mesh/weld.h"
+#include "core/mesh/mesh.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
  * edges can compare; the angle itself is taken only where the cosine is too near the crease's. */
 #ifndef NORMA_CORE_CREASE_H
 #define NORMA_CORE_CREASE_H
-#include "core/mesh/input_mesh.h"
+#include "core/mesh/mesh.h"
 
 typedef struct core_crease {
     double angle;  /* the greatest dihedral angle that is smooth, the tolerance in it; beyond pi:

@@ -1,7 +1,7 @@
 /* fallback_normals.c: the stars of the sources are made a second time rather than all normals kept,
  * since files where many corners lack one are rare. */
 #include "core/corner/fallback_normals.h"
-#include "core/mesh/nearest.h"
+#include "core/mesh/mesh.h"
 #include "core/call/call.h"
 
 norma_result norma_core_find_sources(const core_prepared_mesh *prepared, const uint8_t *reasons,

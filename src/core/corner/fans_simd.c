@@ -5,7 +5,7 @@
 #include "core/face/eight_vectors.h"
 #include "core/face/measure.h"
 #include "core/face/polygon.h"
-#include "core/mesh/face_corners.h"
+#include "core/mesh/mesh.h"
 
 /* ---- weights of polygons' corners; triangles are measured as faces (measured_faces.c) */
 

@@ -2,7 +2,7 @@
  * bytes; the first of them stands for all, and new vertices are numbered in the order of firsts. */
 #include "core/corner/index_corners.h"
 #include "core/call/call.h"
-#include "core/mesh/weld_buckets.h"
+#include "core/mesh/mesh.h"
 #include <string.h>
 
 enum { MOST_WITH_16_BITS = 65535 };

@@ -3,7 +3,7 @@
 #include "core/face/twin_key.h"
 #include "core/face/triangle.h"
 #include "core/corner/vertex_star.h"
-#include "core/mesh/weld.h"
+#include "core/mesh/mesh.h"
 
 enum { FACES_IN_CHUNK = 1 << 12 };
 

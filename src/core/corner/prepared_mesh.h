@@ -4,7 +4,7 @@
 #define NORMA_CORE_SURFACE_H
 #include "core/call/call.h"
 #include "core/corner/crease.h"
-#include "core/mesh/corners_of_position.h"
+#include "core/mesh/mesh.h"
 #include "core/face/face_geometry.h"
 #include <stdatomic.h>
 

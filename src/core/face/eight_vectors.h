@@ -6,7 +6,7 @@
 #define NORMA_CORE_LANES_H
 #include "core/call/call.h"
 #include "core/face/measure.h"
-#include "core/mesh/input_mesh.h"
+#include "core/mesh/mesh.h"
 #include <string.h>
 
 /* Where the corners of eight faces lie: corner k of face i at position at[corners i + k]. */

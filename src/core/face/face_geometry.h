@@ -2,7 +2,7 @@
 #ifndef NORMA_CORE_FACE_GEOMETRY_H
 #define NORMA_CORE_FACE_GEOMETRY_H
 #include "core/face/measure_faces.h"
-#include "core/mesh/face_corners.h"
+#include "core/mesh/mesh.h"
 
 enum {
     CORE_FACE_DIRECTED = 1,

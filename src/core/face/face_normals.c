@@ -1,9 +1,8 @@
 /* face_normals.c: norma_face_normals. Each face by itself; a weld matters only where it joins
  * positions that differ. */
-#include "core/mesh/nearest.h"
+#include "core/mesh/mesh.h"
 #include "core/call/call.h"
 #include "core/face/face_geometry.h"
-#include "core/mesh/weld.h"
 
 enum { FACES_IN_CHUNK = 8192 };
 

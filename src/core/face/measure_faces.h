@@ -4,7 +4,7 @@
 #ifndef NORMA_CORE_MEASURE_FACES_H
 #define NORMA_CORE_MEASURE_FACES_H
 #include "core/face/measure.h"
-#include "core/mesh/input_mesh.h"
+#include "core/mesh/mesh.h"
 
 enum {
     CORE_FACES_AT_ONCE = 64, /* more would need more stack than a caller's jobs may have */

@@ -2,7 +2,7 @@
  * (welded) positions in opposite order, wherever either begins. */
 #ifndef NORMA_CORE_TWIN_KEY_H
 #define NORMA_CORE_TWIN_KEY_H
-#include "core/mesh/face_corners.h"
+#include "core/mesh/mesh.h"
 
 /* The two lowest bits tell the way round: 0 or 1, or 2 for a face that is its own reverse. */
 enum { CORE_KEY_WAY = 3 };

@@ -5,7 +5,7 @@
 #include "core/call/call.h"
 #if defined(CORE_HAS_X86)
 #include "core/face/measure.h"
-#include "core/mesh/input_mesh.h"
+#include "core/mesh/mesh.h"
 #include <immintrin.h>
 
 enum { CORE_AVX2_LANES = 4 };

@@ -3,7 +3,7 @@
  * memory that the sorted corners will take, so that none needs memory of its own; then each adds up
  * and places the corners of a range of positions. There is room for a few counts only, but ranges
  * may be as many as work. */
-#include "core/mesh/corners_of_position.h"
+#include "core/mesh/mesh.h"
 #include "core/call/call.h"
 
 enum { CORNERS_WORTH_A_PART = 1 << 17, MOST_PARTS = 8, MOST_RANGES = 64 };

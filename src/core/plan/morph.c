@@ -3,8 +3,7 @@
  * and where nothing moves the delta is exactly zero. */
 #include "core/plan/plan.h"
 #include "core/face/triangle.h"
-#include "core/mesh/input_mesh.h"
-#include "core/mesh/weld.h"
+#include "core/mesh/mesh.h"
 #include <math.h>
 
 typedef struct morph {

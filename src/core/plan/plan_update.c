@@ -2,7 +2,7 @@
  * corners. */
 #include "core/plan/plan.h"
 #include "core/corner/vertex_star.h"
-#include "core/mesh/nearest.h"
+#include "core/mesh/mesh.h"
 #include <math.h>
 
 /* norma_core_plan_decide of the normals that voted, by the most visible one. */

@@ -2,7 +2,7 @@
  * of those that are smooth fans go to all their corners, in the order of faces, or to where the
  * vertices that begin there are written. */
 #include "core/smooth/smooth_fans.h"
-#include "core/mesh/scattered_positions.h"
+#include "core/mesh/mesh.h"
 #include "core/vertex/add_polygons.h"
 #include <stdatomic.h>
 

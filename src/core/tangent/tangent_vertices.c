@@ -3,7 +3,7 @@
 #include "core/tangent/tangents.h"
 #include "core/call/call.h"
 #include "core/face/face_geometry.h"
-#include "core/mesh/weld_buckets.h"
+#include "core/mesh/mesh.h"
 #include <math.h>
 
 /* ---- Positions, normals and texture coordinates brought together, and which of

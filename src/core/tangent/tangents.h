@@ -2,9 +2,8 @@
  */
 #ifndef NORMA_CORE_TANGENTS_H
 #define NORMA_CORE_TANGENTS_H
-#include "core/mesh/input_mesh.h"
+#include "core/mesh/mesh.h"
 #include "core/call/call.h"
-#include "core/mesh/corners_of_position.h"
 #include <float.h>
 #include <math.h>
 

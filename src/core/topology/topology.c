@@ -4,7 +4,7 @@
 #include "core/topology/topology.h"
 #include "core/call/call.h"
 #include "core/face/twin_key.h"
-#include "core/mesh/weld.h"
+#include "core/mesh/mesh.h"
 #include <stdlib.h>
 
 /* ---- welded corners */

@@ -2,9 +2,8 @@
  * one another, and which way they face. */
 #ifndef NORMA_CORE_TOPOLOGY_H
 #define NORMA_CORE_TOPOLOGY_H
-#include "core/mesh/corners_of_position.h"
+#include "core/mesh/mesh.h"
 #include "core/face/face_geometry.h"
-#include "core/mesh/kdtree.h"
 #include "core/call/call.h"
 
 /* ---- Which faces lie side by side: the faces along each edge of (welded) positions,

@@ -1,7 +1,7 @@
 /* open_votes.h: what the faces of a mesh add at its positions, in sums that depend on no order. */
 #ifndef NORMA_CORE_OPEN_VOTES_H
 #define NORMA_CORE_OPEN_VOTES_H
-#include "core/mesh/input_mesh.h"
+#include "core/mesh/mesh.h"
 #include "core/vertex/open_sum.h"
 
 typedef struct open_voting {

@@ -1,7 +1,6 @@
 /* vertex_normals.c: norma_vertex_normals. Sums or cones first; then each vertex takes what became
  * of its position, or of itself, and is written. */
-#include "core/mesh/nearest.h"
-#include "core/mesh/scattered_positions.h"
+#include "core/mesh/mesh.h"
 #include "core/vertex/add_triangles.h"
 
 enum { VERTICES_IN_CHUNK = 16384 };

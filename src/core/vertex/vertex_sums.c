@@ -2,7 +2,7 @@
  * each adds to the sums of its corners; when several work, each owns a range of positions and
  * passes over the chunks of faces that do not touch it. So every sum is taken in the same order by
  * any number of threads. */
-#include "core/mesh/scattered_positions.h"
+#include "core/mesh/mesh.h"
 #include "core/vertex/add_polygons.h"
 #include "core/vertex/queued_sums.h"
 

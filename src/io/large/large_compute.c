@@ -1,6 +1,6 @@
 /* large_compute.c: normals in passes: facets of STL files, smooth normals of PLY files. */
 #include "io/large/large.h"
-#include "core/mesh/nearest.h"
+#include "core/mesh/mesh.h"
 #include <math.h>
 #include <stdlib.h>
 

@@ -7,7 +7,7 @@
  * beginning, so that the message knows what stands before each statement. */
 #include "io/obj/obj.h"
 #include "core/call/call.h"
-#include "core/mesh/weld.h"
+#include "core/mesh/mesh.h"
 #include "io/file/file.h"
 #include "io/text/text.h"
 #include <pthread.h>

@@ -2,7 +2,7 @@
  * memory or by a temporary file. */
 #include "io/together/together.h"
 #include "core/call/call.h"
-#include "core/mesh/weld.h"
+#include "core/mesh/mesh.h"
 #include "core/vertex/open_votes.h"
 #include "io/file/file.h"
 #include <errno.h>

@@ -2,7 +2,7 @@
  * positions get. */
 #include "io/together/together.h"
 #include "core/call/call.h"
-#include "core/mesh/nearest.h"
+#include "core/mesh/mesh.h"
 #include "core/vertex/open_votes.h"
 #include "io/file/file.h"
 #include <math.h>

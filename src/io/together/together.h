@@ -2,7 +2,7 @@
  * faces add at each position of the world, and the call that brings all this together. */
 #ifndef NORMA_IO_TOGETHER_H
 #define NORMA_IO_TOGETHER_H
-#include "core/mesh/input_mesh.h"
+#include "core/mesh/mesh.h"
 #include "io/format/format.h"
 #include <norma/large.h>
 #include <norma/document.h>

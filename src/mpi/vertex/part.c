@@ -1,7 +1,6 @@
 /* part.c: this rank's part of the mesh, checked and agreed upon, ready to be summed. */
 #include "mpi/vertex/vertex.h"
-#include "core/mesh/weld.h"
-#include "core/mesh/weld_buckets.h"
+#include "core/mesh/mesh.h"
 #include <math.h>
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #include "core/call/call.h"
 #include "core/corner/prepared_mesh.h"
 #include "mpi/exchange/exchange.h"
-#include "core/mesh/input_mesh.h"
+#include "core/mesh/mesh.h"
 #include "core/vertex/sum_record.h"
 
 /* ---- The faces of a part in ascending global number. */

@@ -1,7 +1,7 @@
 /* vertex_normals.c: vertex normals over ranks, and what has none counted and filled. */
 #include "mpi/vertex/vertex.h"
 #include "core/call/call.h"
-#include "core/mesh/kdtree.h"
+#include "core/mesh/mesh.h"
 #include <norma/mpi.h>
 
 /* ---- A vertex without a normal is known to each rank that has it. Its number goes to
