@@ -4,7 +4,7 @@
  * squares, by weights that are found again and again, so that a minority that was not turned does
  * not matter). */
 #include "check/explain/explain.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <stdlib.h>
 
 static const double NEAR = 0.017453292519943295; /* 1 degree */

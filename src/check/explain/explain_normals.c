@@ -1,7 +1,7 @@
 /* explain_normals.c: which weight and crease explain stored normals best, and how far they are off.
  */
 #include "check/explain/explain.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <math.h>
 #include <string.h>
 

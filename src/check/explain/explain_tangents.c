@@ -1,6 +1,6 @@
 /* explain_tangents.c: which way of making tangents explains stored ones best. */
 #include "check/explain/explain.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <math.h>
 #include <string.h>
 

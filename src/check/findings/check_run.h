@@ -6,7 +6,7 @@
 #include <stdatomic.h>
 #include "core/topology/topology.h"
 #include <math.h>
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 
 /* ---- What the files of src/check share: one run over a file, one mesh in it with the
  * geometry that its rules have in common, and how findings are added. */

@@ -1,6 +1,6 @@
 /* edges.c: N301, N303, N305, N306 and N307: what is found where faces meet. */
 #include "check/rules/rules.h"
-#include "core/face/twin_key.h"
+#include "core/face/face.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

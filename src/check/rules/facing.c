@@ -2,7 +2,7 @@
 #include "check/rules/rules.h"
 #include "check/explain/explain.h"
 #include "check/findings/check_run.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <math.h>
 #include <string.h>
 

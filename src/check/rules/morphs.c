@@ -2,7 +2,7 @@
  * normals, that have normals where the mesh has none. */
 #include "check/rules/rules.h"
 #include "check/findings/check_run.h"
-#include "core/face/face_geometry.h"
+#include "core/face/face.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* seams.c: N501: normals that differ along a seam. */
 #include "check/rules/rules.h"
 #include "check/findings/check_run.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

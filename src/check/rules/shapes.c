@@ -3,7 +3,7 @@
 #include "check/rules/rules.h"
 #include "check/findings/check_run.h"
 #include "core/call/call.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* borrowed_direction.c: a face without a direction borrows that of the face it shares its longest
  * edge with. */
 #include "core/corner/star_edges.h"
-#include "core/face/exact_sum.h"
+#include "core/face/face.h"
 #include <math.h>
 
 typedef struct face_edge {

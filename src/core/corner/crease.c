@@ -1,7 +1,7 @@
 /* crease.c: the threshold, and the angles that a cosine does not decide. */
 #include "core/corner/crease.h"
 #include "core/call/call.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 
 /* An angle, whatever the size of the mesh: flat quads and hexagonal prisms, rounded to floats, bend
  * by 1e-7 rad; the contract allows this much over the crease. */

@@ -9,7 +9,7 @@
  * others stand opposite, beyond any crease that is asked about. */
 #include "core/corner/star_edges.h"
 #include "core/call/call.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 
 typedef struct fin {
     double angle;

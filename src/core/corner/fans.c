@@ -1,6 +1,6 @@
 /* fans.c: which edges of a star are smooth, the fans that they join, and the counts of edges. */
 #include "core/corner/star_edges.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 
 /* ---- counting */
 

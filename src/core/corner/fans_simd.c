@@ -3,8 +3,7 @@
 #include "core/corner/fan_batch.h"
 #include "core/call/call.h"
 #include "core/face/eight_vectors.h"
-#include "core/face/measure.h"
-#include "core/face/polygon.h"
+#include "core/face/face.h"
 #include "core/mesh/mesh.h"
 
 /* ---- weights of polygons' corners; triangles are measured as faces (measured_faces.c) */

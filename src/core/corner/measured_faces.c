@@ -2,7 +2,7 @@
  */
 #include "core/corner/measured_faces.h"
 #include "core/face/eight_vectors.h"
-#include "core/face/measure.h"
+#include "core/face/face.h"
 
 void norma_core_clear_measured(measured_faces *m) {
     memset(m->number, 0xff, sizeof m->number);

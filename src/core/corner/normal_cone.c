@@ -6,7 +6,7 @@
 #include "core/corner/normal_cone.h"
 #include "core/call/call.h"
 #include "core/corner/vertex_star.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 
 #if defined(__GNUC__)
 #define STANDING_ALONE __attribute__((noinline)) /* called from two loops, and large */

@@ -1,7 +1,6 @@
 /* prepared_mesh.c: the stages that every call on vertices or corners begins with. */
 #include "core/corner/prepared_mesh.h"
-#include "core/face/twin_key.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include "core/corner/vertex_star.h"
 #include "core/mesh/mesh.h"
 

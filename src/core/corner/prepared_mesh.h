@@ -5,7 +5,7 @@
 #include "core/call/call.h"
 #include "core/corner/crease.h"
 #include "core/mesh/mesh.h"
-#include "core/face/face_geometry.h"
+#include "core/face/face.h"
 #include <stdatomic.h>
 
 typedef struct measured_face {

@@ -2,7 +2,7 @@
 #ifndef NORMA_CORE_STAR_EDGES_H
 #define NORMA_CORE_STAR_EDGES_H
 #include "core/corner/vertex_star.h"
-#include "core/face/twin_key.h"
+#include "core/face/face.h"
 
 typedef struct edge_side {
     const star_edge *edges;

@@ -1,6 +1,6 @@
 /* vertex_star.c: loading a star of corners, and summing its fans. */
 #include "core/corner/vertex_star.h"
-#include "core/face/twin_key.h"
+#include "core/face/face.h"
 #include "core/call/call.h"
 
 void norma_core_star_in_room(core_star *star, star_room *room) {

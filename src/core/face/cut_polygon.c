@@ -2,7 +2,7 @@
  * remembered from one cut to the next, so that most polygons take far less than the square of their
  * corners. */
 #include "core/face/cut_polygon.h"
-#include "core/face/face_geometry.h"
+#include "core/face/face.h"
 #include <math.h>
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #ifndef NORMA_CORE_LANES_H
 #define NORMA_CORE_LANES_H
 #include "core/call/call.h"
-#include "core/face/measure.h"
+#include "core/face/face.h"
 #include "core/mesh/mesh.h"
 #include <string.h>
 

@@ -2,7 +2,7 @@
  * positions that differ. */
 #include "core/mesh/mesh.h"
 #include "core/call/call.h"
-#include "core/face/face_geometry.h"
+#include "core/face/face.h"
 
 enum { FACES_IN_CHUNK = 8192 };
 

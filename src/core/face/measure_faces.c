@@ -1,6 +1,6 @@
-/* measure_faces.c: the faces of a block are sorted by their number of corners, and those of each
- * number measured eight at a time. */
+/* measure_faces.c: the faces of a block are sorted by their number of corners, and those of each number measured eight at a time. */
 #include "core/face/measure_faces_simd.h"
+#include "core/face/measure_simd.h"
 
 /* ---- which faces, and their corners */
 
@@ -100,4 +100,33 @@ void norma_core_measure_faces(core_level level, const core_mesh *mesh, size_t be
     for (size_t n = 3; n <= CORE_MOST_CORNERS; n++)
         if (begins.of[n] < begins.of[n + 1])
             measures[level](&faces, begins.of[n], begins.of[n + 1], n);
+}
+
+/* ---- batches measured, compiled for each instruction set of the machine's family and chosen at run time. */
+
+CORE_INLINE void measure(core_batch *t, norma_weight weight, core_corners wanted) {
+    CORE_LOOP_FOR_WEIGHT(weight, core_lanes_measure, t, wanted)
+}
+
+static void measure_portable(core_batch *t, norma_weight weight, core_corners wanted) {
+    measure(t, weight, wanted);
+}
+
+#if defined(CORE_HAS_X86)
+CORE_FOR_AVX2 static void measure_avx2(core_batch *t, norma_weight weight, core_corners wanted) {
+    measure(t, weight, wanted);
+}
+#if defined(CORE_HAS_AVX512)
+CORE_FOR_AVX512 static void measure_avx512(
+    core_batch *t, norma_weight weight, core_corners wanted) {
+    measure(t, weight, wanted);
+}
+#endif
+#endif
+
+void norma_core_measure(
+    core_level level, core_batch *batch, norma_weight weight, core_corners wanted) {
+    typedef void measure_for(core_batch * t, norma_weight weight, core_corners wanted);
+    static measure_for *const measures[] = CORE_KERNELS(measure);
+    measures[level](batch, weight, wanted);
 }

@@ -2,7 +2,7 @@
  * measure_faces.template.h. */
 #ifndef NORMA_CORE_MEASURE_FACES_SIMD_H
 #define NORMA_CORE_MEASURE_FACES_SIMD_H
-#include "core/face/measure_faces.h"
+#include "core/face/face.h"
 
 /* Faces of one block, of which those from one slot to before another have equally many corners. */
 typedef struct core_faces_alike {

@@ -3,8 +3,7 @@
 #ifndef NORMA_CORE_MEASURE_LANES_H
 #define NORMA_CORE_MEASURE_LANES_H
 #include "core/call/call.h"
-#include "core/face/measure.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 
 CORE_INLINE void core_lanes_normals(core_batch *t) {
     for (int i = 0; i < CORE_LANES; i++) {

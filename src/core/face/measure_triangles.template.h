@@ -3,7 +3,7 @@
  * whose vectors these are, and calls the two types vector and mask. The numbers and their bits are
  * those of measure_simd.h. Values stay in registers here; loops over lanes write what each step
  * leaves and read it again. */
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 
 /* Cross product and its length, dot products of the corners' edges, squares of the edges opposite
  * to them where the weight needs them, and which triangles doubles decide. */

@@ -4,7 +4,7 @@
 #define NORMA_CORE_VECTORS_AVX2_H
 #include "core/call/call.h"
 #if defined(CORE_HAS_X86)
-#include "core/face/measure.h"
+#include "core/face/face.h"
 #include "core/mesh/mesh.h"
 #include <immintrin.h>
 

@@ -2,7 +2,7 @@
  * another. A 3x3 is nine numbers, column after column. */
 #ifndef NORMA_CORE_MATRIX_INTERNAL_H
 #define NORMA_CORE_MATRIX_INTERNAL_H
-#include "core/face/exact_sum.h"
+#include "core/face/face.h"
 #include <norma/norma.h>
 #include "core/call/call.h"
 #include <float.h>

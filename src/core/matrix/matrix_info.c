@@ -2,7 +2,7 @@
  * plain M errs. */
 #include "core/matrix/matrix.h"
 #include "core/call/call.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <math.h>
 #include <string.h>
 

@@ -14,7 +14,7 @@
 #include "core/matrix/matrix.h"
 #include "core/call/call.h"
 #include "core/face/eight_vectors.h"
-#include "core/face/exact_sum.h"
+#include "core/face/face.h"
 
 enum {
     BLOCK = 16,       /* vertices whose normals are computed side by side */

@@ -8,7 +8,7 @@
 #include "core/call/call.h"
 #include "core/corner/prepared_mesh.h"
 #include <stdatomic.h>
-#include "core/face/measure.h"
+#include "core/face/face.h"
 
 /* ---- What of a mesh's normals depends on topology alone. Its unit is the group: the corners
  * whose votes make up one sum. Per corner a group is a fan; per vertex it is the fans that a

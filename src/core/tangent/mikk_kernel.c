@@ -1,7 +1,7 @@
 /* mikk_kernel.c: equations 18 and 19 of Mikkelsen 2008 and what a triangle adds at its corners,
  * compiled for each instruction set of the machine's family and chosen at run time. */
 #include "core/tangent/tangents.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <float.h>
 
 /* The arc cosine from the sine, which is exact but for two roundings: the double is within some

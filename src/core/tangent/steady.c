@@ -1,8 +1,6 @@
 /* steady.c: tangents that do not hang on the order of faces. */
 #include "core/tangent/tangents.h"
-#include "core/face/face_geometry.h"
-#include "core/face/reflex.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <math.h>
 
 /* ---- measure_face and part_of_face, many triangles at a time, compiled for each

@@ -2,7 +2,7 @@
  * them are equal; the tangents that are written. */
 #include "core/tangent/tangents.h"
 #include "core/call/call.h"
-#include "core/face/face_geometry.h"
+#include "core/face/face.h"
 #include "core/mesh/mesh.h"
 #include <math.h>
 

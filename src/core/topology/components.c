@@ -1,6 +1,6 @@
 /* components.c: faces are visited from edge to edge, each component from its lower_of face on. */
 #include "core/topology/topology.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 
 typedef struct search {
     const core_topology *topology;

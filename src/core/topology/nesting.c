@@ -1,6 +1,6 @@
 /* nesting.c: trees over boxes and faces, and which components lie in which. */
 #include "core/topology/topology.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 
 /* ---- Halves a set along the widest side of its centres, again and again. The order is that
  * of the centres, then of the numbers, so that the tree is the mesh's own. */

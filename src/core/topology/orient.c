@@ -1,7 +1,7 @@
 /* orient.c: which faces are turned, by volume, nesting and rays; norma_orient and
  * norma_reverse_winding. */
 #include "core/topology/topology.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <norma/norma.h>
 #include <string.h>
 

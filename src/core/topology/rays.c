@@ -7,7 +7,7 @@
  * it up is judged by the rays that were cast until then. Where triangles coincide a single ray
  * could use up a share; then the rays of that part end with it. */
 #include "core/topology/topology.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <float.h>
 #include <stdlib.h>
 

@@ -3,7 +3,7 @@
  * enough; all else is sorted. */
 #include "core/topology/topology.h"
 #include "core/call/call.h"
-#include "core/face/twin_key.h"
+#include "core/face/face.h"
 #include "core/mesh/mesh.h"
 #include <stdlib.h>
 

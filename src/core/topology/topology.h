@@ -3,7 +3,7 @@
 #ifndef NORMA_CORE_TOPOLOGY_H
 #define NORMA_CORE_TOPOLOGY_H
 #include "core/mesh/mesh.h"
-#include "core/face/face_geometry.h"
+#include "core/face/face.h"
 #include "core/call/call.h"
 
 /* ---- Which faces lie side by side: the faces along each edge of (welded) positions,

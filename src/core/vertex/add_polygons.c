@@ -5,7 +5,7 @@
 #endif
 #include "core/vertex/add_polygons.h"
 #include "core/face/eight_vectors.h"
-#include "core/face/measure_faces.h"
+#include "core/face/face.h"
 
 /* Asks for the positions of a block to come. */
 static void look_ahead(const core_mesh *mesh, size_t begin, size_t end) {

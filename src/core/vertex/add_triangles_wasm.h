@@ -6,7 +6,7 @@
 #define NORMA_CORE_VERTEX_ADD_SIMD128_H
 #if defined(__wasm_simd128__)
 #include "core/call/call.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include "core/vertex/add_eight_triangles.h"
 #include <wasm_simd128.h>
 

@@ -16,7 +16,7 @@
 #ifndef NORMA_CORE_VERTEX_FACE_CHAIN_H
 #define NORMA_CORE_VERTEX_FACE_CHAIN_H
 #include "core/call/call.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <stdint.h>
 
 enum { CORE_CHAINS = 3 };

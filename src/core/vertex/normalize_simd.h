@@ -4,7 +4,7 @@
 #ifndef NORMA_CORE_FINISH_LANES_H
 #define NORMA_CORE_FINISH_LANES_H
 #include "core/face/eight_vectors.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include "core/vertex/vertex_normals.h"
 
 typedef struct core_lengths {

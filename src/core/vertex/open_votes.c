@@ -1,7 +1,7 @@
 /* open_votes.c: faces vote as in norma_vertex_normals, one by one. */
 #include "core/vertex/open_votes.h"
 #include "core/call/call.h"
-#include "core/face/face_geometry.h"
+#include "core/face/face.h"
 
 static void vote(const open_voting *voting, size_t f, const core_face *face, open_sum *sums) {
     const core_mesh *mesh = voting->mesh;

@@ -6,7 +6,7 @@
 #define NORMA_IO_GLTF_H
 #include "io/format/format.h"
 #include "io/text/text.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <math.h>
 #include "io/file/file.h"
 

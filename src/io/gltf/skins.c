@@ -1,6 +1,6 @@
 /* skins.c: skins, and the animations that move their joints. */
 #include "io/gltf/gltf.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include "core/matrix/matrix.h"
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "crease_slider.h"
 #include "core/call/call.h"
 #include "core/corner/vertex_star.h"
-#include "core/face/triangle.h"
+#include "core/face/face.h"
 #include <stdlib.h>
 
 enum { MOST_CORNERS = 16, NO_WEIGHT = -1 };

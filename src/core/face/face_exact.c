@@ -1,10 +1,121 @@
-/* exact_area.c: every finite double is an integer times a power of two, so all points of a face are
- * integers in the unit of the least bit among them, and sums of products of their differences are
- * integers too: in 128 bits where they fit (nearly always), else in as many words as it takes. */
-#include "core/face/exact_area.h"
+/* face_exact.c: the register of exact_sum.h, in 32-bit limbs, so that only integer arithmetic that every compiler has is needed. */
+#include "core/face/face.h"
 #include <math.h>
-#include <stdint.h>
 #include <string.h>
+#include <stdint.h>
+
+enum { LOWEST_BIT = -EXACT_SUM_FACTORS * 1074, PRODUCT_LIMBS = 2 * EXACT_SUM_FACTORS + 1 };
+
+void norma_exact_clear(exact_sum *sum) { memset(sum->limb, 0, sizeof sum->limb); }
+
+/* |value| as an integer of at most 53 bits times 2^*exponent. */
+static uint64_t integer_and_exponent(double value, int *exponent) {
+    int e = 0;
+    const double fraction = frexp(fabs(value), &e);
+    *exponent = e - 53;
+    uint64_t bits = (uint64_t)ldexp(fraction, 53);
+    while (*exponent < -1074) { /* subnormal: frexp shifted zeros in from below */
+        bits >>= 1;
+        ++*exponent;
+    }
+    return bits;
+}
+
+static void multiply(uint32_t product[PRODUCT_LIMBS], uint64_t by) {
+    const uint32_t half[2] = {(uint32_t)by, (uint32_t)(by >> 32)};
+    uint32_t result[PRODUCT_LIMBS] = {0};
+    for (int h = 0; h < 2; h++) {
+        uint64_t carry = 0;
+        for (int i = 0; i + h < PRODUCT_LIMBS; i++) {
+            carry += (uint64_t)product[i] * half[h] + result[i + h];
+            result[i + h] = (uint32_t)carry;
+            carry >>= 32;
+        }
+    }
+    memcpy(product, result, sizeof result);
+}
+
+static void shift_left(uint32_t product[PRODUCT_LIMBS], int bits) {
+    if (bits == 0) return;
+    for (int i = PRODUCT_LIMBS - 1; i >= 0; i--)
+        product[i] = product[i] << bits | (i ? product[i - 1] >> (32 - bits) : 0);
+}
+
+static void add_at(exact_sum *sum, const uint32_t product[PRODUCT_LIMBS], int limb, int negative) {
+    uint64_t carry = negative ? 1 : 0; /* minus x is the complement of x, plus one */
+    for (int i = limb; i < EXACT_SUM_LIMBS; i++) {
+        const uint32_t digit = i - limb < PRODUCT_LIMBS ? product[i - limb] : 0;
+        carry += (uint64_t)sum->limb[i] + (negative ? (uint32_t)~digit : digit);
+        sum->limb[i] = (uint32_t)carry;
+        carry >>= 32;
+        if (i - limb >= PRODUCT_LIMBS && carry == (negative ? 1U : 0U)) return;
+    }
+}
+
+void norma_exact_add(exact_sum *sum, const double *factors, int count, int negative) {
+    uint32_t product[PRODUCT_LIMBS] = {1};
+    int exponent = 0;
+    for (int i = 0; i < count; i++) {
+        if (factors[i] == 0.0) return;
+        int e;
+        multiply(product, integer_and_exponent(factors[i], &e));
+        exponent += e;
+        negative ^= factors[i] < 0.0;
+    }
+    const int bit =
+        exponent - LOWEST_BIT; /* at least 0: each factor's exponent is at least -1074 */
+    shift_left(product, bit % 32);
+    add_at(sum, product, bit / 32, negative);
+}
+
+static void negate(exact_sum *sum) {
+    uint64_t carry = 1;
+    for (int i = 0; i < EXACT_SUM_LIMBS; i++) {
+        carry += (uint32_t)~sum->limb[i];
+        sum->limb[i] = (uint32_t)carry;
+        carry >>= 32;
+    }
+}
+
+scaled_number norma_exact_round(const exact_sum *sum) {
+    exact_sum s = *sum;
+    const int negative = s.limb[EXACT_SUM_LIMBS - 1] >> 31 != 0;
+    if (negative) negate(&s);
+    int top = EXACT_SUM_LIMBS - 1;
+    while (top >= 0 && !s.limb[top]) top--;
+    if (top < 0) return (scaled_number){0.0, 0};
+
+    int leading = 0;
+    while (!(s.limb[top] >> (31 - leading))) leading++;
+    const uint32_t high = s.limb[top], middle = top > 0 ? s.limb[top - 1] : 0,
+                   low = top > 1 ? s.limb[top - 2] : 0;
+    uint64_t bits = ((uint64_t)high << 32 | middle)
+                    << leading; /* the highest 64 bits; below them: sticky */
+    if (leading) bits |= low >> (32 - leading);
+    int sticky = leading < 32 && (uint32_t)(low << leading) != 0;
+    for (int i = top - 3; i >= 0 && !sticky; i--) sticky = s.limb[i] != 0;
+
+    const uint64_t rest = bits & 0x7ff, half = 0x400;
+    bits >>= 11;
+    if (rest > half || (rest == half && (sticky || (bits & 1)))) bits++;
+    scaled_number rounded = norma_scaled_from_double((double)bits);
+    rounded.exponent += top * 32 + 31 - leading - 52 + LOWEST_BIT;
+    if (negative) rounded.mantissa = -rounded.mantissa;
+    return rounded;
+}
+
+scaled_number norma_scaled_from_double(double value) {
+    if (value == 0.0) return (scaled_number){0.0, 0};
+    int e;
+    const double fraction = frexp(value, &e);
+    return (scaled_number){2.0 * fraction, e - 1};
+}
+
+double norma_scaled_to_double(scaled_number number) {
+    return ldexp(number.mantissa, number.exponent);
+}
+
+/* ---- every finite double is an integer times a power of two, so all points of a face are integers in the unit of the least bit among them, and sums of products of their differences are integers too: in 128 bits where they fit (nearly always), else in as many words as it takes. */
 
 __extension__ typedef __int128 wide;
 __extension__ typedef unsigned __int128 unsigned_wide;
@@ -215,4 +326,58 @@ int norma_core_exact_area(
     const int found = long_area(point, context, count, least, words, area, exponent);
     *exponent += 2 * least;
     return found;
+}
+
+/* ---- the sign of the dot product of two vector areas, the corner's and the polygon's, each the sum of p x q over its edges from p to q. The polygon's is summed exactly, and multiplied with the corner's a double at a time. */
+
+static void add_cross(exact_sum area[3], const double p[3], const double q[3]) {
+    for (int k = 0; k < 3; k++) {
+        const int x = (k + 1) % 3, y = (k + 2) % 3;
+        norma_exact_add(&area[k], (const double[]){p[x], q[y]}, 2, 0);
+        norma_exact_add(&area[k], (const double[]){p[y], q[x]}, 2, 1);
+    }
+}
+
+static void add_polygon(exact_sum area[3], exact_point *point, const void *context, size_t count) {
+    double first[3], p[3], q[3];
+    point(context, 0, first);
+    memcpy(q, first, sizeof q);
+    for (size_t i = 1; i < count; i++) {
+        memcpy(p, q, sizeof p);
+        point(context, i, q);
+        add_cross(area, p, q);
+    }
+    add_cross(area, q, first);
+}
+
+/* The sum's leading 53 bits as a product of two doubles, since one may not reach; at the very end
+ * of the range a part of them. 0: nothing is left. */
+static int leading_part(const exact_sum *sum, double part[2]) {
+    const scaled_number number = norma_exact_round(sum);
+    const int exponent = number.exponent < 2046 ? number.exponent : 2046;
+    const int scale = exponent < -1000 ? -1074 : exponent > 1000 ? 1023 : 0;
+    part[0] = ldexp(number.mantissa, exponent - scale);
+    part[1] = ldexp(1, scale);
+    return part[0] < 0 || part[0] > 0;
+}
+
+int norma_core_turns_back(exact_point *point, const void *context, size_t count,
+    const double here[3], const double next[3], const double previous[3]) {
+    const double *const corner[4] = {previous, here, next, previous};
+    exact_sum area[3], turn;
+    double part[2];
+    for (int k = 0; k < 3; k++) norma_exact_clear(&area[k]);
+    norma_exact_clear(&turn);
+    add_polygon(area, point, context, count);
+    for (int k = 0; k < 3; k++)
+        while (leading_part(&area[k], part)) {
+            const int x = (k + 1) % 3, y = (k + 2) % 3;
+            for (int i = 0; i < 3; i++) {
+                const double *p = corner[i], *q = corner[i + 1];
+                norma_exact_add(&turn, (const double[]){part[0], part[1], p[x], q[y]}, 4, 0);
+                norma_exact_add(&turn, (const double[]){part[0], part[1], p[y], q[x]}, 4, 1);
+            }
+            norma_exact_add(&area[k], part, 2, 1);
+        }
+    return norma_exact_round(&turn).mantissa < 0;
 }

@@ -1,0 +1,305 @@
+/* face.h: directions and weights of faces and their corners: many at a time where doubles decide them,
+ * exactly where they do not; twins. */
+#ifndef NORMA_CORE_FACE_FACE_H
+#define NORMA_CORE_FACE_FACE_H
+#include "core/call/call.h"
+#include "core/call/weight.h"
+#include "core/mesh/mesh.h"
+#include <math.h>
+#include <norma/norma.h>
+#include <stdint.h>
+#include <stddef.h>
+
+/* ---- triangles measured eight at a time. */
+
+enum {
+    CORE_LANES = 8
+}; /* the one vector width: a register of AVX-512, two of AVX2, four of SSE2 or NEON */
+
+typedef double core_lane[CORE_LANES];
+
+/* Before a short loop over lanes: this compiler unrolls such loops before it looks whether they are
+ * vectors, and then finds none. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define CORE_EACH_LANE _Pragma("GCC unroll 1") for (int i = 0; i < CORE_LANES; i++)
+#else
+#define CORE_EACH_LANE for (int i = 0; i < CORE_LANES; i++)
+#endif
+
+typedef struct core_batch {
+    _Alignas(64) core_lane u[3];
+    core_lane v[3]; /* in: the edges from each triangle's first corner to its second and third */
+    core_lane a[3]; /* in, for weights: the edge from the second corner to the third */
+    core_lane normal[3], twice_area; /* out */
+    core_lane weight[3];             /* out: of the three corners */
+    double sure[CORE_LANES]; /* out: 1 where doubles are enough, else 0, and what is said of the
+                                triangle is not to be used */
+} core_batch;
+
+/* Of a triangle, from the positions of its corners. */
+CORE_INLINE void core_set_edges(core_batch *batch, int lane, const double p[3][3]) {
+    for (int k = 0; k < 3; k++) {
+        batch->u[k][lane] = p[1][k] - p[0][k];
+        batch->v[k][lane] = p[2][k] - p[0][k];
+        batch->a[k][lane] = p[2][k] - p[1][k];
+    }
+}
+
+typedef enum core_corners {
+    CORE_NO_CORNER = 0,
+    CORE_ALL_CORNERS
+} core_corners; /* whose weights are wanted */
+
+/* Every level gives the same bits. */
+void norma_core_measure(
+    core_level level, core_batch *batch, norma_weight weight, core_corners wanted);
+
+/* ---- what is computed of a triangle, in double precision and without branches, so that a loop over lanes of triangles becomes vector instructions on every machine, with the same bits as one triangle alone. */
+
+#define NORMA_PI 3.141592653589793
+
+/* atan(t) for |t| <= tan(pi/8): t + t z p(z), z = t^2, p the interpolant of degree 10 at the
+ * Chebyshev nodes; its error is below 1.1e-17. */
+static inline double norma_core_small_atan(double t) {
+    const double z = t * t;
+    double p = -0x1.3a31b1c0fd3b7p-6;
+    p = p * z + 0x1.4162c02b1dda3p-5;
+    p = p * z - 0x1.a0999c632b6edp-5;
+    p = p * z + 0x1.dfe6497e96323p-5;
+    p = p * z - 0x1.10fa77b1a6d57p-4;
+    p = p * z + 0x1.3b1263064f6b9p-4;
+    p = p * z - 0x1.745d0b28a7e37p-4;
+    p = p * z + 0x1.c71c71853d7fap-4;
+    p = p * z - 0x1.2492492436201p-3;
+    p = p * z + 0x1.999999999934cp-3;
+    p = p * z - 0x1.5555555555555p-2;
+    return t + t * (z * p);
+}
+
+/* atan2(y, x) for y >= 0: from 0 to pi; 0 where both are 0. Our own, so that its bits are the same
+ * on every machine; within 2 ulp. Above tan(pi/8), atan(s / l) = pi/4 + atan((s - l) / (s + l)). */
+static inline double norma_core_angle(double y, double x) {
+    const double ax = x < 0 ? -x : x;
+    const double small = y < ax ? y : ax, large = y < ax ? ax : y;
+    const int steep = small > 0.41421356237309503 * large;
+    const double above = steep ? small - large : small, below = steep ? small + large : large;
+    double angle = (steep ? 0.25 * NORMA_PI : 0) + norma_core_small_atan(above / below);
+    angle = y > ax ? 0.5 * NORMA_PI - angle : angle;
+    angle = x < 0 ? NORMA_PI - angle : angle;
+    return large > 0 ? angle : 0;
+}
+
+/* atan(t) for |t| <= tan(pi/8), for weights: the minimax polynomial of degree 6, within 3e-12 of
+ * its value. What a weight errs by, the direction of a sum feels by that times sum of weights /
+ * |sum|, at most. */
+#define CORE_WEIGHT_ATAN_FIRST -0x1.4b3891ff382b2p-5
+#define CORE_WEIGHT_ATAN_OTHERS(TERM)                                                              \
+    TERM(0x1.24434e877a5ddp-4)                                                                     \
+    TERM(-0x1.71d3c10805470p-4)                                                                    \
+    TERM(0x1.c6f68737bd590p-4)                                                                     \
+    TERM(-0x1.2491c08b2dc95p-3)                                                                    \
+    TERM(0x1.99999825954bep-3)                                                                     \
+    TERM(-0x1.5555555502188p-2)
+
+static inline double norma_core_weight_atan(double t) {
+    const double z = t * t;
+    double p = CORE_WEIGHT_ATAN_FIRST;
+#define CORE_ADD_TERM(factor) p = p * z + factor;
+    CORE_WEIGHT_ATAN_OTHERS(CORE_ADD_TERM)
+#undef CORE_ADD_TERM
+    return t + t * (z * p);
+}
+
+/* atan2(y, x) for y >= 0 and x >= 0 (or below by a rounding) is turn + atan(above / below). */
+typedef struct core_slope {
+    double above, below, turn;
+} core_slope;
+
+static inline core_slope norma_core_slope(double y, double x) {
+    const double small = y < x ? y : x, large = y < x ? x : y;
+    const int steep = small > 0.41421356237309503 * large, falls = y > x;
+    const double flat_above = falls ? -x : y, flat_turn = falls ? 0.5 * NORMA_PI : 0;
+    return (core_slope){steep ? y - x : flat_above, steep ? small + large : large,
+        steep ? 0.25 * NORMA_PI : flat_turn};
+}
+
+static inline double norma_core_slope_angle(core_slope s, double quotient) {
+    return s.turn + norma_core_weight_atan(quotient);
+}
+
+/* A corner's angle as a weight: atan2(cross, dot), for cross >= 0. */
+static inline double norma_core_weight_angle(double cross, double dot) {
+    const core_slope s = norma_core_slope(cross, dot < 0 ? -dot : dot);
+    const double angle = norma_core_slope_angle(s, s.above / s.below);
+    return s.below > 0 ? (dot < 0 ? NORMA_PI - angle : angle) : 0;
+}
+
+/* Whether doubles are enough, from the square of the cross product of two edges and their dot
+ * product, whose squares are |u|^2 |v|^2 together (Lagrange): each component errs by at most some 6
+ * * 2^-53 |u| |v|, below 2^-30 of a length of 2^-20 |u| |v|. Not for NaN, infinity or no area. */
+static inline int norma_core_triangle_is_sure(double square, double dot) {
+    return (square >= 0x1p-40 * (square + dot * dot)) & (square > NORMA_TINIEST) &
+           (square < NORMA_HUGEST);
+}
+
+/* The unit normal of the triangle with edges u and v from its first corner, and the length of their
+ * cross product, twice its area. Returns whether doubles are enough. */
+static inline int norma_core_triangle(
+    const double u[3], const double v[3], double normal[3], double *twice_area) {
+    double cross[3];
+    norma_core_cross(u, v, cross);
+    const double square = norma_core_dot(cross, cross), length = sqrt(square), inverse = 1 / length;
+    for (int k = 0; k < 3; k++) normal[k] = cross[k] * inverse;
+    *twice_area = length;
+    return norma_core_triangle_is_sure(square, norma_core_dot(u, v));
+}
+
+/* norma_core_weight_of, from the dot product of the edges instead of the angle; interior angles are
+ * above pi where reflex. */
+static inline double norma_core_weigh(norma_weight weight, double aa, double bb, double ab,
+    double cross, double twice_area, int reflex) {
+    const double angle =
+        core_weighed(weight) == CORE_BY_ANGLE ? norma_core_weight_angle(cross, ab) : 0;
+    return norma_core_weight_of(
+        weight, aa, bb, reflex ? 2 * NORMA_PI - angle : angle, cross, twice_area);
+}
+
+/* ---- what is computed of a polygon and of its corners where doubles decide it, one at a time in face_geometry.c and many at once in measure_faces.c: the same operations, hence the same bits. */
+
+/* Whether a vector area has the right direction. size: the sum of the squares of the distances from
+ * the first corner, at least that of the products of their lengths. */
+static inline int norma_core_area_is_sure(double square, double size, uint32_t corners) {
+    const double bound = 0x1p-22 * (double)(corners + 8) * size;
+    return (square >= bound * bound) & (square > NORMA_TINIEST) & (square < NORMA_HUGEST);
+}
+
+/* Whether the cross product of a corner's edges is right, from its square and the product of the
+ * edges' squares: rounding does not make a needle of nothing, nor turn it over. */
+static inline int norma_core_corner_is_sure(double square, double squares) {
+    return (square >= 0x1p-40 * squares) & (square > NORMA_TINIEST) & (square < NORMA_HUGEST);
+}
+
+/* Whether the side to which a corner turns is the sign of along, its cross product's dot product
+ * with the polygon's normal. Both directions are right to 2^-30 rad. */
+static inline int norma_core_turn_is_sure(double along, double length) {
+    return fabs(along) > 0x1p-28 * length;
+}
+
+/* ---- sums of products of up to four doubles without any rounding, for signs and zeros that must be exact. A long fixed-point register holds every bit that such a product can have (Kulisch's accumulator). It is slow beside two or three floating-point operations, so callers ask a floating-point filter first and come here only where that cannot decide. */
+
+enum { EXACT_SUM_FACTORS = 4, EXACT_SUM_LIMBS = 264 };
+
+/* Two's complement; the lowest bit weighs 2^(-4 * 1074). The widest sum, 2^12 products near 2^4096,
+ * leaves the sign bit free. */
+typedef struct exact_sum {
+    uint32_t limb[EXACT_SUM_LIMBS];
+} exact_sum;
+
+/* mantissa * 2^exponent with 1 <= |mantissa| < 2, or mantissa 0: a double without its narrow range.
+ */
+typedef struct scaled_number {
+    double mantissa;
+    int exponent;
+} scaled_number;
+
+void norma_exact_clear(exact_sum *sum);
+void norma_exact_add(
+    exact_sum *sum, const double *factors, int count, int negative); /* all finite; count 1 to 4 */
+scaled_number norma_exact_round(const exact_sum *sum);               /* to nearest, ties to even */
+
+scaled_number norma_scaled_from_double(double value); /* finite */
+double norma_scaled_to_double(
+    scaled_number number); /* rounded: infinite or zero beyond a double's range */
+
+/* ---- the vector area of a face, exactly. */
+
+typedef void exact_point(const void *context, size_t index, double point[3]);
+
+/* Twice the vector area of the polygon of count >= 3 finite points, sum of (p_i - p_0) x (p_{i+1} -
+ * p_0), in exact integer arithmetic: area * 2^exponent, each component rounded once, relative to
+ * the largest. Returns 0 (and zeros) where it is exactly zero. */
+int norma_core_exact_area(
+    exact_point *point, const void *context, size_t count, double area[3], int *exponent);
+
+/* ---- on which side of straight a corner of a polygon lies, exactly. */
+
+/* Whether the edges at a corner, seen along the polygon's vector area, turn the other way than the
+ * polygon: those from previous to here and from here to next. The polygon's count points and the
+ * corner's are finite. O(count). */
+int norma_core_turns_back(exact_point *point, const void *context, size_t count,
+    const double here[3], const double next[3], const double previous[3]);
+
+/* ---- a number by which a face's reversed twin is recognised: the face that has the same (welded) positions in opposite order, wherever either begins. */
+
+/* The two lowest bits tell the way round: 0 or 1, or 2 for a face that is its own reverse. */
+enum { CORE_KEY_WAY = 3 };
+
+/* O(corners of the face). */
+uint64_t norma_core_twin_key(const core_mesh *mesh, size_t face);
+
+/* At one edge, a triangle and its twin run opposite ways and have the third position in common. */
+static inline uint64_t norma_core_triangle_key(uint32_t third) { return (uint64_t)third << 2 | 2; }
+
+/* The key that the twins of a face with this key have. */
+static inline uint64_t norma_core_key_of_twin(uint64_t key) { return key ^ ((~key >> 1) & 1); }
+
+/* ---- faces of three to eight corners measured many at a time, eight of equally many corners at once. Faces of more corners, and what doubles do not decide, are left to face_geometry.c, whose bits these are. */
+
+enum {
+    CORE_FACES_AT_ONCE = 64, /* more would need more stack than a caller's jobs may have */
+    CORE_MOST_CORNERS = 8,
+    CORE_CORNERS_AT_ONCE = CORE_FACES_AT_ONCE * CORE_MOST_CORNERS,
+    CORE_SLOTS = 112 /* batches of eight, one of each number of corners not full */
+};
+
+static const double CORE_FLAT_COSINE = 0.98481; /* of 10 degrees and a little less */
+
+typedef struct core_measured {
+    _Alignas(64) double row[CORE_SLOTS][4]; /* the unit normal, and 1; of each slot, as all here */
+    core_lane twice_area[CORE_SLOTS / CORE_LANES];
+    core_lane weight[CORE_SLOTS / CORE_LANES][CORE_MOST_CORNERS]; /* of each corner, where wanted */
+    uint8_t face[CORE_SLOTS];            /* its face, numbered from begin */
+    uint8_t slot[CORE_FACES_AT_ONCE];    /* of each face */
+    uint8_t corners[CORE_FACES_AT_ONCE]; /* 0: left to others, and nothing else is said of it */
+    uint8_t flat[CORE_FACES_AT_ONCE];    /* where weights are by angle: whether each corner's edges
+                                            turn about its normal, to CORE_FLAT_COSINE */
+    uint32_t first[CORE_FACES_AT_ONCE];  /* the place of its first corner in at */
+    const uint32_t *at;                  /* of each corner its position, welded where they are */
+    uint32_t room[CORE_CORNERS_AT_ONCE]; /* for at, where it is not the mesh's */
+} core_measured;
+
+/* The faces from begin to before end, CORE_FACES_AT_ONCE at most. */
+void norma_core_measure_faces(core_level level, const core_mesh *mesh, size_t begin, size_t end,
+    norma_weight weight, core_corners wanted, core_measured *out);
+
+/* ---- the direction and size of a face, and what each of its corners weighs. */
+
+enum {
+    CORE_FACE_DIRECTED = 1,
+    CORE_FACE_FINITE = 2,
+    CORE_FACE_EDGED = 4
+}; /* edged: three corners or more are left */
+
+typedef struct core_face {
+    double normal[3];  /* unit where directed, else zero */
+    double twice_area; /* 0 where not directed */
+    uint64_t key;      /* by twin_key.h, of polygons with edges whose fans are asked for; else 0 */
+    uint32_t kept;     /* corners that are left when those at one position in a row are one */
+    uint8_t flags;
+} core_face;
+
+/* O(corners of the face). */
+void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out);
+
+/* The same of count <= CORE_FACES_AT_ONCE faces in a row. */
+void norma_core_faces_geometry(
+    const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out);
+
+/* Loads a triangle into a lane of a batch. Returns whether its corners are at three positions. */
+int norma_core_load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane);
+
+/* What a kept corner of a directed face weighs. Constant time, but for runs of corners at one
+ * position. */
+double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size_t number,
+    const core_face *face, size_t corner);
+#endif
