@@ -3,7 +3,7 @@
  * vertices that begin there are written. */
 #include "core/smooth/smooth_fans.h"
 #include "core/mesh/mesh.h"
-#include "core/vertex/add_polygons.h"
+#include "core/vertex/vertex.h"
 #include <stdatomic.h>
 
 enum {

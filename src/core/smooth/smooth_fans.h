@@ -3,7 +3,7 @@
  * measured once. */
 #ifndef NORMA_CORE_SMOOTH_FANS_H
 #define NORMA_CORE_SMOOTH_FANS_H
-#include "core/vertex/position_bins.h"
+#include "core/vertex/vertex.h"
 
 typedef struct smooth_fans {
     core_range *ranges; /* of the chunks of faces, as the mesh names positions; NULL: the mesh is

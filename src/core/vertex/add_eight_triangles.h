@@ -4,7 +4,7 @@
 #define NORMA_CORE_VERTEX_ADD_EIGHT_H
 #include "core/call/weight.h"
 #include "core/face/eight_vectors.h"
-#include "core/vertex/add_triangles.h"
+#include "core/vertex/vertex.h"
 
 /* Eight triangles, or fewer at the end of all: what each adds to the sums of its corners, its row
  * times the weight of each; where all corners weigh the same, the row itself. */

@@ -3,7 +3,7 @@
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("no-tree-slp-vectorize") /* as in add_triangles.c */
 #endif
-#include "core/vertex/add_polygons.h"
+#include "core/vertex/vertex.h"
 #include "core/face/eight_vectors.h"
 #include "core/face/face.h"
 

@@ -5,7 +5,7 @@
     "no-tree-slp-vectorize") /* this compiler gathers neighbouring addresses into vectors, only to \
                                 take them out again one by one */
 #endif
-#include "core/vertex/add_triangles.h"
+#include "core/vertex/vertex.h"
 #include "core/vertex/add_triangles_simd.h"
 #include "core/vertex/add_eight_triangles.h"
 #include "core/vertex/add_triangles_wasm.h"

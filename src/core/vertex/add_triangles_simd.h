@@ -4,7 +4,7 @@
 #ifndef NORMA_CORE_VERTEX_ADD_SIMD_H
 #define NORMA_CORE_VERTEX_ADD_SIMD_H
 #include "core/call/call.h"
-#include "core/vertex/add_triangles.h"
+#include "core/vertex/vertex.h"
 
 #if defined(CORE_HAS_X86)
 size_t norma_core_add_eights_avx2(const core_adder *adder, size_t begin, size_t end);

@@ -5,7 +5,7 @@
 #define NORMA_CORE_FINISH_LANES_H
 #include "core/face/eight_vectors.h"
 #include "core/face/face.h"
-#include "core/vertex/vertex_normals.h"
+#include "core/vertex/vertex.h"
 
 typedef struct core_lengths {
     core_lane x, y, z, length;

@@ -3,7 +3,7 @@
 #include "io/together/together.h"
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"
-#include "core/vertex/open_votes.h"
+#include "core/vertex/vertex.h"
 #include "io/file/file.h"
 #include <math.h>
 #include <stdlib.h>

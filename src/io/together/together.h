@@ -9,7 +9,7 @@
 #include <norma/norma.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "core/vertex/open_sum.h"
+#include "core/vertex/vertex.h"
 
 /* ---- A surface of a document where a node draws it: positions in the world, which of them are
  * one, and the faces in an order of corners that depends on the positions alone. */

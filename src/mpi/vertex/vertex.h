@@ -5,7 +5,7 @@
 #include "core/corner/prepared_mesh.h"
 #include "mpi/exchange/exchange.h"
 #include "core/mesh/mesh.h"
-#include "core/vertex/sum_record.h"
+#include "core/vertex/vertex.h"
 
 /* ---- The faces of a part in ascending global number. */
 
