@@ -1,6 +1,6 @@
 /* fallback_normals.c: the stars of the sources are made a second time rather than all normals kept,
  * since files where many corners lack one are rare. */
-#include "core/corner/fallback_normals.h"
+#include "core/corner/corner.h"
 #include "core/mesh/mesh.h"
 #include "core/call/call.h"
 

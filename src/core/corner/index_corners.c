@@ -1,6 +1,6 @@
 /* index_corners.c: norma_index_corners. Corners whose values agree are found by hashes of their
  * bytes; the first of them stands for all, and new vertices are numbered in the order of firsts. */
-#include "core/corner/index_corners.h"
+#include "core/corner/corner.h"
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"
 #include <string.h>

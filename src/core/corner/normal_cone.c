@@ -3,9 +3,8 @@
  * the normals, and two or three of them hold it. They are found by taking in, again and again, the
  * normal that lies farthest outside: each time the cone of the few grows, so the search ends; ties
  * go to the first. */
-#include "core/corner/normal_cone.h"
+#include "core/corner/corner.h"
 #include "core/call/call.h"
-#include "core/corner/vertex_star.h"
 #include "core/face/face.h"
 
 #if defined(__GNUC__)

@@ -1,8 +1,231 @@
-/* visit_positions.c: positions in chunks of fixed size, so that partial counts do not depend on the
- * threads. Ordinary stars are made many at a time, others one by one; those that a stack has no
- * room for are few, and come last, one after the other, in memory that is taken once. Where
- * triangles without a direction turn up, their stars wait until it is known whose they borrow. */
-#include "core/corner/fan_batch.h"
+/* visit_positions.c: a star of very many corners, to the same fans, counts and bits as any star, in 20 bytes for each corner instead of 260. Nothing that can be read or measured again is kept: its edges are two sorted lists of numbers, joined some at a time in a star of ordinary size; its fans are summed one after the other, and each is seen at once. */
+#include "core/call/call.h"
+#include "core/corner/corner.h"
+#include "core/corner/star_kernel.h"
+
+enum { CORNERS_BETWEEN_TELLING = 1 << 17 };
+
+norma_result norma_core_large_star_allocate(
+    const core_call *call, large_star *large, size_t corners) {
+    large->room = corners;
+    large->out = norma_core_allocate(call, corners, sizeof *large->out);
+    large->back = norma_core_allocate(call, corners, sizeof *large->back);
+    large->fan = norma_core_allocate(call, corners, sizeof *large->fan);
+    return large->out && large->back && large->fan ? NORMA_OK : NORMA_ERROR_MEMORY;
+}
+
+void norma_core_large_star_release(const core_call *call, large_star *large) {
+    norma_core_release(call, large->out, large->room, sizeof *large->out);
+    norma_core_release(call, large->back, large->room, sizeof *large->back);
+    norma_core_release(call, large->fan, large->room, sizeof *large->fan);
+    *large = (large_star){0};
+}
+
+typedef struct large_visit {
+    const core_prepared_mesh *prepared;
+    const position_visit *visit;
+    const large_star *large;
+    const uint32_t *corners; /* of the star, count of them */
+    size_t count, listed[2]; /* in out and in back: corners that have edges */
+    core_star *star;         /* for some of them */
+    stars_part *part;
+} large_visit;
+
+/* ---- the edges */
+
+static uint64_t entry_of(uint32_t other, size_t number) { return (uint64_t)other << 32 | number; }
+
+/* Nonzero where a caller who is told of progress wants to stop. */
+static int stops(const large_visit *l, size_t at) {
+    return at % CORNERS_BETWEEN_TELLING == 0 && norma_core_progress(l->prepared->call, 1);
+}
+
+static norma_result list_corners(large_visit *l) {
+    for (size_t begin = 0; begin < l->count; begin += STAR_ROOM) {
+        if (stops(l, begin)) return NORMA_CANCELLED;
+        norma_core_star_fill(l->prepared, l->corners + begin,
+            l->count - begin < STAR_ROOM ? l->count - begin : STAR_ROOM, 0, l->star);
+        for (size_t i = 0; i < l->star->count; i++) {
+            const star_corner *c = &l->star->corners[i];
+            l->large->fan[begin + i] = (uint32_t)(begin + i);
+            if (!(c->flags & STAR_KEPT)) continue;
+            l->large->out[l->listed[0]++] = entry_of(c->next, begin + i);
+            l->large->back[l->listed[1]++] = entry_of(c->previous, begin + i);
+        }
+    }
+    return NORMA_OK;
+}
+
+/* How far the entries of the same other position go. */
+static size_t run_end(const uint64_t *entries, size_t begin, size_t count, uint32_t other) {
+    while (begin < count && entries[begin] >> 32 == other) begin++;
+    return begin;
+}
+
+typedef struct edge_run {
+    size_t begin[2], end[2];
+} edge_run; /* in out and in back: one edge, or some in a row */
+
+static size_t run_length(const edge_run *run) {
+    return run->end[0] - run->begin[0] + run->end[1] - run->begin[1];
+}
+
+static edge_run next_edge(const large_visit *l, const size_t at[2]) {
+    const uint64_t *const lists[2] = {l->large->out, l->large->back};
+    uint32_t other = UINT32_MAX;
+    edge_run run = {{at[0], at[1]}, {0, 0}};
+    for (int side = 0; side < 2; side++)
+        if (at[side] < l->listed[side] && lists[side][at[side]] >> 32 < other)
+            other = (uint32_t)(lists[side][at[side]] >> 32);
+    for (int side = 0; side < 2; side++)
+        run.end[side] = run_end(lists[side], at[side], l->listed[side], other);
+    return run;
+}
+
+/* What the star found joined is joined. numbers: of its corners in the large one. */
+static void carry_over(const large_visit *l, core_star *star, const uint32_t *numbers) {
+    for (uint32_t i = 0; i < star->count; i++) {
+        const uint32_t fan = norma_core_set_of(star->joined, i);
+        if (fan != i) norma_core_join_sets(l->large->fan, numbers[i], numbers[fan]);
+    }
+}
+
+/* A corner that is at two of the edges comes twice. fan_of serves for the corners' numbers, since
+ * this star's fans are never numbered. */
+static void join_run(const large_visit *l, const edge_run *run, core_star *star) {
+    uint32_t *numbers = star->fan_of, *corners = (uint32_t *)(void *)star->sorted;
+    size_t count = 0;
+    for (size_t i = run->begin[0]; i < run->end[0]; i++)
+        numbers[count++] = (uint32_t)l->large->out[i];
+    for (size_t i = run->begin[1]; i < run->end[1]; i++)
+        numbers[count++] = (uint32_t)l->large->back[i];
+    for (size_t i = 0; i < count; i++) corners[i] = l->corners[numbers[i]];
+    norma_core_star_fill(l->prepared, corners, count, 0, star);
+    star->edge_count = count;
+    for (uint32_t i = 0; i < count; i++) {
+        const star_corner *c = &star->corners[i];
+        if (i < run->end[0] - run->begin[0])
+            star->edges[i] = (star_edge){.key = c->next_key, .other = c->next, .corner = i};
+        else
+            star->edges[i] =
+                (star_edge){.key = c->previous_key, .other = c->previous, .back = 1, .corner = i};
+    }
+    norma_core_sort_edges(star);
+    norma_core_star_join_listed(l->prepared, star, l->visit->counting ? &l->part->counts : NULL);
+    carry_over(l, star, numbers);
+}
+
+/* An edge of more faces than an ordinary star has room for. */
+static norma_result join_large_run(const large_visit *l, const edge_run *run) {
+    core_star star;
+    const size_t count = run_length(run);
+    if (norma_core_star_allocate(l->prepared->call, &star, count) != NORMA_OK)
+        return NORMA_ERROR_MEMORY;
+    norma_core_star_begin(l->prepared, l->star->position, &star);
+    join_run(l, run, &star);
+    norma_core_star_release(l->prepared->call, &star, count);
+    return NORMA_OK;
+}
+
+static norma_result join_edges(const large_visit *l) {
+    edge_run some = {{0, 0}, {0, 0}};
+    for (size_t edges = 0; some.end[0] < l->listed[0] || some.end[1] < l->listed[1]; edges++) {
+        const edge_run run = next_edge(l, some.end);
+        if (stops(l, edges)) return NORMA_CANCELLED;
+        if (run_length(&run) + run_length(&some) > STAR_ROOM && run_length(&some)) {
+            join_run(l, &some, l->star);
+            some = (edge_run){{run.begin[0], run.begin[1]}, {run.begin[0], run.begin[1]}};
+        }
+        if (run_length(&run) > STAR_ROOM) {
+            if (join_large_run(l, &run) != NORMA_OK) return NORMA_ERROR_MEMORY;
+            memcpy(some.begin, run.end, sizeof some.begin);
+        }
+        memcpy(some.end, run.end, sizeof some.end);
+    }
+    join_run(l, &some, l->star);
+    return NORMA_OK;
+}
+
+/* ---- the fans */
+
+/* The mesh's corners, fan by fan in the order of their first ones, each ascending; ends: at each
+ * fan's first corner where it ends. Both in memory that the edges no longer need. */
+static void order_by_fan(const large_visit *l, uint32_t *ends, uint32_t *ordered) {
+    uint32_t *fan = l->large->fan, sum = 0;
+    memset(ends, 0, l->count * sizeof *ends);
+    for (size_t i = 0; i < l->count; i++) {
+        fan[i] = fan[fan[i]];
+        ends[fan[i]]++;
+    }
+    for (size_t i = 0; i < l->count; i++) {
+        if (fan[i] != i) continue;
+        const uint32_t count = ends[i];
+        ends[i] = sum;
+        sum += count;
+    }
+    for (size_t i = 0; i < l->count; i++) ordered[ends[fan[i]]++] = l->corners[i];
+}
+
+static void see_fan(
+    const large_visit *l, const star_sum *sum, const uint32_t *corners, size_t count) {
+    core_fan fan = {
+        .reason = l->star->finite ? NORMA_REASON_UNREFERENCED : NORMA_REASON_NON_FINITE};
+    if (l->star->finite && sum->votes) norma_core_decide_sum(sum->sum, sum->weight, &fan);
+    const core_fans fans = {.position = l->star->position,
+        .count = (uint32_t)count,
+        .fan_count = 1,
+        .corners = corners,
+        .fans = &fan};
+    l->visit->see(l->visit->context, &fans, &l->part->tally);
+}
+
+static norma_result see_fans(const large_visit *l) {
+    uint32_t *ends = (uint32_t *)(void *)l->large->out,
+             *ordered = (uint32_t *)(void *)l->large->back;
+    size_t at = 0;
+    order_by_fan(l, ends, ordered);
+    for (size_t first = 0; first < l->count; first++) {
+        star_sum sum = {.votes = 0};
+        const size_t begin = at;
+        if (l->large->fan[first] != first) continue;
+        for (; at < ends[first]; at++) {
+            if (stops(l, at)) return NORMA_CANCELLED;
+            if (at % STAR_ROOM == 0)
+                norma_core_star_fill(l->prepared, ordered + at,
+                    l->count - at < STAR_ROOM ? l->count - at : STAR_ROOM, 1, l->star);
+            norma_core_star_vote(&l->star->corners[at % STAR_ROOM], &sum);
+        }
+        see_fan(l, &sum, ordered + begin, at - begin);
+    }
+    return NORMA_OK;
+}
+
+norma_result norma_core_visit_large_star(const core_prepared_mesh *prepared,
+    const position_visit *visit, uint32_t position, large_star *large, stars_part *part) {
+    star_room room;
+    core_star star;
+    const core_corners_of_position *corners_of = &prepared->corners_of;
+    const uint32_t begin = corners_of->starts[position];
+    large_visit l = {.prepared = prepared,
+        .visit = visit,
+        .large = large,
+        .corners = corners_of->corners + begin,
+        .count = corners_of->starts[position + 1] - begin,
+        .star = &star,
+        .part = part};
+    norma_core_star_in_room(&star, &room);
+    norma_core_star_begin(prepared, position, &star);
+    norma_result result = list_corners(&l);
+    if (result == NORMA_OK && star.waits) part->waiting++;
+    if (result != NORMA_OK || star.waits) return result;
+    norma_core_count_add(&part->tally.degenerate, &star.degenerate);
+    norma_core_sort_numbers(large->out, l.listed[0]);
+    norma_core_sort_numbers(large->back, l.listed[1]);
+    result = join_edges(&l);
+    return result == NORMA_OK ? see_fans(&l) : result;
+}
+
+/* ---- positions in chunks of fixed size, so that partial counts do not depend on the threads. Ordinary stars are made many at a time, others one by one; those that a stack has no room for are few, and come last, one after the other, in memory that is taken once. Where triangles without a direction turn up, their stars wait until it is known whose they borrow. */
 
 enum { POSITIONS_IN_CHUNK = 2048 };
 

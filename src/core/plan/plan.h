@@ -4,9 +4,8 @@
  * ascending order, that of every sum. */
 #ifndef NORMA_CORE_PLAN_H
 #define NORMA_CORE_PLAN_H
-#include "core/corner/normal_cone.h"
+#include "core/corner/corner.h"
 #include "core/call/call.h"
-#include "core/corner/prepared_mesh.h"
 #include <stdatomic.h>
 #include "core/face/face.h"
 

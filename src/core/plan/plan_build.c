@@ -2,7 +2,7 @@
  * listed in, and lists of those that no block has room for. */
 #include "core/plan/plan.h"
 #include "core/call/call.h"
-#include "core/corner/visit_positions.h"
+#include "core/corner/corner.h"
 #include <math.h>
 
 /* ---- What a plan keeps, from the allocator of its creation. */

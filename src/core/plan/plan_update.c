@@ -1,7 +1,7 @@
 /* plan_update.c: one update: block by block, then the groups without a block, then what has no
  * corners. */
 #include "core/plan/plan.h"
-#include "core/corner/vertex_star.h"
+#include "core/corner/corner.h"
 #include "core/mesh/mesh.h"
 #include <math.h>
 

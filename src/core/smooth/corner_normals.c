@@ -1,6 +1,6 @@
 /* corner_normals.c: norma_corner_normals. Positions that are smooth fans first, where they can be
  * found by sums; of all others the stars' fans, written to the corners that are in them. */
-#include "core/corner/fallback_normals.h"
+#include "core/corner/corner.h"
 #include "core/smooth/smooth_fans.h"
 #include <math.h>
 

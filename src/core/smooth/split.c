@@ -3,8 +3,7 @@
  * are such firsts, a byte for each corner, and the normals of positions that need no split, most of
  * them: smooth fans first, where they can be found by sums. The others' corners are sorted out
  * again in the second pass, when they have their numbers. */
-#include "core/corner/fallback_normals.h"
-#include "core/corner/corner_sort.h"
+#include "core/corner/corner.h"
 #include "core/smooth/smooth_fans.h"
 #include <math.h>
 

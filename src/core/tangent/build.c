@@ -1,7 +1,7 @@
 /* build.c: norma_build: normals of corners, tangents of corners, then corners that agree in
  * position, normal, texture coordinates and tangent, byte for byte, as vertices. */
 #include "core/tangent/tangents.h"
-#include "core/corner/index_corners.h"
+#include "core/corner/corner.h"
 #include <string.h>
 
 enum {

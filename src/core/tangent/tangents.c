@@ -1,6 +1,6 @@
 /* tangents.c: norma_corner_tangents and norma_split_tangents. */
 #include "core/tangent/tangents.h"
-#include "core/corner/index_corners.h"
+#include "core/corner/corner.h"
 
 /* ---- norma_corner_tangents. Arguments, the vertices that corners share, then one of
  * two ways to make tangents. */

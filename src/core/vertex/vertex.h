@@ -1,8 +1,7 @@
 /* vertex.h: weighted sums at positions, and the normals of vertices. */
 #ifndef NORMA_CORE_VERTEX_VERTEX_H
 #define NORMA_CORE_VERTEX_VERTEX_H
-#include "core/corner/prepared_mesh.h"
-#include "core/corner/visit_positions.h"
+#include "core/corner/corner.h"
 #include "core/call/call.h"
 #include "core/face/face.h"
 #include "core/mesh/mesh.h"

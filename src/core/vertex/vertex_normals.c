@@ -1,7 +1,7 @@
 /* vertex_normals.c: norma_vertex_normals. Sums or cones first; then each vertex takes what became of its position, or of itself, and is written. */
 #include "core/mesh/mesh.h"
 #include "core/vertex/vertex.h"
-#include "core/corner/corner_sort.h"
+#include "core/corner/corner.h"
 
 enum { VERTICES_IN_CHUNK = 16384 };
 

@@ -2,7 +2,7 @@
 #include "mpi/vertex/vertex.h"
 #include "core/call/call.h"
 #include "core/call/weight.h"
-#include "core/corner/vertex_star.h"
+#include "core/corner/corner.h"
 
 /* ---- Triangles are measured eight at a time, as the core does; what doubles do not decide,
  * and polygons, by themselves. */

@@ -2,7 +2,7 @@
 #ifndef NORMA_MPI_VERTEX_H
 #define NORMA_MPI_VERTEX_H
 #include "core/call/call.h"
-#include "core/corner/prepared_mesh.h"
+#include "core/corner/corner.h"
 #include "mpi/exchange/exchange.h"
 #include "core/mesh/mesh.h"
 #include "core/vertex/vertex.h"

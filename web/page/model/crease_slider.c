@@ -4,7 +4,7 @@
  * same. */
 #include "crease_slider.h"
 #include "core/call/call.h"
-#include "core/corner/vertex_star.h"
+#include "core/corner/corner.h"
 #include "core/face/face.h"
 #include <stdlib.h>
 

@@ -1,10 +1,220 @@
-/* fans_simd.c: a batch of stars joined and summed: loops over lanes, compiled for each instruction
- * set as those of measure.c are. */
-#include "core/corner/fan_batch.h"
-#include "core/call/call.h"
+/* star_kernel.c: eight triangles at a time, from the edges of the mesh to normals and weights. */
+#include "core/corner/star_kernel.h"
 #include "core/face/eight_vectors.h"
 #include "core/face/face.h"
+#include "core/call/call.h"
 #include "core/mesh/mesh.h"
+
+void norma_core_clear_measured(measured_faces *m) {
+    memset(m->number, 0xff, sizeof m->number);
+    memset(m->used, 0, sizeof m->used);
+    m->batch = 1;
+    m->waiting_count = 0;
+}
+
+CORE_INLINE void load_edges(
+    const core_mesh *mesh, const uint32_t at[3 * CORE_LANES], core_batch *batch) {
+    double p[3][3];
+    if (core_can_gather(mesh)) {
+        core_gather_edges(core_points_of(mesh, at, 3), batch);
+        return;
+    }
+    for (int i = 0; i < CORE_LANES; i++) {
+        for (int k = 0; k < 3; k++) norma_core_position(mesh, at[3 * i + k], p[k]);
+        core_set_edges(batch, i, (const double(*)[3])p);
+    }
+}
+
+/* Eight faces, and where they go. */
+typedef void measure_eight(
+    const core_prepared_mesh *s, const uint32_t *faces, const uint16_t *places, measured_face *out);
+
+CORE_INLINE void measure(const core_prepared_mesh *s, const uint32_t *faces, const uint16_t *places,
+    measured_face *out) {
+    uint32_t at[3 * CORE_LANES];
+    core_batch b;
+    core_rows normals, weights;
+    for (size_t i = 0; i < CORE_LANES; i++)
+        for (size_t k = 0; k < 3; k++)
+            at[3 * i + k] = norma_core_corner(&s->mesh, 3 * (size_t)faces[i] + k);
+    load_edges(&s->mesh, at, &b);
+    norma_core_measure(s->call->level, &b, s->call->options.weight, CORE_ALL_CORNERS);
+    core_lanes_to_rows(b.normal[0], b.normal[1], b.normal[2], b.sure, &normals);
+    core_lanes_to_rows(b.weight[0], b.weight[1], b.weight[2], b.sure, &weights);
+    for (size_t i = 0; i < CORE_LANES; i++) {
+        memcpy(out[places[i]].normal, normals.row[i], sizeof out->normal);
+        memcpy(out[places[i]].weight, weights.row[i], sizeof out->weight);
+    }
+}
+
+static void measure_portable(const core_prepared_mesh *s, const uint32_t *faces,
+    const uint16_t *places, measured_face *out) {
+    measure(s, faces, places, out);
+}
+#if defined(CORE_HAS_X86)
+CORE_FOR_AVX2 static void measure_avx2(const core_prepared_mesh *s, const uint32_t *faces,
+    const uint16_t *places, measured_face *out) {
+    measure(s, faces, places, out);
+}
+static measure_eight *const MEASURE[] = {
+    measure_portable, measure_avx2, measure_avx2}; /* rows are of four */
+#else
+static measure_eight *const MEASURE[] = {measure_portable};
+#endif
+
+void norma_core_measure_waiting(const core_prepared_mesh *prepared, measured_faces *m) {
+    measure_eight *const measure_them = MEASURE[prepared->call->level];
+    for (uint32_t i = m->waiting_count; i % CORE_LANES; i++) {
+        m->waiting[i] = m->waiting[0];
+        m->waiting_place[i] = m->waiting_place[0];
+    }
+    for (uint32_t i = 0; i < m->waiting_count; i += CORE_LANES)
+        measure_them(prepared, m->waiting + i, m->waiting_place + i, m->room);
+    m->waiting_count = 0;
+    m->batch++;
+}
+
+/* ---- small meshes */
+
+/* No more than what is small beside a thread's stack: 64 kB. */
+enum { SMALL_FACES = 1 << 10, FACES_IN_TASK = 1 << 9 };
+_Static_assert(SMALL_FACES <= UINT16_MAX, "a place is a face's number");
+
+static void measure_task(void *context, size_t task) {
+    const core_prepared_mesh *s = context;
+    const size_t count = s->mesh.face_count, begin = task * FACES_IN_TASK,
+                 end = count - begin < FACES_IN_TASK ? count : begin + FACES_IN_TASK;
+    for (size_t f = begin; f < end; f += CORE_LANES) {
+        uint32_t faces[CORE_LANES];
+        uint16_t places[CORE_LANES];
+        for (size_t i = 0; i < CORE_LANES; i++) {
+            faces[i] = (uint32_t)(f + i < end ? f + i : f);
+            places[i] = (uint16_t)faces[i];
+        }
+        MEASURE[s->call->level](s, faces, places, s->measured);
+    }
+}
+
+norma_result norma_core_measure_small(core_prepared_mesh *s) {
+    const size_t faces = s->mesh.face_count;
+    if (s->mesh.face_starts || s->measured || faces > SMALL_FACES ||
+        s->corners_of.starts[s->corners_of.position_count] < faces)
+        return NORMA_OK;
+    if (!(s->measured = norma_core_allocate(s->call, faces, sizeof *s->measured)))
+        return NORMA_ERROR_MEMORY;
+    return norma_core_parallel(
+        s->call, faces / FACES_IN_TASK + (faces % FACES_IN_TASK != 0), measure_task, s);
+}
+
+/* ---- what memory has to say about a batch of stars. In meshes of random order each of a corner's reads misses the caches, so they are asked for in stages, each while something else is computed, so that memory is never idle: the mesh's corners two batches ahead, the positions that these name one batch ahead, the places where the normals go when the star is first touched. */
+
+enum { CORNERS_AHEAD = 2 * BATCH_CORNERS, NEAR = 1 << 17 };
+
+int norma_core_can_batch(const core_prepared_mesh *prepared) {
+    const norma_options *o = &prepared->call->options;
+    return o->weight != NORMA_WEIGHT_VISIBLE &&
+           !(prepared->mesh.weld && o->weld == NORMA_WELD_DISTANCE);
+}
+
+void norma_core_clear_batch(fan_batch *batch) {
+    norma_core_clear_measured(&batch->measured);
+    memset(batch->notes, 0, sizeof batch->notes);
+}
+
+void norma_core_clear_list(star_list *list, const position_visit *visit) {
+    list->visit = visit;
+    list->corner_count = 0;
+    list->star_count = 0;
+}
+
+static void read_polygon_corners(const core_prepared_mesh *prepared, star_list *list) {
+    const core_mesh *mesh = &prepared->mesh;
+    for (size_t i = 0; i < list->corner_count; i++) {
+        const size_t corner = list->corners[i],
+                     face = norma_core_face_of(&prepared->corners_of, list->corners[i]);
+        list->face[i] = (uint32_t)face;
+        list->turn[i] = 0;
+        list->next[i] = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, corner));
+        list->previous[i] =
+            norma_core_corner(mesh, norma_core_previous_in_face(mesh, face, corner));
+    }
+}
+
+/* Corners of 32 bits in a loop without a question inside. */
+static inline uint32_t corner_at(const core_mesh *mesh, size_t corner, int plain) {
+    uint32_t index;
+    if (!plain) return norma_core_corner(mesh, corner);
+    memcpy(&index, (const unsigned char *)mesh->corners + 4 * corner, sizeof index);
+    return index;
+}
+
+static inline void read_triangle_corners(const core_mesh *mesh, star_list *list, int plain) {
+    for (size_t i = 0; i < list->corner_count; i++) {
+        const uint32_t corner = list->corners[i], face = corner / 3, turn = corner - 3 * face;
+        list->face[i] = face;
+        list->turn[i] = turn;
+        list->next[i] = corner_at(mesh, turn == 2 ? corner - 2 : corner + 1, plain);
+        list->previous[i] = corner_at(mesh, turn == 0 ? corner + 2 : corner - 1, plain);
+    }
+}
+
+/* Of most stars, each next is also a previous. */
+static void ask_for_positions(
+    const core_prepared_mesh *prepared, const star_list *list, size_t begin, size_t count) {
+    const core_mesh *mesh = &prepared->mesh;
+    const uint32_t *next = list->next + begin;
+    for (size_t i = 0; i < count; i++) {
+        __builtin_prefetch(
+            (const unsigned char *)mesh->positions.data + next[i] * mesh->positions.stride);
+        if (mesh->weld) __builtin_prefetch(&mesh->weld[next[i]]);
+        if (prepared->faces) __builtin_prefetch(&prepared->faces[list->face[begin + i]]);
+    }
+}
+
+int norma_core_list_star(
+    const core_prepared_mesh *prepared, uint32_t position, uint32_t count, star_list *list) {
+    const uint32_t *corners = prepared->corners_of.corners + prepared->corners_of.starts[position],
+                   at = (uint32_t)list->corner_count;
+    if (at + count > BATCH_CORNERS) return 0;
+    memcpy(list->corners + at, corners, count * sizeof *corners);
+    list->stars[list->star_count++] = (listed_star){.position = position,
+        .begin = (uint16_t)at,
+        .count = (uint16_t)count,
+        .scattered = corners[count - 1] - corners[0] > NEAR};
+    list->corner_count += count;
+    return 1;
+}
+
+void norma_core_read_list(const core_prepared_mesh *prepared, star_list *list) {
+    if (prepared->faces)
+        read_polygon_corners(prepared, list);
+    else if (prepared->mesh.corner_size == sizeof(uint32_t))
+        read_triangle_corners(&prepared->mesh, list, 1);
+    else
+        read_triangle_corners(&prepared->mesh, list, 0);
+    for (size_t i = 0; i < list->star_count; i++)
+        if (list->stars[i].scattered)
+            ask_for_positions(prepared, list, list->stars[i].begin, list->stars[i].count);
+}
+
+void norma_core_ask_for_targets(const star_list *list, const listed_star *star) {
+    const position_visit *visit = list->visit;
+    for (size_t i = star->begin; i < (size_t)star->begin + star->count && visit->target; i++)
+        __builtin_prefetch(
+            (const unsigned char *)visit->target + visit->target_size * list->corners[i], 1);
+}
+
+void norma_core_ask_for_corners(const core_prepared_mesh *prepared, const listed_star *star) {
+    const core_corners_of_position *corners_of = &prepared->corners_of;
+    const core_mesh *mesh = &prepared->mesh;
+    const size_t begin = corners_of->starts[star->position] + (size_t)CORNERS_AHEAD,
+                 listed = corners_of->starts[corners_of->position_count];
+    for (size_t i = begin; i < begin + star->count && i < listed && mesh->corners; i++)
+        __builtin_prefetch(
+            (const unsigned char *)mesh->corners + mesh->corner_size * corners_of->corners[i]);
+}
+
+/* ---- a batch of stars joined and summed: loops over lanes, compiled for each instruction set as those of measure.c are. */
 
 /* ---- weights of polygons' corners; triangles are measured as faces (measured_faces.c) */
 

@@ -1,0 +1,391 @@
+/* corner.h: creases; a mesh made ready for stars; stars, their edges and fans, one by one and all of them. */
+#ifndef NORMA_CORE_CORNER_CORNER_H
+#define NORMA_CORE_CORNER_CORNER_H
+#include "core/mesh/mesh.h"
+#include "core/call/call.h"
+#include "core/face/face.h"
+#include <stddef.h>
+#include <stdatomic.h>
+
+/* ---- the crease rule, the one place that says which shared edges are smooth: the dihedral angle is at most the crease, no side marks the edge hard, and where smoothing groups are given the two faces have one in common. Most angles are decided by their cosine, which loops over many edges can compare; the angle itself is taken only where the cosine is too near the crease's. */
+
+typedef struct core_crease {
+    double angle;  /* the greatest dihedral angle that is smooth, the tolerance in it; beyond pi:
+                      every angle */
+    double cosine; /* about its cosine; 2 where no angle is smooth, -2 where all are */
+} core_crease;
+
+/* ARGUMENT where it is NaN, infinite or above pi, as degrees would be; fault may be NULL. */
+norma_result norma_core_check_crease(float crease_angle_rad, norma_fault *fault);
+core_crease norma_core_crease_at(double crease_angle_rad);
+
+typedef enum core_crease_verdict {
+    CORE_CREASE_UNDECIDED = -1,
+    CORE_CREASE_HARD,
+    CORE_CREASE_SMOOTH
+} core_crease_verdict;
+
+/* By the cosine of the dihedral angle: the dot product of the two unit normals. Its doubt is beyond
+ * the rounding of both. */
+static const double CORE_COSINE_DOUBT = 0x1p-30;
+static inline int norma_core_is_surely_smooth(const core_crease *crease, double cosine) {
+    return cosine > crease->cosine + CORE_COSINE_DOUBT;
+}
+static inline int norma_core_is_surely_hard(const core_crease *crease, double cosine) {
+    return cosine < crease->cosine - CORE_COSINE_DOUBT;
+}
+static inline core_crease_verdict norma_core_crease_by_cosine(
+    const core_crease *crease, double cosine) {
+    if (norma_core_is_surely_smooth(crease, cosine)) return CORE_CREASE_SMOOTH;
+    return norma_core_is_surely_hard(crease, cosine) ? CORE_CREASE_HARD : CORE_CREASE_UNDECIDED;
+}
+
+/* The same where the cosine does not decide it: by the angle. */
+int norma_core_is_within_crease(const core_crease *crease, const double a[3], const double b[3]);
+
+/* Whether the caller's marks leave the edge smooth: corner at which the edge begins in one face,
+ * and in the face that runs along it the other way. */
+static inline int norma_core_is_unmarked(const core_mesh *mesh, uint32_t corner, uint32_t face,
+    uint32_t other_corner, uint32_t other_face) {
+    if (mesh->hard_edges && (mesh->hard_edges[corner] || mesh->hard_edges[other_corner])) return 0;
+    return !mesh->smoothing_groups ||
+           (mesh->smoothing_groups[face] & mesh->smoothing_groups[other_face]);
+}
+
+/* ---- the smallest cone round normals that are not kept in an array. */
+
+/* Normal index of count; 0 where that one is left out. The same each time it is asked for. */
+typedef int norma_core_cone_at(const void *context, size_t index, double normal[3]);
+
+/* As norma_core_smallest_cone (vertex_star.h), with the same bits. */
+int norma_core_smallest_cone_of(
+    norma_core_cone_at *at, const void *context, size_t count, double axis[3]);
+
+/* ---- an indexed mesh out of values per corner, for calls that make some of them. */
+
+norma_result norma_core_check_indexed(const norma_indexed *indexed);
+norma_result norma_core_check_streams(
+    const norma_stream *streams, size_t stream_count, size_t corner_count, norma_fault *fault);
+
+/* Of checked streams. CAPACITY, OVERFLOW, MEMORY and CANCELLED leave everything as it was. */
+norma_result norma_core_index_corners(core_call *call, const norma_stream *streams,
+    size_t stream_count, size_t corner_count, norma_indexed *to);
+
+/* ---- a mesh made ready for normals at its positions: checked, welded, its corners sorted by position, its polygons measured. */
+
+typedef struct measured_face {
+    double normal[4]; /* unit, and 1; 0 where doubles do not decide it, and nothing here is said */
+    double weight[4]; /* of its corners */
+} measured_face;
+
+typedef struct core_prepared_mesh {
+    core_call *call;
+    core_mesh mesh;
+    core_corners_of_position corners_of;
+    core_face *faces; /* of each face of a mesh of polygons, for stars; NULL for triangles and sums,
+                         whose faces are measured where they are met */
+    measured_face *measured; /* of each face of a small mesh of triangles (measured_faces.h); or
+                                NULL */
+    uint32_t *borrowed_from; /* NULL where no face needs one; else of each face without a direction
+                         the face whose direction it borrows, UINT32_MAX: none */
+    atomic_uchar *flat_at; /* with borrowed_from: nonzero at the positions of faces that have edges
+                              but no direction */
+    norma_count degenerate_faces; /* of polygons, for sums only those without corners; others are
+                                     counted where they are met */
+    core_crease crease;           /* may be changed: nothing else here hangs on it */
+} core_prepared_mesh;
+
+typedef enum core_use {
+    CORE_FOR_SUMS = 0,
+    CORE_FOR_STARS,
+    CORE_FOR_FANS
+} core_use; /* sums need no corners sorted; fans are stars cut at edges */
+
+/* The beginning of a call that cuts fans: options, crease and the mesh's shape are checked. */
+norma_result norma_core_begin_with_crease(core_call *call, const norma_options *options,
+    const norma_mesh *mesh, float crease_angle_rad, core_mesh *checked);
+/* Then its content is checked, and it is opened for fans. */
+norma_result norma_core_prepare_fans(
+    core_call *call, core_mesh *checked, float crease_angle_rad, core_prepared_mesh *prepared);
+/* call stays the caller's. What it returns but NORMA_OK leaves nothing to release. */
+norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, core_use use,
+    double crease_angle_rad, core_prepared_mesh *prepared);
+/* For a mesh that was opened for sums: the corners at some positions, or at all (NULL), are sorted
+ * and polygons measured, those of the chunks alone, so that stars may be made, or fans. */
+norma_result norma_core_prepare_stars(
+    core_prepared_mesh *prepared, const core_some_positions *some);
+/* For triangles, once one without a direction has been met: finds whose directions such borrow.
+ * MEMORY or CANCELLED: it has not. */
+norma_result norma_core_find_borrowed_directions(core_prepared_mesh *prepared);
+void norma_core_prepared_mesh_close(core_prepared_mesh *prepared);
+
+static inline void norma_core_prepared_mesh_face(
+    const core_prepared_mesh *prepared, size_t face, core_face *out) {
+    if (prepared->faces)
+        *out = prepared->faces[face];
+    else
+        norma_core_face_geometry(&prepared->mesh, face, out);
+}
+
+/* ---- the corners around one position, joined into fans by the smooth edges between their faces, and the sum of each fan. */
+
+enum {
+    STAR_VOTES = 1,
+    STAR_KEPT = 2,
+    STAR_HAS_NORMAL = 4,
+    STAR_FLAT = 8
+}; /* flat: finite, with edges, without a direction of its own */
+
+typedef struct star_corner {
+    double normal[3];                /* of its face, its own or borrowed; with STAR_HAS_NORMAL */
+    double weight;                   /* with STAR_VOTES */
+    uint64_t next_key, previous_key; /* by twin_key.h, of its face at the edge to next, from
+                                        previous */
+    uint32_t corner, face;
+    uint32_t next, previous;  /* welded positions of its kept neighbours; with STAR_KEPT */
+    uint32_t previous_corner; /* where the edge from previous begins */
+    uint8_t flags;
+} star_corner;
+
+typedef struct star_edge { /* a face runs along the edge from the star's position to the other one,
+                              or back */
+    uint64_t key;
+    uint32_t other, back;
+    uint32_t corner; /* star number */
+} star_edge;
+
+typedef struct star_sum {
+    double sum[3], weight;
+    size_t votes;
+} star_sum;
+
+typedef struct core_fan {
+    float normal[3]; /* with NORMA_REASON_NONE */
+    uint32_t reason; /* NORMA_REASON_NONE, UNREFERENCED, CANCELLED or NON_FINITE */
+} core_fan;
+
+typedef struct core_star {
+    star_corner *corners;
+    star_edge *edges, *sorted; /* two for each corner */
+    star_sum *sums;            /* these two of each fan */
+    core_fan *fans;
+    uint32_t *joined; /* of each corner, a star number of the same fan, lower or its own; once fans
+                         are joined the lowest */
+    uint32_t
+        *fan_of; /* of each corner, the number of its fan, in the order of their first corners */
+    double (*normals)[3]; /* scratch of the visible weight */
+    size_t count, edge_count, fan_count;
+    uint32_t position;
+    int finite; /* the position itself */
+    int waits;  /* a face here must borrow a direction, and nobody has looked yet whose */
+    norma_count degenerate; /* triangles without a direction whose first corner is here */
+} core_star;
+
+enum { STAR_ROOM = 64 };
+typedef struct star_room { /* what a star of ordinary size needs, for the stack */
+    star_corner corners[STAR_ROOM];
+    star_edge edges[2 * STAR_ROOM], sorted[2 * STAR_ROOM];
+    star_sum sums[STAR_ROOM];
+    core_fan fans[STAR_ROOM];
+    uint32_t joined[STAR_ROOM], fan_of[STAR_ROOM];
+    double normals[STAR_ROOM][3];
+} star_room;
+
+typedef struct star_counts {
+    norma_count non_manifold, conflicts;
+    norma_edges edges;
+} star_counts;
+
+void norma_core_star_in_room(core_star *star, star_room *room);
+norma_result norma_core_star_allocate(const core_call *call, core_star *star, size_t corners);
+void norma_core_star_release(const core_call *call, core_star *star, size_t corners);
+
+/* Of a position, no corners yet. */
+void norma_core_star_begin(const core_prepared_mesh *prepared, uint32_t position, core_star *star);
+/* Fills the star with some of the corners at its position, ascending, whatever it held before;
+ * weights only where asked, since joining needs none. */
+void norma_core_star_fill(const core_prepared_mesh *prepared, const uint32_t *corners, size_t count,
+    int with_weights, core_star *star);
+/* With all of them. */
+void norma_core_star_load(
+    const core_prepared_mesh *prepared, uint32_t position, int with_weights, core_star *star);
+/* One fan of each; or fans by smooth edges, counts (may be NULL) of the edges to positions of
+ * higher number. */
+void norma_core_star_join_all(core_star *star);
+void norma_core_star_join_fans(
+    const core_prepared_mesh *prepared, core_star *star, star_counts *counts);
+/* The edges that are listed in the star, sorted. */
+void norma_core_star_join_listed(
+    const core_prepared_mesh *prepared, core_star *star, star_counts *counts);
+/* Adds a corner's vote, if it has one. */
+void norma_core_star_vote(const star_corner *corner, star_sum *sum);
+/* Sums each fan in ascending order of corners, and gives it a normal or the reason why it has none.
+ */
+void norma_core_star_sum(const core_prepared_mesh *prepared, core_star *star);
+/* The normal of a fan of voters, or that they cancel. */
+void norma_core_decide_sum(const double sum[3], double weight, core_fan *fan);
+/* The most visible normal of some corners alone, given as star numbers. */
+void norma_core_star_see_some(
+    core_star *star, const uint32_t *members, size_t count, core_fan *fan);
+
+/* The corner at which the face's longest edge begins; ties: the first one's. */
+uint32_t norma_core_longest_edge(const core_mesh *mesh, size_t face);
+/* For flat faces whose longest edge (by face) runs between this position and one of higher number:
+ * who lends them a direction. */
+void norma_core_star_borrow_directions(const core_prepared_mesh *prepared, core_star *star,
+    const uint32_t *longest, uint32_t *borrowed_from);
+
+/* The axis of the smallest cone round unit vectors; 0 where no open hemisphere holds them. O(count)
+ * for each of the few vectors that widen it. */
+int norma_core_smallest_cone(const double (*normals)[3], size_t count, double axis[3]);
+
+/* ---- the edges that leave a star's position, one after the other. */
+
+typedef struct edge_side {
+    const star_edge *edges;
+    size_t count;
+} edge_side; /* the faces that run along it one way, by key */
+typedef struct edge {
+    edge_side out, back;
+} edge;
+
+/* star_edges.c: sorts the star's edges by the position at the other end, direction, key. O(n log
+ * n). */
+void norma_core_list_edges(core_star *star);
+/* Sorts those that are listed already. */
+void norma_core_sort_edges(core_star *star);
+/* The edge that begins at edges[begin]; *end is where the next one does. */
+edge norma_core_edge_at(const core_star *star, size_t begin, size_t *end);
+
+/* Two that run along it opposite ways are partners, unless one is the other's reversed twin: of the
+ * same positions in opposite order, back to back. A face that runs both ways is two there, each the
+ * other's partner (a slit); but of one that is its own reverse, as (a, b, c, b) is, they are twins.
+ */
+static inline int norma_core_are_partners(const star_edge *a, const star_edge *b) {
+    return b->key != norma_core_key_of_twin(a->key);
+}
+
+typedef struct edge_partners {
+    size_t count;
+    const star_edge *only; /* where there is just one, else NULL */
+} edge_partners;
+/* The partners of own among those that run the other way; by bisection. */
+edge_partners norma_core_partners_of(const star_edge *own, const edge_side *other);
+/* Each other's only one: that of own, or NULL. */
+const star_edge *norma_core_mutual_partner(
+    const star_edge *own, const edge_side *side, const edge_side *other);
+/* The first edge of the side with this key or a higher one; above: with a higher one. */
+size_t norma_core_first_not_below(const edge_side *side, uint64_t key, int above);
+
+/* By crease.h, out begins at the star's position, back ends there. Swapping the two changes no bit,
+ * so both ends of the edge agree. */
+int norma_core_edge_is_smooth(const core_prepared_mesh *prepared, const core_star *star,
+    const star_edge *out, const star_edge *back);
+
+/* crowded_edge.c: joins all partners at an edge of very many faces; along: its unit direction. 0:
+ * not done, each pair must be tried. */
+int norma_core_join_crowded_edge(
+    const core_prepared_mesh *prepared, core_star *star, const edge *e, const double along[3]);
+
+/* ---- the corners of a star, sorted by vertex and by the bits of their normals. */
+
+typedef struct star_member {
+    uint32_t vertex;
+    uint32_t bits[3]; /* of the normal; zero where it does not matter */
+    uint32_t index;   /* star number, ascending as corners are */
+} star_member;
+
+/* The room of a star's edges, which nobody needs once its fans are joined, holds its members. */
+static inline star_member *norma_core_star_members(core_star *star) {
+    return (star_member *)(void *)star->edges;
+}
+/* The same of the copy that sorting edges took: room for a number of each corner. */
+static inline uint32_t *norma_core_star_numbers(core_star *star) {
+    return (uint32_t *)(void *)star->sorted;
+}
+
+static inline int norma_core_same_normal(const star_member *a, const star_member *b) {
+    return a->vertex == b->vertex && a->bits[0] == b->bits[0] && a->bits[1] == b->bits[1] &&
+           a->bits[2] == b->bits[2];
+}
+
+/* By vertex, bits, index; O(n log n). */
+void norma_core_sort_corners(star_member *members, size_t count);
+
+/* ---- every star of a prepared, visited in parallel. */
+
+typedef enum core_join { CORE_JOIN_ALL = 0, CORE_JOIN_FANS } core_join;
+typedef struct stars_part {
+    core_tally tally;
+    star_counts counts;
+    size_t waiting;
+} stars_part;
+
+/* What becomes of the corners at one position. */
+typedef struct core_fans {
+    uint32_t position, count, fan_count;
+    const uint32_t *corners; /* ascending */
+    const uint32_t *fan_of;  /* of each corner, the number of its fan; NULL with by_fan, and one
+                                fan */
+    const core_fan *fans;
+    star_member *members; /* room for one of each corner */
+    core_star *star;      /* with CORE_JOIN_ALL */
+} core_fans;
+
+/* Sees each position at which there are corners once, its fans joined and summed. What it adds to
+ * tally is summed over all. */
+typedef void position_visitor(void *context, const core_fans *fans, core_tally *tally);
+
+typedef struct position_visit {
+    core_join join;
+    int counting; /* whether edges are counted */
+    int by_fan;   /* the fans of a large star may be seen one by one, with nothing but their corners
+                   */
+    const uint8_t *skip; /* NULL, or nonzero at positions that are passed over */
+    position_visitor *see;
+    void *context;
+    const void
+        *target; /* NULL, or where the visitor will write: target_size bytes for each corner */
+    size_t target_size;
+} position_visit;
+
+/* sum: what all visits added up to, degenerate faces among it. MEMORY or CANCELLED: some were not
+ * made. */
+norma_result norma_core_visit_positions(
+    core_prepared_mesh *prepared, const position_visit *visit, stars_part *sum);
+
+/* large_star.c: stars of very many corners, in little memory, fan by fan; of triangles, all weights
+ * but the visible one. */
+typedef struct large_star {
+    uint64_t *out, *back; /* of each corner: the position at the other end of its edge to next, from
+                             previous, and its star number */
+    uint32_t *fan;        /* of each corner a lower one of the same fan, or itself */
+    size_t room;
+} large_star;
+norma_result norma_core_large_star_allocate(
+    const core_call *call, large_star *large, size_t corners);
+void norma_core_large_star_release(const core_call *call, large_star *large);
+norma_result norma_core_visit_large_star(const core_prepared_mesh *prepared,
+    const position_visit *visit, uint32_t position, large_star *large, stars_part *part);
+
+/* The same for one position, in order, in a star that has room for any position of the surface. */
+void norma_core_make_star(const core_prepared_mesh *prepared, core_join join, uint32_t position,
+    star_counts *counts, core_star *star);
+
+/* ---- corners without a normal get that of the nearest corner that has one. */
+
+typedef struct corner_request {
+    uint32_t position, corner, target;
+} corner_request; /* the normal of this corner, at this position, goes to target */
+
+/* reasons: of each corner. Asks for each corner of which wanted (NULL: each without a normal) is
+ * nonzero; target is the corner. requests has room for count of them; *found: how many have a
+ * source. Where no corner of the mesh has a normal, none. */
+norma_result norma_core_find_sources(const core_prepared_mesh *prepared, const uint8_t *reasons,
+    const uint8_t *wanted, corner_request *requests, size_t count, size_t *found);
+
+/* Hands each request's normal over; stars are made once for each position. Sorts the requests. */
+typedef void corner_receiver(void *context, const corner_request *request, const float normal[3]);
+norma_result norma_core_fetch_normals(const core_prepared_mesh *prepared, corner_request *requests,
+    size_t count, corner_receiver *receive, void *context);
+#endif
