@@ -12,9 +12,9 @@ scripts/build.sh >"$scratch/said" 2>&1
 check "a build succeeds" test -f "$BUILD/lib/libnorma-core.a"
 check "it prints at most ten lines" test "$(wc -l <"$scratch/said")" -le 10
 check "it ends with what was built" bash -c 'tail -n 1 "$0" | grep -q "libnorma-core.a"' "$scratch/said"
-find "$BUILD" -name 'result.c.o' -delete
+find "$BUILD" -name 'call.c.o' -delete
 V=1 scripts/build.sh >"$scratch/said" 2>&1
-check "V=1 shows each file" grep -q 'result.c' "$scratch/said"
+check "V=1 shows each file" grep -q 'call.c' "$scratch/said"
 if CMAKE_FLAGS="$CMAKE_FLAGS -DCMAKE_C_FLAGS=-Dnorma_version=0" scripts/build.sh >"$scratch/said" 2>&1; then
     fail "a build that fails is an error" "$(cat "$scratch/said")"
 else

@@ -289,7 +289,8 @@ void norma_core_write_report(norma_report *report, const core_tally *tally,
     };
 }
 
-/* ---- lengths and directions of any scale: what squares of doubles cannot hold is brought near 1 first, by an exact power of two. */
+/* ---- lengths and directions of any scale: what squares of doubles cannot hold is brought near 1
+ * first, by an exact power of two. */
 
 double norma_core_length(const double v[3]) {
     const double square = norma_core_dot(v, v);

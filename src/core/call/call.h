@@ -1,6 +1,6 @@
-/* call.h: what every call of the library begins and ends with: instruction sets, the caller's views, small
- * vectors, counts, faults, sets and tables, options made whole, memory, threads, progress, and the
- * output. */
+/* call.h: what every call of the library begins and ends with: instruction sets, the caller's
+ * views, small vectors, counts, faults, sets and tables, options made whole, memory, threads,
+ * progress, and the output. */
 #ifndef NORMA_CORE_CALL_CALL_H
 #define NORMA_CORE_CALL_CALL_H
 #include <norma/norma.h>
@@ -9,7 +9,8 @@
 #include <stddef.h>
 #include <stdatomic.h>
 
-/* ---- which instruction sets this machine runs, and how a loop is compiled for each. Every one gives the bits of the portable C code. */
+/* ---- which instruction sets this machine runs, and how a loop is compiled for each. Every one
+ * gives the bits of the portable C code. */
 
 int norma_core_has_isa(norma_isa isa);
 
@@ -57,7 +58,8 @@ core_level norma_core_level(norma_isa isa); /* the highest that the machine has 
     { name##_portable }
 #endif
 
-/* ---- one vector of a view, of any format, stride and alignment, as three doubles, and one index of an array. Every format fits a double exactly. */
+/* ---- one vector of a view, of any format, stride and alignment, as three doubles, and one index
+ * of an array. Every format fits a double exactly. */
 
 /* Bytes of one number; 0 for what is no format. */
 static inline size_t norma_format_size(norma_format format) {
@@ -201,7 +203,9 @@ static inline norma_result norma_core_refuse(norma_fault *fault, norma_result re
     return result;
 }
 
-/* ---- numbers joined into sets (union by the lower number, paths halved: Tarjan, van Leeuwen 1984). joined[i] is a number of the same set, lower or i itself; the lowest of a set is its own. */
+/* ---- numbers joined into sets (union by the lower number, paths halved: Tarjan, van Leeuwen
+ * 1984). joined[i] is a number of the same set, lower or i itself; the lowest of a set is its own.
+ */
 
 /* The lowest number of i's set. */
 static inline uint32_t norma_core_set_of(uint32_t *joined, uint32_t i) {
@@ -217,7 +221,9 @@ static inline void norma_core_join_sets(uint32_t *joined, uint32_t a, uint32_t b
         joined[set_a] = set_b;
 }
 
-/* ---- numbers found again by what they stand for: a hash table with open addressing and linear probing (Knuth, volume 3, 6.4), at most half full. A slot holds a number + 1, or 0 where it is free. What the numbers stand for is the caller's, who compares it. */
+/* ---- numbers found again by what they stand for: a hash table with open addressing and linear
+ * probing (Knuth, volume 3, 6.4), at most half full. A slot holds a number + 1, or 0 where it is
+ * free. What the numbers stand for is the caller's, who compares it. */
 
 /* Slots for so many numbers: a power of two. */
 static inline size_t norma_core_table_size(size_t count) {
@@ -280,7 +286,8 @@ static inline size_t norma_core_bisect(
     return low;
 }
 
-/* ---- one call of the library: the caller's options made whole, its memory, its threads, its progress. */
+/* ---- one call of the library: the caller's options made whole, its memory, its threads, its
+ * progress. */
 
 typedef struct core_team core_team;
 typedef struct core_call {
@@ -338,7 +345,8 @@ void norma_core_dismiss(core_call *call);
  * that one of a lower index is at work or done. */
 void norma_core_wait(const atomic_size_t *value, size_t least);
 
-/* ---- the caller's normals, reasons and report: checked before anything is written, written once, never read. */
+/* ---- the caller's normals, reasons and report: checked before anything is written, written once,
+ * never read. */
 
 typedef struct core_output {
     unsigned char *normals; /* NULL: only counted (norma_split) */

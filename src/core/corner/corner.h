@@ -1,4 +1,5 @@
-/* corner.h: creases; a mesh made ready for stars; stars, their edges and fans, one by one and all of them. */
+/* corner.h: creases; a mesh made ready for stars; stars, their edges and fans, one by one and all
+ * of them. */
 #ifndef NORMA_CORE_CORNER_CORNER_H
 #define NORMA_CORE_CORNER_CORNER_H
 #include "core/mesh/mesh.h"
@@ -7,7 +8,10 @@
 #include <stddef.h>
 #include <stdatomic.h>
 
-/* ---- the crease rule, the one place that says which shared edges are smooth: the dihedral angle is at most the crease, no side marks the edge hard, and where smoothing groups are given the two faces have one in common. Most angles are decided by their cosine, which loops over many edges can compare; the angle itself is taken only where the cosine is too near the crease's. */
+/* ---- the crease rule, the one place that says which shared edges are smooth: the dihedral angle
+ * is at most the crease, no side marks the edge hard, and where smoothing groups are given the two
+ * faces have one in common. Most angles are decided by their cosine, which loops over many edges
+ * can compare; the angle itself is taken only where the cosine is too near the crease's. */
 
 typedef struct core_crease {
     double angle;  /* the greatest dihedral angle that is smooth, the tolerance in it; beyond pi:
@@ -71,7 +75,8 @@ norma_result norma_core_check_streams(
 norma_result norma_core_index_corners(core_call *call, const norma_stream *streams,
     size_t stream_count, size_t corner_count, norma_indexed *to);
 
-/* ---- a mesh made ready for normals at its positions: checked, welded, its corners sorted by position, its polygons measured. */
+/* ---- a mesh made ready for normals at its positions: checked, welded, its corners sorted by
+ * position, its polygons measured. */
 
 typedef struct measured_face {
     double normal[4]; /* unit, and 1; 0 where doubles do not decide it, and nothing here is said */
@@ -84,7 +89,7 @@ typedef struct core_prepared_mesh {
     core_corners_of_position corners_of;
     core_face *faces; /* of each face of a mesh of polygons, for stars; NULL for triangles and sums,
                          whose faces are measured where they are met */
-    measured_face *measured; /* of each face of a small mesh of triangles (measured_faces.h); or
+    measured_face *measured; /* of each face of a small mesh of triangles (star_kernel.h); or
                                 NULL */
     uint32_t *borrowed_from; /* NULL where no face needs one; else of each face without a direction
                          the face whose direction it borrows, UINT32_MAX: none */
@@ -127,7 +132,8 @@ static inline void norma_core_prepared_mesh_face(
         norma_core_face_geometry(&prepared->mesh, face, out);
 }
 
-/* ---- the corners around one position, joined into fans by the smooth edges between their faces, and the sum of each fan. */
+/* ---- the corners around one position, joined into fans by the smooth edges between their faces,
+ * and the sum of each fan. */
 
 enum {
     STAR_VOTES = 1,
@@ -139,8 +145,8 @@ enum {
 typedef struct star_corner {
     double normal[3];                /* of its face, its own or borrowed; with STAR_HAS_NORMAL */
     double weight;                   /* with STAR_VOTES */
-    uint64_t next_key, previous_key; /* by twin_key.h, of its face at the edge to next, from
-                                        previous */
+    uint64_t next_key, previous_key; /* by norma_core_twin_key, of its face at the edge to next,
+                                        from previous */
     uint32_t corner, face;
     uint32_t next, previous;  /* welded positions of its kept neighbours; with STAR_KEPT */
     uint32_t previous_corner; /* where the edge from previous begins */
@@ -249,7 +255,7 @@ typedef struct edge {
     edge_side out, back;
 } edge;
 
-/* star_edges.c: sorts the star's edges by the position at the other end, direction, key. O(n log
+/* Sorts the star's edges by the position at the other end, direction, key. O(n log
  * n). */
 void norma_core_list_edges(core_star *star);
 /* Sorts those that are listed already. */
@@ -277,12 +283,12 @@ const star_edge *norma_core_mutual_partner(
 /* The first edge of the side with this key or a higher one; above: with a higher one. */
 size_t norma_core_first_not_below(const edge_side *side, uint64_t key, int above);
 
-/* By crease.h, out begins at the star's position, back ends there. Swapping the two changes no bit,
- * so both ends of the edge agree. */
+/* By the crease rule, out begins at the star's position, back ends there. Swapping the two changes
+ * no bit, so both ends of the edge agree. */
 int norma_core_edge_is_smooth(const core_prepared_mesh *prepared, const core_star *star,
     const star_edge *out, const star_edge *back);
 
-/* crowded_edge.c: joins all partners at an edge of very many faces; along: its unit direction. 0:
+/* Joins all partners at an edge of very many faces; along: its unit direction. 0:
  * not done, each pair must be tried. */
 int norma_core_join_crowded_edge(
     const core_prepared_mesh *prepared, core_star *star, const edge *e, const double along[3]);
@@ -354,7 +360,7 @@ typedef struct position_visit {
 norma_result norma_core_visit_positions(
     core_prepared_mesh *prepared, const position_visit *visit, stars_part *sum);
 
-/* large_star.c: stars of very many corners, in little memory, fan by fan; of triangles, all weights
+/* Stars of very many corners, in little memory, fan by fan; of triangles, all weights
  * but the visible one. */
 typedef struct large_star {
     uint64_t *out, *back; /* of each corner: the position at the other end of its edge to next, from

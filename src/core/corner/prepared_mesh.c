@@ -224,7 +224,8 @@ void norma_core_prepared_mesh_close(core_prepared_mesh *prepared) {
     *prepared = (core_prepared_mesh){0};
 }
 
-/* ---- norma_find_fault. The checks are those that every call makes, asked once more with room for what they find. */
+/* ---- norma_find_fault. The checks are those that every call makes, asked once more with room for
+ * what they find. */
 
 static norma_result find_wrong_corner(const core_mesh *mesh, norma_fault *fault) {
     for (size_t c = 0; c < mesh->corner_count; c++)

@@ -1,4 +1,4 @@
-/* star.c: loading a star of corners, and summing its fans. */
+/* star.c: a star of corners loaded, its fans summed, its corners sorted by vertex and normal. */
 #include "core/corner/corner.h"
 #include "core/face/face.h"
 #include "core/call/call.h"

@@ -1,4 +1,6 @@
-/* star_fans.c: the threshold, and the angles that a cosine does not decide. */
+/* star_fans.c: which edges of a star are smooth, and the fans that they join: the crease rule, the
+ * edges that leave a position and who are partners at them, and whose direction a face without one
+ * borrows. */
 #include "core/corner/corner.h"
 #include "core/call/call.h"
 #include "core/face/face.h"
@@ -32,7 +34,10 @@ int norma_core_is_within_crease(const core_crease *crease, const double a[3], co
     return norma_core_angle(norma_core_length(cross), cosine) <= crease->angle;
 }
 
-/* ---- the edges that leave a position, and which faces are partners at them. The faces at an edge are sorted by direction and by twin_key.h. A face's partners are then all those that run the other way, less the range of those with its twins' key: found by bisection, so that an edge of a million faces costs no more a face than one of two. */
+/* ---- the edges that leave a position, and which faces are partners at them. The faces at an edge
+ * are sorted by direction and by norma_core_twin_key. A face's partners are then all those that run
+ * the other way, less the range of those with its twins' key: found by bisection, so that an edge
+ * of a million faces costs no more a face than one of two. */
 
 /* ---- sorting: by the position at the other end, direction, key, order of corners */
 
@@ -143,7 +148,13 @@ int norma_core_edge_is_smooth(const core_prepared_mesh *prepared, const core_sta
            norma_core_is_within_crease(&prepared->crease, a->normal, b->normal);
 }
 
-/* ---- an edge of very many faces under the smooth policy, where looking at every pair would take forever. The normals of the faces at an edge stand at right angles to it, so each is one angle round the edge, and two faces bend by the difference of their angles. The faces that run back are joined to their neighbours in angle wherever some face that runs out is near enough to both, and each that runs out to its neighbours among those that run back: the same fans, in O(n log n). Faces whose normals lean (bent polygons) or are borrowed are few, and are compared with all; twins among the others stand opposite, beyond any crease that is asked about. */
+/* ---- an edge of very many faces under the smooth policy, where looking at every pair would take
+ * forever. The normals of the faces at an edge stand at right angles to it, so each is one angle
+ * round the edge, and two faces bend by the difference of their angles. The faces that run back are
+ * joined to their neighbours in angle wherever some face that runs out is near enough to both, and
+ * each that runs out to its neighbours among those that run back: the same fans, in O(n log n).
+ * Faces whose normals lean (bent polygons) or are borrowed are few, and are compared with all;
+ * twins among the others stand opposite, beyond any crease that is asked about. */
 
 typedef struct fin {
     double angle;

@@ -1,4 +1,5 @@
-/* star_kernel.c: eight triangles at a time, from the edges of the mesh to normals and weights. */
+/* star_kernel.c: ordinary stars, many at a time: their triangles are measured eight at a time, what
+ * memory has to say is asked for ahead, and fans are joined and summed in loops over lanes. */
 #include "core/corner/star_kernel.h"
 #include "core/face/eight_vectors.h"
 #include "core/face/face.h"
@@ -106,7 +107,10 @@ norma_result norma_core_measure_small(core_prepared_mesh *s) {
         s->call, faces / FACES_IN_TASK + (faces % FACES_IN_TASK != 0), measure_task, s);
 }
 
-/* ---- what memory has to say about a batch of stars. In meshes of random order each of a corner's reads misses the caches, so they are asked for in stages, each while something else is computed, so that memory is never idle: the mesh's corners two batches ahead, the positions that these name one batch ahead, the places where the normals go when the star is first touched. */
+/* ---- what memory has to say about a batch of stars. In meshes of random order each of a corner's
+ * reads misses the caches, so they are asked for in stages, each while something else is computed,
+ * so that memory is never idle: the mesh's corners two batches ahead, the positions that these name
+ * one batch ahead, the places where the normals go when the star is first touched. */
 
 enum { CORNERS_AHEAD = 2 * BATCH_CORNERS, NEAR = 1 << 17 };
 
@@ -214,9 +218,10 @@ void norma_core_ask_for_corners(const core_prepared_mesh *prepared, const listed
             (const unsigned char *)mesh->corners + mesh->corner_size * corners_of->corners[i]);
 }
 
-/* ---- a batch of stars joined and summed: loops over lanes, compiled for each instruction set as those of measure.c are. */
+/* ---- a batch of stars joined and summed: loops over lanes, compiled for each instruction set as
+ * those of measure_faces.c are. */
 
-/* ---- weights of polygons' corners; triangles are measured as faces (measured_faces.c) */
+/* ---- weights of polygons' corners; triangles are measured as faces  */
 
 typedef struct polygon_lanes {
     _Alignas(64) core_lane at[3], next_at[3], previous_at[3]; /* in: positions */
@@ -450,13 +455,13 @@ static void count_edges(const core_prepared_mesh *s, const star_list *list, cons
  * by the cosine. Corners of a last fan that goes on in the first get that number. */
 CORE_INLINE uint32_t number_fans(fan_batch *t, const listed_star *star) {
     const uint8_t *order = t->order + star->begin;
-    const uint32_t *edge = t->edge + star->begin;
-    const uint32_t first = star->open ? EDGE_CUT | (edge[0] & EDGE_UNSURE) : edge[0];
+    const uint32_t *cut = t->edge + star->begin;
+    const uint32_t first = star->open ? EDGE_CUT | (cut[0] & EDGE_UNSURE) : cut[0];
     uint32_t *fan_of = t->fan_of + star->begin, fan = 0, all = first;
     fan_of[order[0]] = 0;
     for (uint32_t i = 1; i < star->count; i++) {
-        fan += edge[i] & EDGE_CUT;
-        all |= edge[i];
+        fan += cut[i] & EDGE_CUT;
+        all |= cut[i];
         fan_of[order[i]] = fan;
     }
     if (all & (EDGE_NEAR_CREASE | EDGE_UNSURE)) return 0;

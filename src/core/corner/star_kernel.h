@@ -1,9 +1,12 @@
-/* star_kernel.h: ordinary stars, nearly all there are, made many at a time. To the same bits as one by one. */
+/* star_kernel.h: ordinary stars, nearly all there are, made many at a time. To the same bits as one
+ * by one. */
 #ifndef NORMA_CORE_CORNER_STAR_KERNEL_H
 #define NORMA_CORE_CORNER_STAR_KERNEL_H
 #include "core/corner/corner.h"
 
-/* ---- the triangles that a batch of stars needs, measured many at a time, and kept for the batches that follow: among neighbours, each is at three stars not far from each other. Those of a small mesh are measured all at once before the first batch. */
+/* ---- the triangles that a batch of stars needs, measured many at a time, and kept for the batches
+ * that follow: among neighbours, each is at three stars not far from each other. Those of a small
+ * mesh are measured all at once before the first batch. */
 
 enum { BATCH_CORNERS = 128, FACES_KEPT = 256 };
 
@@ -45,7 +48,9 @@ static inline uint16_t norma_core_place_of_face(measured_faces *m, uint32_t face
     return place;
 }
 
-/* ---- ordinary stars, nearly all there are, made many at a time: up to so many corners, along each edge one face out and one back, with at most one gap, and directions that doubles decide; of polygons, faces that keep all their corners. To the same bits as one by one. */
+/* ---- ordinary stars, nearly all there are, made many at a time: up to so many corners, along each
+ * edge one face out and one back, with at most one gap, and directions that doubles decide; of
+ * polygons, faces that keep all their corners. To the same bits as one by one. */
 
 enum { ORDINARY_CORNERS = 16, NOTE_BITS = 10 };
 

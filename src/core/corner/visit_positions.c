@@ -1,4 +1,8 @@
-/* visit_positions.c: a star of very many corners, to the same fans, counts and bits as any star, in 20 bytes for each corner instead of 260. Nothing that can be read or measured again is kept: its edges are two sorted lists of numbers, joined some at a time in a star of ordinary size; its fans are summed one after the other, and each is seen at once. */
+/* visit_positions.c: every star of a mesh, in parallel: ordinary ones many at a time, others one by
+ * one. First the largest: a star of very many corners, to the same fans, counts and bits as any
+ * star, in 20 bytes for each corner instead of 260. Nothing that can be read or measured again is
+ * kept: its edges are two sorted lists of numbers, joined some at a time in a star of ordinary
+ * size; its fans are summed one after the other, and each is seen at once. */
 #include "core/call/call.h"
 #include "core/corner/corner.h"
 #include "core/corner/star_kernel.h"
@@ -225,7 +229,10 @@ norma_result norma_core_visit_large_star(const core_prepared_mesh *prepared,
     return result == NORMA_OK ? see_fans(&l) : result;
 }
 
-/* ---- positions in chunks of fixed size, so that partial counts do not depend on the threads. Ordinary stars are made many at a time, others one by one; those that a stack has no room for are few, and come last, one after the other, in memory that is taken once. Where triangles without a direction turn up, their stars wait until it is known whose they borrow. */
+/* ---- positions in chunks of fixed size, so that partial counts do not depend on the threads.
+ * Ordinary stars are made many at a time, others one by one; those that a stack has no room for are
+ * few, and come last, one after the other, in memory that is taken once. Where triangles without a
+ * direction turn up, their stars wait until it is known whose they borrow. */
 
 enum { POSITIONS_IN_CHUNK = 2048 };
 

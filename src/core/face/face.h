@@ -1,5 +1,5 @@
-/* face.h: directions and weights of faces and their corners: many at a time where doubles decide them,
- * exactly where they do not; twins. */
+/* face.h: directions and weights of faces and their corners: many at a time where doubles decide
+ * them, exactly where they do not; twins. */
 #ifndef NORMA_CORE_FACE_FACE_H
 #define NORMA_CORE_FACE_FACE_H
 #include "core/call/call.h"
@@ -54,7 +54,9 @@ typedef enum core_corners {
 void norma_core_measure(
     core_level level, core_batch *batch, norma_weight weight, core_corners wanted);
 
-/* ---- what is computed of a triangle, in double precision and without branches, so that a loop over lanes of triangles becomes vector instructions on every machine, with the same bits as one triangle alone. */
+/* ---- what is computed of a triangle, in double precision and without branches, so that a loop
+ * over lanes of triangles becomes vector instructions on every machine, with the same bits as one
+ * triangle alone. */
 
 #define NORMA_PI 3.141592653589793
 
@@ -164,7 +166,8 @@ static inline double norma_core_weigh(norma_weight weight, double aa, double bb,
         weight, aa, bb, reflex ? 2 * NORMA_PI - angle : angle, cross, twice_area);
 }
 
-/* ---- what is computed of a polygon and of its corners where doubles decide it, one at a time in face_geometry.c and many at once in measure_faces.c: the same operations, hence the same bits. */
+/* ---- what is computed of a polygon and of its corners where doubles decide it, one at a time in
+ * face_geometry.c and many at once in measure_faces.c: the same operations, hence the same bits. */
 
 /* Whether a vector area has the right direction. size: the sum of the squares of the distances from
  * the first corner, at least that of the products of their lengths. */
@@ -185,7 +188,10 @@ static inline int norma_core_turn_is_sure(double along, double length) {
     return fabs(along) > 0x1p-28 * length;
 }
 
-/* ---- sums of products of up to four doubles without any rounding, for signs and zeros that must be exact. A long fixed-point register holds every bit that such a product can have (Kulisch's accumulator). It is slow beside two or three floating-point operations, so callers ask a floating-point filter first and come here only where that cannot decide. */
+/* ---- sums of products of up to four doubles without any rounding, for signs and zeros that must
+ * be exact. A long fixed-point register holds every bit that such a product can have (Kulisch's
+ * accumulator). It is slow beside two or three floating-point operations, so callers ask a
+ * floating-point filter first and come here only where that cannot decide. */
 
 enum { EXACT_SUM_FACTORS = 4, EXACT_SUM_LIMBS = 264 };
 
@@ -229,7 +235,8 @@ int norma_core_exact_area(
 int norma_core_turns_back(exact_point *point, const void *context, size_t count,
     const double here[3], const double next[3], const double previous[3]);
 
-/* ---- a number by which a face's reversed twin is recognised: the face that has the same (welded) positions in opposite order, wherever either begins. */
+/* ---- a number by which a face's reversed twin is recognised: the face that has the same (welded)
+ * positions in opposite order, wherever either begins. */
 
 /* The two lowest bits tell the way round: 0 or 1, or 2 for a face that is its own reverse. */
 enum { CORE_KEY_WAY = 3 };
@@ -243,7 +250,9 @@ static inline uint64_t norma_core_triangle_key(uint32_t third) { return (uint64_
 /* The key that the twins of a face with this key have. */
 static inline uint64_t norma_core_key_of_twin(uint64_t key) { return key ^ ((~key >> 1) & 1); }
 
-/* ---- faces of three to eight corners measured many at a time, eight of equally many corners at once. Faces of more corners, and what doubles do not decide, are left to face_geometry.c, whose bits these are. */
+/* ---- faces of three to eight corners measured many at a time, eight of equally many corners at
+ * once. Faces of more corners, and what doubles do not decide, are left to face_geometry.c, whose
+ * bits these are. */
 
 enum {
     CORE_FACES_AT_ONCE = 64, /* more would need more stack than a caller's jobs may have */
@@ -283,8 +292,9 @@ enum {
 typedef struct core_face {
     double normal[3];  /* unit where directed, else zero */
     double twice_area; /* 0 where not directed */
-    uint64_t key;      /* by twin_key.h, of polygons with edges whose fans are asked for; else 0 */
-    uint32_t kept;     /* corners that are left when those at one position in a row are one */
+    uint64_t
+        key; /* by norma_core_twin_key, of polygons with edges whose fans are asked for; else 0 */
+    uint32_t kept; /* corners that are left when those at one position in a row are one */
     uint8_t flags;
 } core_face;
 

@@ -1,4 +1,5 @@
-/* face_exact.c: the register of exact_sum.h, in 32-bit limbs, so that only integer arithmetic that every compiler has is needed. */
+/* face_exact.c: areas, sums and turns where doubles do not decide. The register of exact_sum, in
+ * 32-bit limbs, so that only integer arithmetic that every compiler has is needed. */
 #include "core/face/face.h"
 #include <math.h>
 #include <string.h>
@@ -115,7 +116,9 @@ double norma_scaled_to_double(scaled_number number) {
     return ldexp(number.mantissa, number.exponent);
 }
 
-/* ---- every finite double is an integer times a power of two, so all points of a face are integers in the unit of the least bit among them, and sums of products of their differences are integers too: in 128 bits where they fit (nearly always), else in as many words as it takes. */
+/* ---- every finite double is an integer times a power of two, so all points of a face are integers
+ * in the unit of the least bit among them, and sums of products of their differences are integers
+ * too: in 128 bits where they fit (nearly always), else in as many words as it takes. */
 
 __extension__ typedef __int128 wide;
 __extension__ typedef unsigned __int128 unsigned_wide;
@@ -328,7 +331,9 @@ int norma_core_exact_area(
     return found;
 }
 
-/* ---- the sign of the dot product of two vector areas, the corner's and the polygon's, each the sum of p x q over its edges from p to q. The polygon's is summed exactly, and multiplied with the corner's a double at a time. */
+/* ---- the sign of the dot product of two vector areas, the corner's and the polygon's, each the
+ * sum of p x q over its edges from p to q. The polygon's is summed exactly, and multiplied with the
+ * corner's a double at a time. */
 
 static void add_cross(exact_sum area[3], const double p[3], const double q[3]) {
     for (int k = 0; k < 3; k++) {

@@ -1,4 +1,7 @@
-/* face_geometry.c: a face's direction is that of its vector area, sum of (p_i - p_0) x (p_{i+1} - p_0) (Newell's method, Sutherland, Sproull, Schumacker 1974, relative to one vertex, so that no distance from the origin is felt). Doubles where their error bound shows the direction right to 2^-30 rad; exact integers where it does not: thin faces, and all that may have no area at all. */
+/* face_geometry.c: a face's direction is that of its vector area, sum of (p_i - p_0) x (p_{i+1} -
+ * p_0) (Newell's method, Sutherland, Sproull, Schumacker 1974, relative to one vertex, so that no
+ * distance from the origin is felt). Doubles where their error bound shows the direction right to
+ * 2^-30 rad; exact integers where it does not: thin faces, and all that may have no area at all. */
 #include "core/face/face.h"
 
 /* Walks a face's kept corners in ascending order. Callers ask for points 0, 1, 2, ... and then 0
@@ -223,7 +226,10 @@ double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size
     return polygon_weight(weight, (kept_walk){.mesh = mesh, .face = number}, face, &p);
 }
 
-/* ---- the kept corners are hashed in a row, forwards and backwards, from each of them on: rolling hashes (Karp, Rabin 1987), since the hash of a row that begins one corner later follows in a few operations. The sums over all beginnings do not depend on where the face begins; the two change places in its reversed twin. */
+/* ---- the kept corners are hashed in a row, forwards and backwards, from each of them on: rolling
+ * hashes (Karp, Rabin 1987), since the hash of a row that begins one corner later follows in a few
+ * operations. The sums over all beginnings do not depend on where the face begins; the two change
+ * places in its reversed twin. */
 
 static const uint64_t BASE = UINT64_C(0x9e3779b97f4a7c15), INVERSE = UINT64_C(0xf1de83e19937733d);
 _Static_assert(UINT64_C(0x9e3779b97f4a7c15) * UINT64_C(0xf1de83e19937733d) == 1,

@@ -1,4 +1,5 @@
-/* measure_faces.c: the faces of a block are sorted by their number of corners, and those of each number measured eight at a time. */
+/* measure_faces.c: the faces of a block are sorted by their number of corners, and those of each
+ * number measured eight at a time. */
 #include "core/face/measure_faces_simd.h"
 #include "core/face/measure_simd.h"
 
@@ -102,7 +103,8 @@ void norma_core_measure_faces(core_level level, const core_mesh *mesh, size_t be
             measures[level](&faces, begins.of[n], begins.of[n + 1], n);
 }
 
-/* ---- batches measured, compiled for each instruction set of the machine's family and chosen at run time. */
+/* ---- batches measured, compiled for each instruction set of the machine's family and chosen at
+ * run time. */
 
 CORE_INLINE void measure(core_batch *t, norma_weight weight, core_corners wanted) {
     CORE_LOOP_FOR_WEIGHT(weight, core_lanes_measure, t, wanted)

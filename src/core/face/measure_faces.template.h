@@ -1,6 +1,6 @@
 /* measure_faces.template.h: faces of equally many corners measured and weighed, as many at once as
  * a register has lanes. Included by a file for each instruction set, as
- * measure_triangles.template.h is. The operations are those of polygon.h and face_geometry.c. */
+ * measure_triangles.template.h is. The operations are those of face.h and face_geometry.c. */
 #include "core/face/face.h"
 
 /* What is kept of eight faces until their weights are taken, of each corner. */

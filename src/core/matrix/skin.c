@@ -3,8 +3,8 @@
  * Each vertex has a matrix of its own, B: the joints' matrices, weighted and added up in double
  * precision in ascending order of influence. Positions and tangents go through B, normals through
  * sign(det B) cof(B): the blend's normal matrix, not the blend of normal matrices. A vertex whose
- * normal doubles do not decide is done again in exact arithmetic (exact_sum.h), with B's entries as
- * sums that have not been rounded (Shewchuk 1997, Grow-Expansion).
+ * normal doubles do not decide is done again in exact arithmetic (core/face/face_exact.c), with B's
+ * entries as sums that have not been rounded (Shewchuk 1997, Grow-Expansion).
  *
  * Dual quaternions: Kavan, Collins, Zara, O'Sullivan 2008, Geometric Skinning with Approximate Dual
  * Quaternion Blending, eq. 18. Each joint is a rotation after a stretch, M = R S, with S symmetric

@@ -1,4 +1,5 @@
-/* mesh.c: what must hold of a mesh before anything is computed or written: first its shape, then what its arrays say. */
+/* mesh.c: what must hold of a mesh before anything is computed or written: first its shape, then
+ * what its arrays say. */
 #include "core/mesh/mesh.h"
 #include "core/call/call.h"
 #include <math.h>

@@ -1,10 +1,11 @@
-/* mesh.h: the checked input: its faces' corners, welding, the corners at each position, positions copied
- * for faces that lie far apart, and the nearest of some points. */
+/* mesh.h: the checked input: its faces' corners, welding, the corners at each position, positions
+ * copied for faces that lie far apart, and the nearest of some points. */
 #ifndef NORMA_CORE_MESH_MESH_H
 #define NORMA_CORE_MESH_MESH_H
 #include "core/call/call.h"
 
-/* ---- the caller's mesh, checked, and read corner by corner. Corners and positions are numbered in 32 bits. */
+/* ---- the caller's mesh, checked, and read corner by corner. Corners and positions are numbered in
+ * 32 bits. */
 
 typedef struct core_mesh {
     norma_vec3_view positions; /* its stride is never 0 */
@@ -95,7 +96,8 @@ static inline size_t norma_core_face_end(const core_mesh *mesh, size_t face) {
     return mesh->face_starts ? mesh->face_starts[face + 1] : 3 * face + 3;
 }
 
-/* ---- from corner to corner within a face. Corners in a row at one (welded) position count as one: the last of them is kept. */
+/* ---- from corner to corner within a face. Corners in a row at one (welded) position count as one:
+ * the last of them is kept. */
 
 static inline size_t norma_core_next_in_face(const core_mesh *mesh, size_t face, size_t corner) {
     return corner + 1 < norma_core_face_end(mesh, face) ? corner + 1
@@ -153,7 +155,7 @@ norma_result norma_core_weld_keys(
 norma_result norma_core_weld(core_call *call, core_mesh *mesh);
 void norma_core_unweld(const core_call *call, core_mesh *mesh);
 
-/* weld_distance.c: joins, in a map of equal positions, those that a chain of steps of at most
+/* Joins, in a map of equal positions, those that a chain of steps of at most
  * distance (in the unit that positions are read in) connects. */
 norma_result norma_core_weld_near(
     core_call *call, const core_mesh *mesh, double distance, uint32_t *weld);
@@ -185,7 +187,10 @@ static inline size_t norma_core_face_of(const core_corners_of_position *corners_
     return corners_of->faces ? corners_of->faces[corner] : corner / 3;
 }
 
-/* ---- meshes whose faces name positions far apart. What is read in no order is read through the table of pages as much as through the caches, and the caller's pages are small as a rule: three positions of a triangle took 33 to 50 ns there and 11 ns in pages of 2 MiB. So what is read so is copied first, which takes 1 to 2 ns for 12 bytes. */
+/* ---- meshes whose faces name positions far apart. What is read in no order is read through the
+ * table of pages as much as through the caches, and the caller's pages are small as a rule: three
+ * positions of a triangle took 33 to 50 ns there and 11 ns in pages of 2 MiB. So what is read so is
+ * copied first, which takes 1 to 2 ns for 12 bytes. */
 
 /* Whether faces in a row touch positions all over the mesh; its indices are checked.
  * Looks at some of them. */
@@ -196,7 +201,8 @@ int norma_core_is_scattered(const core_mesh *mesh);
 norma_result norma_core_copy_scattered(core_call *call, const core_mesh *mesh, core_mesh *copy);
 void norma_core_release_scattered(const core_call *call, const core_mesh *mesh, core_mesh *copy);
 
-/* ---- a balanced tree over positions (Bentley 1975), for the two questions about distance: what is nearest, and what lies within a step. */
+/* ---- a balanced tree over positions (Bentley 1975), for the two questions about distance: what is
+ * nearest, and what lies within a step. */
 
 typedef struct core_box {
     double low[3], high[3];

@@ -1,4 +1,6 @@
-/* nearest.c: built by halving at the median of the widest side, so its depth is the logarithm of its size whatever the input; a range of one single point is a leaf however many sites it has, with the site of least rank first. */
+/* nearest.c: the nearest of some positions by a k-d tree, built by halving at the median of the
+ * widest side, so its depth is the logarithm of its size whatever the input; a range of one single
+ * point is a leaf however many sites it has, with the site of least rank first. */
 #include "core/mesh/mesh.h"
 
 static double larger(double a, double b) { return a > b ? a : b; }

@@ -1,4 +1,8 @@
-/* weld.c: equal keys are found in two steps. Keys are dealt into buckets by their hash, each as a tag and its number, in ascending order; then a table for each bucket, small enough for the nearest cache, finds equal tags, and only then are keys looked at. The first one stands for the rest. One table for all took a miss of every cache for each key. */
+/* weld.c: equal positions as one, those within a distance too. Equal keys are found in two steps.
+ * Keys are dealt into buckets by their hash, each as a tag and its number, in ascending order; then
+ * a table for each bucket, small enough for the nearest cache, finds equal tags, and only then are
+ * keys looked at. The first one stands for the rest. One table for all took a miss of every cache
+ * for each key. */
 #include "core/mesh/mesh.h"
 #include "core/call/call.h"
 #include <string.h>
@@ -205,7 +209,10 @@ norma_result norma_core_weld_keys(
     return result;
 }
 
-/* ---- the components of "at most a step apart", by walking a tree of positions against itself. Two branches are joined whole where even their farthest points are a step apart, and passed over where their nearest are not, or where they are joined already: so dense clusters cost no more than sparse ones, and the answer does not depend on any order. */
+/* ---- the components of "at most a step apart", by walking a tree of positions against itself. Two
+ * branches are joined whole where even their farthest points are a step apart, and passed over
+ * where their nearest are not, or where they are joined already: so dense clusters cost no more
+ * than sparse ones, and the answer does not depend on any order. */
 
 typedef struct joiner {
     core_call *call;

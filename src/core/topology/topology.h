@@ -22,7 +22,7 @@
                         which runs the other way */
 
 typedef struct core_polygon {
-    uint64_t key; /* by twin_key.h */
+    uint64_t key; /* by norma_core_twin_key */
     uint32_t
         anchor; /* the corner at its least position, the first of several; UINT32_MAX: no edges */
     uint32_t kept; /* corners that are left */
@@ -42,7 +42,7 @@ typedef struct core_topology {
 
 typedef struct core_edge_run { /* a face runs along an edge between the star's position and another
                                   one */
-    uint64_t key;              /* by twin_key.h */
+    uint64_t key;              /* by norma_core_twin_key */
     uint32_t other;            /* position */
     uint32_t corner;           /* at which the run begins */
     uint32_t slot;             /* of the star */

@@ -1,4 +1,5 @@
-/* binned_sums.c: how large bins are, and which thread works on which. */
+/* binned_sums.c: sums of a range of positions at a time, in memory that stays in the cache: how
+ * large such bins are, and which thread works on which. */
 #include "core/vertex/vertex.h"
 #include <stdatomic.h>
 
@@ -106,7 +107,11 @@ void norma_core_add_to_bin(
     }
 }
 
-/* ---- vertex normals where faces in a row touch positions near each other. Each bin, a range of positions, has its sums in memory that stays in the cache from one bin to the next; the chunks of faces that touch it are added, and its normals written. The sums of all positions, which would be written, read and written, and read again, never reach memory: that alone was 60 of the 100 bytes that a triangle moved. A chunk that touches two bins is measured for both. */
+/* ---- vertex normals where faces in a row touch positions near each other. Each bin, a range of
+ * positions, has its sums in memory that stays in the cache from one bin to the next; the chunks of
+ * faces that touch it are added, and its normals written. The sums of all positions, which would be
+ * written, read and written, and read again, never reach memory: that alone was 60 of the 100 bytes
+ * that a triangle moved. A chunk that touches two bins is measured for both. */
 
 enum { AT_ONCE = 64 };
 

@@ -1,4 +1,4 @@
-/* open_sum.c: sums in any order. */
+/* open_sum.c: sums in any order, with the same bits. */
 #include "core/vertex/vertex.h"
 #include "core/call/call.h"
 #include "core/face/face.h"

@@ -59,7 +59,7 @@ static inline void norma_core_release_vertices(core_vertices *vertices) {
     *vertices = (core_vertices){.prepared = vertices->prepared};
 }
 
-/* vertex_sums.c, most_visible_normals.c. What they return but NORMA_OK leaves nothing to release.
+/* vertex_sums.c, vertex_normals.c. What they return but NORMA_OK leaves nothing to release.
  * tally: degenerate faces are added. scattered: faces in a row lie far apart. */
 norma_result norma_core_sum_vertices(
     core_prepared_mesh *prepared, int scattered, core_vertices *vertices, core_tally *tally);
@@ -75,7 +75,19 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, const core_ra
 int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]);
 int norma_core_resolve_cone(const core_vertices *vertices, size_t vertex, float normal[3]);
 
-/* ---- whether the faces at a position are one smooth fan, followed as they are added to its sum, so that nobody has to sort them: nearly all positions of most meshes are. Each face leads from its next to its previous neighbour of the position. Faces whose ends meet are chained, whatever order they come in, in a few chains at a time. All faces are one fan, every edge between them shared by just two and smooth, where at the end there is one chain, all normals lie within half the crease and 30 degrees of one axis, and the angles add up to what one turn can hold. For then, seen along that axis, each face turns the same way round the position by less than pi, and by cos 30 to 1 / cos 30 times its own angle: a closed chain turns by a multiple of 2 pi, which is 2 pi where its angles add up to less than 4 pi cos 30, and an open one by less than 2 pi where they add up to less than 2 pi cos 30. So no neighbour is met twice, each edge has one face on either side, none is another's reversed twin, and every dihedral angle is within the crease. A polygon counts for as much where no corner of it bends by more than 10 degrees from its normal: then 40 degrees take the place of 30. What fails may still be one fan: stars are made of it. */
+/* ---- whether the faces at a position are one smooth fan, followed as they are added to its sum,
+ * so that nobody has to sort them: nearly all positions of most meshes are. Each face leads from
+ * its next to its previous neighbour of the position. Faces whose ends meet are chained, whatever
+ * order they come in, in a few chains at a time. All faces are one fan, every edge between them
+ * shared by just two and smooth, where at the end there is one chain, all normals lie within half
+ * the crease and 30 degrees of one axis, and the angles add up to what one turn can hold. For then,
+ * seen along that axis, each face turns the same way round the position by less than pi, and by cos
+ * 30 to 1 / cos 30 times its own angle: a closed chain turns by a multiple of 2 pi, which is 2 pi
+ * where its angles add up to less than 4 pi cos 30, and an open one by less than 2 pi where they
+ * add up to less than 2 pi cos 30. So no neighbour is met twice, each edge has one face on either
+ * side, none is another's reversed twin, and every dihedral angle is within the crease. A polygon
+ * counts for as much where no corner of it bends by more than 10 degrees from its normal: then 40
+ * degrees take the place of 30. What fails may still be one fan: stars are made of it. */
 
 enum { CORE_CHAINS = 3 };
 
@@ -186,7 +198,8 @@ static inline int norma_core_is_one_turn(face_chains *c, double angles, int poly
     return angles < (c->first[0] == c->last[0] ? 9 : polygons ? 4.8 : 5.4);
 }
 
-/* ---- the loops that most of the time of norma_vertex_normals goes to: triangles added to the sums of positions, at once or by way of queues, and sums made normals. */
+/* ---- the loops that most of the time of norma_vertex_normals goes to: triangles added to the sums
+ * of positions, at once or by way of queues, and sums made normals. */
 
 typedef struct core_adder {
     const core_mesh *mesh;
@@ -245,7 +258,10 @@ core_finish_sums *norma_core_choose_finish(norma_isa isa);
 
 core_add_faces *norma_core_choose_add_polygons(norma_isa isa);
 
-/* ---- work on ranges of positions, each with all faces that touch it, where faces in a row touch positions near each other. What is kept of a range's positions lies in memory that stays in the cache from one range to the next. A chunk of faces that touches two ranges is measured for both. */
+/* ---- work on ranges of positions, each with all faces that touch it, where faces in a row touch
+ * positions near each other. What is kept of a range's positions lies in memory that stays in the
+ * cache from one range to the next. A chunk of faces that touches two ranges is measured for both.
+ */
 
 typedef struct core_bins {
     const core_mesh *mesh;
@@ -307,7 +323,13 @@ void norma_core_add_to_bin(
 norma_result norma_core_queue_vertices(const core_prepared_mesh *prepared, const core_mesh *mesh,
     vertex_sum *sums, norma_count *degenerate, int *done);
 
-/* ---- weighted sums of vectors that do not depend on the order in which they are added, nor on how they are grouped: for one surface in many files. Each number is cut into digits of 32 bits at fixed places, and the digits of a place are added as integers. A sum keeps three places, from that of the largest weight on; what lies below is cut off each number, also of those that were added before (their lowest digits are dropped). So the sum follows from the set of what was added. It errs by less than 2^-64 of the largest weight for each of them. (Demmel, Nguyen 2013, "Fast reproducible floating-point summation", with integers.) */
+/* ---- weighted sums of vectors that do not depend on the order in which they are added, nor on how
+ * they are grouped: for one surface in many files. Each number is cut into digits of 32 bits at
+ * fixed places, and the digits of a place are added as integers. A sum keeps three places, from
+ * that of the largest weight on; what lies below is cut off each number, also of those that were
+ * added before (their lowest digits are dropped). So the sum follows from the set of what was
+ * added. It errs by less than 2^-64 of the largest weight for each of them. (Demmel, Nguyen 2013,
+ * "Fast reproducible floating-point summation", with integers.) */
 
 enum { OPEN_SUM_PLACES = 3 };
 

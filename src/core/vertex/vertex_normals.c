@@ -1,4 +1,5 @@
-/* vertex_normals.c: norma_vertex_normals. Sums or cones first; then each vertex takes what became of its position, or of itself, and is written. */
+/* vertex_normals.c: norma_vertex_normals. Sums or cones first; then each vertex takes what became
+ * of its position, or of itself, and is written. */
 #include "core/mesh/mesh.h"
 #include "core/vertex/vertex.h"
 #include "core/corner/corner.h"
@@ -165,7 +166,8 @@ norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *o
     return result;
 }
 
-/* ---- the most visible normal of each position, from its star; where no open hemisphere holds its faces, that of each of its vertices. */
+/* ---- the most visible normal of each position, from its star; where no open hemisphere holds its
+ * faces, that of each of its vertices. */
 
 enum { OWN = 0x80 }; /* the vertex has a result of its own, since that of its position cancelled */
 

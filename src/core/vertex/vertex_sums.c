@@ -1,4 +1,5 @@
-/* vertex_sums.c: votes added one face at a time, and sums made normals one at a time. The kernels of add_triangles.c do the same for many at once. */
+/* vertex_sums.c: the sums at all positions. Votes added one face at a time, and sums made normals
+ * one at a time. The kernels of add_triangles.c do the same for many at once. */
 #include "core/vertex/vertex.h"
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"
@@ -62,7 +63,15 @@ int norma_core_resolve_record(
     return NORMA_REASON_NONE;
 }
 
-/* ---- sums of a mesh whose faces name positions far apart, by several at once. Each measures chunks of faces of its own and leaves what they add in queues; then each takes what waits for a part of the positions, from the first face to the last. So no face is measured twice, and every sum is taken in ascending order of faces by whichever thread takes it. A segment of the faces is queued and drained at a time, so that the queues stay in the cache; the next segment is queued into others, so that no thread waits for the last to be drained. All jobs are tasks of one call: of each segment those that queue a chunk, then those that drain a part. Tasks are begun in order, so that one that waits for others waits for some that are at work. Jobs of the caller's need not be: they get the tasks that wait for nothing, stage by stage. */
+/* ---- sums of a mesh whose faces name positions far apart, by several at once. Each measures
+ * chunks of faces of its own and leaves what they add in queues; then each takes what waits for a
+ * part of the positions, from the first face to the last. So no face is measured twice, and every
+ * sum is taken in ascending order of faces by whichever thread takes it. A segment of the faces is
+ * queued and drained at a time, so that the queues stay in the cache; the next segment is queued
+ * into others, so that no thread waits for the last to be drained. All jobs are tasks of one call:
+ * of each segment those that queue a chunk, then those that drain a part. Tasks are begun in order,
+ * so that one that waits for others waits for some that are at work. Jobs of the caller's need not
+ * be: they get the tasks that wait for nothing, stage by stage. */
 
 enum { MOST_CHUNKS = 64, LEAST_CHUNKS = 16, BYTES_FOR_EIGHT_FACES = 15, SETS = 2 };
 
@@ -245,7 +254,10 @@ norma_result norma_core_queue_vertices(const core_prepared_mesh *prepared, const
     return result;
 }
 
-/* ---- the weighted sum at each position. Faces are gone through in ascending order, and each adds to the sums of its corners; when several work, each owns a range of positions and passes over the chunks of faces that do not touch it. So every sum is taken in the same order by any number of threads. */
+/* ---- the weighted sum at each position. Faces are gone through in ascending order, and each adds
+ * to the sums of its corners; when several work, each owns a range of positions and passes over the
+ * chunks of faces that do not touch it. So every sum is taken in the same order by any number of
+ * threads. */
 
 enum { FACES_IN_CHUNK = CORE_FACES_IN_CHUNK, FEWEST_FACES_TO_SHARE = 1 << 15, MOST_RANGES = 64 };
 

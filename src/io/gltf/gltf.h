@@ -959,7 +959,7 @@ typedef struct bake_entry {
 } bake_entry;
 typedef struct bake_cache {
     bake_entry *entries;
-    uint32_t *slots; /* a hash table of their numbers (core/call/table.h) */
+    uint32_t *slots; /* a hash table of their numbers (core/call/call.h) */
     size_t count, capacity, slot_count;
     double (*matrices)[16]; /* by id */
     size_t matrix_count, matrix_capacity;
