@@ -179,7 +179,7 @@ static inline norma_watch *norma_document_watch(const norma_document *document) 
 extern const format_functions norma_obj_functions, norma_ply_functions, norma_stl_functions,
     norma_gltf_functions; /* gltf: .gltf and .glb */
 
-/* For visit_files (named_files.c): hands visit the file of a name, which is relative to the
+/* For visit_files: hands visit the file of a name, which is relative to the
  * document's folder or absolute. Returns 1 if visit stopped, -1 if memory is out, else 0. */
 int norma_document_visit_name(const norma_document *document, const char *name, size_t length,
     norma_visit_file *visit, void *user);
