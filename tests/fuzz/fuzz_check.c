@@ -5,6 +5,7 @@
 #include "made_mesh.h"
 #include "mutate.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -131,6 +132,7 @@ static void check_and_fix(norma_document *document, const fuzz_bytes *file, uint
     norma_findings_free(findings);
     const fix_verdict verdict = judge_fix("fuzz",
         (fix_file){file->at, file->left, norma_document_format(document)}, &options, kind & 16);
+    fflush(stdout);
     if (verdict.wrong) fuzz_fail("a fix does %zu things that it may never do", verdict.wrong);
 }
 

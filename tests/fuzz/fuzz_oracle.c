@@ -21,6 +21,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     if (!is_text(bytes, size)) made_case_make(&made, bytes, size);
     const size_t wrong = net_judge("fuzz", &made);
     if (!wrong) return 0;
+    fflush(stdout);
     made_case_print(&made, stderr);
     fuzz_fail("%zu answers are not the definitions'", wrong);
 }

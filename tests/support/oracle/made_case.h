@@ -23,7 +23,7 @@ typedef struct made_case {
     norma_options options;
     float crease;
     uint64_t salt; /* decides whatever else is tried: which vertices move, at which end of a page
-                      arrays lie */
+                      arrays lie, whether writes are counted (0: they are) */
 } made_case;
 
 void made_case_make(made_case *made, const void *bytes, size_t size);

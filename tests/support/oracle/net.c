@@ -111,8 +111,20 @@ typedef struct normals_call {
     norma_result result;
 } normals_call;
 
+/* What is read before it is written is then no number that anybody wrote. */
+#if defined(__GNUC__)
+__attribute__((noinline))
+#endif
+static void
+soil_stack(void) {
+    unsigned char below[1 << 18];
+    memset(below, GUARDED_POISON, sizeof below);
+    __asm__ volatile("" : : "r"(below) : "memory");
+}
+
 static void perform(void *context) {
     normals_call *c = context;
+    if (c->t->made->corner_count > 80) soil_stack();
     float *out = (float *)(void *)c->memory;
     memset(&c->report, GUARDED_POISON, sizeof c->report);
     c->result = c->of == FACES
@@ -203,7 +215,7 @@ static float *judge_normals(trial *t, element of) {
         memcmp(&c.edges, &plain.edges, sizeof c.edges))
         complain(t, "other bits by threads, instructions or stride:", (size_t)of);
     judge_answer(&c, tight);
-    if (trial_below(t, WATCHED_ONE_IN) == 0) watch_output(&c);
+    if (trial_below(t, WATCHED_ONE_IN) == 0 || t->made->salt == 0) watch_output(&c);
     return tight;
 }
 
@@ -239,10 +251,10 @@ size_t net_judge(const char *name, const made_case *made) {
     t.corner_normals = judge_normals(&t, CORNERS);
     judge_split(&t);
     judge_plans(&t);
-    judge_orientation(&t);
-    judge_arguments(&t);
-    judge_tangents(&t);
-    judge_matrices(&t);
+    if (trial_below(&t, 2)) judge_orientation(&t);
+    if (trial_below(&t, 2)) judge_tangents(&t);
+    if (trial_below(&t, 2)) judge_arguments(&t);
+    if (trial_below(&t, 4) == 0) judge_matrices(&t);
     if (scratch.live || scratch.wrong)
         complain(&t, "scratch memory that is not given back:", scratch.live);
     free(t.corner_normals);
