@@ -7,7 +7,7 @@
 #include "core/face/face.h"
 #include <stdlib.h>
 
-static const double NEAR = 0.017453292519943295; /* 1 degree */
+static const double FRAME_NEAR_RAD = 0.017453292519943295; /* 1 degree */
 enum { ROUNDS = 10 };
 
 typedef double matrix3[3][3];
@@ -170,14 +170,14 @@ static void try_kind(frame_search *s, const explain_trial *trial, explain_frame_
         measure_pairs(s, &frame);
     }
     frame.median_rad = median_of(s);
-    if (frame.median_rad >= NEAR ||
+    if (frame.median_rad >= FRAME_NEAR_RAD ||
         (s->best->kind == kind && frame.median_rad >= s->best->median_rad - 1e-6))
         return;
     *s->best = frame;
     s->done |= frame.median_rad < 2e-6 && kind == EXPLAIN_FRAME_REVERSED;
 }
 
-static int make_unit(const float *from, double to[3]) {
+static int make_unit_double(const float *from, double to[3]) {
     for (int k = 0; k < 3; k++) to[k] = (double)from[k];
     const double length = norma_core_length(to);
     for (int k = 0; k < 3; k++) to[k] /= length > 0 ? length : 1;
@@ -194,8 +194,8 @@ static void gather_pairs(frame_search *s, const explain_trial *trial) {
             const size_t stored = norma_explain_stored_of(surface, c),
                          computed = norma_explain_computed_of(surface, trial, f, c);
             s->count += surface->angles[c] >= 0 &&
-                        make_unit(surface->stored + 3 * stored, pair->stored) &&
-                        make_unit(surface->computed + 3 * computed, pair->computed);
+                        make_unit_double(surface->stored + 3 * stored, pair->stored) &&
+                        make_unit_double(surface->computed + 3 * computed, pair->computed);
         }
 }
 
@@ -225,7 +225,7 @@ static norma_result search_surface(core_call *call, explain_surface *surface, vo
 
 /* ---- in words: a rotation by at most half a turn, its axis the way that reads better */
 
-static void tidy(explain_frame *frame) {
+static void tidy_frame(explain_frame *frame) {
     double *axis = frame->axis;
     const double sine = norma_core_length(frame->turn + 1);
     double angle = 2 * norma_core_angle(sine, frame->turn[0]);
@@ -249,6 +249,6 @@ norma_result norma_explain_find_frame(core_call *call, const norma_mesh_data *da
     *frame = (explain_frame){.trial = {.crease_rad = NAN}};
     const norma_result result =
         norma_explain_on_sample(call, data, checked, topology, search_surface, frame);
-    tidy(frame);
+    tidy_frame(frame);
     return result;
 }

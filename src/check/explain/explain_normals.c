@@ -53,7 +53,7 @@ static void sum_block(void *context, size_t block) {
     }
 }
 
-static uint32_t bits_of(float angle) {
+static uint32_t bits_of_angle(float angle) {
     uint32_t bits;
     memcpy(&bits, &angle, sizeof bits);
     return bits;
@@ -82,10 +82,10 @@ static void find_percentiles(
     size_t left[2], none;
     memset(counts, 0, 3 * HALVES * sizeof *counts);
     for (size_t c = 0; c < s->checked.corner_count; c++)
-        if (s->angles[c] >= 0) counts[bits_of(s->angles[c]) >> 16]++;
+        if (s->angles[c] >= 0) counts[bits_of_angle(s->angles[c]) >> 16]++;
     for (int i = 0; i < 2; i++) upper[i] = find_half(counts, ranks[i], &left[i]);
     for (size_t c = 0; c < s->checked.corner_count; c++) {
-        uint32_t bits = bits_of(s->angles[c]);
+        uint32_t bits = bits_of_angle(s->angles[c]);
         for (int i = 0; i < 2; i++)
             if (bits >> 16 == upper[i]) lower[i][bits & 0xffff]++;
     }
@@ -93,7 +93,7 @@ static void find_percentiles(
         angles[i] = join_halves(upper[i], find_half(lower[i], left[i], &none));
 }
 
-static void add_part(norma_deviation *d, const angle_part *part) {
+static void add_angle_part(norma_deviation *d, const angle_part *part) {
     d->mean_rad += part->sum;
     d->max_rad = fmax(d->max_rad, part->max);
     d->corners += part->count;
@@ -113,7 +113,7 @@ norma_result norma_explain_summarise(
             pass.bounds[i] = norma_deviation_bound_rad(i);
         memset(pass.parts, 0, blocks * sizeof *pass.parts);
         result = norma_core_parallel(call, blocks, sum_block, &pass);
-        for (size_t i = 0; i < blocks; i++) add_part(d, &pass.parts[i]);
+        for (size_t i = 0; i < blocks; i++) add_angle_part(d, &pass.parts[i]);
     }
     if (!result && d->max_rad > 0) {
         d->mean_rad /= (double)d->corners;
@@ -147,7 +147,7 @@ enum { EXPLAIN_FACES = 4096 }; /* a mesh of no more is its own sample */
 
 enum { MOST_AT_POSITION = 128 };
 
-static uint64_t mix(uint64_t h) {
+static uint64_t mix_sample(uint64_t h) {
     h = (h ^ (h >> 32)) * UINT64_C(0x9e3779b97f4a7c15);
     h = (h ^ (h >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
     return h ^ (h >> 32);
@@ -161,7 +161,7 @@ typedef struct choice {
 static int is_chosen(const choice *c, uint32_t position) {
     const core_corners_of_position *around = &c->topology->corners_of;
     size_t count = around->starts[position + 1] - around->starts[position];
-    return count > 0 && count <= MOST_AT_POSITION && mix(position) % c->one_in == 0;
+    return count > 0 && count <= MOST_AT_POSITION && mix_sample(position) % c->one_in == 0;
 }
 
 /* The places of the ones, ascending. */
@@ -170,7 +170,7 @@ static void list_marked(const uint8_t *marks, size_t count, uint32_t *places) {
         *places++ = (uint32_t)(at - marks);
 }
 
-static size_t place_of(const uint32_t *sorted, size_t count, uint32_t number) {
+static size_t place_in_sample(const uint32_t *sorted, size_t count, uint32_t number) {
     size_t low = 0, high = count;
     while (low + 1 < high) {
         size_t middle = low + (high - low) / 2;
@@ -182,7 +182,7 @@ static size_t place_of(const uint32_t *sorted, size_t count, uint32_t number) {
     return low;
 }
 
-static size_t mark(uint8_t *marks, size_t place) {
+static size_t mark_place(uint8_t *marks, size_t place) {
     const int is_new = !marks[place];
     marks[place] = 1;
     return (size_t)is_new;
@@ -196,7 +196,7 @@ static size_t mark_faces(const choice *c, uint8_t *marks) {
     for (uint32_t p = 0; p < t->corners_of.position_count; p++) {
         if (!is_chosen(c, p)) continue;
         for (uint32_t i = t->corners_of.starts[p]; i < t->corners_of.starts[p + 1]; i++)
-            count += mark(marks, norma_core_topology_face(t, t->corners_of.corners[i]));
+            count += mark_place(marks, norma_core_topology_face(t, t->corners_of.corners[i]));
     }
     return count;
 }
@@ -224,7 +224,8 @@ static void copy_faces(
         if (s->groups) s->groups[i] = t->mesh.smoothing_groups[faces[i]];
         for (size_t corner = norma_core_face_begin(&t->mesh, faces[i]);
              corner < norma_core_face_end(&t->mesh, faces[i]); corner++, at++) {
-            s->corners[at] = (uint32_t)place_of(places, s->position_count, t->corners[corner]);
+            s->corners[at] =
+                (uint32_t)place_in_sample(places, s->position_count, t->corners[corner]);
             s->sources[at] = (uint32_t)corner;
             s->whole[at] = (uint8_t)is_chosen(c, t->corners[corner]);
             if (s->hard_edges) s->hard_edges[at] = t->mesh.hard_edges[corner];
@@ -251,7 +252,7 @@ static size_t mark_places(
     for (size_t i = 0; i < s->face_count; i++)
         for (size_t corner = norma_core_face_begin(mesh, faces[i]);
              corner < norma_core_face_end(mesh, faces[i]); corner++)
-            count += mark(marks, c->topology->corners[corner]);
+            count += mark_place(marks, c->topology->corners[corner]);
     return count;
 }
 
@@ -343,7 +344,7 @@ static norma_result explain_open(
 }
 
 /* Right for small angles, whatever the lengths. Negative: one of them is no direction. */
-static float angle_between(const float *a, const float *b) {
+static float angle_of_normals(const float *a, const float *b) {
     const double u[3] = {(double)a[0], (double)a[1], (double)a[2]},
                  v[3] = {(double)b[0], (double)b[1], (double)b[2]};
     double cross[3];
@@ -370,10 +371,10 @@ static void measure_vertices(void *context, size_t block) {
     size_t count = s->checked.positions.count, begin = block * VERTICES_IN_BLOCK,
            end = count - begin < VERTICES_IN_BLOCK ? count : begin + VERTICES_IN_BLOCK;
     for (size_t v = begin; v < end; v++)
-        pass->of_vertices[v] = angle_between(s->stored + 3 * v, s->computed + 3 * v);
+        pass->of_vertices[v] = angle_of_normals(s->stored + 3 * v, s->computed + 3 * v);
 }
 
-static void measure_faces(void *context, size_t block) {
+static void measure_face_angles(void *context, size_t block) {
     const trial_pass *pass = context;
     explain_surface *s = pass->surface;
     size_t count = s->checked.face_count, begin = block * FACES_IN_BLOCK,
@@ -381,8 +382,8 @@ static void measure_faces(void *context, size_t block) {
     for (size_t f = begin; f < end; f++)
         for (size_t c = norma_core_face_begin(&s->checked, f);
              c < norma_core_face_end(&s->checked, f); c++)
-            s->angles[c] =
-                angle_between(s->stored + 3 * norma_explain_stored_of(s, c), s->computed + 3 * f);
+            s->angles[c] = angle_of_normals(
+                s->stored + 3 * norma_explain_stored_of(s, c), s->computed + 3 * f);
 }
 
 /* Of a trial that is not flat. */
@@ -395,11 +396,11 @@ static void measure_corners(void *context, size_t block) {
         s->angles[c] =
             pass->of_vertices
                 ? pass->of_vertices[norma_core_corner(&s->checked, c)]
-                : angle_between(s->stored + 3 * norma_explain_stored_of(s, c),
+                : angle_of_normals(s->stored + 3 * norma_explain_stored_of(s, c),
                       s->computed + 3 * norma_explain_computed_of(s, pass->trial, SIZE_MAX, c));
 }
 
-static norma_result measure(core_call *call, explain_surface *s, const explain_trial *trial) {
+static norma_result measure_trial(core_call *call, explain_surface *s, const explain_trial *trial) {
     size_t vertices = s->checked.positions.count;
     trial_pass pass = {s, trial, NULL};
     norma_result result = NORMA_OK;
@@ -412,7 +413,8 @@ static norma_result measure(core_call *call, explain_surface *s, const explain_t
     }
     if (!result && trial->flat)
         result = norma_core_parallel(call,
-            norma_check_block_count(s->checked.face_count, FACES_IN_BLOCK), measure_faces, &pass);
+            norma_check_block_count(s->checked.face_count, FACES_IN_BLOCK), measure_face_angles,
+            &pass);
     else if (!result)
         result = norma_core_parallel(call,
             norma_check_block_count(s->checked.corner_count, CORNERS_IN_BLOCK), measure_corners,
@@ -436,7 +438,7 @@ norma_result norma_explain_measure(
     else
         result = norma_corner_normals(
             s->mesh, (float)trial->crease_rad, &options, s->computed, s->room, NULL);
-    return result ? result : measure(call, s, trial);
+    return result ? result : measure_trial(call, s, trial);
 }
 
 /* ---- the search */
@@ -501,7 +503,7 @@ static norma_result try_creases(explain_search *search) {
     return result;
 }
 
-static norma_result find_best(explain_search *search) {
+static norma_result find_best_trial(explain_search *search) {
     search->best = (explain_trial){.crease_rad = NAN};
     search->best_mean = INFINITY;
     norma_result result = try_creases(search);
@@ -545,10 +547,10 @@ static norma_result count_dihedrals(
     return result;
 }
 
-static norma_result search_surface(core_call *call, explain_surface *surface, void *best) {
+static norma_result search_trials(core_call *call, explain_surface *surface, void *best) {
     explain_search search = {.call = call, .surface = surface};
     norma_result result = count_dihedrals(call, surface, search.below);
-    if (!result) result = find_best(&search);
+    if (!result) result = find_best_trial(&search);
     *(explain_trial *)best = search.best;
     return result;
 }
@@ -584,24 +586,24 @@ typedef struct stored_pass {
     const explain_surface *surface;
 } stored_pass;
 
-static void read_normal(const norma_mesh_data *data, size_t number, float *stored) {
+static void read_stored_normal(const norma_mesh_data *data, size_t number, float *stored) {
     double normal[3] = {0};
     if (number < data->normals.count) norma_view_read(&data->normals, number, normal);
     for (int k = 0; k < 3; k++) stored[k] = (float)normal[k];
 }
 
-static size_t number_of(const norma_mesh_data *data, const core_mesh *mesh, size_t corner) {
+static size_t stored_number_of(const norma_mesh_data *data, const core_mesh *mesh, size_t corner) {
     return data->corner_normals ? data->corner_normals[corner] : norma_core_corner(mesh, corner);
 }
 
-static void read_block(void *context, size_t block) {
+static void read_corner_block(void *context, size_t block) {
     const stored_pass *pass = context;
     const explain_surface *s = pass->surface;
     size_t count = s->stored_count, begin = block * CORNERS_IN_BLOCK,
            end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
     for (size_t i = begin; i < end; i++)
-        read_normal(pass->data, s->per_vertex ? i : number_of(pass->data, &s->checked, i),
-            s->stored + 3 * i);
+        read_stored_normal(pass->data,
+            s->per_vertex ? i : stored_number_of(pass->data, &s->checked, i), s->stored + 3 * i);
 }
 
 static norma_result visit_sample(core_call *call, const norma_mesh_data *data,
@@ -615,8 +617,8 @@ static norma_result visit_sample(core_call *call, const norma_mesh_data *data,
     if (!result) {
         for (size_t c = 0; c < sample.mesh.corner_count; c++)
             if (sample.whole[c])
-                read_normal(
-                    data, number_of(data, checked, sample.sources[c]), surface.stored + 3 * c);
+                read_stored_normal(data, stored_number_of(data, checked, sample.sources[c]),
+                    surface.stored + 3 * c);
         result = visit(call, &surface, context);
         explain_close(call, &surface);
     }
@@ -642,8 +644,8 @@ static norma_result open_whole(
     norma_result result = explain_open(call, &data->mesh, !data->corner_normals, surface);
     if (result) return result;
     stored_pass pass = {data, surface};
-    result = norma_core_parallel(
-        call, norma_check_block_count(surface->stored_count, CORNERS_IN_BLOCK), read_block, &pass);
+    result = norma_core_parallel(call,
+        norma_check_block_count(surface->stored_count, CORNERS_IN_BLOCK), read_corner_block, &pass);
     if (result) explain_close(call, surface);
     return result;
 }
@@ -667,8 +669,8 @@ norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
     norma_result result = open_whole(call, data, &surface);
     if (result) return result;
     result = checked->face_count > EXPLAIN_FACES
-                 ? visit_large(call, data, checked, topology, search_surface, &best)
-                 : search_surface(call, &surface, &best);
+                 ? visit_large(call, data, checked, topology, search_trials, &best)
+                 : search_trials(call, &surface, &best);
     if (!result) result = norma_explain_measure(call, &surface, &best);
     if (!result) result = norma_explain_summarise(call, &surface, deviation);
     explain_close(call, &surface);

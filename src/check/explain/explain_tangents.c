@@ -109,13 +109,13 @@ typedef struct quad_mesh {
     int across; /* equal diagonals are cut across the shared edge */
 } quad_mesh;
 
-static void read_triangle(const tangent_surface *s, size_t face, uint32_t v[3]) {
+static void read_tangent_triangle(const tangent_surface *s, size_t face, uint32_t v[3]) {
     for (size_t i = 0; i < 3; i++) v[i] = norma_core_corner(&s->checked, 3 * face + i);
 }
 
 /* Where edge i of a is an edge of b that runs the other way, b's third corner, and its place; -1:
  * they do not meet there. */
-static int across(const uint32_t a[3], int i, const uint32_t b[3]) {
+static int lies_across(const uint32_t a[3], int i, const uint32_t b[3]) {
     for (int k = 0; k < 3; k++)
         if (b[k] == a[(i + 1) % 3] && b[(k + 1) % 3] == a[i]) return (k + 2) % 3;
     return -1;
@@ -125,7 +125,7 @@ static int across(const uint32_t a[3], int i, const uint32_t b[3]) {
 static int is_quad(const uint32_t a[3], const uint32_t b[3], int *edge, int *apex) {
     for (int i = 0; i < 3; i++) {
         *edge = i;
-        *apex = across(a, i, b);
+        *apex = lies_across(a, i, b);
         if (*apex >= 0 && b[*apex] != a[(i + 2) % 3]) return 1;
     }
     return 0;
@@ -169,8 +169,8 @@ static double likelihood(const tangent_surface *s, size_t face) {
     int edge, apex;
     core_face first, second;
     double cross[3];
-    read_triangle(s, face, a);
-    read_triangle(s, face + 1, b);
+    read_tangent_triangle(s, face, a);
+    read_tangent_triangle(s, face + 1, b);
     if (!is_quad(a, b, &edge, &apex)) return 0;
     norma_core_face_geometry(&s->checked, face, &first);
     norma_core_face_geometry(&s->checked, face + 1, &second);
@@ -207,10 +207,10 @@ static void put_together(const tangent_surface *s, const uint8_t *paired, quad_m
     for (size_t f = 0; f < count; f++) {
         uint32_t a[3], b[3];
         int edge, apex;
-        read_triangle(s, f, a);
+        read_tangent_triangle(s, f, a);
         q->starts[q->face_count++] = (uint32_t)q->corner_count;
         if (f + 1 < count && paired[f]) {
-            read_triangle(s, f + 1, b);
+            read_tangent_triangle(s, f + 1, b);
             (void)is_quad(a, b, &edge, &apex);
             add_quad(q, a, b, edge, apex, 3 * f++);
         } else {
@@ -220,7 +220,7 @@ static void put_together(const tangent_surface *s, const uint8_t *paired, quad_m
     q->starts[q->face_count] = (uint32_t)q->corner_count;
 }
 
-static norma_result compute(
+static norma_result compute_quads(
     core_call *call, const tangent_surface *s, const quad_mesh *q, float *of_quads) {
     norma_mesh mesh = *s->mesh;
     mesh.corners = q->corners;
@@ -251,7 +251,7 @@ static norma_result explain_mikk_on_quads(
     if (!result) result = choose_pairs(call, s, paired);
     if (!result) put_together(s, paired, &q);
     *any = !result && q.quads > 0;
-    if (*any) result = compute(call, s, &q, of_quads);
+    if (*any) result = compute_quads(call, s, &q, of_quads);
     for (size_t c = 0; *any && !result && c < corners; c++)
         memcpy(tangents + 4 * c, of_quads + 4 * (size_t)q.place[c], 4 * sizeof *tangents);
     norma_core_release(call, q.corners, corners, sizeof *q.corners);
@@ -297,7 +297,7 @@ typedef struct tangent_score {
     size_t corners, explained, as_is, negated; /* as_is, negated: corners by their signs */
 } tangent_score;
 
-static tangent_score measure(const tangent_search *search) {
+static tangent_score score_angles(const tangent_search *search) {
     const tangent_surface *s = &search->surface;
     tangent_score score = {0};
     for (size_t c = 0; c < s->checked.corner_count; c++) {
@@ -316,7 +316,7 @@ static tangent_score measure(const tangent_search *search) {
 
 /* A later candidate must be better by more than noise: the simplest of equals stays. */
 static int judge(tangent_search *search, norma_tangent_source source) {
-    const tangent_score score = measure(search);
+    const tangent_score score = score_angles(search);
     const double mean = score.corners ? score.sum / (double)score.corners : INFINITY;
     float *angles = search->angles;
     if (!(mean < .99 * search->best_score - 1e-6)) return 0;
@@ -392,7 +392,7 @@ static norma_result summarise(tangent_search *search) {
     return NORMA_OK;
 }
 
-static norma_result search_surface(tangent_search *search, const float turn[4]) {
+static norma_result search_tangents(tangent_search *search, const float turn[4]) {
     const size_t corners = search->surface.checked.corner_count;
     float *blocks[2] = {norma_core_allocate(search->call, corners, sizeof(float)),
         norma_core_allocate(search->call, corners, sizeof(float))};
@@ -441,7 +441,7 @@ norma_result norma_explain_tangents_with(core_call *call, const norma_mesh_data 
         norma_view_read(&data->normals, v, normal);
         for (size_t k = 0; k < 3; k++) normals[3 * v + k] = (float)normal[k];
     }
-    const norma_result result = search_surface(&search, attributes->texcoord_turn);
+    const norma_result result = search_tangents(&search, attributes->texcoord_turn);
     norma_core_release(call, normals, vertices, 3 * sizeof(float));
     return result;
 }

@@ -42,7 +42,7 @@ norma_result norma_check_around(check_mesh *m) {
                      &m->run->call, &m->topology.mesh, &m->topology.corners_of);
 }
 
-static double larger(double a, double b) { return a > b ? a : b; }
+static double larger_square(double a, double b) { return a > b ? a : b; }
 
 static double square_of(const double a[3], const double b[3]) {
     double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
@@ -53,7 +53,8 @@ static double longest_of_triangle(const core_mesh *mesh, size_t face) {
     double p[3][3];
     for (size_t k = 0; k < 3; k++)
         norma_core_position(mesh, norma_core_corner(mesh, 3 * face + k), p[k]);
-    return larger(larger(square_of(p[0], p[1]), square_of(p[1], p[2])), square_of(p[2], p[0]));
+    return larger_square(
+        larger_square(square_of(p[0], p[1]), square_of(p[1], p[2])), square_of(p[2], p[0]));
 }
 
 /* The square of a polygon's longest edge, or of the distance of any corner from the first, so that
@@ -66,13 +67,13 @@ static double longest_of_polygon(const core_mesh *mesh, size_t face) {
     for (size_t c = begin; c < end; c++) {
         double p[3];
         norma_core_position(mesh, norma_core_corner(mesh, c), p);
-        longest = larger(longest, larger(square_of(p, before), square_of(p, first)));
+        longest = larger_square(longest, larger_square(square_of(p, before), square_of(p, first)));
         memcpy(before, p, sizeof before);
     }
     return longest;
 }
 
-static const double DEGENERATE = 1e-6;
+static const double CHECK_DEGENERATE = 1e-6;
 
 /* How far a polygon's corners lie from the line through its first corner and the one farthest from
  * that, over its longest edge: where its area cancels, as in a bow tie, it may be broad all the
@@ -93,13 +94,13 @@ static double breadth_of_polygon(const core_mesh *mesh, size_t face) {
             }
             if (pass == 0) continue;
             norma_core_cross(line, p, cross);
-            breadth = larger(breadth, norma_core_length(cross));
+            breadth = larger_square(breadth, norma_core_length(cross));
         }
     return most > 0x1p-900 && most < 0x1p900 ? breadth / longest_of_polygon(mesh, face) : 0;
 }
 
-static void judge_cancelled(const core_mesh *mesh, size_t f, check_face *judged) {
-    if (!((double)judged->height < DEGENERATE) || !mesh->face_starts ||
+static void judge_cancelled_area(const core_mesh *mesh, size_t f, check_face *judged) {
+    if (!((double)judged->height < CHECK_DEGENERATE) || !mesh->face_starts ||
         norma_core_face_end(mesh, f) - norma_core_face_begin(mesh, f) < 4)
         return;
     const double breadth = breadth_of_polygon(mesh, f);
@@ -117,7 +118,8 @@ static check_face judge_face(const core_mesh *mesh, size_t f, const core_face *f
                                                        judged by the area alone */
         height = 1;
     judged.height = height < 1 ? (float)height : 1;
-    for (int k = 0; k < 3 && height >= DEGENERATE; k++) judged.normal[k] = (float)face->normal[k];
+    for (int k = 0; k < 3 && height >= CHECK_DEGENERATE; k++)
+        judged.normal[k] = (float)face->normal[k];
     return judged;
 }
 
@@ -138,8 +140,8 @@ static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
         norma_core_faces_geometry(&m->run->call, mesh, f, count, faces);
         for (size_t i = 0; i < count; i++) {
             m->faces[f + i] = judge_face(mesh, f + i, &faces[i]);
-            judge_cancelled(mesh, f + i, &m->faces[f + i]);
-            pass->degenerate[block] += (double)m->faces[f + i].height < DEGENERATE;
+            judge_cancelled_area(mesh, f + i, &m->faces[f + i]);
+            pass->degenerate[block] += (double)m->faces[f + i].height < CHECK_DEGENERATE;
         }
     }
 }

@@ -14,21 +14,21 @@ typedef struct text {
     size_t length;
 } text;
 
-static void add(text *t, const char *from, size_t length) {
+static void put_bytes(text *t, const char *from, size_t length) {
     size_t room = CHECK_MESSAGE - 1 - t->length;
     length = length < room ? length : room;
     memcpy(t->out + t->length, from, length);
     t->length += length;
 }
 
-static void add_size(text *t, size_t value) {
+static void put_size(text *t, size_t value) {
     char digits[24];
     size_t at = sizeof digits;
     do {
         digits[--at] = (char)('0' + value % 10);
         value /= 10;
     } while (value);
-    add(t, digits + at, sizeof digits - at);
+    put_bytes(t, digits + at, sizeof digits - at);
 }
 
 /* Three digits as an integer below 1000 and the power of ten of the first. By divisions alone: the
@@ -60,27 +60,27 @@ static void add_digits(text *t, unsigned digits, int before_point) {
         (char)('0' + digits / 100), (char)('0' + digits / 10 % 10), (char)('0' + digits % 10), 0};
     int last = all[2] != '0' ? 3 : all[1] != '0' ? 2 : 1;
     for (int i = 0; i < 3 && (i < last || i < before_point); i++) {
-        if (i == before_point) add(t, ".", 1);
-        add(t, &all[i], 1);
+        if (i == before_point) put_bytes(t, ".", 1);
+        put_bytes(t, &all[i], 1);
     }
 }
 
 static void add_small(text *t, unsigned digits, int power) {
-    add(t, "0.", 2);
-    for (int i = -1; i > power; i--) add(t, "0", 1);
+    put_bytes(t, "0.", 2);
+    for (int i = -1; i > power; i--) put_bytes(t, "0", 1);
     while (digits % 10 == 0) digits /= 10;
-    add_size(t, digits);
+    put_size(t, digits);
 }
 
 static void add_large(text *t, unsigned digits, int power) {
     add_digits(t, digits, 3);
-    for (int i = 2; i < power; i++) add(t, "0", 1);
+    for (int i = 2; i < power; i++) put_bytes(t, "0", 1);
 }
 
-static void add_number(text *t, double value) {
+static void add_double(text *t, double value) {
     int power;
     if (isnan(value) || isinf(value) || value == 0) {
-        add(t,
+        put_bytes(t,
             isnan(value) ? "NaN"
             : value == 0 ? "0"
             : value < 0  ? "-infinity"
@@ -91,7 +91,7 @@ static void add_number(text *t, double value) {
                                 : "infinity"));
         return;
     }
-    if (value < 0) add(t, "-", 1);
+    if (value < 0) put_bytes(t, "-", 1);
     unsigned digits = three_digits(fabs(value), &power);
     if (power >= 0 && power < 3) {
         add_digits(t, digits, power + 1);
@@ -101,8 +101,8 @@ static void add_number(text *t, double value) {
         add_small(t, digits, power);
     } else {
         add_digits(t, digits, 1);
-        add(t, power < 0 ? "e-" : "e", power < 0 ? 2 : 1);
-        add_size(t, (size_t)(power < 0 ? -power : power));
+        put_bytes(t, power < 0 ? "e-" : "e", power < 0 ? 2 : 1);
+        put_size(t, (size_t)(power < 0 ? -power : power));
     }
 }
 
@@ -111,18 +111,18 @@ static void write_message(char out[CHECK_MESSAGE], const char *format, va_list a
     for (const char *at = format; *at; at++) {
         const char *special = at[0] == '%' ? &at[1] : NULL;
         if (!special) {
-            add(&t, at, 1);
+            put_bytes(&t, at, 1);
             continue;
         }
         if (*special == 's') {
             const char *word = va_arg(arguments, const char *);
-            add(&t, word, strlen(word));
+            put_bytes(&t, word, strlen(word));
         } else if (*special == 'z') {
-            add_size(&t, va_arg(arguments, size_t));
+            put_size(&t, va_arg(arguments, size_t));
         } else if (*special == 'g') {
-            add_number(&t, va_arg(arguments, double));
+            add_double(&t, va_arg(arguments, double));
         } else {
-            add(&t, "%", 1);
+            put_bytes(&t, "%", 1);
         }
         at++;
     }
@@ -309,7 +309,7 @@ static const norma_deviation *copy_deviation(const norma_deviation *deviation) {
 }
 
 /* What may be meant (information) stays what it is. */
-static norma_severity severity_of(const check_run *run, const check_report *report) {
+static norma_severity raised_severity(const check_run *run, const check_report *report) {
     const int raised = run->findings->profile == NORMA_CHECK_PROFILE_GENERATED &&
                        report->severity == NORMA_SEVERITY_WARNING &&
                        norma_check_is_required(&norma_rules(NULL)[report->rule]);
@@ -347,9 +347,9 @@ norma_result norma_check_add(
     norma_result result = report->hits->failed ? NORMA_ERROR_MEMORY : NORMA_OK;
     if (!result && report->hits->count) {
         findings_entry *entry = new_entry(run->findings);
-        result = entry
-                     ? fill_finding(&entry->finding, place, mesh, report, severity_of(run, report))
-                     : NORMA_ERROR_MEMORY;
+        result =
+            entry ? fill_finding(&entry->finding, place, mesh, report, raised_severity(run, report))
+                  : NORMA_ERROR_MEMORY;
         if (!result) {
             entry->order = place->order;
             run->findings->count++;

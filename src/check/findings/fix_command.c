@@ -75,7 +75,7 @@ static command_word begin_word(const char *name, size_t length) {
     return (command_word){{"./", name, "", "", ""}, {name[0] == '-' ? 2 : 0, length, 0, 0, 0}};
 }
 
-static int is_plain(const char *text, size_t length) {
+static int is_plain_word(const char *text, size_t length) {
     static const char plain[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789@%_+=:,./-";
     return strspn(text, plain) >= length;
@@ -108,7 +108,7 @@ static const struct quoting {
     void (*put)(command_line *line, const char *text, size_t length);
     const char *begin, *end;
 } quotings[] = {
-    {is_plain, put_plain, "", ""},
+    {is_plain_word, put_plain, "", ""},
     {is_legible, put_between_quotes, "'", "'"},
     {NULL, put_for_printf, "\"$(printf '", "')\""},
 };

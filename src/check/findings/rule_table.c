@@ -55,7 +55,7 @@ static size_t select_word(const char *word, size_t length, uint8_t *mask) {
     return named;
 }
 
-static norma_result refuse(const char *word, size_t length, char unknown[64]) {
+static norma_result refuse_word(const char *word, size_t length, char unknown[64]) {
     if (unknown) {
         length = length < 63 ? length : 63;
         memcpy(unknown, word, length);
@@ -71,7 +71,7 @@ static norma_result select_words(const char *list, uint8_t *mask, char unknown[6
     while (*list) {
         size_t length = 0;
         while (list[length] && !is_gap(list[length])) length++;
-        if (length && !select_word(list, length, mask)) return refuse(list, length, unknown);
+        if (length && !select_word(list, length, mask)) return refuse_word(list, length, unknown);
         list += length + (list[length] != 0);
     }
     return NORMA_OK;

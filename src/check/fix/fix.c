@@ -45,7 +45,7 @@ typedef struct fix_progress {
     double done, last;
 } fix_progress;
 
-static int report_progress(void *user, double fraction) {
+static int report_fix_progress(void *user, double fraction) {
     fix_progress *p = user;
     const double whole = p->done + (1 - p->done) / 2 * fraction;
     if (whole < p->last) p->done = p->last; /* the next pass has begun */
@@ -56,7 +56,7 @@ static int report_progress(void *user, double fraction) {
 /* ---- beginning and end */
 
 /* wanted: a byte for each rule; NULL: all. progress: made by the caller. */
-static norma_document_result begin(
+static norma_document_result begin_fixing(
     fixing *f, const norma_check_options *options, const uint8_t *wanted, fix_progress *progress) {
     if (options) f->request.options = *options;
     norma_check_options *own = &f->request.options;
@@ -69,7 +69,7 @@ static norma_document_result begin(
     f->request.from = own->fix_from;
     if (own->progress) {
         *progress = (fix_progress){own->progress, own->progress_user, 0, 0};
-        own->progress = report_progress;
+        own->progress = report_fix_progress;
         own->progress_user = progress;
     }
     f->harms = calloc(CHECK_RULE_COUNT, sizeof *f->harms);
@@ -80,7 +80,7 @@ static void forget_places(fixing *f, size_t count) {
     while (f->request.place_count > count) free(f->places[--f->request.place_count].where);
 }
 
-static void end(fixing *f) {
+static void end_fixing(fixing *f) {
     forget_places(f, 0);
     free(f->places);
     free(f->harms);
@@ -91,7 +91,7 @@ static void end(fixing *f) {
 /* ---- trials */
 
 /* Every element that any rule finds, once: plans are made of it, and trials compared with it. */
-static norma_document_result look(fixing *f) {
+static norma_document_result look_once(fixing *f) {
     if (f->before.findings) return NORMA_DOCUMENT_OK;
     f->checks++;
     return norma_fix_find(f->document, &f->request, &f->before.findings, f->error);
@@ -104,7 +104,7 @@ static norma_document_result try_request(
     *trial = (fix_trial){0};
     *harmful = (harm){0};
     *is_worse = 0;
-    norma_document_result result = look(f);
+    norma_document_result result = look_once(f);
     if (!result)
         result = norma_fix_make_plan(f->document, &f->request, f->before.findings, &plan, f->error);
     if (result) return result;
@@ -332,7 +332,7 @@ static void note_left_out(fixing *f) {
         if (f->request.left_out[rule]) note_harm(f, (check_rule)rule, NULL);
 }
 
-static size_t count_of(const norma_findings *findings, const norma_rule *rule) {
+static size_t count_fixable(const norma_findings *findings, const norma_rule *rule) {
     size_t sum = 0;
     for (size_t i = 0; i < norma_findings_count(findings); i++) {
         const norma_finding *finding = norma_findings_get(findings, i);
@@ -347,11 +347,11 @@ static void note_idle(fixing *f, const uint8_t *asked, uint64_t told) {
     const norma_rule *rules = norma_rules(&count);
     for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++) {
         char text[CHECK_MESSAGE];
-        const size_t after = count_of(f->best.after.findings, &rules[rule]);
+        const size_t after = count_fixable(f->best.after.findings, &rules[rule]);
         if (!asked[rule] || rule == RULE_N304 || /* of it by_rays tells */
             is_left_out(f, (check_rule)rule) || find_note(&f->best, (check_rule)rule) ||
             told & FIX_RULE(rule) ||
-            (f->best.after.findings && after < count_of(f->before.findings, &rules[rule])))
+            (f->best.after.findings && after < count_fixable(f->before.findings, &rules[rule])))
             continue;
         norma_check_message(text, "%s %s is not fixed: %s", rules[rule].id, rules[rule].name,
             why_idle((check_rule)rule));
@@ -395,11 +395,12 @@ norma_document_result norma_fix_document(norma_document *document,
         .summary = summary ? summary : &unwanted,
         .error = error};
     *f.summary = (norma_fix_summary){0};
-    norma_document_result result = begin(&f, options, options ? options->rules : NULL, &progress);
+    norma_document_result result =
+        begin_fixing(&f, options, options ? options->rules : NULL, &progress);
     f.request.reads_maps = unsafe && f.request.wanted[RULE_N812];
     if (!result) result = find_fixes(&f);
     if (!result) result = carry_out(&f);
-    end(&f);
+    end_fixing(&f);
     return result;
 }
 
@@ -488,13 +489,13 @@ norma_document_result norma_document_try_fixes(norma_document *document,
     norma_fix_summary summary = {0};
     norma_document_error unwanted;
     fixing f = {.document = document, .summary = &summary, .error = error ? error : &unwanted};
-    norma_document_result result = begin(&f, options, NULL, &progress);
+    norma_document_result result = begin_fixing(&f, options, NULL, &progress);
     f.request.from = NORMA_SEVERITY_NONE; /* as if they were selected */
     f.request.reads_maps = is_offered(findings, RULE_N812, NORMA_FIX_UNSAFE, from);
     for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
         for (int fix = NORMA_FIX_SAFE; fix <= NORMA_FIX_UNSAFE && !result; fix++)
             if (is_offered(findings, (check_rule)rule, (norma_fix)fix, from))
                 result = try_offer(&f, (check_rule)rule, (norma_fix)fix, from, findings);
-    end(&f);
+    end_fixing(&f);
     return result;
 }

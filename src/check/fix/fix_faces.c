@@ -246,7 +246,8 @@ norma_result norma_fix_faces(fix_mesh *m) {
 
 /* triangles: corners of count - 2 triangles, numbered from the first of the face. 0: the face
  * cannot be cut well, or not in time. */
-static int cut_face(const fix_mesh *m, size_t face, core_cutter *cutter, uint32_t *triangles) {
+static int cut_named_face(
+    const fix_mesh *m, size_t face, core_cutter *cutter, uint32_t *triangles) {
     const size_t begin = norma_core_face_begin(&m->mesh, face),
                  count = norma_core_face_end(&m->mesh, face) - begin;
     for (size_t i = 0; i < count; i++)
@@ -254,7 +255,7 @@ static int cut_face(const fix_mesh *m, size_t face, core_cutter *cutter, uint32_
     return count > 3 && norma_core_cut_polygon(cutter, count, triangles) == count - 2;
 }
 
-static size_t largest_face(const core_mesh *mesh) {
+static size_t corners_of_largest(const core_mesh *mesh) {
     size_t largest = 0;
     for (size_t face = 0; face < mesh->face_count; face++) {
         const size_t corners = norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face);
@@ -264,7 +265,7 @@ static size_t largest_face(const core_mesh *mesh) {
 }
 
 static norma_result cut_named(fix_mesh *m, const uint8_t *marks) {
-    const size_t largest = largest_face(&m->mesh);
+    const size_t largest = corners_of_largest(&m->mesh);
     core_cutter cutter;
     void *memory = malloc(norma_core_cutter_size(largest));
     uint8_t *cut = calloc(m->mesh.face_count + 1, 1);
@@ -274,7 +275,7 @@ static norma_result cut_named(fix_mesh *m, const uint8_t *marks) {
     if (fine) norma_core_cutter_begin(&cutter, memory, largest, m->mesh.corner_count);
     for (size_t face = 0; face < m->mesh.face_count && fine; face++)
         if (marks[face] && !(m->edit->drop_faces && m->edit->drop_faces[face]))
-            any |= cut[face] = (uint8_t)cut_face(
+            any |= cut[face] = (uint8_t)cut_named_face(
                 m, face, &cutter, triangles + 3 * norma_core_face_begin(&m->mesh, face));
     if (any) {
         m->edit->cut_faces = cut;

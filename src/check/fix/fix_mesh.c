@@ -114,7 +114,8 @@ int norma_fix_join(fix_whole *whole) {
 
 /* ---- which findings, which elements */
 
-static int is_left_out(const fix_request *request, const norma_finding *finding, check_rule rule) {
+static int is_finding_left_out(
+    const fix_request *request, const norma_finding *finding, check_rule rule) {
     if (request->left_out[rule]) return 1;
     for (size_t i = 0; i < request->place_count; i++)
         if (request->places[i].rule == rule &&
@@ -132,7 +133,7 @@ int norma_fix_may(const fix_request *request, const norma_finding *finding) {
               unsafe = request->unsafe && finding->severity >= request->from &&
                        (finding->fix == NORMA_FIX_UNSAFE || turns);
     return request->wanted[rule] && (by_rays || unsafe || finding->fix == NORMA_FIX_SAFE) &&
-           !is_left_out(request, finding, rule);
+           !is_finding_left_out(request, finding, rule);
 }
 
 int norma_fix_is_rule(const norma_finding *finding, check_rule rule) {

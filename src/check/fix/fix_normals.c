@@ -201,7 +201,7 @@ typedef struct seam_place {
     double position[3];
 } seam_place;
 
-static int compare_places(const void *a, const void *b) {
+static int compare_seam_places(const void *a, const void *b) {
     const seam_place *one = a, *other = b;
     for (int axis = 0; axis < 3; axis++)
         if (one->position[axis] != other->position[axis])
@@ -223,7 +223,7 @@ static seam_place *gather_places(const fix_mesh *m, size_t *count) {
                 ++*count;
             }
         }
-    if (places) qsort(places, *count, sizeof *places, compare_places);
+    if (places) qsort(places, *count, sizeof *places, compare_seam_places);
     return places;
 }
 
@@ -282,7 +282,7 @@ static norma_result share_seams(fix_mesh *m) {
     }
     for (size_t i = 0; i < positions && !result && count; i++) {
         norma_core_position(&m->mesh, (uint32_t)i, key.position);
-        at_seam[i] = bsearch(&key, places, count, sizeof *places, compare_places) != NULL;
+        at_seam[i] = bsearch(&key, places, count, sizeof *places, compare_seam_places) != NULL;
     }
     if (!result) result = set_seam_normals(m, at_seam, smooth);
     free(places);

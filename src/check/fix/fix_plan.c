@@ -18,7 +18,7 @@ typedef struct mender {
     norma_document_error *error;
 } mender;
 
-static norma_document_result fail(const mender *m, norma_result result) {
+static norma_document_result fail_plan(const mender *m, norma_result result) {
     const norma_document_result as = result == NORMA_CANCELLED ? NORMA_DOCUMENT_CANCELLED
                                      : result == NORMA_ERROR_MEMORY
                                          ? NORMA_DOCUMENT_ERROR_MEMORY
@@ -87,7 +87,7 @@ static norma_document_result fix_mesh_of(mender *m, size_t index) {
     norma_result mended = NORMA_OK;
     norma_document_result result = norma_document_mesh_info(m->document, index, &mesh.info);
     if (result || mesh.info.not_read) return result;
-    if (!gather_findings(m, &mesh)) return fail(m, NORMA_ERROR_MEMORY);
+    if (!gather_findings(m, &mesh)) return fail_plan(m, NORMA_ERROR_MEMORY);
     if (mesh.finding_count > 0 || mesh.turned || mesh.smooth) {
         result = norma_document_mesh_data(m->document, index, &mesh.data, m->error);
         if (!result)
@@ -99,7 +99,7 @@ static norma_document_result fix_mesh_of(mender *m, size_t index) {
     free(mesh.corners);
     free(mesh.surface);
     free(mesh.face_normals);
-    return mended ? fail(m, mended) : result;
+    return mended ? fail_plan(m, mended) : result;
 }
 
 /* ---- whole bodies, seams between primitives */
@@ -122,7 +122,7 @@ static norma_document_result fix_groups(mender *m, int turns, int sides, int sha
     size_t *indices = calloc(m->mesh_count + 1, sizeof *indices), count;
     const char **wheres = calloc(m->mesh_count + 1, sizeof *wheres);
     norma_document_result result =
-        indices && wheres ? NORMA_DOCUMENT_OK : fail(m, NORMA_ERROR_MEMORY);
+        indices && wheres ? NORMA_DOCUMENT_OK : fail_plan(m, NORMA_ERROR_MEMORY);
     for (size_t first = 0; first < m->mesh_count && !result;) {
         norma_result how = NORMA_OK;
         first = norma_fix_gather_group(m->document, first, indices, wheres, &count);
@@ -131,7 +131,7 @@ static norma_document_result fix_groups(mender *m, int turns, int sides, int sha
         if (count && turns) result = norma_fix_turn(&group, &how);
         if (count && !result && !how && sides) result = norma_fix_sides(&group, &how);
         if (!result && !how && count > 1 && shares) result = norma_fix_seams(&group, &how);
-        if (!result && how) result = fail(m, how);
+        if (!result && how) result = fail_plan(m, how);
     }
     free(indices);
     free((void *)wheres);
@@ -192,12 +192,12 @@ static void mark_asked(mender *m) {
 static norma_document_result mark_meshes(mender *m, check_rule rule, uint8_t **marks) {
     if (!m->plan->asked[rule]) return NORMA_DOCUMENT_OK;
     *marks = calloc(m->mesh_count + 1, 1);
-    if (!*marks) return fail(m, NORMA_ERROR_MEMORY);
+    if (!*marks) return fail_plan(m, NORMA_ERROR_MEMORY);
     for (size_t i = 0; i < m->mesh_count; i++) {
         fix_mesh mesh = {.document = m->document};
         const norma_document_result result = norma_document_mesh_info(m->document, i, &mesh.info);
         if (result) return result;
-        if (!gather_findings(m, &mesh)) return fail(m, NORMA_ERROR_MEMORY);
+        if (!gather_findings(m, &mesh)) return fail_plan(m, NORMA_ERROR_MEMORY);
         (*marks)[i] = (uint8_t)norma_fix_has(&mesh, rule);
         free(mesh.findings);
     }
@@ -235,7 +235,7 @@ static norma_document_result plan_all(mender *m) {
     m->sides = calloc(m->mesh_count + 1, sizeof *m->sides);
     m->smooth = calloc(m->mesh_count + 1, sizeof *m->smooth);
     if (!m->plan->edits || !m->turned || !m->sides || !m->smooth)
-        return fail(m, NORMA_ERROR_MEMORY);
+        return fail_plan(m, NORMA_ERROR_MEMORY);
     mark_asked(m);
     const int turns = m->plan->asked[RULE_N302] || m->plan->asked[RULE_N304],
               sides = m->plan->asked[RULE_N201] || m->plan->asked[RULE_N301] || opposes(m),
@@ -246,7 +246,7 @@ static norma_document_result plan_all(mender *m) {
 }
 
 /* The rules that a fix may follow: those that lead to none need not look. */
-static norma_document_result look(norma_document *document, const fix_request *request,
+static norma_document_result look_for_fixes(norma_document *document, const fix_request *request,
     norma_findings **findings, norma_document_error *error) {
     norma_check_options options = request->options;
     uint8_t rules[CHECK_RULE_COUNT];
@@ -268,7 +268,8 @@ norma_document_result norma_fix_make_plan(norma_document *document, const fix_re
         .mesh_count = norma_document_mesh_count(document),
         .error = error};
     *plan = (fix_plan){0};
-    norma_document_result result = found ? NORMA_DOCUMENT_OK : look(document, request, &own, error);
+    norma_document_result result =
+        found ? NORMA_DOCUMENT_OK : look_for_fixes(document, request, &own, error);
     m.findings = found ? found : own;
     if (!result) result = plan_all(&m);
     for (size_t i = 0; m.turned && m.sides && m.smooth && i < m.mesh_count; i++) {
@@ -286,8 +287,8 @@ norma_document_result norma_fix_make_plan(norma_document *document, const fix_re
 
 /* ---- a plan is carried out */
 
-static norma_document_result compute(norma_document *document, const norma_compute_options *options,
-    int *changed, norma_document_error *error) {
+static norma_document_result compute_normals_of(norma_document *document,
+    const norma_compute_options *options, int *changed, norma_document_error *error) {
     norma_compute_summary summary;
     const norma_document_result result = norma_document_compute(document, options, &summary, error);
     *changed |= !result && summary.changed;
@@ -345,8 +346,8 @@ norma_document_result norma_fix_apply(norma_document *document, const fix_plan *
     if (!result && plan->greens)
         result = norma_document_turn_green(document, plan->greens, &turned, error);
     *changed |= turned;
-    if (!result && plan->replaces) result = compute(document, &all, changed, error);
-    if (!result && plan->computes) result = compute(document, &missing, changed, error);
+    if (!result && plan->replaces) result = compute_normals_of(document, &all, changed, error);
+    if (!result && plan->computes) result = compute_normals_of(document, &missing, changed, error);
     if (!result && plan->tangents)
         result = compute_tangents(document, plan, threads, changed, error);
     return result || !plan->bakes ? result : bake(document, threads, changed, error);

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static norma_document_result fail(
+static norma_document_result fail_trial(
     norma_document_error *error, norma_document_result result, const char *text) {
     if (error) {
         error->result = result;
@@ -20,7 +20,7 @@ typedef struct edge_count { /* of a block */
     size_t loose, surplus;
 } edge_count;
 
-static void see_edge(
+static void tally_edge(
     void *context, size_t block, uint32_t position, const core_edge_run *runs, size_t count) {
     edge_count *counts = context;
     size_t out = 0;
@@ -30,7 +30,8 @@ static void see_edge(
     counts[block].surplus += count > 2 ? count - 2 : 0;
 }
 
-static norma_result count_edges(const norma_mesh *mesh, uint32_t threads, fix_measure *measure) {
+static norma_result count_odd_edges(
+    const norma_mesh *mesh, uint32_t threads, fix_measure *measure) {
     core_call call;
     core_mesh checked;
     core_topology topology;
@@ -42,7 +43,7 @@ static norma_result count_edges(const norma_mesh *mesh, uint32_t threads, fix_me
     if (result) return result;
     const size_t blocks = norma_core_topology_blocks(&topology);
     edge_count *counts = calloc(blocks + 1, sizeof *counts);
-    const core_topology_visitor visitor = {.context = counts, .edge = see_edge};
+    const core_topology_visitor visitor = {.context = counts, .edge = tally_edge};
     result = counts ? norma_core_pair_edges(&topology, &visitor) : NORMA_ERROR_MEMORY;
     for (size_t i = 0; counts && i < blocks; i++) {
         measure->loose += counts[i].loose;
@@ -105,7 +106,7 @@ norma_document_result norma_fix_measure_shape(norma_document *document, const fi
         result = norma_fix_open_whole(&these, &whole, &how);
         if (!result && !how && whole.face_count)
             how = norma_fix_join(&whole)
-                      ? count_edges(&whole.mesh, request->options.threads, measure)
+                      ? count_odd_edges(&whole.mesh, request->options.threads, measure)
                       : NORMA_ERROR_MEMORY;
         norma_fix_close_whole(&whole);
         for (size_t i = 0; i < of && !result && !how; i++)
@@ -114,7 +115,7 @@ norma_document_result norma_fix_measure_shape(norma_document *document, const fi
     free(indices);
     measure->has_shape = 1;
     if (result || !how) return result;
-    return fail(error,
+    return fail_trial(error,
         how == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_MALFORMED,
         norma_result_text(how));
 }
@@ -122,8 +123,8 @@ norma_document_result norma_fix_measure_shape(norma_document *document, const fi
 /* ---- better or worse */
 
 /* By all rules; by those that look into images only where that is asked for. */
-static norma_document_result find(norma_document *document, const fix_request *request, int maps,
-    size_t max_samples, norma_findings **findings, norma_document_error *error) {
+static norma_document_result find_by_all(norma_document *document, const fix_request *request,
+    int maps, size_t max_samples, norma_findings **findings, norma_document_error *error) {
     norma_check_options options = request->options;
     uint8_t rules[CHECK_RULE_COUNT];
     memset(rules, 1, sizeof rules);
@@ -135,13 +136,13 @@ static norma_document_result find(norma_document *document, const fix_request *r
 
 norma_document_result norma_fix_find(norma_document *document, const fix_request *request,
     norma_findings **findings, norma_document_error *error) {
-    return find(document, request, request->reads_maps, SIZE_MAX, findings, error);
+    return find_by_all(document, request, request->reads_maps, SIZE_MAX, findings, error);
 }
 
 static norma_document_result measure_copy(norma_document *copy, const fix_request *request,
     fix_measure *measure, norma_document_error *error) {
     const norma_document_result result =
-        find(copy, request, request->changes_maps, 1, &measure->findings, error);
+        find_by_all(copy, request, request->changes_maps, 1, &measure->findings, error);
     return result ? result : norma_fix_measure_shape(copy, request, measure, error);
 }
 
@@ -155,7 +156,7 @@ typedef struct verdict { /* of each rule: elements at warning or above, and the 
     norma_severity gravest[CHECK_RULE_COUNT];
 } verdict;
 
-static verdict weigh(const norma_findings *findings) {
+static verdict weigh_findings(const norma_findings *findings) {
     verdict sum = {0};
     size_t count;
     for (size_t i = 0; i < norma_findings_count(findings); i++) {
@@ -177,7 +178,7 @@ static int is_found_at(const norma_findings *findings, check_rule rule, const ch
 }
 
 /* Whether one part of a map is right now, and another wrong. */
-static int moves(const fix_measure *before, const fix_measure *after, check_rule rule) {
+static int changes_place(const fix_measure *before, const fix_measure *after, check_rule rule) {
     for (size_t i = 0; i < norma_findings_count(after->findings); i++) {
         const norma_finding *finding = norma_findings_get(after->findings, i);
         if (norma_fix_is_rule(finding, rule) &&
@@ -197,11 +198,11 @@ const char *norma_fix_worse_shape(const fix_measure *before, const fix_measure *
 }
 
 int norma_fix_find_worse(const fix_measure *before, const fix_measure *after, uint8_t *worse) {
-    const verdict was = weigh(before->findings), is = weigh(after->findings);
+    const verdict was = weigh_findings(before->findings), is = weigh_findings(after->findings);
     int any = norma_fix_worse_shape(before, after) != NULL;
     for (size_t i = 0; i < CHECK_RULE_COUNT; i++)
         worse[i] = is.counts[i] > was.counts[i] || is.gravest[i] > was.gravest[i];
-    worse[RULE_N812] |= (uint8_t)moves(before, after, RULE_N812);
+    worse[RULE_N812] |= (uint8_t)changes_place(before, after, RULE_N812);
     for (size_t i = 0; i < CHECK_RULE_COUNT; i++) any |= worse[i];
     return any;
 }

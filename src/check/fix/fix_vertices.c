@@ -86,7 +86,7 @@ typedef struct vertex_sum {
 /* ---- how much of the normals around a vertex is left in their sum, by angle, as N403 measures */
 
 /* first: the vertex that each is or would become; NULL: itself. */
-static void add_corners(const fix_mesh *m, const uint32_t *first, vertex_sum *sums) {
+static void add_corners_of_vertices(const fix_mesh *m, const uint32_t *first, vertex_sum *sums) {
     for (size_t face = 0; face < m->mesh.face_count; face++) {
         core_face geometry;
         norma_core_face_geometry(&m->mesh, face, &geometry);
@@ -156,7 +156,7 @@ static norma_result weld(fix_mesh *m) {
             ? NORMA_OK
             : NORMA_ERROR_MEMORY; /* more than such a file may stand for: the soup stays */
     if (compared == NORMA_DOCUMENT_OK) {
-        add_corners(m, first, sums);
+        add_corners_of_vertices(m, first, sums);
         size_t gone = part_cancelled(sums, count, first);
         result = gone ? put_welded(m, count, count - gone, first) : NORMA_OK;
     }
@@ -192,7 +192,7 @@ static int same_fan(const fan_corner *a, const fan_corner *b) {
 
 /* The normal of each corner's fan: with the crease that the stored normals show, where it is sharp
  * enough. */
-static norma_result find_fans(fix_mesh *m, float *normals) {
+static norma_result find_vertex_fans(fix_mesh *m, float *normals) {
     norma_result result = norma_fix_surface(m); /* for what they show */
     const norma_options options = {.struct_size = sizeof options,
         .weight = m->deviation.weight,
@@ -217,7 +217,7 @@ static uint8_t *mark_cancelled(const fix_mesh *m) {
     vertex_sum *sums = calloc(count + 1, sizeof *sums);
     uint8_t *marks = NULL;
     if (sums && norma_fix_mark(m, RULE_N403, MEND_VERTEX, count, &marks) >= 0) {
-        add_corners(m, NULL, sums);
+        add_corners_of_vertices(m, NULL, sums);
         for (size_t v = 0; marks && v < count; v++)
             marks[v] = (uint8_t)(marks[v] || cancels(&sums[v], CANCELLED));
     }
@@ -321,7 +321,7 @@ static norma_result split(fix_mesh *m) {
     uint8_t *marks = mark_cancelled(m);
     fan_corner *fans = NULL;
     size_t count = 0;
-    norma_result result = normals && marks ? find_fans(m, normals) : NORMA_ERROR_MEMORY;
+    norma_result result = normals && marks ? find_vertex_fans(m, normals) : NORMA_ERROR_MEMORY;
     if (!result) {
         fans = gather_fans(m, marks, normals, &count);
         result = fans ? NORMA_OK : NORMA_ERROR_MEMORY;

@@ -24,7 +24,7 @@ static int same_edge(const fix_edge *a, const fix_edge *b) {
 
 /* ---- edges: of faces that have three or more */
 
-static int gather(bodies *b) {
+static int gather_body_edges(bodies *b) {
     size_t corners = 0, face = 0;
     for (size_t i = 0; i < b->count; i++) corners += b->meshes[i].corner_count;
     b->edges = malloc((corners + 1) * sizeof *b->edges);
@@ -41,7 +41,7 @@ static int gather(bodies *b) {
 
 /* ---- parts and bodies */
 
-static void find_parts(bodies *b) {
+static void find_body_parts(bodies *b) {
     const fix_edge *e = b->edges;
     for (size_t i = 1; i < b->edge_count; i++)
         if (norma_fix_compare_edges(&e[i - 1], &e[i]) == 0)
@@ -79,11 +79,11 @@ static norma_result fix_whole_bodies(const core_mesh *meshes, size_t count, uint
     b.joined = malloc((b.face_count + 1) * sizeof *b.joined);
     b.open = calloc(b.face_count + 1, 1);
     uint8_t *bodies_named = calloc(b.face_count + 1, 1);
-    const int fine =
-        b.parts && b.joined && b.open && bodies_named && b.face_count < UINT32_MAX && gather(&b);
+    const int fine = b.parts && b.joined && b.open && bodies_named && b.face_count < UINT32_MAX &&
+                     gather_body_edges(&b);
     if (fine) {
         for (size_t f = 0; f < b.face_count; f++) b.parts[f] = (uint32_t)f;
-        find_parts(&b);
+        find_body_parts(&b);
         join_open(&b);
         for (size_t f = 0; f < b.face_count; f++)
             if (named[f]) bodies_named[norma_fix_root(b.joined, (uint32_t)f)] = 1;
@@ -211,7 +211,7 @@ static norma_result turn_shells(fix_whole *t, uint8_t *marks) {
 
 /* ---- all of it */
 
-static norma_result turn(fix_whole *t, uint8_t *inward, uint8_t *open) {
+static norma_result turn_whole(fix_whole *t, uint8_t *inward, uint8_t *open) {
     norma_result result = NORMA_OK;
     if (fix_mark_named(t, RULE_N302, inward)) result = turn_shells(t, inward);
     if (result || !fix_mark_named(t, RULE_N304, open)) return result;
@@ -240,7 +240,7 @@ norma_document_result norma_fix_turn(const fix_group *group, norma_result *how) 
     fix_whole t;
     norma_document_result result = norma_fix_open_whole(group, &t, how);
     uint8_t *inward = calloc(t.face_count + 1, 1), *open = calloc(t.face_count + 1, 1);
-    if (!result && !*how) *how = inward && open ? turn(&t, inward, open) : NORMA_ERROR_MEMORY;
+    if (!result && !*how) *how = inward && open ? turn_whole(&t, inward, open) : NORMA_ERROR_MEMORY;
     if (!result && !*how) *how = share_turned(&t, inward, open);
     norma_fix_close_whole(&t);
     free(inward);
@@ -291,7 +291,7 @@ static norma_document_result share_sides(
 /* The faces whose sides matter: those that are named, those that are turned with a whole body, and
  * those at edges that two faces run along the same way. Rays are cast from the pieces of these
  * alone, as the rules do. NULL: out of memory. */
-static uint8_t *mark_asked(const fix_whole *whole, const core_topology *topology) {
+static uint8_t *mark_asked_faces(const fix_whole *whole, const core_topology *topology) {
     static const check_rule rules[] = {RULE_N201, RULE_N205};
     const fix_group *group = whole->group;
     uint8_t *asked = calloc(whole->face_count + 1, 1);
@@ -309,7 +309,8 @@ static uint8_t *mark_asked(const fix_whole *whole, const core_topology *topology
 }
 
 /* Those of an STL by their stored normals, where nothing else decides. */
-static norma_document_result judge_whole(fix_whole *whole, uint8_t *sides, norma_result *how) {
+static norma_document_result judge_group_sides(
+    fix_whole *whole, uint8_t *sides, norma_result *how) {
     const fix_group *group = whole->group;
     const norma_options options = {
         .struct_size = sizeof options, .threads = group->request->options.threads};
@@ -323,7 +324,7 @@ static norma_document_result judge_whole(fix_whole *whole, uint8_t *sides, norma
     if (result || !whole->face_count) return result;
     *how = norma_core_side_judge_open(&whole->mesh, &options, &judge);
     if (*how) return result;
-    uint8_t *asked = mark_asked(whole, &judge.topology);
+    uint8_t *asked = mark_asked_faces(whole, &judge.topology);
     *how = asked ? norma_core_side_judge_ask(&judge, 0, whole->face_count, asked, sides)
                  : NORMA_ERROR_MEMORY;
     free(asked);
@@ -338,7 +339,7 @@ norma_document_result norma_fix_sides(const fix_group *group, norma_result *how)
     norma_document_result result = norma_fix_open_whole(group, &whole, how);
     uint8_t *sides = !result && !*how ? malloc(whole.face_count + 1) : NULL;
     if (!result && !*how && !(sides && norma_fix_join(&whole))) *how = NORMA_ERROR_MEMORY;
-    if (!result && !*how) result = judge_whole(&whole, sides, how);
+    if (!result && !*how) result = judge_group_sides(&whole, sides, how);
     if (!result && !*how) result = share_sides(&whole, sides, how);
     norma_fix_close_whole(&whole);
     free(sides);

@@ -18,7 +18,7 @@ static int keeps_texel(const map_texels *texels, size_t x) {
 
 enum { MOST_TEXELS = 1 << 20, FEWEST_TEXELS = 1 << 12, OF_SMALL_FILE = 1 << 17 };
 
-static int begin(void *user, size_t width, size_t height) {
+static int begin_texels(void *user, size_t width, size_t height) {
     map_texels *texels = user;
     texels->width = width;
     texels->height = height;
@@ -44,15 +44,15 @@ static void keep_row(void *user, size_t y, const uint8_t *pixels) {
     }
 }
 
-static size_t least(size_t a, size_t b) { return a < b ? a : b; }
+static size_t lesser_size(size_t a, size_t b) { return a < b ? a : b; }
 
 /* A small file has a small image, or says the same thing everywhere. */
 image_result norma_map_read(const norma_texture_info *map, size_t meshes, map_texels *texels) {
     const size_t share = 4 * (size_t)MOST_TEXELS / meshes;
     *texels = (map_texels){
-        .most = least(MOST_TEXELS,
-            least(OF_SMALL_FILE + 32 * map->size, share > FEWEST_TEXELS ? share : FEWEST_TEXELS))};
-    const image_sink sink = {3, begin, keep_row, texels};
+        .most = lesser_size(MOST_TEXELS, lesser_size(OF_SMALL_FILE + 32 * map->size,
+                                             share > FEWEST_TEXELS ? share : FEWEST_TEXELS))};
+    const image_sink sink = {3, begin_texels, keep_row, texels};
     const image_result result = norma_image_read(map->bytes, map->size, &sink);
     if (result) norma_map_free(texels);
     return result;
@@ -92,17 +92,18 @@ typedef struct painter {
 
 static uint64_t low_bits(size_t count) { return count ? ~(uint64_t)0 >> (64 - count) : 0; }
 
-static void fill(const map_mask *mask, size_t row, size_t begin, size_t end) {
+static void fill(const map_mask *mask, size_t row, size_t begin_texels, size_t end) {
     uint64_t *bits = mask->bits + row * mask->words;
-    for (size_t word = begin / 64; word * 64 < end; ++word) {
-        const size_t from = word * 64 > begin ? 0 : begin - word * 64,
+    for (size_t word = begin_texels / 64; word * 64 < end; ++word) {
+        const size_t from = word * 64 > begin_texels ? 0 : begin_texels - word * 64,
                      to = end - word * 64 < 64 ? end - word * 64 : 64;
         bits[word] |= low_bits(to) & ~low_bits(from);
     }
 }
 
-static void fill_texels(const painter *p, size_t row, size_t begin, size_t end) {
-    fill(p->mask, row, count_kept_before(p->texels, begin), count_kept_before(p->texels, end));
+static void fill_texels(const painter *p, size_t row, size_t begin_texels, size_t end) {
+    fill(p->mask, row, count_kept_before(p->texels, begin_texels),
+        count_kept_before(p->texels, end));
 }
 
 static size_t clamped(int64_t x, size_t length) {
@@ -110,28 +111,29 @@ static size_t clamped(int64_t x, size_t length) {
 }
 
 /* From begin to before end, of one repetition; mirrored ones the other way round. */
-static void fill_repeated(const painter *p, size_t row, int64_t begin, int64_t end) {
+static void fill_repeated(const painter *p, size_t row, int64_t begin_texels, int64_t end) {
     const int64_t width = (int64_t)p->texels->width;
-    while (begin < end) {
-        const int64_t tile = begin / width - (begin % width < 0), first = begin - tile * width,
+    while (begin_texels < end) {
+        const int64_t tile = begin_texels / width - (begin_texels % width < 0),
+                      first = begin_texels - tile * width,
                       last = end - tile * width < width ? end - tile * width : width;
         if (p->wrap[0] == MIRROR && tile % 2 != 0)
             fill_texels(p, row, (size_t)(width - last), (size_t)(width - first));
         else
             fill_texels(p, row, (size_t)first, (size_t)last);
-        begin = tile * width + last;
+        begin_texels = tile * width + last;
     }
 }
 
-static void paint_row(const painter *p, size_t row, int64_t begin, int64_t end) {
+static void paint_row(const painter *p, size_t row, int64_t begin_texels, int64_t end) {
     const size_t width = p->texels->width;
-    if (begin >= end) return;
+    if (begin_texels >= end) return;
     if (p->wrap[0] == CLAMP)
-        fill_texels(p, row, clamped(begin, width), clamped(end - 1, width) + 1);
-    else if (end - begin >= 2 * (int64_t)width)
+        fill_texels(p, row, clamped(begin_texels, width), clamped(end - 1, width) + 1);
+    else if (end - begin_texels >= 2 * (int64_t)width)
         fill_texels(p, row, 0, width);
     else
-        fill_repeated(p, row, begin, end);
+        fill_repeated(p, row, begin_texels, end);
 }
 
 /* Which row of the image it is; SIZE_MAX: one that is not kept. */
@@ -150,7 +152,7 @@ static size_t row_of(const painter *p, int64_t y) {
 /* ---- one triangle, in texels */
 
 /* Where the row's middle line is inside: between the two edges that cross it. */
-static void cross(const double t[3][2], double y, double span[2]) {
+static void cross_row(const double t[3][2], double y, double span[2]) {
     span[0] = INFINITY, span[1] = -INFINITY;
     for (int k = 0; k < 3; ++k) {
         const double *a = t[k], *b = t[(k + 1) % 3];
@@ -170,14 +172,14 @@ static void paint_middle(const painter *p, const double t[3][2]) {
 static void paint_triangle(painter *p, const double t[3][2]) {
     const double low = fmin(t[0][1], fmin(t[1][1], t[2][1])),
                  high = fmax(t[0][1], fmax(t[1][1], t[2][1]));
-    const int64_t begin = (int64_t)ceil(low - .5), end = (int64_t)ceil(high - .5);
+    const int64_t begin_texels = (int64_t)ceil(low - .5), end = (int64_t)ceil(high - .5);
     paint_middle(p, t);
-    for (int64_t y = begin; y < end && p->rows_left; ++y) {
+    for (int64_t y = begin_texels; y < end && p->rows_left; ++y) {
         const size_t row = row_of(p, y);
         double span[2];
         --p->rows_left;
         if (row == SIZE_MAX) continue;
-        cross(t, (double)y + .5, span);
+        cross_row(t, (double)y + .5, span);
         if (span[0] <= span[1])
             paint_row(p, row, (int64_t)ceil(span[0] - .5), (int64_t)ceil(span[1] - .5));
     }
@@ -424,7 +426,8 @@ static int find_curl(const map_texels *texels, const map_mask *mask, map_curl *c
 static const double MOST_BAD = .05;
 enum { FEW_TEXELS = 16 };
 
-static norma_result add(check_mesh *m, check_rule rule, double value, const char *message) {
+static norma_result add_map_finding(
+    check_mesh *m, check_rule rule, double value, const char *message) {
     check_hits one = {0};
     norma_check_hit(m->run, &one, value, CHECK_NOWHERE);
     return norma_check_add(m->run, &m->place, m,
@@ -464,7 +467,7 @@ static norma_result tell_lengths(check_mesh *m, const map_texels *texels, const 
     } else {
         return NORMA_OK;
     }
-    return add(m, RULE_N811, percent, message);
+    return add_map_finding(m, RULE_N811, percent, message);
 }
 
 /* ---- N812 */
@@ -495,7 +498,7 @@ static norma_result judge_curl(check_mesh *m, const map_texels *texels, const ma
     double agreement;
     if (!find_curl(texels, mask, &curl)) return NORMA_ERROR_MEMORY;
     if (!is_turned(&curl, &agreement)) return NORMA_OK;
-    return add(m, RULE_N812, -agreement,
+    return add_map_finding(m, RULE_N812, -agreement,
         "the normal map fits a surface only with its green channel inverted; it was made for the "
         "other convention (DirectX), so light from above makes bumps look like dents");
 }

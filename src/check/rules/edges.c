@@ -329,7 +329,7 @@ static norma_result add_twins(check_mesh *m, check_hits *hits) {
         hits->count, norma_check_plural(hits->count));
 }
 
-static norma_result add_findings(check_mesh *m, edge_part *parts, size_t blocks) {
+static norma_result add_edge_findings(check_mesh *m, edge_part *parts, size_t blocks) {
     edge_part sum = {.failed = 0};
     size_t conflicts = 0;
     for (size_t i = 0; i < blocks; i++) {
@@ -380,7 +380,7 @@ norma_result norma_check_pairs(check_mesh *m) {
     if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result = norma_core_pair_edges(&m->topology, &visitor);
-    if (!result) result = add_findings(m, pass.parts, blocks);
+    if (!result) result = add_edge_findings(m, pass.parts, blocks);
     free_parts(m, pass.parts, blocks);
     return result;
 }

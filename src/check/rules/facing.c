@@ -44,7 +44,7 @@ static double check_greatest_cosine(const check_mesh *m, size_t face, size_t *fa
     return whole ? greatest : NAN;
 }
 
-static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
+static void judge_opposed(void *context, size_t block, size_t begin, size_t end) {
     const facing_pass *pass = context;
     const check_mesh *m = pass->m;
     facing_part *part = &pass->parts[block];
@@ -74,7 +74,8 @@ static norma_result check_opposed(check_mesh *m) {
     if (!result) {
         memset((void *)m->far, 0, norma_check_normal_count(m) * sizeof *m->far);
         memset(pass.parts, 0, blocks * sizeof *pass.parts);
-        result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_faces, &pass);
+        result =
+            norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_opposed, &pass);
     }
     for (size_t i = 0; !result && i < blocks; i++) {
         m->opposed_count += pass.parts[i].opposed;
@@ -112,7 +113,7 @@ static void find_majority(const check_mesh *m, double majority[3]) {
     }
 }
 
-static size_t count_alike(const check_mesh *m, const double normal[3], size_t *used) {
+static size_t count_alike_normals(const check_mesh *m, const double normal[3], size_t *used) {
     size_t count = norma_check_normal_count(m), alike = 0;
     *used = 0;
     for (size_t i = 0; i < count; i++) {
@@ -157,7 +158,7 @@ static norma_result find_placeholder(check_mesh *m, placeholder *p) {
     norma_result result = norma_check_users(m);
     if (result) return result;
     find_majority(m, p->normal);
-    p->alike = count_alike(m, p->normal, &p->used);
+    p->alike = count_alike_normals(m, p->normal, &p->used);
     if (!p->used || (double)p->alike <= MOST_ALIKE * (double)p->used ||
         !norma_core_finite(p->normal) ||
         (p->normal[0] == 0 && p->normal[1] == 0 && p->normal[2] == 0))
@@ -251,7 +252,7 @@ norma_result norma_check_deviation(check_mesh *m) {
 /* ---- N206: normals of another frame. Nothing that could have been computed from the surface
  * is near them; often they were reversed, mirrored or rotated and the surface was not. */
 
-static const double FAR_OFF = 0.52359877559829882; /* 30 degrees */
+static const double OTHER_FRAME_RAD = 0.52359877559829882; /* 30 degrees */
 
 /* The winding is shown to be wrong, or that is undecided, for more than a hundredth of the area
  * where normals and winding disagree: then N201 says so, and to compute all normals again would
@@ -278,7 +279,7 @@ norma_result norma_check_is_of_another_frame(check_mesh *m, int *is) {
     if (m->frame) return NORMA_OK;
     m->frame = CHECK_NO;
     norma_result result = check_deviation_of(m, &deviation);
-    if (result || !deviation->corners || !(deviation->p50_rad > FAR_OFF)) return result;
+    if (result || !deviation->corners || !(deviation->p50_rad > OTHER_FRAME_RAD)) return result;
     result = check_is_placeholder(m, &is_placeholder);
     if (!result && !is_placeholder) result = is_winding_in_doubt(m, &in_doubt);
     if (result || is_placeholder || in_doubt) return result;
@@ -482,7 +483,7 @@ static void mark_positions(const check_mesh *m, const far_state *state, uint8_t 
             if (is_far(state, norma_check_normal_of(m, f, c))) marks[m->topology.corners[c]] = 1;
 }
 
-static void judge_position(const check_mesh *m, size_t position, far_state *state) {
+static void judge_far_position(const check_mesh *m, size_t position, far_state *state) {
     const core_corners_of_position *around = &m->topology.corners_of;
     star s = {.m = m,
         .corners = &around->corners[around->starts[position]],
@@ -504,7 +505,7 @@ static norma_result judge_stars(check_mesh *m, far_state *state) {
     if (!result) {
         mark_positions(m, state, marks);
         for (size_t p = 0; p < m->topology.corners_of.position_count; p++)
-            if (marks[p]) judge_position(m, p, state);
+            if (marks[p]) judge_far_position(m, p, state);
     }
     norma_core_release(call, marks, m->mesh.positions.count, 1);
     return result;

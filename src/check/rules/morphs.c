@@ -8,7 +8,7 @@
 
 static const double BENDS_DEG = 5, CANCELS = 0.1, NO_LENGTH = 1e-6, DEGENERATE = 1e-6;
 
-static inline double greater(double a, double b) { return a > b ? a : b; }
+static inline double greater_square(double a, double b) { return a > b ? a : b; }
 static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 /* ---- N901 */
@@ -43,11 +43,11 @@ static int moved_normal(
         double edge[3];
         moved_position(m, deltas, norma_core_corner(&m->mesh, c), p);
         norma_core_subtract(p, first, edge);
-        longest = greater(longest, norma_core_dot(edge, edge));
+        longest = greater_square(longest, norma_core_dot(edge, edge));
         if (c > begin + 1) {
             double between[3];
             norma_core_subtract(edge, before, between);
-            longest = greater(longest, norma_core_dot(between, between));
+            longest = greater_square(longest, norma_core_dot(between, between));
             normal[0] += before[1] * edge[2] - before[2] * edge[1];
             normal[1] += before[2] * edge[0] - before[0] * edge[2];
             normal[2] += before[0] * edge[1] - before[1] * edge[0];
@@ -59,7 +59,7 @@ static int moved_normal(
 }
 
 /* 0 where it is no more than BENDS_DEG. */
-static double bend_deg(const check_mesh *m, const norma_vec3_view *deltas, size_t face) {
+static double bend_of_face_deg(const check_mesh *m, const norma_vec3_view *deltas, size_t face) {
     static const double tangent = 0.08748866352592401; /* of BENDS_DEG */
     const check_face *at_rest = &m->faces[face];
     double moved[3];
@@ -87,7 +87,7 @@ typedef struct bend_pass {
 static void judge_block(void *context, size_t block, size_t begin, size_t end) {
     const bend_pass *pass = context;
     for (size_t f = begin; f < end; f++) {
-        double bend = bend_deg(pass->m, pass->deltas, f);
+        double bend = bend_of_face_deg(pass->m, pass->deltas, f);
         if (bend > BENDS_DEG)
             norma_check_hit(pass->m->run, &pass->parts[block], bend, norma_check_face(f));
     }

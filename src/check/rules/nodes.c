@@ -80,8 +80,8 @@ typedef struct node_judgement {
     int double_sided; /* some material of its mesh */
 } node_judgement;
 
-static norma_result add(const node_judgement *j, check_rule rule, norma_severity severity,
-    size_t count, double worst, const char *unit, const char *message) {
+static norma_result add_node_finding(const node_judgement *j, check_rule rule,
+    norma_severity severity, size_t count, double worst, const char *unit, const char *message) {
     check_hits hits = {.count = count, .worst = worst, .worst_spot = CHECK_NOWHERE};
     if (!count || !j->rules[rule]) return NORMA_OK;
     return norma_check_add(j->run, &j->place, NULL,
@@ -111,36 +111,36 @@ static norma_result add_mirrored(const node_judgement *j, const node_sums *sums)
         mixed             ? "; one draw call can cull in only one direction"
         : j->double_sided ? "; renderers disagree on how to light it"
                           : "; renderers must reverse their culling");
-    return add(j, RULE_N602,
+    return add_node_finding(j, RULE_N602,
         mixed || j->double_sided ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO, sums->mirrored,
         sums->determinant, "determinant", message);
 }
 
-static norma_result add_findings(const node_judgement *j, const node_sums *sums) {
+static norma_result add_node_findings(const node_judgement *j, const node_sums *sums) {
     char begin[CHECK_MESSAGE], message[CHECK_MESSAGE];
     begin_message(j, sums->uneven, begin);
     norma_check_message(message,
         "%sstretches one direction by %g times another; a renderer without the normal matrix errs "
         "by up to %g degrees",
         begin, sums->anisotropy, sums->error_rad * DEGREES);
-    norma_result result =
-        add(j, RULE_N601, NORMA_SEVERITY_INFO, sums->uneven, sums->anisotropy, "ratio", message);
+    norma_result result = add_node_finding(
+        j, RULE_N601, NORMA_SEVERITY_INFO, sums->uneven, sums->anisotropy, "ratio", message);
     if (!result) result = add_mirrored(j, sums);
     begin_message(j, sums->singular, begin);
     norma_check_message(message,
         "%sworld matrix of rank %z: it flattens the mesh and has no inverse", begin,
         (size_t)sums->rank);
     if (!result)
-        result = add(j, RULE_N603, NORMA_SEVERITY_WARNING, sums->singular, (double)sums->rank,
-            "rank", message);
+        result = add_node_finding(j, RULE_N603, NORMA_SEVERITY_WARNING, sums->singular,
+            (double)sums->rank, "rank", message);
     begin_message(j, sums->sheared, begin);
     norma_check_message(message,
         "%scolumns of the world matrix are %g degrees off perpendicular; this cannot be written as "
         "translation, rotation and scale",
         begin, norma_check_arc_sine(fmin(sums->cosine, 1)) * DEGREES);
     return result ? result
-                  : add(j, RULE_N604, NORMA_SEVERITY_WARNING, sums->sheared, sums->cosine, "cosine",
-                        message);
+                  : add_node_finding(j, RULE_N604, NORMA_SEVERITY_WARNING, sums->sheared,
+                        sums->cosine, "cosine", message);
 }
 
 static void label_of(const char *kind, size_t number, const char *name, char label[CHECK_MESSAGE]) {
@@ -171,7 +171,7 @@ static norma_result judge_node(check_run *run, const norma_check_scene *scene, s
     if (result || !(sums.uneven || sums.mirrored || sums.singular || sums.sheared)) return result;
     label_of("node", node->node, node->name, label);
     j.double_sided = sums.mirrored && has_double_sided(scene, node->mesh);
-    return add_findings(&j, &sums);
+    return add_node_findings(&j, &sums);
 }
 
 static norma_result judge_skin(check_run *run, const norma_skin_info *skin, size_t number) {
@@ -186,8 +186,8 @@ static norma_result judge_skin(check_run *run, const norma_skin_info *skin, size
         "joint node %z stretches one direction by %g times another, at rest or in an animation; "
         "most skinning shaders err there",
         skin->joint, skin->anisotropy);
-    return add(&j, RULE_N605, NORMA_SEVERITY_INFO, skin->joint_count && skin->anisotropy > UNEVEN,
-        skin->anisotropy, "ratio", message);
+    return add_node_finding(&j, RULE_N605, NORMA_SEVERITY_INFO,
+        skin->joint_count && skin->anisotropy > UNEVEN, skin->anisotropy, "ratio", message);
 }
 
 norma_result norma_check_nodes(

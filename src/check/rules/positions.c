@@ -12,7 +12,7 @@
  * another one shares its cell. */
 
 enum { POSITIONS_IN_BLOCK = 1 << 13, CELL_STEPS = 32, AT_ONCE = 32 };
-static const double NEAR = 1e-6; /* of the diagonal */
+static const double ALMOST_EQUAL = 1e-6; /* of the diagonal */
 
 enum {
     POSITION_UNUSED = 0, /* by a face; or not finite; or it is equal to one that stands for it */
@@ -30,17 +30,17 @@ typedef struct grid {
     check_hits *parts;
 } grid;
 
-static uint64_t mix(uint64_t h) {
+static uint64_t mix_cell(uint64_t h) {
     h = (h ^ (h >> 32)) * UINT64_C(0x9e3779b97f4a7c15);
     h = (h ^ (h >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
     return h ^ (h >> 32);
 }
 
-static uint64_t hash_of(const int64_t cell[3]) {
+static uint64_t hash_of_cell(const int64_t cell[3]) {
     uint64_t h = (uint64_t)cell[0] * UINT64_C(0x9e3779b97f4a7c15) +
                  (uint64_t)cell[1] * UINT64_C(0xc2b2ae3d27d4eb4f) +
                  (uint64_t)cell[2] * UINT64_C(0x165667b19e3779f9);
-    return mix(h);
+    return mix_cell(h);
 }
 
 /* Coordinates in a cell are not negative, so cutting off is rounding down; a cell before the first
@@ -113,7 +113,7 @@ static void add_some(grid *g, size_t begin, size_t end) {
         cell_of(g, p, cell);
         if (is_at_side(g, p, cell)) set_use(g, i, POSITION_TO_JUDGE);
         which[count] = (uint32_t)i;
-        hashes[count] = hash_of(cell);
+        hashes[count] = hash_of_cell(cell);
         __builtin_prefetch((const void *)&g->slots[(size_t)hashes[count] & g->mask]);
         count++;
     }
@@ -130,7 +130,7 @@ static void add_positions(void *context, size_t block, size_t begin, size_t end)
  * of chance, so the first one found must do. */
 static int is_near_in(const grid *g, const int64_t cell[3], size_t self, const double p[3]) {
     uint64_t entry;
-    (void)find_slot(g, hash_of(cell), &entry);
+    (void)find_slot(g, hash_of_cell(cell), &entry);
     for (uint32_t i = entry == EMPTY ? UINT32_MAX : (uint32_t)entry; i != UINT32_MAX;
          i = g->next[i]) {
         double q[3], d[3];
@@ -159,7 +159,7 @@ static int is_near(const grid *g, size_t self) {
     return 0;
 }
 
-static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
+static void judge_cells(void *context, size_t block, size_t begin, size_t end) {
     grid *g = context;
     for (size_t i = begin; i < end; i++)
         if (use_of(g, i) == POSITION_TO_JUDGE && is_near(g, i))
@@ -220,7 +220,7 @@ static norma_result add_coincident(check_mesh *m, check_hits *hits, double step)
 static norma_result search(check_mesh *m, grid *g, size_t blocks) {
     size_t count = m->mesh.positions.count;
     norma_result result = norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, add_positions, g);
-    if (!result) result = norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, judge_positions, g);
+    if (!result) result = norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, judge_cells, g);
     check_hits hits = {0};
     for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, &hits, &g->parts[i]);
     if (!result && hits.count) return add_coincident(m, &hits, g->step);
@@ -245,7 +245,7 @@ norma_result norma_check_coincident(check_mesh *m) {
         memset(g.parts, 0, blocks * sizeof *g.parts);
         const size_t used = find_used(&g, high);
         for (int k = 0; k < 3; k++) square += (high[k] - g.low[k]) * (high[k] - g.low[k]);
-        g.step = NEAR * sqrt(square);
+        g.step = ALMOST_EQUAL * sqrt(square);
         g.cell = CELL_STEPS * g.step;
         for (int k = 0; k < 3; k++) g.low[k] -= g.cell / 2; /* a plane is not at cells' sides */
         if (g.step > 0 && g.step < INFINITY) result = open_slots(&g, used);

@@ -30,7 +30,7 @@ static seam_vertex vertex_of(const check_mesh *m, size_t corner) {
     };
 }
 
-static int is_same(const seam_vertex *a, const seam_vertex *b) {
+static int is_same_vertex(const seam_vertex *a, const seam_vertex *b) {
     return a->vertex == b->vertex && a->texcoord == b->texcoord && a->material == b->material &&
            a->normal == b->normal;
 }
@@ -42,7 +42,7 @@ static size_t list_vertices(
     for (size_t i = 0; i < count; i++) {
         seam_vertex v = vertex_of(m, corners[i]);
         size_t k = 0;
-        while (k < distinct && !is_same(&vertices[k], &v)) k++;
+        while (k < distinct && !is_same_vertex(&vertices[k], &v)) k++;
         if (k < distinct)
             vertices[k].faces++;
         else
@@ -68,7 +68,7 @@ static int differ(const check_mesh *m, const seam_vertex *a, const seam_vertex *
            !same_floats(at->colors, 4, m->mesh.positions.count, a->vertex, b->vertex);
 }
 
-static double angle_between(const check_mesh *m, size_t first, size_t second) {
+static double seam_angle_between(const check_mesh *m, size_t first, size_t second) {
     double a[3], b[3], cross[3];
     if (first == second || first == SIZE_MAX || second == SIZE_MAX) return 0;
     norma_check_normal(m, first, a);
@@ -83,7 +83,8 @@ static double widest_seam(const check_mesh *m, const seam_vertex *vertices, size
     for (size_t i = 0; i < count; i++)
         for (size_t k = i + 1; k < count && vertices[i].faces > 1; k++)
             if (vertices[k].faces > 1 && differ(m, &vertices[i], &vertices[k]))
-                widest = fmax(widest, angle_between(m, vertices[i].normal, vertices[k].normal));
+                widest =
+                    fmax(widest, seam_angle_between(m, vertices[i].normal, vertices[k].normal));
     return widest;
 }
 
@@ -139,7 +140,7 @@ static double bend_deg(const check_mesh *m, size_t corner, size_t partner) {
 }
 
 /* The other face's corner at the position where an edge that is shared begins. */
-static size_t across(const check_mesh *m, size_t corner) {
+static size_t corner_across(const check_mesh *m, size_t corner) {
     const core_topology *t = &m->topology;
     const uint32_t partner = t->partners[corner];
     return norma_core_topology_next(t, norma_core_topology_face(t, partner), partner);
@@ -151,7 +152,7 @@ typedef struct edge_end {
 
 static edge_end end_of(const check_mesh *m, size_t one, size_t other, double least) {
     const seam_vertex a = vertex_of(m, one), b = vertex_of(m, other);
-    return (edge_end){differ(m, &a, &b), angle_between(m, a.normal, b.normal) > least};
+    return (edge_end){differ(m, &a, &b), seam_angle_between(m, a.normal, b.normal) > least};
 }
 
 static int fits_face(const check_mesh *m, size_t corner, double least) {
@@ -163,7 +164,8 @@ static int fits_face(const check_mesh *m, size_t corner, double least) {
 static int edge_is_flat(const check_mesh *m, size_t corner, double least) {
     const size_t partner = m->topology.partners[corner];
     return fits_face(m, corner, least) && fits_face(m, partner, least) &&
-           fits_face(m, across(m, corner), least) && fits_face(m, across(m, partner), least);
+           fits_face(m, corner_across(m, corner), least) &&
+           fits_face(m, corner_across(m, partner), least);
 }
 
 /* An edge is split for another reason than a seam where no seam runs along it, or where both its
@@ -181,8 +183,8 @@ static void check_seam_creases(const check_mesh *m, double least, seam_creases *
         if (bend >= SEAM_BENDS || bend < least * (180 / NORMA_PI))
             continue; /* even flat shading
                      parts nothing there */
-        const edge_end begin = end_of(m, c, across(m, c), least),
-                       end = end_of(m, across(m, partner), partner, least);
+        const edge_end begin = end_of(m, c, corner_across(m, c), least),
+                       end = end_of(m, corner_across(m, partner), partner, least);
         if ((begin.seam || end.seam) && !(begin.split && end.split && edge_is_flat(m, c, least)))
             continue;
         creases->all[(size_t)bend]++;
@@ -195,7 +197,7 @@ static double seam_bend(const check_mesh *m, const uint32_t *corners, size_t cou
     double most = 0;
     for (size_t i = 0; i < count; i++) {
         if (m->topology.partners[corners[i]] >= CORE_EDGE_SPECIAL) continue;
-        const edge_end end = end_of(m, corners[i], across(m, corners[i]), least);
+        const edge_end end = end_of(m, corners[i], corner_across(m, corners[i]), least);
         if (end.seam && end.split)
             most = fmax(most, bend_deg(m, corners[i], m->topology.partners[corners[i]]));
     }
@@ -459,7 +461,7 @@ typedef struct seam_pass {
     check_hits *parts;
 } seam_pass;
 
-static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
+static void judge_seam_positions(void *context, size_t block, size_t begin, size_t end) {
     const seam_pass *pass = context;
     const check_mesh *m = pass->m;
     for (size_t p = begin; p < end; p++) {
@@ -488,7 +490,7 @@ static norma_result gather_seams(
     if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     const norma_result result =
-        norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, judge_positions, &pass);
+        norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, judge_seam_positions, &pass);
     for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, hits, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     return result;

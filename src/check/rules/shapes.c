@@ -142,7 +142,7 @@ norma_result norma_check_shapes(check_mesh *m) {
  * weights can make their sum shorter than the least cosine. */
 
 enum { POSITIONS_IN_BLOCK = 1 << 13, FEW = 64 };
-static const double CANCELLED = 1e-3;
+static const double CANCELLED_SHARE = 1e-3;
 
 typedef struct member {
     uint32_t vertex, corner;
@@ -166,12 +166,12 @@ static int all_in_front(const check_mesh *m, const uint32_t *corners, size_t cou
         const double cosine = norma_check_dot(face->normal, sum);
         least = cosine < least ? cosine : least;
     }
-    return least > 1.01 * CANCELLED * length;
+    return least > 1.01 * CANCELLED_SHARE * length;
 }
 
 /* A face as its corners' weights need it. One of very many corners is not measured again at each of
  * them: its direction, to a float, is there. */
-static void measure(const check_mesh *m, size_t face, core_face *geometry) {
+static void measure_cancelled_face(const check_mesh *m, size_t face, core_face *geometry) {
     const core_mesh *mesh = &m->topology.mesh;
     enum { MANY = 64 };
     if (norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face) <= MANY) {
@@ -192,7 +192,7 @@ static double strength(const check_mesh *m, const member *members, size_t count)
         if (!norma_check_directed(&m->faces[face]) ||
             !norma_core_is_kept(mesh, face, members[i].corner))
             continue;
-        measure(m, face, &geometry);
+        measure_cancelled_face(m, face, &geometry);
         double weight =
             norma_core_corner_weight(mesh, NORMA_WEIGHT_ANGLE, face, &geometry, members[i].corner);
         for (int k = 0; k < 3; k++) sum[k] += weight * geometry.normal[k];
@@ -223,7 +223,7 @@ static void judge_position(
             at = members[begin].vertex;
         }
     }
-    if (worst < CANCELLED) norma_check_hit(m->run, hits, worst, norma_check_vertex(at));
+    if (worst < CANCELLED_SHARE) norma_check_hit(m->run, hits, worst, norma_check_vertex(at));
 }
 
 static void judge_positions(void *context, size_t block, size_t begin, size_t end) {
@@ -471,7 +471,7 @@ static norma_result add_folded(check_mesh *m, norma_severity severity, check_fol
         f->crossing == 1 ? "es itself" : " themselves");
 }
 
-static norma_result add_polygons(check_mesh *m, check_polygons *sum) {
+static norma_result tell_bad_polygons(check_mesh *m, check_polygons *sum) {
     norma_result result = add_folded(m, NORMA_SEVERITY_WARNING, &sum->folds);
     if (!result) result = add_folded(m, NORMA_SEVERITY_INFO, &sum->slight);
     if (result || !sum->bent.count || !norma_check_wants(m, RULE_N405)) return result;
@@ -482,7 +482,7 @@ static norma_result add_polygons(check_mesh *m, check_polygons *sum) {
         sum->bent.count, m->mesh.face_count, sum->bent.count == 1 ? "is" : "are", sum->bent.worst);
 }
 
-static void add_part(const check_run *run, check_polygons *sum, check_polygons *part) {
+static void add_polygon_part(const check_run *run, check_polygons *sum, check_polygons *part) {
     norma_check_hits_merge(run, &sum->folds.hits, &part->folds.hits);
     norma_check_hits_merge(run, &sum->slight.hits, &part->slight.hits);
     norma_check_hits_merge(run, &sum->bent, &part->bent);
@@ -497,7 +497,7 @@ void norma_check_polygons_drop(check_polygons *sum) {
 }
 
 norma_result norma_check_polygons_add(check_mesh *m, check_polygons *sum) {
-    const norma_result result = add_polygons(m, sum);
+    const norma_result result = tell_bad_polygons(m, sum);
     norma_check_polygons_drop(sum);
     return result;
 }
@@ -513,7 +513,7 @@ norma_result norma_check_polygons_look(check_mesh *m, check_polygons *sum) {
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     result =
         norma_check_blocks(m->run, m->mesh.face_count, POLYGONS_IN_BLOCK, judge_polygons, &pass);
-    for (size_t i = 0; i < blocks; i++) add_part(m->run, sum, &pass.parts[i]);
+    for (size_t i = 0; i < blocks; i++) add_polygon_part(m->run, sum, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     return result;
 }

@@ -11,7 +11,7 @@
  * program that turns a facet seldom turns its normal. */
 
 /* All primitives as one mesh; they are triangles. */
-static norma_result join_group(check_run *run, norma_mesh *whole) {
+static norma_result join_primitives(check_run *run, norma_mesh *whole) {
     check_group *g = run->group;
     for (size_t i = 0; i < g->count; i++) {
         const norma_mesh *mesh = &g->meshes[i].data.mesh;
@@ -46,7 +46,7 @@ static norma_result open_judge(check_run *run) {
     check_group *g = run->group;
     if (g->has_judge) return NORMA_OK;
     norma_mesh whole = g->meshes[0].data.mesh;
-    norma_result result = g->count > 1 ? join_group(run, &whole) : NORMA_OK;
+    norma_result result = g->count > 1 ? join_primitives(run, &whole) : NORMA_OK;
     const norma_options options = {.struct_size = sizeof options, .threads = run->options.threads};
     if (!result) result = norma_core_side_judge_open(&whole, &options, &g->judge);
     g->has_judge = !result;
@@ -72,7 +72,8 @@ static size_t first_face(const check_mesh *m) {
 /* ---- stored normals of facets as evidence */
 
 /* 1: the stored normal is the winding's, nearly; -1: its opposite; 0: neither, or unknown. */
-static signed char lean_of(const core_mesh *mesh, size_t facet, const norma_vec3_view *normals) {
+static signed char lean_of_facet(
+    const core_mesh *mesh, size_t facet, const norma_vec3_view *normals) {
     core_face geometry;
     double n[3];
     norma_core_face_geometry(mesh, facet, &geometry);
@@ -85,7 +86,7 @@ static signed char lean_of(const core_mesh *mesh, size_t facet, const norma_vec3
 
 /* Above zero: the stored normals of more of its neighbours point to the same side of the surface as
  * its own does than to the other; below: of fewer. */
-static int agreement(const core_topology *t, size_t facet, const signed char *leans) {
+static int agreement_of_facet(const core_topology *t, size_t facet, const signed char *leans) {
     int sum = 0;
     for (size_t c = 3 * facet; c < 3 * facet + 3; c++) {
         const uint32_t partner = t->partners[c];
@@ -100,7 +101,7 @@ static int agreement(const core_topology *t, size_t facet, const signed char *le
 /* A normal that its neighbours contradict is wrong itself, if it is the opposite of its winding. */
 static uint8_t side_by_facets(
     const core_topology *t, size_t facet, const signed char *leans, uint8_t side) {
-    const int sum = agreement(t, facet, leans);
+    const int sum = agreement_of_facet(t, facet, leans);
     if (sum > 0) return leans[facet] < 0 ? CORE_SIDE_TURNED : 0;
     return sum < 0 && leans[facet] < 0 ? 0 : side;
 }
@@ -123,7 +124,7 @@ norma_result norma_check_sides_by_facets(
     signed char *leans = norma_core_allocate(&j->call, t->mesh.face_count, sizeof *leans);
     if (!leans) return NORMA_ERROR_MEMORY;
     memset(leans, 0, t->mesh.face_count * sizeof *leans);
-    for (size_t f = 0; f < count; f++) leans[f] = lean_of(&t->mesh, f, normals);
+    for (size_t f = 0; f < count; f++) leans[f] = lean_of_facet(&t->mesh, f, normals);
     for (size_t f = 0; f < count; f++)
         if (sides[f] & CORE_SIDE_UNDECIDED && was_asked(j, f))
             sides[f] = side_by_facets(t, f, leans, sides[f]);

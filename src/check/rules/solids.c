@@ -207,7 +207,7 @@ void norma_check_solids_drop(check_run *run) {
 
 /* ---- the whole */
 
-static norma_result open_joined(joined *j) {
+static norma_result open_solids(joined *j) {
     const core_call *call = &j->run->call;
     j->positions = norma_core_allocate(call, j->vertices, 3 * sizeof *j->positions);
     j->corners = norma_core_allocate(call, j->corner_count, sizeof *j->corners);
@@ -216,7 +216,7 @@ static norma_result open_joined(joined *j) {
     return j->positions && j->corners && j->loose && j->sources ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-static void close_joined(joined *j) {
+static void close_solids(joined *j) {
     const core_call *call = &j->run->call;
     norma_core_release(call, j->sources, j->corner_count, sizeof *j->sources);
     norma_core_release(call, j->loose, j->corner_count, sizeof *j->loose);
@@ -224,7 +224,7 @@ static void close_joined(joined *j) {
     norma_core_release(call, j->positions, j->vertices, 3 * sizeof *j->positions);
 }
 
-static void fill_joined(joined *j) {
+static void fill_solids(joined *j) {
     size_t vertex = 0, corner = 0;
     for (size_t i = 0; i < j->run->solid_count; i++) {
         const check_solid_member *member = &j->run->solids[i];
@@ -239,7 +239,7 @@ static void fill_joined(joined *j) {
     }
 }
 
-static norma_mesh mesh_of(const joined *j, const uint32_t *corners, size_t corner_count) {
+static norma_mesh mesh_of_corners(const joined *j, const uint32_t *corners, size_t corner_count) {
     return (norma_mesh){.positions = {j->positions, j->vertices, 0, NORMA_FORMAT_DOUBLE},
         .corners = corners,
         .corner_count = corner_count};
@@ -250,7 +250,7 @@ static norma_result join_loose(joined *j) {
     core_mesh mesh;
     core_topology topology;
     for (size_t i = 0; i < j->loose_count; i++) j->loose[i] = j->corners[j->sources[i]];
-    const norma_mesh loose = mesh_of(j, j->loose, j->loose_count);
+    const norma_mesh loose = mesh_of_corners(j, j->loose, j->loose_count);
     if (!j->loose_count) return NORMA_OK;
     norma_result result = norma_core_mesh_shape(&loose, &mesh);
     mesh.scale = 1;
@@ -297,7 +297,7 @@ static norma_result tell_members(
 
 /* ---- N301 */
 
-static norma_result find_sides(check_run *run, const uint8_t *edges, uint8_t *sides) {
+static norma_result find_conflict_sides(check_run *run, const uint8_t *edges, uint8_t *sides) {
     norma_result result = NORMA_OK;
     size_t face = 0;
     for (size_t i = 0; i < run->solid_count && !result; i++) {
@@ -333,7 +333,7 @@ static norma_result judge_conflicts(check_run *run, const core_topology *topolog
     if (!result) {
         memset(edges, 0, faces);
         if (norma_check_count_conflicts(topology, edges)) {
-            result = find_sides(run, edges, sides);
+            result = find_conflict_sides(run, edges, sides);
             if (!result) result = tell_conflicts(run, topology, edges, sides);
         }
     }
@@ -343,13 +343,13 @@ static norma_result judge_conflicts(check_run *run, const core_topology *topolog
 }
 
 /* The positions that are to be one are one already. */
-static norma_result judge_joined(joined *j) {
+static norma_result judge_joined_solids(joined *j) {
     core_call call = j->run->call;
     core_mesh mesh;
     core_topology topology;
     core_components components;
     const core_topology_visitor nobody = {NULL, NULL, NULL, NULL};
-    const norma_mesh whole = mesh_of(j, j->corners, j->corner_count);
+    const norma_mesh whole = mesh_of_corners(j, j->corners, j->corner_count);
     norma_result result = norma_core_mesh_shape(&whole, &mesh);
     mesh.scale = 1;
     call.options.weld = NORMA_WELD_NONE;
@@ -380,13 +380,13 @@ norma_result norma_check_solids_joined(check_run *run) {
         j.corner_count += mesh->corner_count;
     }
     if (!result && run->solid_count) {
-        result = open_joined(&j);
+        result = open_solids(&j);
         if (!result) {
-            fill_joined(&j);
+            fill_solids(&j);
             result = join_loose(&j);
         }
-        if (!result) result = judge_joined(&j);
-        close_joined(&j);
+        if (!result) result = judge_joined_solids(&j);
+        close_solids(&j);
     }
     norma_check_solids_drop(run);
     return result;

@@ -15,7 +15,7 @@ typedef struct length_pass {
     check_lengths *parts;
 } length_pass;
 
-static double length_tolerance(const check_mesh *m) {
+static double normal_tolerance(const check_mesh *m) {
     const char *encoding = m->given->info.encoding ? m->given->info.encoding : "";
     const int bits = !strcmp(encoding, "snorm8") || !strcmp(encoding, "int8") ? 8
                      : !strcmp(encoding, "snorm10")                           ? 10
@@ -93,7 +93,7 @@ static int wants_lengths(const check_mesh *m, check_rule rule) {
     return m->given->info.normals != NORMA_NORMALS_PER_FACET && norma_check_wants(m, rule);
 }
 
-static norma_result add_findings(check_mesh *m, check_lengths *sum, size_t idle) {
+static norma_result add_lengths(check_mesh *m, check_lengths *sum, size_t idle) {
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N101) && sum->non_finite.count)
         result = norma_check_report(m,
@@ -124,7 +124,7 @@ void norma_check_lengths_drop(check_lengths *sum) {
 }
 
 norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, size_t idle) {
-    const norma_result result = add_findings(m, sum, idle);
+    const norma_result result = add_lengths(m, sum, idle);
     norma_check_lengths_drop(sum);
     return result;
 }
@@ -135,7 +135,7 @@ norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum) {
     sum->zero.least = 1;
     if (!count || !norma_check_wants_any(m, RULE_N101, RULE_N103)) return NORMA_OK;
     length_pass pass = {
-        m, length_tolerance(m), norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
+        m, normal_tolerance(m), norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
     norma_result result = pass.parts ? norma_check_users(m) : NORMA_ERROR_MEMORY;
     if (pass.parts) memset(pass.parts, 0, blocks * sizeof *pass.parts);
     if (!result) result = norma_check_blocks(m->run, count, NORMALS_IN_BLOCK, judge_normals, &pass);
@@ -173,7 +173,7 @@ static int lacks_normals(const check_mesh *m, size_t face) {
     return 1;
 }
 
-static norma_result add_missing(check_mesh *m) {
+static norma_result add_faces_without(check_mesh *m) {
     check_hits hits = {0};
     int some = m->given->info.normals != NORMA_NORMALS_NONE;
     int too_few = m->given->attributes.normals_missing > 0 &&
@@ -262,7 +262,7 @@ static norma_result add_mismatch(check_mesh *m) {
 }
 
 norma_result norma_check_missing_normals(check_mesh *m) {
-    norma_result result = norma_check_wants(m, RULE_N104) ? add_missing(m) : NORMA_OK;
+    norma_result result = norma_check_wants(m, RULE_N104) ? add_faces_without(m) : NORMA_OK;
     if (!result && norma_check_wants(m, RULE_N105)) result = add_unused(m);
     return !result && norma_check_wants(m, RULE_N106) ? add_mismatch(m) : result;
 }

@@ -55,7 +55,7 @@ static double face_area(const check_mesh *m, size_t begin, size_t end) {
     return sum;
 }
 
-static void judge_faces(const check_mesh *m, uint8_t *verdicts) {
+static void judge_signs(const check_mesh *m, uint8_t *verdicts) {
     const norma_mesh_attributes *a = &m->given->attributes;
     for (size_t f = 0; f < m->mesh.face_count; f++) {
         size_t begin = norma_core_face_begin(&m->mesh, f), end = norma_core_face_end(&m->mesh, f);
@@ -70,7 +70,7 @@ static void judge_faces(const check_mesh *m, uint8_t *verdicts) {
     }
 }
 
-static norma_result add(check_mesh *m, const uint8_t *verdicts, size_t with, size_t against) {
+static norma_result add_signs(check_mesh *m, const uint8_t *verdicts, size_t with, size_t against) {
     char message[CHECK_MESSAGE];
     check_hits hits = {0};
     int mixed = with > 0, side = mixed && with < against ? WITH : AGAINST;
@@ -110,12 +110,12 @@ static norma_result check_tangent_signs(check_mesh *m) {
     uint8_t *verdicts = norma_core_allocate(&m->run->call, count, 1);
     if (!verdicts) return NORMA_ERROR_MEMORY;
     memset(verdicts, 0, count);
-    judge_faces(m, verdicts);
+    judge_signs(m, verdicts);
     for (size_t v = 0; v < count; v++) {
         with += verdicts[v] == WITH;
         against += verdicts[v] == AGAINST;
     }
-    norma_result result = against ? add(m, verdicts, with, against) : NORMA_OK;
+    norma_result result = against ? add_signs(m, verdicts, with, against) : NORMA_OK;
     norma_core_release(&m->run->call, verdicts, count, 1);
     return result;
 }
@@ -209,7 +209,7 @@ static void judge_tangents(void *context, size_t block, size_t begin, size_t end
     for (size_t v = begin; v < end; v++) judge_tangent(pass, &pass->parts[block], v);
 }
 
-static norma_result add_findings(check_mesh *m, tangent_part *sum) {
+static norma_result add_tangent_findings(check_mesh *m, tangent_part *sum) {
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N801) && sum->bad.count)
         result = norma_check_report(m,
@@ -262,7 +262,7 @@ static norma_result judge_values(check_mesh *m) {
         norma_check_hits_merge(m->run, &sum.sign, &pass.parts[i].sign);
         norma_check_hits_merge(m->run, &sum.leaning, &pass.parts[i].leaning);
     }
-    if (!result) result = add_findings(m, &sum);
+    if (!result) result = add_tangent_findings(m, &sum);
     norma_check_hits_free(&sum.bad);
     norma_check_hits_free(&sum.sign);
     norma_check_hits_free(&sum.leaning);

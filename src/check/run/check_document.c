@@ -37,7 +37,7 @@ static int is_same_image(const norma_texture_info *a, const norma_texture_info *
     return a->bytes == b->bytes && (a->bytes || a->image == b->image);
 }
 
-static int is_wanted(const check_run *run, const norma_check_mesh *mesh) {
+static int is_map_wanted(const check_run *run, const norma_check_mesh *mesh) {
     uint8_t rules[CHECK_RULE_COUNT];
     memcpy(rules, run->rules, sizeof rules);
     norma_check_silence(rules, mesh->attributes.ignore);
@@ -50,7 +50,7 @@ static norma_document_result find_uses(const map_job *job, map_use *uses, size_t
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t i = 0; i < job->mesh_count && !result; i++) {
         const norma_check_mesh *mesh = &job->meshes[i];
-        if (!is_wanted(job->run, mesh)) continue;
+        if (!is_map_wanted(job->run, mesh)) continue;
         map_use *use = &uses[*count];
         use->mesh = i;
         result = norma_document_normal_map(
@@ -62,7 +62,7 @@ static norma_document_result find_uses(const map_job *job, map_use *uses, size_t
 
 /* ---- one image */
 
-static norma_result judge(const map_job *job, const map_use *use, const map_texels *texels) {
+static norma_result judge_map_of(const map_job *job, const map_use *use, const map_texels *texels) {
     char label[CHECK_MESSAGE];
     check_mesh m;
     const norma_check_mesh *mesh = &job->meshes[use->mesh];
@@ -99,7 +99,7 @@ static norma_result judge_image(const map_job *job, const map_use *uses, size_t 
     norma_result result = NORMA_OK;
     if (read == IMAGE_MEMORY) return NORMA_ERROR_MEMORY;
     if (read) return tell_not_read(job, uses, norma_image_text(read));
-    for (size_t i = 0; i < count && !result; i++) result = judge(job, &uses[i], &texels);
+    for (size_t i = 0; i < count && !result; i++) result = judge_map_of(job, &uses[i], &texels);
     norma_map_free(&texels);
     return result;
 }
@@ -152,7 +152,7 @@ norma_document_result norma_check_fail(norma_document_error *error, norma_result
 
 /* ---- N002 */
 
-static norma_document_result tell_unread(
+static norma_document_result tell_place_unread(
     document_check *d, const char *where, const char *label, const char *why) {
     char message[CHECK_MESSAGE];
     const check_place place = {.order = d->run.next_order++, .where = where, .label = label};
@@ -180,7 +180,7 @@ static norma_document_result tell_up_to(document_check *d, const norma_mesh_info
             norma_check_message(label,
                 info->name && *info->name ? "mesh %z primitive %z \"%s\"" : "mesh %z primitive %z",
                 info->mesh, info->primitive, info->name);
-        if (!result) result = tell_unread(d, unread.where, label, unread.why);
+        if (!result) result = tell_place_unread(d, unread.where, label, unread.why);
     }
     return result;
 }
@@ -278,7 +278,7 @@ static norma_document_result tell_malformed(
     char where[CHECK_MESSAGE], label[CHECK_MESSAGE];
     norma_check_message(where, "/skins/%z", skin);
     norma_check_message(label, "skin %z", skin);
-    if (how == NORMA_DOCUMENT_ERROR_UNSUPPORTED) return tell_unread(d, where, label, why);
+    if (how == NORMA_DOCUMENT_ERROR_UNSUPPORTED) return tell_place_unread(d, where, label, why);
     const check_place place = {.order = d->run.next_order++, .where = where, .label = label};
     norma_check_partly(&d->run);
     if (!d->run.rules[RULE_N001]) return NORMA_DOCUMENT_OK;

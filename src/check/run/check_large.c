@@ -40,7 +40,7 @@ static norma_result open_part(large_check *c, const norma_check_mesh *given, che
 
 /* ---- vertices: N101 to N103, the largest coordinate */
 
-static int is_zero(const norma_vec3_view *normals, size_t i) {
+static int is_zero_normal(const norma_vec3_view *normals, size_t i) {
     double n[3], length;
     norma_view_read(normals, i, n);
     return norma_core_judge_length(n, 0, &length) == CORE_LENGTH_ZERO;
@@ -50,7 +50,7 @@ static norma_result note_zeros(large_check *c, const large_vertices *part) {
     if (!c->zeros) c->zeros = calloc(c->given.info.vertices / 8 + 1, 1);
     if (!c->zeros) return NORMA_ERROR_MEMORY;
     for (size_t i = 0; i < part->normals.count; i++)
-        if (is_zero(&part->normals, i)) {
+        if (is_zero_normal(&part->normals, i)) {
             c->zeros[(part->first + i) / 8] |= (uint8_t)(1 << (part->first + i) % 8);
             c->idle++;
         }
@@ -217,7 +217,7 @@ static norma_result tell_unread(large_check *c) {
 
 /* ---- the whole */
 
-static norma_result add_findings(large_check *c) {
+static norma_result add_large_findings(large_check *c) {
     check_mesh *m = &c->whole;
     norma_result result = tell_unread(c);
     if (!result) result = norma_check_lengths_add(m, &c->lengths, c->idle);
@@ -257,14 +257,14 @@ static norma_document_result note_format(void *context, const large_vertices *pa
     return look_at_vertices(context, part);
 }
 
-static norma_document_result judge(large_check *c) {
+static norma_document_result judge_parts(large_check *c) {
     const int is_stl = c->run.format == NORMA_FILE_STL;
     const double share = is_stl ? 0.3 : 0.2;
     norma_document_result result = norma_large_walk_vertices(c->walk, 0, share, note_format, c);
     (void)wants_edges(c);
     if (!result) result = norma_large_walk_surface(c->walk, share, 0.9, look_at_surface, c);
     if (!result) result = judge_distance(c);
-    const norma_result added = result ? NORMA_OK : add_findings(c);
+    const norma_result added = result ? NORMA_OK : add_large_findings(c);
     if (added) return norma_check_fail(c->error, added);
     return result ? result : norma_findings_locate(c->run.findings, locate, c->walk);
 }
@@ -297,7 +297,7 @@ norma_document_result norma_check_large(const char *path, const norma_large_opti
     norma_document_result result = norma_large_walk_open(
         path, large, c->run.options.progress, c->run.options.progress_user, &c->walk, &info, error);
     if (!result) describe_whole(c, &info);
-    if (!result) result = judge(c);
+    if (!result) result = judge_parts(c);
     result = norma_large_walk_close(c->walk, result);
     drop(c);
     if (result)

@@ -15,7 +15,7 @@ static norma_check_profile profile_of(
 
 /* The fields that the caller's header has. A later caller may not ask for what this library does
  * not know. */
-static norma_result read_options(const norma_check_options *given, norma_check_options *options) {
+static norma_result fill_options(const norma_check_options *given, norma_check_options *options) {
     *options = (norma_check_options){0};
     if (given) {
         const unsigned char *bytes = (const unsigned char *)given;
@@ -35,7 +35,7 @@ static norma_result read_options(const norma_check_options *given, norma_check_o
 norma_result norma_check_begin(
     check_run *run, const norma_check_options *options, norma_file_format format) {
     *run = (check_run){.format = format};
-    norma_result result = read_options(options, &run->options);
+    norma_result result = fill_options(options, &run->options);
     if (result) return result;
     run->profile = profile_of(&run->options, format);
     if (run->options.rules)
