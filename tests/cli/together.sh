@@ -171,6 +171,8 @@ for words in "--flat" "--weld none" "--weight visible" "--only missing"; do
     # shellcheck disable=SC2086
     expect 2 "$words cannot be combined" "together" "$norma" compute cut3-0.ply --together $words -o no.ply
 done
+"$norma" compute locks.glb -o locks-done.glb --together --lock prat1 --lock part1 --lock nothing-like-it --quiet 2>said
+if [ "$(cat said)" = "norma: --lock 'prat1' matches no mesh, material or group, and locks nothing; did you mean part1?"$'\n'"norma: --lock 'nothing-like-it' matches no mesh, material or group, and locks nothing" ]; then pass "a lock that matches nothing is told, with the nearest name"; else fail "a lock that matches nothing is told, with the nearest name" "$(cat said)"; fi
 expect 2 "--lock alone" "need --together" "$norma" compute cut3-0.ply --lock a -o no.ply
 printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n' >a.stl
 expect 2 "an STL is refused" "facet normals" "$norma" compute a.stl --together -o no.stl

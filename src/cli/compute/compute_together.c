@@ -2,6 +2,7 @@
  * written, or none. */
 #include "cli/compute/compute_together.h"
 #include "cli/files/place_outputs.h"
+#include "cli/options/suggest.h"
 #include "cli/process/errors.h"
 #include "cli/process/memory_limit.h"
 #include "cli/process/progress.h"
@@ -76,6 +77,9 @@ typedef struct joint_run {
     double *before; /* bytes of each input and of what it names */
     char **outputs;
     size_t count;
+    const compute_work *work;
+    size_t *lock_matches;               /* of each --lock: names that match it */
+    char (*nearest)[CLI_LONGEST_WORD + 1]; /* to each, of the names that do not */
     cli_progress progress;
 } joint_run;
 
@@ -86,6 +90,8 @@ static void free_run(joint_run *run) {
     free(run->summaries);
     free(run->sizes);
     free(run->before);
+    free(run->lock_matches);
+    free(run->nearest);
 }
 
 static int make_run(joint_run *run) {
@@ -95,6 +101,9 @@ static int make_run(joint_run *run) {
     run->sizes = calloc(count, sizeof *run->sizes);
     run->before = calloc(count, sizeof *run->before);
     run->outputs = calloc(count, sizeof *run->outputs);
+    run->lock_matches = calloc(run->work->lock_count + 1, sizeof *run->lock_matches);
+    run->nearest = calloc(run->work->lock_count + 1, sizeof *run->nearest);
+    if (!run->lock_matches || !run->nearest) return 0;
     if (!run->files || !run->summaries || !run->sizes || !run->before || !run->outputs) return 0;
     for (size_t i = 0; i < count; ++i) {
         run->outputs[i] = cli_output_of(run->all->files, i, NULL);
@@ -117,8 +126,40 @@ static int check_names(const joint_run *run) {
     return CLI_OK;
 }
 
+/* ---- a --lock that nothing matches */
+
+static void compare_name(joint_run *run, const char *name) {
+    for (size_t i = 0; name && strlen(name) <= CLI_LONGEST_WORD && i < run->work->lock_count; ++i) {
+        const char *both[] = {name, run->nearest[i]};
+        const char *nearest =
+            cli_suggest(run->work->locks[i], both, both[1][0] ? 2 : 1, sizeof *both);
+        if (nearest == name) strcpy(run->nearest[i], name);
+    }
+}
+
+static void compare_names(joint_run *run, const norma_document *given) {
+    norma_document *document = (norma_document *)(uintptr_t)given;
+    norma_mesh_info mesh;
+    norma_material_info material;
+    for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
+        if (!norma_document_mesh_info(document, i, &mesh)) compare_name(run, mesh.name);
+    for (size_t i = 0; i < norma_document_material_count(document); ++i)
+        if (!norma_document_material_info(document, i, &material)) compare_name(run, material.name);
+}
+
+static void report_locks(const joint_run *run) {
+    for (size_t i = 0; i < run->work->lock_count; ++i) {
+        const char *nearest = run->nearest[i];
+        if (run->lock_matches[i]) continue;
+        cli_error("--lock '%s' matches no mesh, material or group, and locks nothing%s%s%s",
+            run->work->locks[i], nearest[0] ? "; did you mean " : "", nearest,
+            nearest[0] ? "?" : "");
+    }
+}
+
 static void note_done(void *user, size_t file, const norma_document *document) {
     joint_run *run = user;
+    if (run->work->lock_count) compare_names(run, document);
     run->before[file] = 1e6 * cli_megabytes(run->files[file].input);
     cli_progress_hide(&run->progress);
     if (!run->all->common->quiet && !run->all->common->json)
@@ -134,6 +175,7 @@ static norma_document_result compute(
     const norma_together_options together = {.struct_size = sizeof together,
         .lock = work->locks,
         .lock_count = work->lock_count,
+        .lock_matches = run->lock_matches,
         .levels = work->levels,
         .in_place = run->all->files->in_place,
         .threads = options.threads,
@@ -178,6 +220,7 @@ static int run_all(joint_run *run, compute_work *work) {
         report_failure(run, &error);
         return cli_status_of(error.result);
     }
+    report_locks(run);
     for (size_t i = 0; i < run->count; ++i) {
         const norma_file_format format = run->files[i].format;
         work->summary = run->summaries[i];
@@ -189,7 +232,8 @@ static int run_all(joint_run *run, compute_work *work) {
 }
 
 int compute_all_together(const cli_all_files *all, const cli_changer *changer) {
-    joint_run run = {.all = all, .count = all->files->inputs.count};
+    joint_run run = {
+        .all = all, .count = all->files->inputs.count, .work = changer->work};
     const int status = make_run(&run) ? run_all(&run, changer->work) : cli_out_of_memory();
     free_run(&run);
     return status;
