@@ -37,7 +37,13 @@ is 0 "$tree_files" compute models --out-dir out
 says 'models/leads-out.obj: skipped because it is a link that leads out of the folder'
 is 0 "$tree_files" compute models/ --out-dir out
 is 0 "$tree_files" transform models --scale 2 --out-dir out
-is 0 "$tree_files" check models --fix-unsafe --out-dir out
+is 0 "$tree_files" check models --fix-unsafe --select N104 --out-dir out
+# Where a fix has nothing to do, that is said, and no copy is written but where it was named.
+is 0 '' check models --fix --out-dir out
+is 0 '*models/top.obj: nothing was fixed, no file is written*' check models/top.obj --fix --out-dir elsewhere
+check "no copy is written" test ! -e elsewhere/top.obj
+is 0 '*models/top.obj: nothing was fixed, the output is the input, byte for byte*' check models/top.obj --fix -o copy.obj
+check "a copy that was named is written" cmp models/top.obj copy.obj
 is 0 'a/deep/part.obj a/part.obj b/part.obj' compute 'models/**/part.obj' --out-dir out
 is 0 'a/part.obj b/part.obj' compute 'models/*/part.obj' --out-dir out
 is 0 'a/part.obj b/part.obj' compute models/a/part.obj models/b/part.obj --out-dir out

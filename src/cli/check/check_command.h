@@ -104,6 +104,7 @@ typedef struct check_report {
     const size_t (*places)[CHECK_SEVERITIES]; /* how many items of each rule and severity */
     norma_document *document;                 /* for pictures; NULL: unreadable */
     size_t first_note;         /* reasons why a fix was left out are its notes from there on */
+    int is_unchanged;          /* a fix was asked for, and there was nothing to do */
     const char *mended;        /* a table of counts before and after; NULL: nothing was mended */
     size_t by_rays, undecided; /* open components that rays decided on, or did not; 0 where that was
                                   not asked for */

@@ -347,6 +347,8 @@ static void report_findings(
         .fail_on = fail_on(check),
         .document = document_of(check),
         .first_note = check->mended.document ? check->mended.first_note : SIZE_MAX,
+        .is_unchanged = check->settings->fix && !check->fix_status && check->mended.document &&
+                        !check->mended.summary.changed,
         .mended = check->mended.table,
         .by_rays = check->mended.summary.by_rays,
         .undecided = check->mended.summary.undecided,

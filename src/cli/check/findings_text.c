@@ -163,7 +163,18 @@ static void write_rays(FILE *out, const check_report *report) {
     }
 }
 
+static void write_unchanged(FILE *out, const check_report *report) {
+    const check_settings *settings = report->settings;
+    cli_say(out, "%s: nothing was fixed%s", cli_input_name(report->path),
+        settings->dry_run         ? ""
+        : settings->files->output ? ", the output is the input, byte for byte"
+                                  : ", no file is written");
+    fputc('\n', out);
+}
+
 static void write_file(FILE *out, const check_report *report) {
+    const int is_shown = !check_is_clean(report) || report->settings->file_count <= MOST_CLEAN;
+    if (report->is_unchanged && is_shown) write_unchanged(out, report);
     if (report->mended) {
         cli_say(out, "%s: fixed", cli_input_name(report->path));
         fprintf(out, "\n%s", report->mended);

@@ -47,7 +47,8 @@ static void tell_notes(const char *path, const norma_document *document, size_t 
 
 static norma_document_result save(const check_settings *settings, const char *output,
     check_fixed *mended, norma_document_error *error) {
-    if (settings->dry_run || (settings->files->in_place && !mended->summary.changed))
+    /* A copy without a change is written only where it was named. */
+    if (settings->dry_run || (!settings->files->output && !mended->summary.changed))
         return NORMA_DOCUMENT_OK;
     const norma_save_options options = {.struct_size = sizeof options,
         .in_place = settings->files->in_place,

@@ -78,7 +78,7 @@ typedef struct joint_run {
     char **outputs;
     size_t count;
     const compute_work *work;
-    size_t *lock_matches;               /* of each --lock: names that match it */
+    size_t *lock_matches;                  /* of each --lock: names that match it */
     char (*nearest)[CLI_LONGEST_WORD + 1]; /* to each, of the names that do not */
     cli_progress progress;
 } joint_run;
@@ -232,8 +232,7 @@ static int run_all(joint_run *run, compute_work *work) {
 }
 
 int compute_all_together(const cli_all_files *all, const cli_changer *changer) {
-    joint_run run = {
-        .all = all, .count = all->files->inputs.count, .work = changer->work};
+    joint_run run = {.all = all, .count = all->files->inputs.count, .work = changer->work};
     const int status = make_run(&run) ? run_all(&run, changer->work) : cli_out_of_memory();
     free_run(&run);
     return status;
