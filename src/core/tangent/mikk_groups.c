@@ -116,72 +116,6 @@ void norma_core_mikk_table_close(
     norma_core_release(call, table->following, 2 * most_corners, sizeof *table->following);
 }
 
-/* ---- What nearly all vertices are: a few triangles of one sign that make one fan, each
- * edge shared by two at most. They are one group, found without a branch for each pair of them. */
-
-enum { MOST_IN_FAN = 8 };
-
-/* Of each corner: 1 + the one that mikk_links has, or 0; and how many there are to choose from. */
-typedef struct fan_links {
-    uint32_t left[MOST_IN_FAN], right[MOST_IN_FAN], lefts[MOST_IN_FAN], rights[MOST_IN_FAN];
-} fan_links;
-
-CORE_INLINE void find_links(const uint32_t *restrict next, const uint32_t *restrict previous,
-    uint32_t count, fan_links *restrict f) {
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t out = next[i], in = previous[i];
-#pragma GCC unroll 1 /* lanes of vectors instead: a third faster */
-        for (int l = 0; l < MOST_IN_FAN; l++) {
-            const uint32_t left = next[l] == in ? UINT32_MAX : 0,
-                           right = previous[l] == out ? UINT32_MAX : 0;
-            f->left[l] |= left & (i + 1);
-            f->right[l] |= right & (i + 1);
-            f->lefts[l] -= left;
-            f->rights[l] -= right;
-        }
-    }
-}
-
-static int is_one_fan(const fan_links *f, size_t count) {
-    uint32_t crowded = 0, corner = 1;
-    size_t seen = 0;
-    for (int l = 0; l < MOST_IN_FAN; l++) crowded |= (f->lefts[l] | f->rights[l]) & ~UINT32_C(1);
-    if (crowded) return 0;
-    do {
-        corner = f->left[corner - 1];
-        seen++;
-    } while (corner > 1);
-    if (corner == 0)
-        for (corner = f->right[0]; corner; corner = f->right[corner - 1]) seen++;
-    return seen == count;
-}
-
-/* 0: the corners of a vertex may be more than one group, or some tangents opposed to
- * each other. Else space is what they sum to. */
-static int core_mikk_fan(
-    const mikk_record *records, const uint32_t *corners, size_t count, mikk_space *space) {
-    uint32_t next[MOST_IN_FAN], previous[MOST_IN_FAN];
-    unsigned ends = 0, flags = 0, all_flags = MIKK_POSITIVE;
-    float sum[3] = {0};
-    if (count == 0 || count > MOST_IN_FAN) return 0;
-    for (size_t j = 0; j < count; j++) {
-        const mikk_record *r = &records[corners[j]];
-        next[j] = r->next;
-        previous[j] = r->previous;
-        ends |= r->ends;
-        flags |= r->flags;
-        all_flags &= r->flags;
-        for (int k = 0; k < 3; k++) sum[k] += r->sum[k];
-    }
-    if (mikk_ends_oppose(ends) || (flags & MIKK_FOLLOWS) || (flags & MIKK_POSITIVE) != all_flags)
-        return 0;
-    for (size_t j = count; j < MOST_IN_FAN; j++) next[j] = previous[j] = MIKK_NONE;
-    fan_links links = {{0}, {0}, {0}, {0}};
-    find_links(next, previous, (uint32_t)count, &links);
-    *space = (mikk_space){.s = {sum[0], sum[1], sum[2]}, .positive = flags & MIKK_POSITIVE};
-    return is_one_fan(&links, count);
-}
-
 /* ---- Groups with tangents that are opposed to each other. The reference joins two
  * triangles of a group if the cosines between their tangents and between their bitangents are above
  * -1, in floats; so those that point exactly the other way, give or take a rounding, are left out
@@ -676,12 +610,7 @@ static void run_recorded(
         if (mikk_star_count(m, v) > MIKK_SMALL_STAR) continue;
         mikk_star star = small_star(w, s, v, 0);
         await_records(w, m->around.starts[v], m->around.starts[v + 1]);
-        if (core_mikk_fan(m->records, star.corners, star.count, s->spaces)) {
-            memset(s->space, 0, star.count * sizeof *s->space);
-            memset(s->flags, 0, star.count);
-            core_mikk_finish(&star, s->spaces);
-        } else
-            group_records(w, s, &star);
+        group_records(w, s, &star);
         write_star(w, &star, tally);
     }
 }
