@@ -302,15 +302,6 @@ norma_result norma_fix_normals(fix_mesh *m) {
 /* ---- The normals that both sides of a seam get where it runs between two primitives of
  * a glTF mesh (N501): those of the whole mesh. */
 
-typedef struct joint_place {
-    double position[3];
-} joint_place;
-
-static int compare_joint_places(const void *a, const void *b) {
-    const joint_place *one = a, *other = b;
-    return norma_fix_compare_points(one->position, other->position);
-}
-
 static size_t count_samples(const fix_group *g) {
     size_t count, sum = 0;
     const norma_rule *rule = norma_rules(&count) + RULE_N501;
@@ -322,11 +313,11 @@ static size_t count_samples(const fix_group *g) {
 }
 
 /* Positions that findings at the mesh's primitives name. NULL: out of memory. */
-static joint_place *gather_joint_places(const fix_whole *w, size_t *count) {
+static seam_place *gather_seam_places(const fix_whole *w, size_t *count) {
     const fix_group *g = w->group;
     size_t rules;
     const norma_rule *rule = norma_rules(&rules) + RULE_N501;
-    joint_place *places = calloc(count_samples(g) + 1, sizeof *places);
+    seam_place *places = calloc(count_samples(g) + 1, sizeof *places);
     *count = 0;
     for (size_t i = 0; places && i < g->count; i++)
         for (size_t k = 0; k < norma_findings_count(g->findings); k++) {
@@ -339,7 +330,7 @@ static joint_place *gather_joint_places(const fix_whole *w, size_t *count) {
                     norma_core_position(&w->meshes[i], (uint32_t)finding->samples[s].vertex,
                         places[(*count)++].position);
         }
-    if (places) qsort(places, *count, sizeof *places, compare_joint_places);
+    if (places) qsort(places, *count, sizeof *places, compare_seam_places);
     return places;
 }
 
@@ -361,7 +352,7 @@ static norma_document_result find_weight(
 
 /* Of each primitive the normals at those places. */
 static norma_result share_out(
-    const fix_whole *w, const joint_place *places, size_t count, const float *normals) {
+    const fix_whole *w, const seam_place *places, size_t count, const float *normals) {
     size_t begin = 0;
     for (size_t i = 0; i < w->group->count; begin += w->meshes[i++].positions.count) {
         const size_t vertices = w->meshes[i].positions.count;
@@ -369,10 +360,10 @@ static norma_result share_out(
         if (!smooth) return NORMA_ERROR_MEMORY;
         w->group->smooth[w->group->indices[i]] = smooth;
         for (size_t v = 0; v < vertices; v++) {
-            joint_place key;
+            seam_place key;
             norma_core_position(&w->meshes[i], (uint32_t)v, key.position);
             const int named =
-                bsearch(&key, places, count, sizeof *places, compare_joint_places) != NULL;
+                bsearch(&key, places, count, sizeof *places, compare_seam_places) != NULL;
             for (size_t k = 0; k < 3; k++)
                 smooth[3 * v + k] = named ? normals[3 * (begin + v) + k] : NAN;
         }
@@ -386,7 +377,7 @@ norma_document_result norma_fix_seams(const fix_group *group, norma_result *how)
     norma_weight weight = NORMA_WEIGHT_ANGLE;
     float *normals = NULL;
     norma_document_result result = norma_fix_open_whole(group, &w, how);
-    joint_place *places = !result && !*how ? gather_joint_places(&w, &count) : NULL;
+    seam_place *places = !result && !*how ? gather_seam_places(&w, &count) : NULL;
     if (!result && !*how && !places) *how = NORMA_ERROR_MEMORY;
     if (!result && !*how && count) result = find_weight(group, &weight, how);
     if (!result && !*how && count) {
