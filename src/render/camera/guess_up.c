@@ -1,5 +1,6 @@
 /* guess_up.c: which axis of a mesh points up. A ground is lower than it is wide, and nearly all of
  * it faces along the vertical; a thing that stands has a flat foot at its lowest. */
+#include "render/camera/camera.h"
 #include "render/render.h"
 #include <math.h>
 

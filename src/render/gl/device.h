@@ -2,10 +2,103 @@
  * that are uploaded once, the framebuffer. */
 #ifndef NORMA_RENDER_DEVICE_H
 #define NORMA_RENDER_DEVICE_H
-#include "render/gl/gl.h"
-#include "render/surface/hedgehog.h"
-#include "render/picture/picture.h"
+#include "render/render.h"
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <GLES3/gl3.h>
 #include "render/surface/surface_vertices.h"
+#include "render/picture/picture.h"
+
+/* ---- EGL and OpenGL ES 3.0, found when a picture is drawn and not before: the tool starts, and
+ * does all else, where neither is installed. */
+
+/* Type and name of each function that is used, without its gl. */
+#define RENDER_GL_FUNCTIONS(F)                                                                     \
+    F(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                                       \
+    F(PFNGLBINDTEXTUREPROC, BindTexture)                                                           \
+    F(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                     \
+    F(PFNGLGENERATEMIPMAPPROC, GenerateMipmap)                                                     \
+    F(PFNGLGENTEXTURESPROC, GenTextures)                                                           \
+    F(PFNGLTEXIMAGE2DPROC, TexImage2D)                                                             \
+    F(PFNGLTEXPARAMETERIPROC, TexParameteri)                                                       \
+    F(PFNGLUNIFORM4FPROC, Uniform4f)                                                               \
+    F(PFNGLATTACHSHADERPROC, AttachShader)                                                         \
+    F(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
+    F(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                   \
+    F(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                                                 \
+    F(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                   \
+    F(PFNGLBLENDFUNCSEPARATEPROC, BlendFuncSeparate)                                               \
+    F(PFNGLBUFFERDATAPROC, BufferData)                                                             \
+    F(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                                     \
+    F(PFNGLCLEARCOLORPROC, ClearColor)                                                             \
+    F(PFNGLCLEARPROC, Clear)                                                                       \
+    F(PFNGLCOMPILESHADERPROC, CompileShader)                                                       \
+    F(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                       \
+    F(PFNGLCREATESHADERPROC, CreateShader)                                                         \
+    F(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                       \
+    F(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                             \
+    F(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                       \
+    F(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                                           \
+    F(PFNGLDELETESHADERPROC, DeleteShader)                                                         \
+    F(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                             \
+    F(PFNGLDEPTHFUNCPROC, DepthFunc)                                                               \
+    F(PFNGLDEPTHMASKPROC, DepthMask)                                                               \
+    F(PFNGLDISABLEPROC, Disable)                                                                   \
+    F(PFNGLDISABLEVERTEXATTRIBARRAYPROC, DisableVertexAttribArray)                                 \
+    F(PFNGLDRAWARRAYSINSTANCEDPROC, DrawArraysInstanced)                                           \
+    F(PFNGLDRAWARRAYSPROC, DrawArrays)                                                             \
+    F(PFNGLDRAWELEMENTSPROC, DrawElements)                                                         \
+    F(PFNGLENABLEPROC, Enable)                                                                     \
+    F(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)                                   \
+    F(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)                                   \
+    F(PFNGLFRONTFACEPROC, FrontFace)                                                               \
+    F(PFNGLGENBUFFERSPROC, GenBuffers)                                                             \
+    F(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                                   \
+    F(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                                                 \
+    F(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                   \
+    F(PFNGLGETERRORPROC, GetError)                                                                 \
+    F(PFNGLGETINTEGERVPROC, GetIntegerv)                                                           \
+    F(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                               \
+    F(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                         \
+    F(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                 \
+    F(PFNGLGETSHADERIVPROC, GetShaderiv)                                                           \
+    F(PFNGLGETSTRINGPROC, GetString)                                                               \
+    F(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                             \
+    F(PFNGLLINKPROGRAMPROC, LinkProgram)                                                           \
+    F(PFNGLPIXELSTOREIPROC, PixelStorei)                                                           \
+    F(PFNGLREADPIXELSPROC, ReadPixels)                                                             \
+    F(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                           \
+    F(PFNGLSHADERSOURCEPROC, ShaderSource)                                                         \
+    F(PFNGLUNIFORM1FPROC, Uniform1f)                                                               \
+    F(PFNGLUNIFORM1IPROC, Uniform1i)                                                               \
+    F(PFNGLUNIFORM2FPROC, Uniform2f)                                                               \
+    F(PFNGLUNIFORM3FVPROC, Uniform3fv)                                                             \
+    F(PFNGLUNIFORM4FVPROC, Uniform4fv)                                                             \
+    F(PFNGLUNIFORMMATRIX3FVPROC, UniformMatrix3fv)                                                 \
+    F(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                 \
+    F(PFNGLUSEPROGRAMPROC, UseProgram)                                                             \
+    F(PFNGLVERTEXATTRIB4FPROC, VertexAttrib4f)                                                     \
+    F(PFNGLVERTEXATTRIBDIVISORPROC, VertexAttribDivisor)                                           \
+    F(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                           \
+    F(PFNGLVIEWPORTPROC, Viewport)
+
+typedef struct render_gl {
+#define RENDER_GL_MEMBER(type, name) type name;
+    RENDER_GL_FUNCTIONS(RENDER_GL_MEMBER)
+#undef RENDER_GL_MEMBER
+} render_gl;
+
+typedef struct render_egl {
+    void *library;
+    EGLDisplay display;
+    EGLContext context;
+    PFNEGLTERMINATEPROC terminate;
+    PFNEGLMAKECURRENTPROC make_current;
+    PFNEGLDESTROYCONTEXTPROC destroy_context;
+} render_egl;
+
+/* ---- The renderer's state: programs that are compiled when they are first used, surfaces
+ * that are uploaded once, the framebuffer. */
 
 /* ---- programs */
 
@@ -98,7 +191,6 @@ enum render_result render_lines_of(render_device *device, const render_surface *
 /* textures.c: an image with its sampler on a unit, sent when it is first used; colours are sRGB. */
 enum render_result render_texture_bind(render_device *device, const render_texture *texture,
     int is_colour, int unit, render_error *error);
-void render_textures_forget(render_device *device);
 
 /* ---- the target: a framebuffer of its own, several samples wide and high for each pixel */
 
@@ -111,5 +203,4 @@ typedef struct render_area {
  * light. */
 enum render_result render_target_read(render_device *device, int samples, render_picture *picture,
     const render_area *area, render_error *error);
-void render_target_free(render_device *device);
 #endif

@@ -1,4 +1,4 @@
-/* draw.c: a panel's picture: each surface with the matrices of its pipeline, its normal matrix
+/* draw.c: A panel's picture: each surface with the matrices of its pipeline, its normal matrix
  * beside them, then the lines. */
 #include "render/sheet/draw.h"
 #include <math.h>

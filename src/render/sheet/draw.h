@@ -1,8 +1,11 @@
 /* draw.h: one panel: where its scene lies, how its camera stands, and its picture. */
 #ifndef NORMA_RENDER_DRAW_H
 #define NORMA_RENDER_DRAW_H
-#include "render/camera/bounding_ball.h"
+#include "render/camera/camera.h"
 #include "render/gl/device.h"
+#include <stddef.h>
+
+/* ---- One panel: where its scene lies, how its camera stands, and its picture. */
 
 typedef struct render_placed { /* one draw of a scene, ready */
     const render_surface *surface;
@@ -40,4 +43,13 @@ enum render_result render_stage_draw(
  * largest entry about 1. *mirrored: its determinant is below 0. */
 void render_normal_matrices(
     const double to_world[16], float right[9], float plain[9], int *mirrored);
+
+/* ---- How the words of a strip are set. */
+
+enum { RENDER_MOST_LINES = 6 };
+
+typedef struct render_text_lines {
+    double size;                              /* of the letters, in pixels */
+    size_t count, lengths[RENDER_MOST_LINES]; /* bytes; a blank lies between two lines */
+} render_text_lines;
 #endif

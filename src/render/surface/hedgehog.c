@@ -1,7 +1,7 @@
 /* hedgehog.c: hedgehog lines: from each vertex along its normal, from each face's middle along its
  * own, and from points on edges along the interpolated one (Phong 1975); each as long as the edges
  * about it are. And each edge of a polygon once, for a wireframe. */
-#include "render/surface/hedgehog.h"
+#include "render/surface/surface_vertices.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,254 @@
-/* surface_vertices.c: a surface made ready for the graphics processor: indexed triangles where
- * vertices can be shared, three vertices each where they cannot. */
+/* surface_vertices.c: A norma_mesh corner by corner, and the box that it lies in. */
 #include "render/surface/surface_vertices.h"
+#include "core/face/cut_polygon.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+float render_linear(uint32_t level) {
+    const double c = level / 255.0;
+    return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+}
+
+int render_position(const norma_mesh *mesh, uint32_t index, double p[3]) {
+    norma_view_vector(&mesh->positions, index, p);
+    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+}
+
+size_t render_face_count(const norma_mesh *mesh) {
+    return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
+}
+
+void render_face(const norma_mesh *mesh, size_t face, size_t *first, size_t *count) {
+    *first = mesh->face_starts ? mesh->face_starts[face] : 3 * face;
+    *count = mesh->face_starts ? mesh->face_starts[face + 1] - mesh->face_starts[face] : 3;
+}
+
+/* Positions that no face uses may lie anywhere, and are left out: they would take the others'
+ * precision. */
+static uint8_t *used_positions(const norma_mesh *mesh) {
+    uint8_t *used = calloc(mesh->positions.count + 1, 1);
+    for (size_t i = 0; used && i < mesh->corner_count; ++i) used[norma_mesh_corner(mesh, i)] = 1;
+    return used;
+}
+
+render_box render_box_of(const norma_mesh *mesh) {
+    uint8_t *used = used_positions(mesh);
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
+           half = 0;
+    render_box box = {.scale = 1};
+    for (size_t i = 0; i < mesh->positions.count; ++i) {
+        double p[3];
+        if ((used && !used[i]) || !render_position(mesh, (uint32_t)i, p)) continue;
+        for (int k = 0; k < 3; ++k) {
+            low[k] = p[k] < low[k] ? p[k] : low[k];
+            high[k] = p[k] > high[k] ? p[k] : high[k];
+        }
+    }
+    for (int k = 0; k < 3 && low[0] <= high[0]; ++k) {
+        box.origin[k] = 0.5 * low[k] + 0.5 * high[k];
+        half = fmax(half, 0.5 * high[k] - 0.5 * low[k]);
+    }
+    if (half > 0 && isfinite(1 / half)) box.scale = 1 / half;
+    free(used);
+    return box;
+}
+
+void render_into_box(const render_box *box, const double p[3], float out[3]) {
+    for (int k = 0; k < 3; ++k) out[k] = (float)((p[k] - box->origin[k]) * box->scale);
+}
+
+/* ---- A mesh of polygons as triangles for the graphics processor: fans where they do,
+ * and cut by the core where a polygon is concave. */
+
+static uint32_t *add(uint32_t *out, size_t first, size_t a, size_t b, size_t c) {
+    *out++ = (uint32_t)(first + a);
+    *out++ = (uint32_t)(first + b);
+    *out++ = (uint32_t)(first + c);
+    return out;
+}
+
+static uint32_t *cut_face(
+    const norma_mesh *mesh, size_t first, size_t count, core_cutter *cutter, uint32_t *out) {
+    for (size_t i = 0; i < count; ++i)
+        render_position(mesh, norma_mesh_corner(mesh, first + i), cutter->points[i]);
+    if (norma_core_polygon_fans(cutter, count)) {
+        for (size_t i = 1; i + 1 < count; ++i) out = add(out, first, 0, i, i + 1);
+        return out;
+    }
+    (void)norma_core_cut_polygon(cutter, count, out);
+    for (size_t i = 0; i < 3 * (count - 2); ++i) *out++ += (uint32_t)first;
+    return out;
+}
+
+static size_t largest_face(const norma_mesh *mesh, size_t *triangles) {
+    size_t largest = 0, first, count;
+    *triangles = 0;
+    for (size_t face = 0; face < mesh->face_count; ++face) {
+        render_face(mesh, face, &first, &count);
+        largest = count > largest ? count : largest;
+        *triangles += count > 2 ? count - 2 : 0;
+    }
+    return largest;
+}
+
+/* Triangles of polygons as corner numbers, three each; concave ones are cut rightly. *corners:
+ * owned by the caller, NULL for triangles: 0, 1, 2, ... */
+static enum render_result triangulate(
+    const norma_mesh *mesh, uint32_t **corners, size_t *triangle_count, render_error *error) {
+    *corners = NULL;
+    *triangle_count = mesh->corner_count / 3;
+    if (!mesh->face_starts) return RENDER_OK;
+    const size_t largest = largest_face(mesh, triangle_count);
+    core_cutter cutter;
+    void *memory = malloc(norma_core_cutter_size(largest));
+    uint32_t *out = *corners = malloc((3 * *triangle_count + 1) * sizeof *out);
+    const int ready = out && memory;
+    if (ready) norma_core_cutter_begin(&cutter, memory, largest, mesh->corner_count);
+    for (size_t face = 0; ready && face < mesh->face_count; ++face) {
+        size_t first, count;
+        render_face(mesh, face, &first, &count);
+        if (count >= 3) out = cut_face(mesh, first, count, &cutter, out);
+    }
+    free(memory);
+    if (ready) return RENDER_OK;
+    free(*corners);
+    *corners = NULL;
+    return render_fail_memory(error);
+}
+
+/* ---- The tangents that a normal map is drawn with: those of the file, otherwise
+ * MikkTSpace's (Mikkelsen 2008), which baking programs use. */
+
+static void copy_stored(const render_surface *surface, float *tangents) {
+    for (size_t i = 0; i < surface->mesh.corner_count; ++i)
+        memcpy(tangents + 4 * i,
+            surface->tangents + (size_t)4 * norma_mesh_corner(&surface->mesh, i),
+            4 * sizeof *tangents);
+}
+
+/* Without tangents, zeros: the shader then takes derivatives. */
+static void compute(const render_surface *surface, const float *normals, float *tangents) {
+    const size_t corners = surface->mesh.corner_count;
+    const norma_attribute normal = {.data = normals, .count = corners, .of = NORMA_PER_CORNER},
+                          texcoord = {.data = surface->normal_map.texcoords,
+                              .count = surface->mesh.positions.count,
+                              .of = NORMA_PER_VERTEX};
+    const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
+    if (norma_corner_tangents(&surface->mesh, &normal, &texcoord, NORMA_TANGENTS_MIKK, &options,
+            tangents, corners, NULL))
+        memset(tangents, 0, 4 * corners * sizeof *tangents);
+    for (size_t i = 0; i < corners; ++i) tangents[4 * i + 3] *= -1;
+}
+
+/* The tangents of a normal map, four for each corner, for texture coordinates whose v runs
+ * downwards: the file's, or MikkTSpace's. normals: three for each corner. Owned by the caller;
+ * NULL: out of memory. */
+static float *find_tangents(const render_surface *surface, const float *normals) {
+    float *tangents = malloc((4 * surface->mesh.corner_count + 1) * sizeof *tangents);
+    if (!tangents) return NULL;
+    if (surface->tangents)
+        copy_stored(surface, tangents);
+    else
+        compute(surface, normals, tangents);
+    return tangents;
+}
+
+/* ---- The normals of several surfaces that make up one body, such as the primitives
+ * of a glTF mesh: computed as one mesh, told surface by surface. */
+
+typedef struct body {
+    double *positions;
+    uint32_t *corners, *starts;
+    size_t position_count, corner_count, face_count;
+    float *normals;
+} body;
+
+static void free_body(body *b) {
+    free(b->positions);
+    free(b->corners);
+    free(b->starts);
+    free(b->normals);
+}
+
+static int make_room(const render_surface *surfaces, size_t count, body *b) {
+    size_t positions = 0, corners = 0, faces = 0;
+    for (size_t i = 0; i < count; ++i) {
+        positions += surfaces[i].mesh.positions.count;
+        corners += surfaces[i].mesh.corner_count;
+        faces += render_face_count(&surfaces[i].mesh);
+    }
+    if (positions > UINT32_MAX / 2 || corners > UINT32_MAX / 2) return 0;
+    b->positions = malloc((3 * positions + 1) * sizeof *b->positions);
+    b->corners = malloc((corners + 1) * sizeof *b->corners);
+    b->starts = malloc((faces + 1) * sizeof *b->starts);
+    b->normals = malloc((3 * corners + 1) * sizeof *b->normals);
+    return b->positions && b->corners && b->starts && b->normals;
+}
+
+static void append(body *b, const norma_mesh *mesh) {
+    const size_t base = b->position_count;
+    for (size_t i = 0; i < mesh->positions.count; ++i)
+        render_position(mesh, (uint32_t)i, b->positions + 3 * b->position_count++);
+    for (size_t face = 0; face < render_face_count(mesh); ++face) {
+        size_t first, count;
+        render_face(mesh, face, &first, &count);
+        b->starts[b->face_count++] = (uint32_t)b->corner_count;
+        for (size_t i = 0; i < count; ++i)
+            b->corners[b->corner_count++] = (uint32_t)base + norma_mesh_corner(mesh, first + i);
+    }
+    b->starts[b->face_count] = (uint32_t)b->corner_count;
+}
+
+static norma_result compute_body_normals(const render_surface *like, body *b) {
+    const norma_options options = {.struct_size = sizeof options,
+        .weight = like->weight,
+        .fallback = NORMA_FALLBACK_NEAREST,
+        .threads = NORMA_ALL_THREADS};
+    const norma_mesh mesh = {.positions = {.data = b->positions,
+                                 .count = b->position_count,
+                                 .format = NORMA_FORMAT_DOUBLE},
+        .corners = b->corners,
+        .corner_count = b->corner_count,
+        .face_starts = b->starts,
+        .face_count = b->face_count};
+    return norma_corner_normals(
+        &mesh, (float)like->crease_rad, &options, b->normals, b->corner_count, NULL);
+}
+
+static int hand_out(const render_surface *surfaces, size_t count, const body *b, float **expected) {
+    size_t at = 0;
+    int good = 1;
+    for (size_t i = 0; i < count; ++i) {
+        const size_t corners = surfaces[i].mesh.corner_count;
+        expected[i] = malloc((3 * corners + 1) * sizeof **expected);
+        if (expected[i]) memcpy(expected[i], b->normals + 3 * at, 3 * corners * sizeof **expected);
+        good &= expected[i] != NULL;
+        at += corners;
+    }
+    return good;
+}
+
+enum render_result render_expect(
+    const render_surface *surfaces, size_t count, float **expected, render_error *error) {
+    body b = {0};
+    norma_result result = make_room(surfaces, count, &b) ? NORMA_OK : NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < count; ++i) expected[i] = NULL;
+    for (size_t i = 0; i < count && !result; ++i) append(&b, &surfaces[i].mesh);
+    if (!result) result = compute_body_normals(&surfaces[0], &b);
+    if (!result && !hand_out(surfaces, count, &b, expected)) result = NORMA_ERROR_MEMORY;
+    free_body(&b);
+    for (size_t i = 0; i < count && result; ++i) {
+        free(expected[i]);
+        expected[i] = NULL;
+    }
+    if (result == NORMA_ERROR_MEMORY) return render_fail_memory(error);
+    return result ? render_fail(error, RENDER_ERROR_ARGUMENT, "%s", norma_result_text(result))
+                  : RENDER_OK;
+}
+
+/* ---- A surface made ready for the graphics processor: indexed triangles where
+ * vertices can be shared, three vertices each where they cannot. */
 
 void render_vertices_free(render_vertices *vertices) {
     free(vertices->positions);
@@ -245,7 +490,7 @@ static enum render_result make_mapped(maker *m, int flat, render_error *error) {
     const int maps_normals = m->surface->normal_map.texcoords || m->surface->tangents;
     float *normals = malloc((3 * m->mesh->corner_count + 1) * sizeof *normals);
     int ready = normals && reserve(m, vertices, 0) && corner_normals(m, flat, normals);
-    float *tangents = ready && maps_normals ? render_tangents(m->surface, normals) : NULL;
+    float *tangents = ready && maps_normals ? find_tangents(m->surface, normals) : NULL;
     out->texcoords = malloc((4 * vertices + 1) * sizeof *out->texcoords);
     if (maps_normals) out->tangents = malloc((4 * vertices + 1) * sizeof *out->tangents);
     ready = ready && out->texcoords && (!maps_normals || (tangents && out->tangents));
@@ -311,7 +556,7 @@ enum render_result render_vertices_make(const render_surface *surface, enum rend
     if (m.mesh->positions.count > most_numbers || m.mesh->corner_count > most_numbers)
         return render_fail(error, RENDER_ERROR_ARGUMENT, "more vertices than can be drawn at once");
     vertices->box = render_box_of(m.mesh);
-    enum render_result result = render_triangulate(m.mesh, &m.triangles, &m.triangle_count, error);
+    enum render_result result = triangulate(m.mesh, &m.triangles, &m.triangle_count, error);
     if (!result && kind != RENDER_FACETED) result = render_split_make(surface, &m.split, error);
     if (!result)
         result = kind == RENDER_SMOOTH    ? make_smooth(&m, error)

@@ -1,7 +1,9 @@
 /* surface_vertices.h: a surface as vertices and triangles for the graphics processor. */
 #ifndef NORMA_RENDER_VERTICES_H
 #define NORMA_RENDER_VERTICES_H
-#include "render/fail.h"
+#include "render/picture/picture.h"
+
+/* ---- A surface as vertices and triangles for the graphics processor. */
 
 enum render_kind {
     RENDER_SMOOTH = 0, /* a vertex for each position and normal */
@@ -70,13 +72,19 @@ void render_split_free(render_split *split);
  * 99 of 100 do not exceed. */
 float *render_errors(const render_surface *surface, double *worst_rad, double *most_rad);
 
-/* The tangents of a normal map, four for each corner, for texture coordinates whose v runs
- * downwards: the file's, or MikkTSpace's. normals: three for each corner. Owned by the caller;
- * NULL: out of memory. */
-float *render_tangents(const render_surface *surface, const float *normals);
+/* ---- Hedgehog lines along normals, and the edges of a wireframe. */
 
-/* Triangles of polygons as corner numbers, three each; concave ones are cut rightly. *corners:
- * owned by the caller, NULL for triangles: 0, 1, 2, ... */
-enum render_result render_triangulate(
-    const norma_mesh *mesh, uint32_t **corners, size_t *triangle_count, render_error *error);
+enum { RENDER_LINE_FLOATS = 7 }; /* from, to (hedgehog: the normal), reach; in the surface's box */
+
+typedef struct render_line_set {
+    float *floats;
+    float *colours; /* four for each line; NULL: all have one */
+    size_t count, left_out;
+} render_line_set;
+
+/* kind: one of enum render_lines. reach: in parts of the local edge's length. most: of more lines
+ * than that, every so many is kept. */
+void render_lines_free(render_line_set *set);
+enum render_result render_lines_make(const render_surface *surface, unsigned kind, double reach,
+    size_t most, render_line_set *set, render_error *error);
 #endif
