@@ -1,10 +1,7 @@
 /* main.c: finds the command. Every command has a file of its own, with its options, its help and
  * its report. */
 #include "cli/options/options.h"
-#include "cli/options/suggest.h"
-#include "cli/process/errors.h"
-#include "cli/process/progress.h"
-#include "cli/process/startup_checks.h"
+#include "cli/process/process.h"
 #include <locale.h>
 #include <string.h>
 

@@ -1,19 +1,32 @@
 /* check_command.c: norma check: the rules over files, and the report. */
 #define _POSIX_C_SOURCE 200809L
-#include "cli/check/check_command.h"
-#include "cli/files/batch.h"
-#include "cli/files/each.h"
-#include "cli/files/find_inputs.h"
-#include "cli/files/report_output.h"
-#include "cli/options/suggest.h"
-#include "cli/process/errors.h"
-#include "cli/process/progress.h"
-#include "cli/text/memory_stream.h"
-#include "cli/text/terminal.h"
+#include "cli/check/check.h"
+#include "cli/files/files.h"
+#include "cli/options/options.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
 #include <math.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- The forms of a report, by their names and by the endings of files. */
+
+static const check_format *const formats[] = {&check_format_text, &check_format_line,
+    &check_format_json, &check_format_sarif, &check_format_html};
+
+const check_format *check_find_format(const char *name) {
+    for (size_t i = 0; i < CLI_COUNT(formats); ++i)
+        if (strcmp(name, formats[i]->name) == 0) return formats[i];
+    return NULL;
+}
+
+const check_format *check_format_of_name(const char *path) {
+    const char *ending = strrchr(path, '.');
+    if (!ending || strchr(ending, '/')) return NULL;
+    if (strcmp(ending, ".htm") == 0) return &check_format_html;
+    return strcmp(ending, ".txt") == 0 ? &check_format_text : check_find_format(ending + 1);
+}
 
 static const char help[] =
     "norma check IN...: checks normals, winding, texture seams and transforms, and can fix them\n"

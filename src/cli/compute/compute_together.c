@@ -1,11 +1,9 @@
 /* compute_together.c: normals of one surface that lies in many files: all are read, then all are
  * written, or none. */
 #include "cli/compute/compute_together.h"
-#include "cli/files/place_outputs.h"
-#include "cli/options/suggest.h"
-#include "cli/process/errors.h"
-#include "cli/process/memory_limit.h"
-#include "cli/process/progress.h"
+#include "cli/files/files.h"
+#include "cli/options/options.h"
+#include "cli/process/process.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #ifndef NORMA_CLI_COMPUTE_TOGETHER_H
 #define NORMA_CLI_COMPUTE_TOGETHER_H
 #include "cli/compute/compute_command.h"
-#include "cli/files/batch.h"
+#include "cli/files/files.h"
 
 extern const cli_option
     compute_together_options[]; /* --together --lock --levels; of compute_work */

@@ -1,20 +1,225 @@
-/* batch.c: compute and transform over files: where each output goes, one bad input not stopping the
- * rest, and a line about each. */
+/* batch.c: work on the files of a batch: one after the other, in passes, changed and written. */
 #define _POSIX_C_SOURCE 200809L
-#include "cli/files/batch.h"
-#include "cli/files/each.h"
-#include "cli/files/find_inputs.h"
-#include "cli/files/in_passes.h"
-#include "cli/files/place_outputs.h"
-#include "cli/files/trial.h"
-#include "cli/process/errors.h"
-#include "cli/process/progress.h"
-#include "cli/text/report_text.h"
+#include "cli/files/files.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* ---- The files of a batch, one after the other. The worker says of each what became of it; the
+ * one that it says nothing of has ended it. */
+
+static int run_here(const cli_each *each, size_t first) {
+    int status = CLI_OK;
+    for (size_t file = first; file < each->count; ++file)
+        status = cli_worse(status, each->one(each->user, file));
+    return status;
+}
+
+/* A message for each file: its status; and one in the end, for standard output. */
+static _Noreturn void run_in_worker(const cli_worker *worker, const cli_each *each, size_t first) {
+    size_t sent = cli_guard_count(each->guard);
+    for (size_t file = first; file <= each->count; ++file) {
+        const int status = file < each->count ? each->one(each->user, file) : cli_finish(CLI_OK);
+        fflush(stdout); /* what was told of it stays, whatever the next one does */
+        cli_worker_send(worker, &status, sizeof status);
+        cli_guard_send(each->guard, &sent, worker);
+    }
+    cli_worker_finish(worker);
+}
+
+int cli_run_each(const cli_each *each) {
+    int status = CLI_OK, one;
+    char why[CLI_WHY_ROOM];
+    for (size_t next = 0; next < each->count;) {
+        cli_worker worker;
+        const int side = each->count > 1 ? cli_worker_start(&worker) : -1;
+        if (side < 0) return cli_worse(status, run_here(each, next));
+        if (side == 0) run_in_worker(&worker, each, next);
+        for (; cli_worker_receive(&worker, &one, sizeof one); ++next) {
+            status = cli_worse(status, one);
+            cli_guard_receive(each->guard, &worker);
+        }
+        if (cli_worker_wait(&worker, why)) continue;
+        status = CLI_FILE;
+        if (next < each->count)
+            each->lost(each->user, next, why);
+        else
+            cli_error("%s", why);
+        ++next;
+    }
+    return status;
+}
+
+/* ---- files that are opened later */
+
+typedef struct look_ahead {
+    cli_guard *guard;
+    const cli_inputs *inputs;
+    norma_file_format format;
+} look_ahead;
+
+static int look_into(void *user, size_t file) {
+    const look_ahead *ahead = user;
+    const char *path = ahead->inputs->paths[file];
+    const norma_file_format kind = ahead->format ? ahead->format : norma_file_format_of_path(path);
+    const norma_document_options options = {.struct_size = sizeof options,
+        .format = ahead->format,
+        .depth = NORMA_DOCUMENT_SUMMARY,
+        .lenient = 1};
+    norma_document *document;
+    norma_document_error error; /* reported when the file is read for the work */
+    if (kind < NORMA_FILE_GLTF || strcmp(path, "-") == 0 ||
+        norma_document_open(path, &options, &document, &error))
+        return CLI_OK;
+    cli_guard_document(ahead->guard, document, path);
+    norma_document_close(document);
+    return CLI_OK;
+}
+
+/* So will the work be. */
+static void pass_over(void *user, size_t file, const char *why) {
+    (void)user, (void)file, (void)why;
+}
+
+void cli_guard_look_ahead(cli_guard *guard, const cli_inputs *inputs, norma_file_format format) {
+    if (!cli_guard_watches(guard)) return;
+    look_ahead ahead = {guard, inputs, format};
+    const cli_each each = {inputs->count, look_into, pass_over, &ahead, guard};
+    cli_run_each(&each);
+}
+
+/* ---- Files that do not fit into memory, changed piece by piece; the line that a person
+ * watches counts the passes. */
+
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
+/* No row of a file takes as much as this many times its bytes. */
+enum { MOST_NEED = 200 };
+
+int cli_can_take_passes(const cli_files *files, const char *input, uint64_t *need) {
+    struct stat status;
+    return strcmp(input, "-") != 0 && stat(input, &status) == 0 && S_ISREG(status.st_mode) &&
+           (uint64_t)status.st_size > cli_memory_for_data() / MOST_NEED &&
+           norma_large_need(input, files->format, need);
+}
+
+int cli_needs_passes(const cli_files *files, const char *input) {
+    uint64_t need;
+    return cli_can_take_passes(files, input, &need) && need > cli_memory_for_data();
+}
+
+typedef struct pass_line {
+    cli_progress progress;
+    char what[64];
+    size_t passes;
+} pass_line;
+
+static void count_pass(void *user, size_t number, size_t count) {
+    pass_line *line = user;
+    line->passes = number;
+    snprintf(line->what, sizeof line->what, "computing, pass %zu of %zu,", number, count);
+}
+
+/* Large blocks go back to the system as soon as they are freed, so that the next pass has room for
+ * blocks of other sizes. */
+static void return_freed_memory(void) {
+#if defined(__GLIBC__)
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);
+#endif
+}
+
+norma_document_result cli_change_in_passes(const cli_changer *changer, const cli_common *common,
+    const cli_files *files, const char *input, const char *output, uint64_t *size,
+    norma_document_error *error) {
+    pass_line line = {.what = "reading"};
+    const norma_large_options options = {.struct_size = sizeof options,
+        .max_memory = cli_memory_for_data(),
+        .format = files->format,
+        .in_place = files->in_place,
+        .pass = count_pass,
+        .pass_user = &line,
+        .size = size};
+    if (strcmp(output, "-") == 0) {
+        snprintf(error->message, sizeof error->message,
+            "%.800s: does not fit into the memory allowed, and standard output cannot be written "
+            "in passes; give -o FILE",
+            input);
+        return NORMA_DOCUMENT_ERROR_UNSUPPORTED;
+    }
+    if (cli_make_folders(files, output)) return cli_reported(error);
+    return_freed_memory();
+    cli_progress_start(&line.progress, line.what, input, common->quiet, cli_megabytes(input));
+    cli_writing_begin();
+    const norma_document_result result = changer->in_passes(
+        changer->work, input, output, &options, cli_progress_report, &line.progress, error);
+    cli_progress_stop(&line.progress);
+    cli_writing_end();
+    return result;
+}
+
+/* ---- One triangle in each format of a batch is changed first. What the format as such refuses
+ * (creases in an STL) is then refused before any file is written. */
+
+static const char *triangle_in(norma_file_format format) {
+    switch (format) {
+    case NORMA_FILE_OBJ:
+        return "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    case NORMA_FILE_PLY:
+        return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+               "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    case NORMA_FILE_STL:
+        return "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+               "endloop\nendfacet\nendsolid\n";
+    default:
+        return "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+               "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{"
+               "\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
+               "\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],\"bufferViews\":[{"
+               "\"buffer\":0,\"byteLength\":36}],\"buffers\":[{\"byteLength\":36,\"uri\":\"data:"
+               "application/octet-stream;base64,"
+               "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}]}";
+    }
+}
+
+static int try_format(const cli_changer *changer, const char *input, norma_file_format kind) {
+    const norma_document_options options = {.struct_size = sizeof options, .format = kind};
+    const char *text = triangle_in(kind);
+    norma_document *document;
+    norma_document_error error = {0};
+    norma_document_result result =
+        norma_document_open_memory(text, strlen(text), input, &options, &document, &error);
+    if (!result) {
+        result = changer->change(changer->work, document, NULL, NULL, &error);
+        norma_document_close(document);
+    }
+    if (result != NORMA_DOCUMENT_ERROR_ARGUMENT) return CLI_OK; /* told of the file itself */
+    cli_print_error(&error);
+    return CLI_USAGE;
+}
+
+int cli_try_formats(const cli_files *files, const cli_changer *changer) {
+    int tried = 0, status = CLI_OK;
+    for (size_t i = 0; files->inputs.count > 1 && i < files->inputs.count && !status; ++i) {
+        const char *input = files->inputs.paths[i];
+        norma_file_format kind = files->format ? files->format : norma_file_format_of_path(input);
+        if (kind == NORMA_FILE_UNKNOWN) continue;
+        if (kind == NORMA_FILE_GLB) kind = NORMA_FILE_GLTF;
+        if (!(tried & 1 << kind)) status = try_format(changer, input, kind);
+        tried |= 1 << kind;
+    }
+    return status;
+}
+
+/* ---- Compute and transform over files: where each output goes, one bad input not stopping the
+ * rest, and a line about each. */
 
 /* ---- where outputs go */
 

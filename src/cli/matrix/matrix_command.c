@@ -1,9 +1,8 @@
 /* matrix_command.c: norma matrix: what a matrix does to normals, in numbers that a reader can check
  * by hand. */
-#include "cli/options/matrix_options.h"
-#include "cli/process/errors.h"
-#include "cli/text/report_json.h"
-#include "cli/text/report_text.h"
+#include "cli/options/options.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
 #include <math.h>
 #include <string.h>
 

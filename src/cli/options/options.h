@@ -1,9 +1,28 @@
-/* options.h: a command line, read by the tables of its command; and the options that all commands
+/* options.h: a command line: subcommands, the options that all have, matrices, misspelt words. */
+#ifndef NORMA_CLI_OPTIONS_OPTIONS_H
+#define NORMA_CLI_OPTIONS_OPTIONS_H
+#include "cli/text/text.h"
+#include <stddef.h>
+
+/* ---- A command: its name, its help, its function; and usage errors. */
+
+typedef struct cli_subcommand {
+    const char *name, *summary, *help;
+    int (*run)(const struct cli_subcommand *command, int count, char **arguments);
+} cli_subcommand;
+
+extern const cli_subcommand cli_subcommand_compute, cli_subcommand_tangents,
+    cli_subcommand_transform, cli_subcommand_matrix, cli_subcommand_check, cli_subcommand_report,
+    cli_subcommand_explain, cli_subcommand_info, cli_subcommand_render, cli_subcommand_view;
+
+/* Prints "norma compute: ..." (command may be NULL). Always CLI_USAGE, so that a caller can return
+ * it.
+ */
+CLI_FORMAT(2, 3) int cli_usage(const cli_subcommand *command, const char *format, ...);
+
+/* ---- A command line, read by the tables of its command; and the options that all commands
  * have.
  */
-#ifndef NORMA_CLI_OPTIONS_H
-#define NORMA_CLI_OPTIONS_H
-#include "cli/options/subcommand.h"
 
 #define CLI_COUNT(array) (sizeof(array) / sizeof((array)[0]))
 
@@ -49,4 +68,35 @@ typedef struct cli_common {
 } cli_common;
 extern const cli_option cli_common_options[]; /* --json --max-memory --quiet --threads */
 extern const size_t cli_common_option_count;
+
+/* ---- What a misspelt word most likely means. */
+
+/* The nearest of names (each at stride bytes from the last, a const char * first). NULL: none is
+ * near. */
+const char *cli_suggest(const char *word, const void *names, size_t count, size_t stride);
+const char *cli_suggest_rule(const char *word); /* the same of the names and ids of rules */
+
+/* The nearest word of expected, a list such as "error, warning or info". 0: none is near, or
+ * expected is no such list. */
+enum { CLI_LONGEST_WORD = 32 };
+int cli_suggest_listed(const char *given, const char *expected, char meant[CLI_LONGEST_WORD + 1]);
+
+/* ---- One matrix from --scale, --rotate, --translate and --matrix. */
+
+#define CLI_MATRIX_HELP                                                                            \
+    "The matrix: several options combine; the first is applied first\n"                            \
+    "  --scale X,Y,Z         one factor for each axis, or one number for all three\n"              \
+    "  --rotate X,Y,Z,DEG    about the axis X,Y,Z, counter-clockwise seen from its tip\n"          \
+    "  --translate X,Y,Z\n"                                                                        \
+    "  --matrix \"16 numbers, row by row\"\n"                                                      \
+    "                        for column vectors: the translation is the last column\n"
+
+extern const cli_option cli_matrix_options[];
+extern const size_t cli_matrix_option_count;
+typedef struct cli_matrix {
+    double matrix[16]; /* column-major */
+    int given;         /* how many options made it */
+    int overflow;
+} cli_matrix;
+extern const cli_matrix cli_matrix_identity;
 #endif

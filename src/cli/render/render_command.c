@@ -1,13 +1,8 @@
 /* render_command.c: norma render: pictures of meshes, drawn without a display. */
 #include "cli/render/render_command.h"
-#include "cli/files/each.h"
-#include "cli/files/find_inputs.h"
-#include "cli/files/place_outputs.h"
-#include "cli/files/report_output.h"
-#include "cli/process/errors.h"
-#include "cli/process/memory_limit.h"
-#include "cli/process/progress.h"
-#include "cli/text/report_text.h"
+#include "cli/files/files.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

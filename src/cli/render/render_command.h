@@ -3,8 +3,8 @@
 #ifndef NORMA_CLI_RENDER_H
 #define NORMA_CLI_RENDER_H
 #include "render/render.h"
-#include "cli/files/input.h"
-#include "cli/options/matrix_options.h"
+#include "cli/files/files.h"
+#include "cli/options/options.h"
 
 #if defined(__GNUC__)
 #define CLI_NOTE_FORMAT __attribute__((format(printf, 2, 3)))

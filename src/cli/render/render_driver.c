@@ -3,8 +3,7 @@
  * then: a picture has no name before it is whole. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/render/render_command.h"
-#include "cli/process/errors.h"
-#include "cli/process/memory_limit.h"
+#include "cli/process/process.h"
 #include <stdio.h>
 #include <string.h>
 

@@ -1,7 +1,6 @@
 /* render_file.c: a file that is drawn: opened, closed, and the blocks that live as long as it. */
 #include "cli/render/render_command.h"
-#include "cli/process/errors.h"
-#include "cli/process/progress.h"
+#include "cli/process/process.h"
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>

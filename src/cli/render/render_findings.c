@@ -1,8 +1,7 @@
 /* render_findings.c: what norma check names, coloured: faces, the corners of vertices, and a dot at
  * each place, by the gravest that was found there. */
 #include "cli/render/render_command.h"
-#include "cli/process/errors.h"
-#include "cli/process/progress.h"
+#include "cli/process/process.h"
 #include <norma/check.h>
 #include <stdlib.h>
 #include <string.h>

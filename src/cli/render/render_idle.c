@@ -1,7 +1,7 @@
 /* render_idle.c: options that have no effect: refused if the command line shows it, otherwise noted
  * once the file is open. */
 #include "cli/render/render_command.h"
-#include "cli/process/errors.h"
+#include "cli/process/process.h"
 #include <string.h>
 
 static int refuse(const cli_subcommand *command, const char *option, const char *needed) {

@@ -1,7 +1,7 @@
 /* render_left_out.c: norma render where the tool is built without libpng, libjpeg or the headers of
  * EGL and OpenGL ES: says so and fails. */
-#include "cli/options/subcommand.h"
-#include "cli/process/errors.h"
+#include "cli/options/options.h"
+#include "cli/process/process.h"
 #include <string.h>
 
 static const char help[] =

@@ -1,6 +1,6 @@
 /* render_options.c: the options of norma render. */
 #include "cli/render/render_command.h"
-#include "cli/text/report_text.h"
+#include "cli/text/text.h"
 #include <norma/check.h>
 #include <math.h>
 #include <stdlib.h>

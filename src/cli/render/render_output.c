@@ -2,9 +2,8 @@
  * said before anything is drawn. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/render/render_command.h"
-#include "cli/files/each.h"
-#include "cli/files/place_outputs.h"
-#include "cli/process/errors.h"
+#include "cli/files/files.h"
+#include "cli/process/process.h"
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

@@ -1,8 +1,8 @@
 /* render_panels.c: which panels a picture has: the views that were asked for, or what --compare
  * sets side by side, and the words above and below them. */
 #include "cli/render/render_command.h"
-#include "cli/process/errors.h"
-#include "cli/text/report_text.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* tangents_command.c: norma tangents: tangents for normal maps, written into a copy of each glTF.
  */
-#include "cli/files/batch.h"
-#include "cli/process/errors.h"
-#include "cli/text/report_text.h"
+#include "cli/files/files.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
 #include <string.h>
 
 static const char help[] =

@@ -1,6 +1,5 @@
 /* rule_page.c: rules as HTML, their pictures from the table in rule_pictures.def. */
-#include "cli/text/rule_page.h"
-#include "cli/text/outside_text.h"
+#include "cli/text/text.h"
 #include <string.h>
 
 typedef struct rule_picture {

@@ -1,8 +1,8 @@
 /* transform_command.c: norma transform: a file under one matrix, its normals with it. */
-#include "cli/files/batch.h"
-#include "cli/options/matrix_options.h"
-#include "cli/process/errors.h"
-#include "cli/text/report_text.h"
+#include "cli/files/files.h"
+#include "cli/options/options.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
 #include <string.h>
 
 static const char help[] =

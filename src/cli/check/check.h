@@ -1,0 +1,268 @@
+/* check.h: what the files of norma check share. */
+#ifndef NORMA_CLI_CHECK_CHECK_H
+#define NORMA_CLI_CHECK_CHECK_H
+#include "cli/files/files.h"
+#include <norma/check.h>
+
+/* ---- What the files of norma check share: its settings, the report on one file, the
+ * forms of reports. */
+
+enum { CHECK_RULES = 128 }; /* room for a byte of each rule */
+
+/* ---- .norma.json (config.c) */
+
+enum { CHECK_SEVERITY_AS_IS = 0, CHECK_SEVERITY_OFF = 255 }; /* else a norma_severity */
+
+typedef struct check_override { /* for some files, meshes, materials: lists of patterns; none: all
+                                 */
+    char **files, **meshes, **materials;
+    uint8_t severity[CHECK_RULES];
+} check_override;
+
+typedef struct check_config {
+    char *path;   /* NULL: no baseline */
+    char *folder; /* absolute: what patterns of files are relative to */
+    norma_check_profile profile;
+    int strict;  /* -1: not said */
+    int fail_on; /* -1: not said */
+    int has_select;
+    uint8_t select[CHECK_RULES], ignore[CHECK_RULES];
+    uint8_t severity[CHECK_RULES];
+    check_override *overrides;
+    size_t override_count;
+} check_config;
+
+typedef struct check_configs check_configs; /* those read so far, by folder */
+/* Which are obeyed of those that nobody named: the user's own, --no-config, --trust-config. */
+typedef enum check_config_trust {
+    CHECK_CONFIG_OWN,
+    CHECK_CONFIG_NONE,
+    CHECK_CONFIG_ANY
+} check_config_trust;
+/* named: --config FILE, NULL: found upward from each file. */
+check_configs *check_configs_new(const char *named, check_config_trust trust, cli_guard *guard);
+void check_configs_free(check_configs *configs);
+/* The configuration of a file. NULL: one that cannot be read, which has been said. */
+const check_config *check_config_of(check_configs *configs, const char *path);
+
+/* ---- what is asked (check_command.c) */
+
+typedef struct check_style { /* of a report for people */
+    int color;
+    size_t width; /* 0: nothing is wrapped */
+} check_style;
+
+enum { COMMAND_OPTIONS = 10 };
+
+typedef struct check_settings {
+    norma_check_profile profile;
+    int strict;
+    int fail_on; /* a norma_severity, CHECK_FAIL_NEVER, or -1: as the configuration says, else error
+                  */
+    size_t max_samples; /* 0: as many as the library gives */
+    int has_select;
+    uint8_t select[CHECK_RULES], ignore[CHECK_RULES];
+    uint32_t threads;
+    norma_file_format input_format;
+    struct check_baseline *baseline; /* NULL: none */
+    int fix;                         /* CHECK_FIX_... */
+    int dry_run;
+    int open_by_rays;       /* of --fix-unsafe */
+    const cli_files *files; /* where mended files go */
+    int quiet;
+    size_t file_count; /* of all shards */
+    size_t at_once;    /* files that are checked at the same time */
+    int list_infos;    /* else they are only counted, in reports for people */
+    check_style style;
+    size_t shard, shards;      /* shards 0: all files */
+    const char *shard_options; /* JSON: what else the findings of a shard depend on */
+    const char *missing;       /* of a merged report: JSON, a list of shards; NULL: none */
+    const char *lost;          /* why a file cannot be checked: it ended a worker (worker.h) */
+    const char *command_options[COMMAND_OPTIONS]; /* what a fix must be told as well; NULL-ended */
+    norma_progress *progress;                     /* of whatever takes long */
+    void *progress_user;
+} check_settings;
+enum { CHECK_FAIL_NEVER = 100 };
+enum { CHECK_FIX_NOTHING = 0, CHECK_FIX_SAFE, CHECK_FIX_UNSAFE };
+
+/* ---- the report on one file (check_file.c) */
+
+typedef struct check_item {
+    const norma_finding *finding;
+    norma_severity severity; /* after the configuration */
+    char *command;           /* fixes it; NULL: nothing does, or it was tried, and this is left */
+} check_item;
+
+enum { CHECK_SEVERITIES = NORMA_SEVERITY_ERROR + 1 };
+
+typedef struct check_report {
+    const check_settings *settings;
+    const char *path; /* as it was named */
+    norma_check_profile profile;
+    const char *status; /* "checked", "partly", "unreadable" */
+    const check_item *items;
+    size_t count;
+    int fail_on;                              /* for this file */
+    const size_t (*places)[CHECK_SEVERITIES]; /* how many items of each rule and severity */
+    norma_document *document;                 /* for pictures; NULL: unreadable */
+    size_t first_note;         /* reasons why a fix was left out are its notes from there on */
+    int is_unchanged;          /* a fix was asked for, and there was nothing to do */
+    const char *mended;        /* a table of counts before and after; NULL: nothing was mended */
+    size_t by_rays, undecided; /* open components that rays decided on, or did not; 0 where that was
+                                  not asked for */
+    double least_confidence;   /* of by_rays */
+} check_report;
+
+typedef struct check_rule_total {
+    size_t places, files;
+} check_rule_total;
+
+typedef struct check_totals {
+    size_t errors, warnings, infos, files, files_with_trouble, not_checked;
+    size_t known;                 /* silenced by the baseline */
+    size_t clean;                 /* files without problems */
+    size_t hidden;                /* infos that reports for people only count */
+    int status;                   /* worst of its files */
+    int unreported;               /* a file is not in the report */
+    int incomplete;               /* something could not be read or written that has no entry */
+    size_t left_out[CHECK_RULES]; /* results of SARIF above its limit */
+    check_rule_total by_rule[CHECK_RULES][CHECK_SEVERITIES];
+} check_totals;
+
+/* The forms of a report. file is called by several threads at once, each with an own out; begin and
+ * end by one. */
+typedef struct check_format {
+    const char *name;
+    void (*begin)(FILE *out, const check_settings *settings);
+    void (*file)(FILE *out, const check_report *report);
+    const char *between; /* two files */
+    void (*end)(FILE *out, const check_totals *totals, const check_settings *settings);
+} check_format;
+extern const check_format check_format_text, check_format_quiet, check_format_line,
+    check_format_json, check_format_sarif, check_format_html;
+
+/* The results of a SARIF report, of which it holds a limited number: rules with the most of them
+ * lose some (findings_sarif.c). text: results as check_format_sarif writes them, each on a line. */
+typedef struct check_results check_results;
+check_results *check_results_new(void); /* NULL: out of memory */
+void check_results_free(check_results *results);
+int check_results_add(check_results *results, const char *text, size_t size); /* 0: out of memory */
+/* Says on standard error, and in totals, what was left out. */
+void check_results_write(const check_results *results, FILE *out, check_totals *totals);
+
+/* report_formats.c */
+#define CHECK_FORMAT_NAMES "text, line, json, sarif or html"
+const check_format *check_find_format(const char *name);    /* NULL: none is called so */
+const check_format *check_format_of_name(const char *path); /* by its ending; NULL: none */
+
+/* How a page can be taken apart again: each file begins with CHECK_HTML_FILE and its path, and the
+ * totals are JSON between CHECK_HTML_TOTALS and the end of that script. */
+#define CHECK_HTML_FILE     "<section class=\"file\" data-path=\""
+#define CHECK_HTML_STATUS   "\" data-status=\""
+#define CHECK_HTML_FAILS    "\" data-fails>"
+#define CHECK_HTML_FILE_END "</section><!-- end of file -->\n"
+#define CHECK_HTML_TOTALS   "<script type=\"application/json\" id=\"totals\">"
+
+/* "shard" and "options", or "missing_shards": members of a JSON object that is open. */
+void check_write_shard(cli_json *json, const check_settings *settings);
+/* Percent-encoded: letters, digits and - . _ ~ / stay. A path as exact bytes in any text. */
+void check_write_bytes(FILE *out, const char *path);
+void check_write_verdict(FILE *out, const check_totals *totals); /* without a line end */
+
+/* ---- what the forms ask (report_facts.c) */
+
+/* Writes the part of a file, and adds it to the totals. */
+void check_write_file(
+    check_report *report, const check_format *format, FILE *out, check_totals *totals);
+
+size_t check_rule_number(const norma_rule *rule); /* in norma_rules */
+const char *check_profile_name(norma_check_profile profile);
+/* In reports for people: information is only counted, unless it was asked for or fails the check.
+ */
+int check_is_listed(const check_report *report, const check_item *item);
+/* Checked, and without errors, warnings and whatever fails the check. */
+int check_is_clean(const check_report *report);
+int check_fails(const check_report *report); /* whether a finding is at or above --fail-on */
+/* Whether note i of a document differs from those before it, from the first on. */
+int check_is_new_note(const norma_document *document, size_t first, size_t i);
+/* Names from the root of the scene to the first node that draws the mesh of a finding, or to the
+ * node that it is about. NULL: none. */
+const char *check_node_path(norma_document *document, const char *where);
+
+/* Checks one of settings->files->inputs and writes its part of the report; adds to totals. */
+void check_one_file(const check_settings *settings, const check_config *config,
+    const check_format *format, size_t index, FILE *out, check_totals *totals);
+
+/* ---- a part of them (shard.c) */
+
+/* "2/8": the second of eight parts. NULL, or what was expected. */
+const char *check_read_shard(const char *text, size_t *number, size_t *count);
+void check_keep_shard(cli_inputs *inputs, size_t number, size_t count);
+int check_sort_inputs(cli_inputs *inputs); /* by path, as bytes; a status */
+
+/* ---- all of them (thread_pool.c): so many at once as threads says; their parts go to out in the
+ * order of inputs. */
+int check_all_files(const check_settings *settings, check_configs *configs,
+    const check_format *format, FILE *out, check_totals *totals);
+
+/* ---- old findings (baseline.c) */
+
+typedef struct check_baseline check_baseline;
+check_baseline *check_baseline_read(const char *path); /* NULL: said already */
+check_baseline *check_baseline_new(
+    const char *path); /* to be filled by check_baseline_add and written */
+int check_baseline_knows(const check_baseline *baseline, const char *path,
+    const norma_finding *finding, norma_severity severity);
+int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
+    norma_severity severity); /* 0: out of memory */
+/* The findings of one file, for a new baseline; NULL: out of memory. */
+check_baseline *check_baseline_part(const check_baseline *whole);
+/* Adds those of a part, which may be NULL; forgot: some are missing there. */
+void check_baseline_join(check_baseline *whole, const check_baseline *part, int forgot);
+size_t check_baseline_count(const check_baseline *baseline);
+/* Through the channel of a worker. 0: it has ended. */
+void check_baseline_send(const check_baseline *part, const struct cli_worker *worker);
+int check_baseline_receive(check_baseline *whole, size_t count, const struct cli_worker *worker);
+int check_baseline_write(check_baseline *baseline, cli_guard *guard); /* a status */
+int check_baseline_is_new(const check_baseline *baseline);
+void check_baseline_free(check_baseline *baseline);
+
+/* ---- JSON that someone wrote (load_json.c) */
+
+struct json_t;
+int check_open_regular(const char *path); /* a descriptor; -1: reported already */
+/* expected: what it should be, for messages. NULL: reported already. */
+struct json_t *check_load_json(const char *path, const char *expected);
+
+/* ---- words */
+
+const char *check_severity_name(norma_severity severity); /* "error" */
+/* The same for the same finding from run to run, whatever its count: 16 hexadecimal digits. */
+void check_fingerprint(
+    const char *path, const char *rule, const char *where, norma_severity severity, char text[17]);
+
+/* ---- Norma check --fix: a document mended, judged again, and written where it was asked
+ * for. */
+
+typedef struct check_fixed {
+    norma_document *document; /* as it is now; judged by findings */
+    norma_findings *findings;
+    int written;
+    char *table; /* counts before and after, lines of text; NULL: nothing changed */
+    norma_fix_summary summary;
+    size_t
+        first_note; /* of the document: what could not be fixed, and why, is noted from there on */
+} check_fixed;
+
+/* before: findings of document with options, which rules the report has. 0: error says why. */
+norma_document_result check_fix(const check_settings *settings, norma_document *document,
+    const norma_findings *before, const norma_check_options *options, size_t index,
+    check_fixed *mended, norma_document_error *error);
+void check_fixed_free(check_fixed *mended);
+
+/* ---- A small drawing of a finding's place, as SVG. */
+
+/* Writes an <svg> of the surface round the worst place of a finding, the faces that it names in
+ * red; nothing where it names no place. */
+void check_draw_finding(FILE *out, norma_document *document, const norma_finding *finding);
+#endif

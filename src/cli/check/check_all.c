@@ -1,0 +1,462 @@
+/* check_all.c: which files are checked, several at once, and in which order they are told. */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/check/check.h"
+#include "cli/files/files.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
+#include <errno.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- One of several jobs that share a set of files: those whose paths, relative to the folder
+ * given, have its hash, so that each job can say it of a file that it alone has. And the order of
+ * files in reports, which is the same however a set was shared. */
+
+static int read_number(const char *text, size_t length, size_t *number) {
+    *number = 0;
+    if (length == 0 || length > 9) return 0;
+    for (size_t i = 0; i < length; ++i) {
+        if (text[i] < '0' || text[i] > '9') return 0;
+        *number = 10 * *number + (size_t)(text[i] - '0');
+    }
+    return 1;
+}
+
+const char *check_read_shard(const char *text, size_t *number, size_t *count) {
+    const size_t length = strcspn(text, "/");
+    const int fine = text[length] == '/' && read_number(text, length, number) &&
+                     read_number(text + length + 1, strlen(text + length + 1), count);
+    return fine && *number >= 1 && *number <= *count ? NULL : "I/N, such as 2/8: I from 1 to N";
+}
+
+/* FNV-1a (Fowler, Noll, Vo), 64 bits; its upper half is mixed into the lower one. */
+static uint64_t hash_of(const char *path) {
+    uint64_t hash = 14695981039346656037u;
+    for (; *path; ++path) hash = (hash ^ (unsigned char)*path) * 1099511628211u;
+    return hash ^ hash >> 32;
+}
+
+/* A path without "./" in front of it. */
+static const char *plain(const char *path) {
+    while (path[0] == '.' && path[1] == '/') path += 1 + strspn(path + 1, "/");
+    return path;
+}
+
+static void move_input(cli_inputs *inputs, size_t to, const cli_inputs *from, size_t at) {
+    inputs->paths[to] = from->paths[at];
+    inputs->tails[to] = from->tails[at];
+    inputs->within[to] = from->within[at];
+}
+
+void check_keep_shard(cli_inputs *inputs, size_t number, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < inputs->count; ++i) {
+        if (hash_of(plain(inputs->paths[i] + inputs->within[i])) % count == number - 1)
+            move_input(inputs, kept++, inputs, i);
+        else
+            free(inputs->paths[i]);
+    }
+    inputs->count = kept;
+}
+
+static int compare_inputs(const void *a, const void *b) {
+    const char *const *one = *(const char *const *const *)a, *const *other =
+                                                                 *(const char *const *const *)b;
+    const int order = strcmp(*one, *other);
+    return order ? order : one < other ? -1 : one > other;
+}
+
+int check_sort_inputs(cli_inputs *inputs) {
+    const size_t count = inputs->count;
+    char ***order = malloc((count + 1) * sizeof *order);
+    cli_inputs old = *inputs;
+    inputs->paths = malloc((count + 1) * sizeof *inputs->paths);
+    inputs->tails = malloc((count + 1) * sizeof *inputs->tails);
+    inputs->within = malloc((count + 1) * sizeof *inputs->within);
+    const int fine = order && inputs->paths && inputs->tails && inputs->within;
+    for (size_t i = 0; i < count && fine; ++i) order[i] = &old.paths[i];
+    if (fine) qsort(order, count, sizeof *order, compare_inputs);
+    for (size_t i = 0; i < count && fine; ++i)
+        move_input(inputs, i, &old, (size_t)(order[i] - old.paths));
+    inputs->capacity = count + 1;
+    free(order);
+    cli_inputs unused = fine ? old : *inputs;
+    if (!fine) *inputs = old;
+    unused.count = 0;
+    cli_inputs_free(&unused);
+    return fine ? CLI_OK : cli_out_of_memory();
+}
+
+/* ---- Checks several files at once and reports them in their order. A thread takes the
+ * next file and writes its part of the report into memory; parts go to the output in the order of
+ * files. No file is started more than a window ahead of the output, so memory does not grow with
+ * the number of files. Several files are checked in a process of their own (worker.h), which sends
+ * the parts: if it ends, the files that were being checked are checked again, each alone. */
+
+enum { WINDOW = 256, MOST_WORKERS = 64 };
+
+/* ---- the report, in the order of files */
+
+typedef struct file_part {
+    char *bytes;
+    size_t size;
+    int done;
+} file_part;
+
+typedef struct check_collector {
+    const check_settings *settings;
+    const check_format *format;
+    const cli_inputs *inputs;
+    FILE *out;
+    size_t told;             /* files */
+    int told_any;            /* something stands in the report */
+    file_part parts[WINDOW]; /* file i at i % WINDOW */
+    check_totals totals;
+    check_results *results; /* of SARIF, whose number is limited; NULL: parts are written at once */
+    cli_progress progress;
+} check_collector;
+
+/* What one file gave. */
+typedef struct checked_file {
+    size_t file;
+    char *bytes; /* its part of the report */
+    size_t size;
+    check_totals totals;
+    check_baseline *baseline; /* its findings, for a new one; NULL: none is written */
+    int forgot;               /* findings are missing there: memory was out */
+} checked_file;
+
+static void add_totals(check_totals *sum, const check_totals *more) {
+    sum->errors += more->errors;
+    sum->warnings += more->warnings;
+    sum->infos += more->infos;
+    sum->files += more->files;
+    sum->files_with_trouble += more->files_with_trouble;
+    sum->not_checked += more->not_checked;
+    sum->known += more->known;
+    sum->clean += more->clean;
+    sum->hidden += more->hidden;
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        for (size_t severity = 0; severity < CHECK_SEVERITIES; ++severity) {
+            sum->by_rule[rule][severity].places += more->by_rule[rule][severity].places;
+            sum->by_rule[rule][severity].files += more->by_rule[rule][severity].files;
+        }
+    sum->status = cli_worse(sum->status, more->status);
+    sum->incomplete |= more->incomplete;
+    sum->unreported |= more->unreported;
+}
+
+static void write_part(check_collector *all, const file_part *part) {
+    if (all->results) {
+        if (check_results_add(all->results, part->bytes, part->size)) return;
+        all->totals.status = cli_out_of_memory();
+        all->totals.incomplete = all->totals.unreported = 1;
+        return;
+    }
+    if (part->size && all->told_any) fputs(all->format->between, all->out);
+    all->told_any |= part->size != 0;
+    fwrite(part->bytes, 1, part->size, all->out);
+}
+
+static void tell_what_is_next(check_collector *all) {
+    cli_progress_hide(&all->progress); /* a report may go to the same terminal */
+    while (all->told < all->inputs->count && all->parts[all->told % WINDOW].done) {
+        file_part *part = &all->parts[all->told % WINDOW];
+        write_part(all, part);
+        free(part->bytes);
+        *part = (file_part){0};
+        ++all->told;
+    }
+}
+
+/* Takes over the bytes and the baseline. */
+static void collect(check_collector *all, const checked_file *checked) {
+    file_part *part = &all->parts[checked->file % WINDOW];
+    part->bytes = checked->bytes;
+    part->size = checked->size;
+    part->done = 1;
+    add_totals(&all->totals, &checked->totals);
+    if (all->settings->baseline)
+        check_baseline_join(all->settings->baseline, checked->baseline, checked->forgot);
+    check_baseline_free(checked->baseline);
+    tell_what_is_next(all);
+}
+
+/* ---- files checked at once, here or in a worker */
+
+typedef struct check_pool {
+    check_settings settings;
+    check_configs *configs;
+    check_collector *all;     /* of this process */
+    const cli_worker *worker; /* NULL: this is none, and parts go to all */
+    size_t sources_sent;
+    pthread_mutex_t lock;
+    pthread_cond_t moved;    /* the output went on */
+    size_t next, told, last; /* files: to be taken, already told, not to be taken any more */
+    unsigned char done[WINDOW];
+    int status;
+} check_pool;
+
+enum { MESSAGE_BEGUN, MESSAGE_DONE, MESSAGE_STATUS };
+
+typedef struct check_message {
+    int kind, status, forgot;
+    size_t file, size, known;
+} check_message;
+
+static void send_message(const check_pool *pool, const check_message *message) {
+    cli_worker_send(pool->worker, message, sizeof *message);
+}
+
+static void send_checked(check_pool *pool, const checked_file *checked) {
+    const check_message message = {.kind = MESSAGE_DONE,
+        .file = checked->file,
+        .size = checked->size,
+        .forgot = checked->forgot,
+        .known = checked->baseline ? check_baseline_count(checked->baseline) : 0};
+    send_message(pool, &message);
+    cli_worker_send(pool->worker, &checked->totals, sizeof checked->totals);
+    cli_worker_send(pool->worker, checked->bytes, checked->size);
+    if (checked->baseline) check_baseline_send(checked->baseline, pool->worker);
+    cli_guard_send(pool->settings.files->guard, &pool->sources_sent, pool->worker);
+    free(checked->bytes);
+    check_baseline_free(checked->baseline);
+}
+
+/* A norma_progress of any thread: of one file the seconds, of several how many are done; a worker's
+ * caller shows that. */
+static int report_progress(void *user, double fraction) {
+    check_pool *pool = user;
+    check_collector *all = pool->all;
+    if (all->inputs->count == 1) return cli_progress_elapsed(&all->progress, fraction);
+    if (pool->worker || !all->progress.enabled || pthread_mutex_trylock(&pool->lock))
+        return cli_interrupted();
+    const int stop =
+        cli_progress_report(&all->progress, (double)all->told / (double)all->inputs->count);
+    pthread_mutex_unlock(&pool->lock);
+    return stop;
+}
+
+static const check_config *take(check_pool *pool, size_t *file) {
+    const check_config *config = NULL;
+    pthread_mutex_lock(&pool->lock);
+    while (pool->next < pool->last && pool->next - pool->told >= WINDOW)
+        pthread_cond_wait(&pool->moved, &pool->lock);
+    if (pool->next < pool->last) {
+        *file = pool->next++;
+        errno = 0;
+        config = check_config_of(pool->configs, pool->all->inputs->paths[*file]);
+        const check_message begun = {.kind = MESSAGE_BEGUN, .file = *file};
+        if (config && pool->worker) send_message(pool, &begun);
+        if (!config) { /* nothing that is checked by it could be trusted */
+            pool->status = cli_worse(pool->status, errno == ENOMEM ? CLI_FILE : CLI_USAGE);
+            pool->next = pool->last;
+        }
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return config;
+}
+
+static void deliver(check_pool *pool, const checked_file *checked) {
+    pthread_mutex_lock(&pool->lock);
+    if (pool->worker)
+        send_checked(pool, checked);
+    else
+        collect(pool->all, checked);
+    pool->done[checked->file % WINDOW] = 1;
+    for (; pool->done[pool->told % WINDOW]; ++pool->told) pool->done[pool->told % WINDOW] = 0;
+    pthread_cond_broadcast(&pool->moved);
+    pthread_mutex_unlock(&pool->lock);
+}
+
+/* Its part of the report, in memory. */
+static checked_file gather(const check_settings *asked, const check_collector *all,
+    const check_config *config, size_t file) {
+    checked_file checked = {.file = file};
+    check_settings settings = *asked;
+    cli_memory_stream gathered;
+    if (settings.baseline && check_baseline_is_new(settings.baseline))
+        settings.baseline = checked.baseline = check_baseline_part(settings.baseline);
+    checked.forgot = asked->baseline && !settings.baseline;
+    if (cli_memory_open(&gathered))
+        check_one_file(&settings, config, all->format, file, gathered.out, &checked.totals);
+    if (cli_memory_close(&gathered)) {
+        checked.bytes = gathered.text;
+        checked.size = gathered.size;
+    } else { /* half a report is worse than none */
+        checked.totals.status = cli_worse(checked.totals.status, CLI_FILE);
+        checked.totals.incomplete = checked.totals.unreported = 1;
+        cli_error("%s: not reported: out of memory", cli_input_name(all->inputs->paths[file]));
+    }
+    return checked;
+}
+
+static void *work(void *user) {
+    check_pool *pool = user;
+    size_t file;
+    for (const check_config *config; (config = take(pool, &file)) != NULL;) {
+        const checked_file checked = gather(&pool->settings, pool->all, config, file);
+        deliver(pool, &checked);
+    }
+    pthread_mutex_lock(&pool->lock);
+    pthread_cond_broadcast(&pool->moved);
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
+}
+
+static size_t worker_count(uint32_t threads, size_t files) {
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    size_t count = threads == NORMA_ALL_THREADS ? (size_t)(cores > 0 ? cores : 1) : threads;
+    count = count > MOST_WORKERS ? MOST_WORKERS : count;
+    return count > files ? files : count;
+}
+
+/* From first up to last, in this process. A status beside those of the files. */
+static int check_range(check_collector *all, check_configs *configs, const cli_worker *worker,
+    size_t first, size_t last) {
+    pthread_t threads[MOST_WORKERS];
+    const size_t workers = worker_count(all->settings->threads, last - first);
+    size_t started = 0;
+    check_pool pool = {.settings = *all->settings,
+        .configs = configs,
+        .all = all,
+        .worker = worker,
+        .sources_sent = cli_guard_count(all->settings->files->guard),
+        .next = first,
+        .told = first,
+        .last = last};
+    if (workers > 1) pool.settings.threads = 1; /* the files share the cores */
+    pool.settings.at_once = workers;
+    pool.settings.progress = report_progress;
+    pool.settings.progress_user = &pool;
+    pthread_mutex_init(&pool.lock, NULL);
+    pthread_cond_init(&pool.moved, NULL);
+    for (size_t i = 1; i < workers; ++i)
+        started += pthread_create(&threads[started], NULL, work, &pool) == 0;
+    work(&pool);
+    for (size_t i = 0; i < started; ++i) pthread_join(threads[i], NULL);
+    pthread_cond_destroy(&pool.moved);
+    pthread_mutex_destroy(&pool.lock);
+    return pool.status;
+}
+
+static _Noreturn void check_in_worker(check_collector *all, check_configs *configs,
+    const cli_worker *worker, size_t first, size_t last) {
+    const check_message ended = {
+        .kind = MESSAGE_STATUS, .status = check_range(all, configs, worker, first, last)};
+    cli_worker_send(worker, &ended, sizeof ended);
+    cli_worker_finish(worker);
+}
+
+/* ---- what a worker says */
+
+static int receive_checked(
+    check_collector *all, const cli_worker *worker, const check_message *message) {
+    checked_file checked = {.file = message->file,
+        .size = message->size,
+        .bytes = malloc(message->size + 1),
+        .forgot = message->forgot};
+    int fine = checked.bytes &&
+               cli_worker_receive(worker, &checked.totals, sizeof checked.totals) &&
+               cli_worker_receive(worker, checked.bytes, checked.size) &&
+               check_baseline_receive(all->settings->baseline, message->known, worker) &&
+               cli_guard_receive(all->settings->files->guard, worker);
+    if (fine)
+        collect(all, &checked);
+    else
+        free(checked.bytes);
+    return fine;
+}
+
+/* Until it ends. *next: behind the last file that it began. */
+static int listen_to(check_collector *all, const cli_worker *worker, size_t *next) {
+    check_message message;
+    int status = CLI_OK;
+    while (cli_worker_receive(worker, &message, sizeof message)) {
+        if (message.kind == MESSAGE_STATUS) status = message.status;
+        if (message.kind == MESSAGE_BEGUN) *next = message.file + 1;
+        if (message.kind == MESSAGE_DONE && !receive_checked(all, worker, &message)) break;
+        cli_progress_report(&all->progress, (double)all->told / (double)all->inputs->count);
+    }
+    return status;
+}
+
+static void report_lost(
+    check_collector *all, check_configs *configs, size_t file, const char *why) {
+    check_settings settings = *all->settings;
+    settings.lost = why;
+    const check_config *config = check_config_of(configs, all->inputs->paths[file]);
+    const checked_file checked = gather(&settings, all, config, file);
+    collect(all, &checked);
+}
+
+/* One of the files that were being checked when a worker ended: alone, so that it is known which.
+ */
+static int check_alone(check_collector *all, check_configs *configs, size_t file) {
+    char why[CLI_WHY_ROOM];
+    cli_worker worker;
+    size_t next;
+    const int side = cli_worker_start(&worker);
+    if (side < 0) return check_range(all, configs, NULL, file, file + 1);
+    if (side == 0) check_in_worker(all, configs, &worker, file, file + 1);
+    const int status = listen_to(all, &worker, &next);
+    if (!cli_worker_wait(&worker, why) && !all->parts[file % WINDOW].done && all->told <= file)
+        report_lost(all, configs, file, why);
+    return status;
+}
+
+static int check_again(check_collector *all, check_configs *configs, size_t next) {
+    int status = CLI_OK;
+    for (size_t file = all->told; file < next; ++file)
+        if (!all->parts[file % WINDOW].done)
+            status = cli_worse(status, check_alone(all, configs, file));
+    return status;
+}
+
+static int check_in_workers(check_collector *all, check_configs *configs) {
+    const size_t count = all->inputs->count;
+    int status = CLI_OK;
+    for (size_t next = 0; next < count;) {
+        char why[CLI_WHY_ROOM];
+        cli_worker worker;
+        const int side = count > 1 ? cli_worker_start(&worker) : -1;
+        if (side < 0) return cli_worse(status, check_range(all, configs, NULL, next, count));
+        if (side == 0) check_in_worker(all, configs, &worker, next, count);
+        status = cli_worse(status, listen_to(all, &worker, &next));
+        if (cli_worker_wait(&worker, why)) break;
+        if (next == all->told) { /* by none of the files */
+            cli_error("%s", why);
+            return CLI_FILE;
+        }
+        status = cli_worse(status, check_again(all, configs, next));
+    }
+    return status;
+}
+
+int check_all_files(const check_settings *settings, check_configs *configs,
+    const check_format *format, FILE *out, check_totals *totals) {
+    const cli_inputs *inputs = &settings->files->inputs;
+    check_collector *all = calloc(1, sizeof *all);
+    if (!all) return cli_out_of_memory();
+    *all = (check_collector){.settings = settings, .format = format, .inputs = inputs, .out = out};
+    cli_progress_start(&all->progress, "checking",
+        inputs->count == 1 ? cli_input_name(inputs->paths[0]) : "files", settings->quiet, 0);
+    const int is_limited = format == &check_format_sarif && !settings->shards;
+    if (is_limited && !(all->results = check_results_new())) {
+        free(all);
+        return cli_out_of_memory();
+    }
+    const int status = check_in_workers(all, configs);
+    if (all->results) check_results_write(all->results, out, &all->totals);
+    check_results_free(all->results);
+    /* After an interruption or a bad configuration, parts may be left behind one that was never
+     * begun. */
+    for (size_t i = 0; i < WINDOW; ++i) free(all->parts[i].bytes);
+    cli_progress_stop(&all->progress);
+    all->totals.status = cli_worse(all->totals.status, status);
+    *totals = all->totals;
+    free(all);
+    return totals->status;
+}

@@ -1,0 +1,485 @@
+/* check_one.c: norma check on one file, which may be fixed. */
+#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE   700
+#include "cli/check/check.h"
+#include "cli/files/files.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- A document mended, judged again, and written where it was asked for. */
+
+static int is_standard_output(const char *output) { return strcmp(output, "-") == 0; }
+
+/* ---- the table */
+
+static size_t count_of(const norma_findings *findings, const norma_rule *rule) {
+    size_t sum = 0;
+    for (size_t i = 0; i < norma_findings_count(findings); ++i)
+        if (norma_findings_get(findings, i)->rule == rule)
+            sum += norma_findings_get(findings, i)->count;
+    return sum;
+}
+
+static char *make_table(const norma_findings *before, const norma_findings *now) {
+    size_t count;
+    cli_memory_stream table;
+    const norma_rule *rules = norma_rules(&count);
+    if (!cli_memory_open(&table)) return NULL;
+    fprintf(table.out, "    %-32s %10s %10s\n", "rule", "before", "after");
+    for (size_t i = 0; i < count; ++i) {
+        size_t old = count_of(before, &rules[i]), left = count_of(now, &rules[i]);
+        if (old || left)
+            fprintf(table.out, "    %s %-27s %10zu %10zu\n", rules[i].id, rules[i].name, old, left);
+    }
+    (void)cli_memory_close(&table);
+    return table.text;
+}
+
+/* ---- mending and writing */
+
+/* What could not be mended, and why: each reason once. */
+static void tell_notes(const char *path, const norma_document *document, size_t before) {
+    for (size_t i = before; i < norma_document_note_count(document); ++i)
+        if (check_is_new_note(document, before, i))
+            cli_error("%s: %s", cli_input_name(path), norma_document_note(document, i));
+}
+
+static norma_document_result save(const check_settings *settings, const char *output,
+    check_fixed *mended, norma_document_error *error) {
+    /* A copy without a change is written only where it was named. */
+    if (settings->dry_run || (!settings->files->output && !mended->summary.changed))
+        return NORMA_DOCUMENT_OK;
+    const norma_save_options options = {.struct_size = sizeof options,
+        .in_place = settings->files->in_place,
+        .progress = settings->progress,
+        .progress_user = settings->progress_user};
+    if (!is_standard_output(output) && cli_make_folders(settings->files, output))
+        return cli_reported(error);
+    norma_document_result result;
+    if (is_standard_output(output)) {
+        result = cli_write_standard(mended->document, error);
+    } else {
+        cli_writing_begin();
+        result = norma_document_save(mended->document, output, &options, error);
+        cli_writing_end();
+    }
+    mended->written = !result;
+    return result;
+}
+
+norma_document_result check_fix(const check_settings *settings, norma_document *document,
+    const norma_findings *before, const norma_check_options *options, size_t index,
+    check_fixed *mended, norma_document_error *error) {
+    const char *path = settings->files->inputs.paths[index];
+    *mended = (check_fixed){0};
+    char *output = cli_output_of(settings->files, index, NULL);
+    if (!output) {
+        *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
+        return error->result;
+    }
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!settings->dry_run &&
+        cli_guard_output(settings->files->guard, output, settings->files->in_place ? path : NULL)) {
+        *error = (norma_document_error){.result = NORMA_DOCUMENT_ERROR_ARGUMENT}; /* reported */
+        result = error->result;
+    }
+    mended->document = document;
+    const size_t notes = norma_document_note_count(document);
+    mended->first_note = notes;
+    if (!result)
+        result = norma_fix_document(
+            document, options, settings->fix == CHECK_FIX_UNSAFE, &mended->summary, error);
+    if (!result) tell_notes(path, document, notes);
+    if (!result && mended->summary.changed)
+        result = norma_check_document(document, options, &mended->findings, error);
+    if (!result && mended->summary.changed &&
+        !(mended->table = make_table(before, mended->findings))) {
+        *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
+        result = error->result;
+    }
+    if (!result) result = save(settings, output, mended, error);
+    free(output);
+    return result;
+}
+
+void check_fixed_free(check_fixed *mended) {
+    norma_findings_free(mended->findings);
+    free(mended->table);
+    *mended = (check_fixed){0};
+}
+
+/* ---- Norma check on one file: opened leniently, judged by the library, its findings
+ * weighed by the configuration and the baseline, told by the report's form. */
+
+/* Checking takes so many times the memory of computing normals: 1.5 and 3.8, measured. */
+enum { PLY_NEED = 2, STL_NEED = 4 };
+
+typedef struct file_check {
+    const check_settings *settings;
+    const check_config *config;
+    const char *path;
+    size_t index;   /* of the input */
+    char *absolute; /* for patterns of files; NULL: none were asked for, or it is not there */
+    norma_document *document;
+    void *memory;
+    norma_findings *findings;
+    check_fixed mended; /* with --fix: what the report is then about */
+    int fix_status;
+    norma_document_error error;
+} file_check;
+
+/* ---- what is asked of this file */
+
+static norma_check_profile choose_profile(const file_check *check) {
+    return check->settings->profile ? check->settings->profile : check->config->profile;
+}
+
+static void choose_rules(const file_check *check, uint8_t mask[CHECK_RULES]) {
+    const check_settings *settings = check->settings;
+    const check_config *config = check->config;
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule) {
+        int selected = settings->has_select ? settings->select[rule]
+                       : config->has_select ? config->select[rule]
+                                            : 1;
+        mask[rule] = selected && !settings->ignore[rule] && !config->ignore[rule] &&
+                     config->severity[rule] != CHECK_SEVERITY_OFF;
+    }
+}
+
+/* What is no fault is changed only where its rule is named. */
+static int is_selecting(const file_check *check) {
+    return check->settings->has_select || check->config->has_select;
+}
+
+static norma_check_options choose_options(const file_check *check, const uint8_t *rules) {
+    const check_settings *settings = check->settings;
+    return (norma_check_options){.struct_size = sizeof(norma_check_options),
+        .profile = choose_profile(check),
+        .strict = settings->strict || check->config->strict == 1,
+        .max_samples = settings->max_samples,
+        .rules = rules,
+        .threads = settings->threads,
+        .progress = settings->progress,
+        .progress_user = settings->progress_user,
+        .open_by_rays = settings->open_by_rays,
+        .fix_from = is_selecting(check) ? NORMA_SEVERITY_NONE : NORMA_SEVERITY_WARNING};
+}
+
+static int fail_on(const file_check *check) {
+    if (check->settings->fail_on >= 0) return check->settings->fail_on;
+    return check->config->fail_on >= 0 ? check->config->fail_on : (int)NORMA_SEVERITY_ERROR;
+}
+
+static norma_file_format format_of(const file_check *check) {
+    return check->settings->input_format ? check->settings->input_format
+                                         : norma_file_format_of_path(check->path);
+}
+
+/* What the report is about. */
+static const norma_findings *findings_of(const file_check *check) {
+    return check->mended.findings && !check->fix_status ? check->mended.findings : check->findings;
+}
+
+static norma_document *document_of(const file_check *check) {
+    return findings_of(check) == check->findings ? check->document : check->mended.document;
+}
+
+/* ---- names that overrides go by */
+
+static int any_matches(char *const *patterns, const char *name) {
+    for (; *patterns; ++patterns)
+        if (cli_path_matches(*patterns, name)) return 1;
+    return 0;
+}
+
+static int is_file_meant(const file_check *check, const check_override *override) {
+    if (!override->files) return 1;
+    const char *folder = check->config->folder,
+               *path = check->absolute ? check->absolute : check->path;
+    size_t length = strlen(folder);
+    if (strncmp(path, folder, length) == 0 && path[length] == '/') path += length + 1;
+    return any_matches(override->files, path);
+}
+
+static const char *material_name(const file_check *check, size_t mesh) {
+    norma_mesh_attributes attributes;
+    norma_material_info material;
+    if (norma_document_mesh_attributes(document_of(check), mesh, &attributes, NULL) ||
+        attributes.material == SIZE_MAX ||
+        norma_document_material_info(document_of(check), attributes.material, &material))
+        return NULL;
+    return material.name;
+}
+
+/* The mesh that a finding is about; of a node's finding the first primitive of its mesh. SIZE_MAX:
+ * none. */
+static size_t mesh_of(const file_check *check, const norma_finding *finding) {
+    norma_mesh_info mesh;
+    norma_node_info node;
+    size_t meshes = norma_document_mesh_count(document_of(check)), number = SIZE_MAX;
+    for (size_t i = 0; i < meshes; ++i)
+        if (!norma_document_mesh_info(document_of(check), i, &mesh) &&
+            strcmp(mesh.where, finding->where) == 0)
+            return i;
+    for (size_t i = 0; i < norma_document_node_count(document_of(check)) && number == SIZE_MAX; ++i)
+        if (!norma_document_node_info(document_of(check), i, &node) &&
+            strcmp(node.where, finding->where) == 0)
+            number = node.mesh;
+    for (size_t i = 0; i < meshes && number != SIZE_MAX; ++i)
+        if (!norma_document_mesh_info(document_of(check), i, &mesh) && mesh.mesh == number)
+            return i;
+    return SIZE_MAX;
+}
+
+static int is_meant(
+    const file_check *check, const check_override *override, const norma_finding *finding) {
+    if (!is_file_meant(check, override)) return 0;
+    if (!override->meshes && !override->materials) return 1;
+    size_t mesh = document_of(check) ? mesh_of(check, finding) : SIZE_MAX;
+    norma_mesh_info info;
+    if (mesh == SIZE_MAX || norma_document_mesh_info(document_of(check), mesh, &info)) return 0;
+    if (override->meshes && !any_matches(override->meshes, info.name)) return 0;
+    const char *material = override->materials ? material_name(check, mesh) : NULL;
+    return !override->materials || (material && any_matches(override->materials, material));
+}
+
+/* CHECK_SEVERITY_OFF: it is not told. */
+static int severity_of(const file_check *check, const norma_finding *finding) {
+    size_t count, rule = (size_t)(finding->rule - norma_rules(&count));
+    const check_config *config = check->config;
+    int severity = config->severity[rule] ? config->severity[rule] : (int)finding->severity;
+    for (size_t i = 0; i < config->override_count; ++i)
+        if (config->overrides[i].severity[rule] && is_meant(check, &config->overrides[i], finding))
+            severity = config->overrides[i].severity[rule];
+    return severity;
+}
+
+/* ---- judging */
+
+/* Where it fails, the report is about the file as it is. */
+static void fix_file(file_check *check, const norma_check_options *options) {
+    norma_document_error error = {0};
+    norma_document_result result = check_fix(check->settings, check->document, check->findings,
+        options, check->index, &check->mended, &error);
+    if (result) {
+        cli_name_error(&error, check->path);
+        cli_print_error(&error);
+    }
+    check->fix_status = cli_status_of(result);
+}
+
+/* Files that are checked at once share the memory. */
+static norma_document_result judge_in_parts(file_check *check, const norma_check_options *options) {
+    const check_settings *settings = check->settings;
+    const norma_large_options large = {.struct_size = sizeof large,
+        .max_memory = cli_memory_for_data() / (settings->at_once ? settings->at_once : 1),
+        .format = settings->input_format};
+    const norma_document_result result =
+        norma_check_large(check->path, &large, options, &check->findings, &check->error);
+    if (result || !settings->fix) return result;
+    cli_error(
+        "%s: larger than the memory allowed, and fixing needs the whole file; allow more memory",
+        cli_input_name(check->path));
+    check->fix_status = CLI_FILE;
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result judge_whole(file_check *check, const norma_check_options *options) {
+    const check_settings *settings = check->settings;
+    const norma_document_options opening = {.struct_size = sizeof opening,
+        .format = settings->input_format,
+        .threads = settings->threads,
+        .lenient = 1,
+        .progress = settings->progress,
+        .progress_user = settings->progress_user};
+    norma_document_result result = cli_open(
+        settings->files, check->path, &opening, &check->document, &check->memory, &check->error);
+    if (!result)
+        result = norma_check_document(check->document, options, &check->findings, &check->error);
+    if (!result && settings->fix) fix_file(check, options);
+    return result;
+}
+
+/* A file that turns out to need more memory than reckoned is read in parts as well, if it can be.
+ */
+static norma_document_result open_and_judge(file_check *check) {
+    uint8_t rules[CHECK_RULES];
+    uint64_t need = 0;
+    choose_rules(check, rules);
+    const norma_check_options options = choose_options(check, rules);
+    const int possible = cli_can_take_passes(check->settings->files, check->path, &need);
+    need *= format_of(check) == NORMA_FILE_STL ? STL_NEED : PLY_NEED;
+    if (possible && need > cli_memory_for_data()) return judge_in_parts(check, &options);
+    const norma_document_result result = judge_whole(check, &options);
+    if (result != NORMA_DOCUMENT_ERROR_MEMORY || !possible) return result;
+    norma_document_close(check->document);
+    check->document = NULL;
+    return judge_in_parts(check, &options);
+}
+
+/* A command is printed where it removes its finding, as a trial shows; else the reason. */
+static norma_document_result try_offers(file_check *check, const check_format *format) {
+    const check_settings *settings = check->settings;
+    const check_config *config = check->config;
+    const int mended = findings_of(check) != check->findings,
+              is_text = format == &check_format_text;
+    int changes = config->override_count > 0;
+    uint8_t rules[CHECK_RULES];
+    if (settings->quiet || format == &check_format_line || !document_of(check))
+        return NORMA_DOCUMENT_OK;
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule) changes |= config->severity[rule] != 0;
+    choose_rules(check, rules);
+    const norma_check_options options = choose_options(check, rules);
+    return norma_document_try_fixes(document_of(check), &options,
+        is_text && !settings->list_infos && !changes ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
+        mended ? check->mended.findings : check->findings, &check->error);
+}
+
+/* What could not be fixed is not offered again. */
+static norma_fix offered_fix(const file_check *check, const norma_finding *finding) {
+    const int fix = check->fix_status ? CHECK_FIX_NOTHING : check->settings->fix;
+    const int tried =
+        finding->fix == NORMA_FIX_SAFE
+            ? fix != CHECK_FIX_NOTHING
+            : fix == CHECK_FIX_UNSAFE &&
+                  (is_selecting(check) || finding->severity >= NORMA_SEVERITY_WARNING);
+    return tried ? NORMA_FIX_NONE : finding->fix;
+}
+
+/* NULL where no fix is offered; 0: memory is out. */
+static int make_command(const file_check *check, const norma_finding *finding, char **command) {
+    const char *const *options = check->settings->command_options;
+    if (offered_fix(check, finding) == NORMA_FIX_NONE) return 1;
+    const size_t length = norma_finding_command(finding, check->path, options, NULL, 0);
+    if (!length) return 1;
+    *command = malloc(length + 1);
+    if (*command) norma_finding_command(finding, check->path, options, *command, length + 1);
+    return *command != NULL;
+}
+
+static int make_commands(const file_check *check, check_item *items, size_t count) {
+    int made = 1;
+    for (size_t i = 0; i < count && made; ++i)
+        made = make_command(check, items[i].finding, &items[i].command);
+    return made;
+}
+
+static void free_items(check_item *items, size_t count) {
+    for (size_t i = 0; i < count; ++i) free(items[i].command);
+    free(items);
+}
+
+/* items has room for all findings. */
+static size_t weigh(const file_check *check, check_item *items, check_totals *totals) {
+    size_t count = 0;
+    check_baseline *baseline = check->settings->baseline;
+    for (size_t i = 0; i < norma_findings_count(findings_of(check)); ++i) {
+        const norma_finding *finding = norma_findings_get(findings_of(check), i);
+        int severity = severity_of(check, finding);
+        if (severity == CHECK_SEVERITY_OFF) continue;
+        if (baseline && check_baseline_is_new(baseline))
+            check_baseline_add(baseline, check->path, finding, (norma_severity)severity);
+        else if (baseline &&
+                 check_baseline_knows(baseline, check->path, finding, (norma_severity)severity)) {
+            ++totals->known;
+            continue;
+        }
+        items[count] = (check_item){finding, (norma_severity)severity, NULL};
+        ++count;
+    }
+    return count;
+}
+
+/* "PATH: " and "PATH:" say again what the report says first; "PATH:12: " becomes "line 12: ". */
+static void drop_path(char message[1000], const char *path) {
+    char rest[1000];
+    size_t length = strlen(path);
+    if (strncmp(message, path, length) != 0 || message[length] != ':') return;
+    strcpy(rest, message + length + 1);
+    size_t digits = strspn(rest, "0123456789");
+    snprintf(message, 1000, "%s%.990s", digits && rest[digits] == ':' ? "line " : "",
+        rest + strspn(rest, " "));
+}
+
+/* The library's finding about a file that it could not open; without memory even for that, the
+ * message alone. */
+static void report_unreadable(
+    file_check *check, const check_format *format, FILE *out, check_totals *totals) {
+    const norma_check_options options = {
+        .struct_size = sizeof options, .profile = choose_profile(check)};
+    const char *path = cli_input_name(check->path);
+    cli_name_error(&check->error, check->path);
+    totals->status = cli_worse(totals->status, CLI_FILE);
+    drop_path(check->error.message, path);
+    norma_findings_free(check->findings);
+    check->findings = norma_check_unreadable(&check->error, format_of(check), &options);
+    if (!check->findings) {
+        cli_error("%s: %s", path, check->error.message);
+        totals->incomplete = totals->unreported = 1;
+        return;
+    }
+    const check_item item = {
+        .finding = norma_findings_get(check->findings, 0), .severity = NORMA_SEVERITY_ERROR};
+    check_report report = {.settings = check->settings,
+        .path = check->path,
+        .profile = norma_findings_profile(check->findings),
+        .status = "unreadable",
+        .items = &item,
+        .count = 1,
+        .fail_on = fail_on(check)};
+    check_write_file(&report, format, out, totals);
+}
+
+static void report_findings(
+    file_check *check, const check_format *format, FILE *out, check_totals *totals) {
+    check_item *items = calloc(norma_findings_count(findings_of(check)) + 1, sizeof *items);
+    const size_t count = items ? weigh(check, items, totals) : 0;
+    if (!items || !make_commands(check, items, count)) {
+        free_items(items, count);
+        check->error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
+        report_unreadable(check, format, out, totals);
+        return;
+    }
+    check_report report = {.settings = check->settings,
+        .path = check->path,
+        .profile = norma_findings_profile(findings_of(check)),
+        .status = norma_findings_partly(findings_of(check)) ? "partly" : "checked",
+        .items = items,
+        .count = count,
+        .fail_on = fail_on(check),
+        .document = document_of(check),
+        .first_note = check->mended.document ? check->mended.first_note : SIZE_MAX,
+        .is_unchanged = check->settings->fix && !check->fix_status && check->mended.document &&
+                        !check->mended.summary.changed,
+        .mended = check->mended.table,
+        .by_rays = check->mended.summary.by_rays,
+        .undecided = check->mended.summary.undecided,
+        .least_confidence = check->mended.summary.least_confidence};
+    totals->status = cli_worse(totals->status, check->fix_status);
+    totals->incomplete |= check->fix_status != CLI_OK;
+    check_write_file(&report, format, out, totals);
+    free_items(items, count);
+}
+
+void check_one_file(const check_settings *settings, const check_config *config,
+    const check_format *format, size_t index, FILE *out, check_totals *totals) {
+    const char *path = settings->files->inputs.paths[index];
+    file_check check = {.settings = settings, .config = config, .path = path, .index = index};
+    if (config->override_count) check.absolute = realpath(path, NULL);
+    if (settings->lost)
+        snprintf(check.error.message, sizeof check.error.message, "%s", settings->lost);
+    norma_document_result result =
+        settings->lost ? NORMA_DOCUMENT_ERROR_FILE : open_and_judge(&check);
+    if (!result) result = try_offers(&check, format);
+    if (result)
+        report_unreadable(&check, format, out, totals);
+    else
+        report_findings(&check, format, out, totals);
+    check_fixed_free(&check.mended);
+    norma_findings_free(check.findings);
+    norma_document_close(check.document);
+    free(check.memory);
+    free(check.absolute);
+}

@@ -1,0 +1,424 @@
+/* findings_data.c: the forms of a report for programs. */
+#include "cli/check/check.h"
+#include "cli/text/text.h"
+#include "cli/process/process.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Findings for programs: the schema norma-check/1. Keys are fixed; more may be
+ * added. */
+
+static const char *fix_name(norma_fix fix) {
+    return fix == NORMA_FIX_SAFE ? "safe" : fix == NORMA_FIX_UNSAFE ? "unsafe" : NULL;
+}
+
+static void write_number(cli_json *json, const char *key, size_t number) {
+    if (number == SIZE_MAX)
+        cli_json_null(json, key);
+    else
+        cli_json_size(json, key, number);
+}
+
+static void write_position(cli_json *json, const norma_sample *sample) {
+    if (!sample->has_position) {
+        cli_json_null(json, "position");
+        return;
+    }
+    cli_json_open(json, "position", '[');
+    for (int i = 0; i < 3; ++i) cli_json_number(json, NULL, sample->position[i]);
+    cli_json_close(json, ']');
+}
+
+static void write_worst(cli_json *json, const norma_finding *finding) {
+    cli_json_open(json, "worst", '{');
+    cli_json_number(json, "value", finding->worst_value);
+    cli_json_string(json, "unit", finding->unit);
+    write_number(json, "vertex", finding->worst.vertex);
+    write_number(json, "face", finding->worst.face);
+    write_position(json, &finding->worst);
+    cli_json_close(json, '}');
+}
+
+static void write_sample(cli_json *json, const norma_sample *sample) {
+    cli_json_open(json, NULL, '{');
+    if (sample->vertex != SIZE_MAX) cli_json_size(json, "vertex", sample->vertex);
+    if (sample->face != SIZE_MAX) cli_json_size(json, "face", sample->face);
+    if (sample->normal != SIZE_MAX) cli_json_size(json, "normal", sample->normal);
+    write_position(json, sample);
+    cli_json_close(json, '}');
+}
+
+/* How the stored normals were probably made, and how many corners are how far off. */
+static void write_deviation(cli_json *json, const norma_deviation *deviation) {
+    static const char *const shadings[] = {"default", "crease", "smooth", "flat"};
+    cli_json_open(json, "deviation", '{');
+    cli_json_string(json, "shading", shadings[deviation->shading]);
+    cli_json_string(json, "weight",
+        deviation->shading == NORMA_SHADING_FLAT ? NULL : norma_weight_name(deviation->weight));
+    cli_json_number(json, "crease_deg", cli_given_degrees(deviation->crease_angle_rad));
+    cli_json_number(json, "mean_deg", cli_to_degrees(deviation->mean_rad));
+    cli_json_number(json, "p50_deg", cli_to_degrees(deviation->p50_rad));
+    cli_json_number(json, "p99_deg", cli_to_degrees(deviation->p99_rad));
+    cli_json_number(json, "max_deg", cli_to_degrees(deviation->max_rad));
+    cli_json_open(json, "histogram", '[');
+    for (size_t bin = 0; bin < NORMA_DEVIATION_BINS; ++bin) {
+        cli_json_open(json, NULL, '{');
+        cli_json_number(json, "below_deg", cli_given_degrees(norma_deviation_bound_rad(bin)));
+        cli_json_size(json, "corners", deviation->histogram[bin]);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+    cli_json_close(json, '}');
+}
+
+static void write_json_item(cli_json *json, const check_item *item) {
+    const norma_finding *finding = item->finding;
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "rule", finding->rule->id);
+    cli_json_string(json, "name", finding->rule->name);
+    cli_json_string(json, "severity", check_severity_name(item->severity));
+    cli_json_string(json, "where", finding->where);
+    cli_json_size(json, "count", finding->count);
+    write_worst(json, finding);
+    cli_json_open(json, "samples", '[');
+    for (size_t i = 0; i < finding->sample_count; ++i) write_sample(json, &finding->samples[i]);
+    cli_json_close(json, ']');
+    cli_json_string(json, "fix", fix_name(finding->fix));
+    cli_json_string(json, "command", item->command);
+    cli_json_string(json, "message", finding->message);
+    if (finding->deviation) write_deviation(json, finding->deviation);
+    cli_json_close(json, '}');
+}
+
+/* Why fixes were left out. Without --fix there is no such key. */
+static void write_reasons(cli_json *json, const check_report *report) {
+    if (!report->document || report->first_note == SIZE_MAX) return;
+    cli_json_open(json, "not_fixed", '[');
+    for (size_t i = report->first_note; i < norma_document_note_count(report->document); ++i)
+        if (check_is_new_note(report->document, report->first_note, i))
+            cli_json_string(json, NULL, norma_document_note(report->document, i));
+    cli_json_close(json, ']');
+}
+
+static void begin_json(FILE *out, const check_settings *settings) {
+    cli_json json = {.out = out};
+    fputs("{\"schema\": \"norma-check/1\", ", out);
+    check_write_shard(&json, settings);
+    fputs(json.needs_comma ? ", \"files\": [\n" : "\"files\": [\n", out);
+}
+
+static void write_json_file(FILE *out, const check_report *report) {
+    cli_json json = {.out = out};
+    cli_json_open(&json, NULL, '{');
+    cli_json_string(&json, "path", report->path);
+    if (!cli_is_utf8(report->path)) {
+        fputs(", \"path_bytes\": \"", out);
+        check_write_bytes(out, report->path);
+        fputc('"', out);
+    }
+    if (report->fail_on != (int)NORMA_SEVERITY_ERROR)
+        cli_json_string(&json, "fail_on",
+            report->fail_on == CHECK_FAIL_NEVER
+                ? "never"
+                : check_severity_name((norma_severity)report->fail_on));
+    cli_json_string(&json, "profile", check_profile_name(report->profile));
+    cli_json_string(&json, "status", report->status);
+    cli_json_open(&json, "findings", '[');
+    for (size_t i = 0; i < report->count; ++i) write_json_item(&json, &report->items[i]);
+    cli_json_close(&json, ']');
+    write_reasons(&json, report);
+    if (report->by_rays + report->undecided) {
+        cli_json_open(&json, "open_by_rays", '{');
+        cli_json_size(&json, "decided", report->by_rays);
+        cli_json_size(&json, "undecided", report->undecided);
+        cli_json_number(
+            &json, "least_confidence", report->by_rays ? report->least_confidence : NAN);
+        cli_json_close(&json, '}');
+    }
+    cli_json_close(&json, '}');
+}
+
+static void end_json(FILE *out, const check_totals *totals, const check_settings *settings) {
+    (void)settings;
+    cli_json json = {.out = out, .needs_comma = 1};
+    fputs("\n]", out);
+    cli_json_open(&json, "summary", '{');
+    cli_json_size(&json, "errors", totals->errors);
+    cli_json_size(&json, "warnings", totals->warnings);
+    cli_json_size(&json, "infos", totals->infos);
+    cli_json_size(&json, "files", totals->files);
+    cli_json_size(&json, "not_checked", totals->not_checked);
+    cli_json_size(&json, "exit_status", (size_t)totals->status);
+    if (totals->incomplete) cli_json_bool(&json, "complete", 0);
+    cli_json_close(&json, '}');
+    fputs("}\n", out);
+}
+
+const check_format check_format_json = {"json", begin_json, write_json_file, ",\n", end_json};
+
+/* ---- Findings as SARIF 2.1.0 (OASIS 2020), for code scanning: the place within a
+ * file is a logical location (a JSON pointer), and a fingerprint that stays the same from run to
+ * run tells old findings from new ones. */
+
+static const char *level_of(norma_severity severity) {
+    return severity == NORMA_SEVERITY_ERROR     ? "error"
+           : severity == NORMA_SEVERITY_WARNING ? "warning"
+                                                : "note";
+}
+
+static void write_text(cli_json *json, const char *key, const char *text) {
+    cli_json_open(json, key, '{');
+    cli_json_string(json, "text", text);
+    cli_json_close(json, '}');
+}
+
+static void write_rule(cli_json *json, const norma_rule *rule) {
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "id", rule->id);
+    cli_json_string(json, "name", rule->name);
+    write_text(json, "shortDescription", rule->what);
+    write_text(json, "fullDescription", rule->why);
+    write_text(json, "help", rule->how);
+    cli_json_open(json, "defaultConfiguration", '{');
+    cli_json_string(json, "level", level_of(rule->render));
+    cli_json_close(json, '}');
+    cli_json_close(json, '}');
+}
+
+static void begin_sarif(FILE *out, const check_settings *settings) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    cli_json json = {.out = out};
+    fputs("{\"$schema\": \"https://json.schemastore.org/sarif-2.1.0.json\", \"version\": "
+          "\"2.1.0\", \"runs\": [{\"tool\": {\"driver\": {\"name\": \"norma\"",
+        out);
+    json.needs_comma = 1;
+    cli_json_string(&json, "semanticVersion", norma_version());
+    cli_json_open(&json, "rules", '[');
+    for (size_t i = 0; i < count; ++i) write_rule(&json, &rules[i]);
+    cli_json_close(&json, ']');
+    fputs("}}, \"columnKind\": \"unicodeCodePoints\", ", out);
+    if (settings->shards || settings->missing) {
+        fputs("\"properties\": {", out);
+        json.needs_comma = 0;
+        check_write_shard(&json, settings);
+        fputs("}, ", out);
+    }
+    fputs("\"results\": [\n", out);
+}
+
+/* What RFC 3986 lets stand in a path stays; all else is percent-encoded. */
+static void write_uri(cli_json *json, const char *path) {
+    char uri[4200];
+    size_t used = 0;
+    for (const unsigned char *at = (const unsigned char *)path; *at && used + 4 < sizeof uri;
+         ++at) {
+        int plain = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') ||
+                    (*at >= '0' && *at <= '9') || strchr("-._~/!$&'()*+,;=@", *at);
+        if (plain)
+            uri[used++] = (char)*at;
+        else
+            used += (size_t)snprintf(uri + used, sizeof uri - used, "%%%02X", *at);
+    }
+    uri[used] = '\0';
+    cli_json_string(json, "uri", uri);
+}
+
+static void write_location(
+    cli_json *json, const check_report *report, const norma_finding *finding) {
+    cli_json_open(json, "locations", '[');
+    cli_json_open(json, NULL, '{');
+    cli_json_open(json, "physicalLocation", '{');
+    cli_json_open(json, "artifactLocation", '{');
+    write_uri(json, strcmp(report->path, "-") ? report->path : "stdin");
+    cli_json_close(json, '}');
+    cli_json_close(json, '}');
+    if (finding->where[0]) {
+        cli_json_open(json, "logicalLocations", '[');
+        cli_json_open(json, NULL, '{');
+        cli_json_string(json, "fullyQualifiedName", finding->where);
+        cli_json_string(json, "kind", "object");
+        cli_json_close(json, '}');
+        cli_json_close(json, ']');
+    }
+    cli_json_close(json, '}');
+    cli_json_close(json, ']');
+}
+
+static void write_result(cli_json *json, const check_report *report, const check_item *item) {
+    const norma_finding *finding = item->finding;
+    char fingerprint[17];
+    check_fingerprint(report->path, finding->rule->id, finding->where, item->severity, fingerprint);
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "ruleId", finding->rule->id);
+    cli_json_size(json, "ruleIndex", check_rule_number(finding->rule));
+    cli_json_string(json, "level", level_of(item->severity));
+    write_text(json, "message", finding->message);
+    write_location(json, report, finding);
+    cli_json_open(json, "partialFingerprints", '{');
+    cli_json_string(json, "norma/v1", fingerprint);
+    cli_json_close(json, '}');
+    cli_json_open(json, "properties", '{');
+    cli_json_size(json, "count", finding->count);
+    cli_json_string(json, "command", item->command);
+    const int fails = (int)item->severity >= report->fail_on;
+    if (fails != (item->severity == NORMA_SEVERITY_ERROR)) cli_json_bool(json, "fails", fails);
+    cli_json_close(json, '}');
+    cli_json_close(json, '}');
+}
+
+static void write_sarif_file(FILE *out, const check_report *report) {
+    for (size_t i = 0; i < report->count; ++i) {
+        cli_json json = {.out = out};
+        if (i) fputs(",\n", out);
+        write_result(&json, report, &report->items[i]);
+    }
+}
+
+/* ---- the limit */
+
+/* Code scanning takes no more results of a run (GitHub, "SARIF support for code scanning"). */
+enum { MOST_RESULTS = 25000 };
+
+typedef struct sarif_result {
+    char *text;                /* NULL: given up */
+    size_t size, rule, before; /* before: the one before it of its rule that is kept */
+} sarif_result;
+
+struct check_results {
+    sarif_result *results;
+    size_t count, room, kept;
+    size_t kept_of[CHECK_RULES], last_of[CHECK_RULES], left_out[CHECK_RULES];
+};
+
+check_results *check_results_new(void) {
+    check_results *results = calloc(1, sizeof *results);
+    for (size_t rule = 0; results && rule < CHECK_RULES; ++rule) results->last_of[rule] = SIZE_MAX;
+    return results;
+}
+
+void check_results_free(check_results *results) {
+    for (size_t i = 0; results && i < results->count; ++i) free(results->results[i].text);
+    if (results) free(results->results);
+    free(results);
+}
+
+/* As write_result begins. */
+static size_t rule_of(const char *text, size_t size) {
+    static const char key[] = "\"ruleIndex\": ";
+    size_t rule = 0;
+    for (size_t at = 0; at + sizeof key <= size; ++at)
+        if (memcmp(text + at, key, sizeof key - 1) == 0) {
+            for (at += sizeof key - 1; at < size && text[at] >= '0' && text[at] <= '9'; ++at)
+                rule = 10 * rule + (size_t)(text[at] - '0');
+            break;
+        }
+    return rule < CHECK_RULES ? rule : CHECK_RULES - 1;
+}
+
+/* The last one of the rule that has the most. */
+static size_t give_up_one(check_results *results, size_t next) {
+    size_t most = next;
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        if (results->kept_of[rule] > results->kept_of[most]) most = rule;
+    ++results->left_out[most];
+    if (most == next) return most;
+    sarif_result *last = &results->results[results->last_of[most]];
+    free(last->text);
+    last->text = NULL;
+    results->last_of[most] = last->before;
+    --results->kept_of[most];
+    --results->kept;
+    return most;
+}
+
+static int add_result(check_results *results, const char *text, size_t size) {
+    const size_t rule = rule_of(text, size);
+    if (results->kept == MOST_RESULTS && give_up_one(results, rule) == rule) return 1;
+    if (results->count == results->room) {
+        const size_t room = results->room ? 2 * results->room : 256;
+        sarif_result *grown = realloc(results->results, room * sizeof *grown);
+        if (!grown) return 0;
+        results->results = grown;
+        results->room = room;
+    }
+    char *copy = malloc(size + 1);
+    if (!copy) return 0;
+    memcpy(copy, text, size);
+    results->results[results->count] = (sarif_result){copy, size, rule, results->last_of[rule]};
+    results->last_of[rule] = results->count++;
+    ++results->kept_of[rule];
+    ++results->kept;
+    return 1;
+}
+
+int check_results_add(check_results *results, const char *text, size_t size) {
+    int fine = 1;
+    while (size > 0 && fine) {
+        const char *end_sarif = memchr(text, '\n', size);
+        const size_t line = end_sarif ? (size_t)(end_sarif - text) : size,
+                     length = line && end_sarif && text[line - 1] == ',' ? line - 1 : line;
+        fine = !length || add_result(results, text, length);
+        text += line + (end_sarif != NULL);
+        size -= line + (end_sarif != NULL);
+    }
+    return fine;
+}
+
+void check_results_write(const check_results *results, FILE *out, check_totals *totals) {
+    int any = 0;
+    for (size_t i = 0; i < results->count; ++i) {
+        if (!results->results[i].text) continue;
+        if (any) fputs(",\n", out);
+        fwrite(results->results[i].text, 1, results->results[i].size, out);
+        any = 1;
+    }
+    memcpy(totals->left_out, results->left_out, sizeof totals->left_out);
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        if (results->left_out[rule])
+            cli_error("%s: %zu of %zu results left out; a SARIF report holds at most %d",
+                norma_rules(NULL)[rule].id, results->left_out[rule],
+                results->left_out[rule] + results->kept_of[rule], (int)MOST_RESULTS);
+}
+
+static void write_notification(cli_json *json, const char *text) {
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "level", "warning");
+    write_text(json, "message", text);
+    cli_json_close(json, '}');
+}
+
+/* What the results do not show. */
+static void write_notifications(
+    cli_json *json, const check_totals *totals, const check_settings *settings) {
+    char text[160];
+    cli_json_open(json, "toolExecutionNotifications", '[');
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule) {
+        if (!totals->left_out[rule]) continue;
+        snprintf(text, sizeof text, "%s: %zu results left out; a report holds at most %d",
+            norma_rules(NULL)[rule].id, totals->left_out[rule], (int)MOST_RESULTS);
+        write_notification(json, text);
+    }
+    if (settings->missing) {
+        snprintf(text, sizeof text, "shards %.100s are missing", settings->missing);
+        write_notification(json, text);
+    }
+    cli_json_close(json, ']');
+}
+
+static int has_notifications(const check_totals *totals, const check_settings *settings) {
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        if (totals->left_out[rule]) return 1;
+    return settings->missing != NULL;
+}
+
+static void end_sarif(FILE *out, const check_totals *totals, const check_settings *settings) {
+    cli_json json = {.out = out, .needs_comma = 1};
+    fprintf(out, "\n], \"invocations\": [{\"exitCode\": %d, \"executionSuccessful\": %s",
+        totals->status, totals->status == CLI_FILE ? "false" : "true");
+    if (has_notifications(totals, settings)) write_notifications(&json, totals, settings);
+    fputs("}]}]}\n", out);
+}
+
+const check_format check_format_sarif = {"sarif", begin_sarif, write_sarif_file, ",\n", end_sarif};

@@ -1,0 +1,762 @@
+/* known.c: what is written beside files: configurations, and findings that are known. */
+#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE   700
+#include "cli/check/check.h"
+#include "cli/process/process.h"
+#include "cli/options/options.h"
+#include "cli/files/files.h"
+#include <errno.h>
+#include <fcntl.h>
+#include <jansson.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- Reads a JSON file that someone wrote for norma check: a configuration, a baseline. A
+ * pipe or a device in its place would be waited for without end, so it is refused. */
+
+/* Without waiting for a writer, if it is a pipe. */
+int check_open_regular(const char *path) {
+    struct stat status;
+    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK),
+              failed = file < 0 || fstat(file, &status);
+    if (!failed && S_ISREG(status.st_mode)) return file;
+    if (failed)
+        cli_error("%s: cannot be opened: %s", path, strerror(errno));
+    else
+        cli_error("%s: is not a regular file; expected one", path);
+    if (file >= 0) close(file);
+    return -1;
+}
+
+static FILE *open_file(const char *path) {
+    const int number = check_open_regular(path);
+    if (number < 0) return NULL;
+    FILE *file = fdopen(number, "r");
+    if (file) return file;
+    close(number);
+    cli_out_of_memory();
+    return NULL;
+}
+
+json_t *check_load_json(const char *path, const char *expected) {
+    json_error_t error;
+    FILE *file = open_file(path);
+    if (!file) return NULL;
+    json_t *root = json_loadf(file, JSON_REJECT_DUPLICATES, &error);
+    fclose(file);
+    if (!root && error.line > 0)
+        cli_error("%s:%d: %s; expected %s", path, error.line, error.text, expected);
+    else if (!root)
+        cli_error("%s: %s; expected %s", path, error.text, expected);
+    return root;
+}
+
+/* ---- .norma.json, found in a file's folder or the nearest one above it: what norma check is
+ * to look for there. Read by jansson; every key that is not known is an error, since a misspelt one
+ * would silence nothing or everything unseen.
+ *
+ *   {"profile": "print", "strict": true, "fail-on": "warning", "select": ["N1", "N3"], "ignore":
+ * ["N402"], "severity": {"N104": "warning", "N701": "off"}, "overrides": [{"files": ["foliage"],
+ * "meshes": ["leaf*"], "materials": ["*grass*"], "ignore": ["N2"], "severity": {...}}]} */
+
+typedef struct config_entry {
+    char *folder; /* where files are that it is for */
+    check_config *config;
+} config_entry;
+
+struct check_configs {
+    const char *named;
+    check_config_trust trust;
+    cli_guard *guard;
+    check_config **configs; /* each read once */
+    size_t config_count;
+    config_entry *entries;
+    size_t entry_count;
+    char **strange; /* those of other users, each told once */
+    size_t strange_count;
+    check_config empty;
+};
+
+/* ---- reading */
+
+static int fail(const check_config *config, const char *where, const char *expected) {
+    cli_error("%s: %s: expected %s", config->path, where, expected);
+    return 0;
+}
+
+/* Of a word where one of a list is expected. */
+static int fail_word(
+    const check_config *config, const char *where, const char *word, const char *expected) {
+    char meant[CLI_LONGEST_WORD + 1];
+    if (!word || !cli_suggest_listed(word, expected, meant)) return fail(config, where, expected);
+    cli_error("%s: %s: expected %s; did you mean %s?", config->path, where, expected, meant);
+    return 0;
+}
+
+static int fail_rule(const check_config *config, const char *where, const char *unknown) {
+    const char *meant = cli_suggest_rule(unknown);
+    if (!meant) return fail(config, where, "ids of rules, their beginnings or names");
+    cli_error(
+        "%s: %s: no rule is called '%s'; did you mean %s?", config->path, where, unknown, meant);
+    return 0;
+}
+
+static int read_rules(
+    const check_config *config, const char *where, const json_t *list, uint8_t *mask) {
+    size_t i;
+    json_t *word;
+    char unknown[64] = "";
+    if (!json_is_array(list))
+        return fail(config, where, "a list of rules, such as [\"N301\", \"N5\", \"sliver-face\"]");
+    json_array_foreach(list, i, word) {
+        uint8_t some[CHECK_RULES] = {0};
+        if (!json_is_string(word) ||
+            norma_rules_select(json_string_value(word), some, unknown) != NORMA_OK)
+            return fail_rule(config, where, unknown);
+        for (size_t rule = 0; rule < CHECK_RULES; ++rule) mask[rule] |= some[rule];
+    }
+    return 1;
+}
+
+static int read_severity_name(const char *name) {
+    static const char *const names[] = {"info", "warning", "error"};
+    static const int severities[] = {
+        NORMA_SEVERITY_INFO, NORMA_SEVERITY_WARNING, NORMA_SEVERITY_ERROR};
+    for (size_t i = 0; name && i < CLI_COUNT(names); ++i)
+        if (strcmp(name, names[i]) == 0) return severities[i];
+    return -1;
+}
+
+static int read_severities(
+    const check_config *config, const char *where, json_t *table, uint8_t *severity) {
+    const char *key;
+    json_t *value;
+    char unknown[64] = "";
+    if (!json_is_object(table))
+        return fail(
+            config, where, "an object of rules and \"off\", \"info\", \"warning\" or \"error\"");
+    json_object_foreach(table, key, value) {
+        uint8_t mask[CHECK_RULES] = {0};
+        const char *word = json_string_value(value);
+        int number =
+            word && strcmp(word, "off") == 0 ? CHECK_SEVERITY_OFF : read_severity_name(word);
+        if (number < 0)
+            return fail_word(config, where, word, "\"off\", \"info\", \"warning\" or \"error\"");
+        if (norma_rules_select(key, mask, unknown) != NORMA_OK)
+            return fail_rule(config, where, unknown);
+        for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+            if (mask[rule]) severity[rule] = (uint8_t)number;
+    }
+    return 1;
+}
+
+static void free_words(char **words) {
+    for (size_t i = 0; words && words[i]; ++i) free(words[i]);
+    free(words);
+}
+
+static int read_patterns(
+    const check_config *config, const char *where, const json_t *list, char ***patterns) {
+    size_t i;
+    json_t *word;
+    if (!json_is_array(list)) return fail(config, where, "a list of patterns, such as [\"leaf*\"]");
+    free_words(*patterns);
+    *patterns = calloc(json_array_size(list) + 1, sizeof **patterns);
+    if (!*patterns) return fail(config, where, "memory for it");
+    json_array_foreach(list, i, word) {
+        if (!json_is_string(word))
+            return fail(config, where, "a list of patterns, such as [\"leaf*\"]");
+        (*patterns)[i] = strdup(json_string_value(word));
+        if (!(*patterns)[i]) return fail(config, where, "memory for it");
+    }
+    return 1;
+}
+
+static void turn_off(const uint8_t *mask, uint8_t *severity) {
+    for (size_t rule = 0; rule < CHECK_RULES; ++rule)
+        if (mask[rule]) severity[rule] = CHECK_SEVERITY_OFF;
+}
+
+static int read_override(const check_config *config, json_t *table, check_override *override) {
+    const char *key;
+    json_t *value;
+    if (!json_is_object(table)) return fail(config, "overrides", "a list of objects");
+    json_object_foreach(table, key, value) {
+        uint8_t ignore[CHECK_RULES] = {0};
+        int fine = 0;
+        if (strcmp(key, "files") == 0)
+            fine = read_patterns(config, "overrides: files", value, &override->files);
+        else if (strcmp(key, "meshes") == 0)
+            fine = read_patterns(config, "overrides: meshes", value, &override->meshes);
+        else if (strcmp(key, "materials") == 0)
+            fine = read_patterns(config, "overrides: materials", value, &override->materials);
+        else if (strcmp(key, "severity") == 0)
+            fine = read_severities(config, "overrides: severity", value, override->severity);
+        else if (strcmp(key, "ignore") == 0) {
+            fine = read_rules(config, "overrides: ignore", value, ignore);
+            turn_off(ignore, override->severity);
+        } else
+            fine = fail_word(config, key, key, "files, meshes, materials, ignore or severity");
+        if (!fine) return 0;
+    }
+    return 1;
+}
+
+static int read_overrides(check_config *config, const json_t *list) {
+    size_t i;
+    json_t *table;
+    if (!json_is_array(list)) return fail(config, "overrides", "a list of objects");
+    if (config->overrides) return fail(config, "overrides", "them once");
+    config->overrides = calloc(json_array_size(list) + 1, sizeof *config->overrides);
+    if (!config->overrides) return fail(config, "overrides", "memory for them");
+    json_array_foreach(list, i, table) {
+        config->override_count = i + 1;
+        if (!read_override(config, table, &config->overrides[i])) return 0;
+    }
+    return 1;
+}
+
+static int read_profile(check_config *config, const json_t *value) {
+    const char *word = json_string_value(value);
+    if (word && strcmp(word, "render") == 0)
+        config->profile = NORMA_CHECK_PROFILE_RENDER;
+    else if (word && strcmp(word, "print") == 0)
+        config->profile = NORMA_CHECK_PROFILE_PRINT;
+    else if (word && strcmp(word, "generated") == 0)
+        config->profile = NORMA_CHECK_PROFILE_GENERATED;
+    else
+        return fail_word(config, "profile", word, "\"render\", \"print\" or \"generated\"");
+    return 1;
+}
+
+static int read_fail_on(check_config *config, const json_t *value) {
+    const char *word = json_string_value(value);
+    config->fail_on =
+        word && strcmp(word, "never") == 0 ? CHECK_FAIL_NEVER : read_severity_name(word);
+    return config->fail_on > 0 ||
+           fail_word(config, "fail-on", word, "\"error\", \"warning\", \"info\" or \"never\"");
+}
+
+static int read_key(check_config *config, const char *key, json_t *value) {
+    if (strcmp(key, "profile") == 0) return read_profile(config, value);
+    if (strcmp(key, "fail-on") == 0) return read_fail_on(config, value);
+    if (strcmp(key, "strict") == 0) {
+        config->strict = json_is_true(value);
+        return json_is_boolean(value) || fail(config, key, "true or false");
+    }
+    if (strcmp(key, "select") == 0) {
+        config->has_select = 1;
+        return read_rules(config, key, value, config->select);
+    }
+    if (strcmp(key, "ignore") == 0) return read_rules(config, key, value, config->ignore);
+    if (strcmp(key, "severity") == 0) return read_severities(config, key, value, config->severity);
+    if (strcmp(key, "overrides") == 0) return read_overrides(config, value);
+    return fail_word(
+        config, key, key, "profile, strict, fail-on, select, ignore, severity or overrides");
+}
+
+static void free_config(check_config *config) {
+    if (!config) return;
+    for (size_t i = 0; i < config->override_count; ++i) {
+        free_words(config->overrides[i].files);
+        free_words(config->overrides[i].meshes);
+        free_words(config->overrides[i].materials);
+    }
+    free(config->overrides);
+    free(config->path);
+    free(config->folder);
+    free(config);
+}
+
+static char *folder_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return strndup(path, slash ? (size_t)(slash - path) + 1 : 0);
+}
+
+static char *absolute_folder_of(const char *path) {
+    char *folder = folder_of(path),
+         *absolute = folder ? realpath(folder[0] ? folder : ".", NULL) : NULL;
+    free(folder);
+    return absolute;
+}
+
+/* Whoever asked for a configuration sees by errno that its text is not at fault. */
+static check_config *without_memory(void) {
+    cli_out_of_memory();
+    errno = ENOMEM;
+    return NULL;
+}
+
+static check_config *read_config(const char *path) {
+    check_config *config = calloc(1, sizeof *config);
+    if (!config) return without_memory();
+    const char *key;
+    json_t *value, *root = check_load_json(path, "a configuration in JSON");
+    config->strict = config->fail_on = -1;
+    config->path = strdup(path);
+    config->folder = absolute_folder_of(path);
+    int fine = config->path && config->folder && root;
+    if (root && (!config->path || !config->folder))
+        without_memory();
+    else if (root && !json_is_object(root))
+        fine = fail(config, "the file", "an object");
+    if (fine) json_object_foreach(root, key, value) fine = fine && read_key(config, key, value);
+    json_decref(root);
+    if (fine) return config;
+    free_config(config);
+    return NULL;
+}
+
+/* ---- finding */
+
+static check_config *add_config(check_configs *configs, const char *path) {
+    for (size_t i = 0; i < configs->config_count; ++i)
+        if (strcmp(configs->configs[i]->path, path) == 0) return configs->configs[i];
+    check_config **grown = realloc(configs->configs, (configs->config_count + 1) * sizeof *grown);
+    if (!grown) return without_memory();
+    configs->configs = grown;
+    cli_guard_read(configs->guard, path);
+    check_config *config = read_config(path);
+    if (config) configs->configs[configs->config_count++] = config;
+    return config;
+}
+
+/* A configuration that nobody named may be a stranger's, who would have another file's words quoted
+ * in a message through a link. */
+static int is_link(const char *path, const struct stat *status) {
+    if (!S_ISLNK(status->st_mode)) return 0;
+    cli_error("%s: is a symbolic link; expected a regular file, or --config FILE", path);
+    return 1;
+}
+
+/* Whose configurations are obeyed: the user's, the system's, and through sudo those of who called
+ * it. */
+static int is_trusted_owner(uid_t owner) {
+    const char *caller = getenv("SUDO_UID");
+    char *end = NULL;
+    if (owner == 0 || owner == geteuid()) return 1;
+    if (geteuid() != 0 || !caller || !caller[0]) return 0;
+    const unsigned long number = strtoul(caller, &end, 10);
+    return *end == '\0' && number == (unsigned long)owner;
+}
+
+/* Each is told once, however many folders lie below it. 0: out of memory. */
+static int tell_strange(check_configs *configs, const char *path) {
+    for (size_t i = 0; i < configs->strange_count; ++i)
+        if (strcmp(configs->strange[i], path) == 0) return 1;
+    char **grown = realloc(configs->strange, (configs->strange_count + 1) * sizeof *grown);
+    if (grown) configs->strange = grown;
+    if (!grown || !(grown[configs->strange_count] = strdup(path))) return 0;
+    ++configs->strange_count;
+    cli_error("%s: ignored because it or its folder belongs to another user; --trust-config or "
+              "--config FILE uses it",
+        path);
+    return 1;
+}
+
+/* As git does with repositories (safe.directory): in a folder that many can write to, anybody could
+ * silence the findings of all others. *trusted: 0 where it is passed over. 0: out of memory. */
+static int judge_owner(check_configs *configs, const char *folder, const char *path,
+    const struct stat *file, int *trusted) {
+    struct stat status;
+    *trusted = configs->trust == CHECK_CONFIG_ANY ||
+               (is_trusted_owner(file->st_uid) && stat(folder[0] ? folder : "/", &status) == 0 &&
+                   is_trusted_owner(status.st_uid));
+    return *trusted || tell_strange(configs, path);
+}
+
+/* Looks in folder (absolute, without its last slash) and above. *found stays NULL if no file
+ * exists. Returns 0 if one exists and cannot be read. */
+static int find_upward(check_configs *configs, char *folder, check_config **found) {
+    for (;;) {
+        char *slash, path[4200];
+        struct stat status;
+        int trusted = 0;
+        snprintf(path, sizeof path, "%s/.norma.json", folder);
+        if (strlen(folder) < 4096 && lstat(path, &status) == 0 &&
+            !judge_owner(configs, folder, path, &status, &trusted)) {
+            without_memory();
+            return 0;
+        }
+        if (trusted) {
+            *found = is_link(path, &status) ? NULL : add_config(configs, path);
+            return *found != NULL;
+        }
+        slash = strrchr(folder, '/');
+        if (!slash) return 1;
+        *slash = '\0';
+    }
+}
+
+static check_config *config_of_folder(check_configs *configs, const char *folder) {
+    check_config *found = &configs->empty;
+    char *absolute = realpath(folder[0] ? folder : ".", NULL);
+    if (!absolute) return found; /* the file will not be found either */
+    check_config *above = NULL;
+    if (strcmp(absolute, "/") == 0) absolute[0] = '\0';
+    if (!find_upward(configs, absolute, &above))
+        found = NULL;
+    else if (above)
+        found = above;
+    free(absolute);
+    return found;
+}
+
+check_configs *check_configs_new(const char *named, check_config_trust trust, cli_guard *guard) {
+    check_configs *configs = calloc(1, sizeof *configs);
+    if (!configs) return NULL;
+    configs->named = named;
+    configs->trust = trust;
+    configs->guard = guard;
+    if (named) cli_guard_read(guard, named);
+    configs->empty.strict = configs->empty.fail_on = -1;
+    return configs;
+}
+
+void check_configs_free(check_configs *configs) {
+    if (!configs) return;
+    for (size_t i = 0; i < configs->config_count; ++i) free_config(configs->configs[i]);
+    for (size_t i = 0; i < configs->entry_count; ++i) free(configs->entries[i].folder);
+    for (size_t i = 0; i < configs->strange_count; ++i) free(configs->strange[i]);
+    free(configs->strange);
+    free(configs->configs);
+    free(configs->entries);
+    free(configs);
+}
+
+static const check_config *remember(check_configs *configs, char *folder, check_config *config) {
+    config_entry *grown =
+        config ? realloc(configs->entries, (configs->entry_count + 1) * sizeof *grown) : NULL;
+    if (!grown) {
+        free(folder);
+        return config;
+    }
+    configs->entries = grown;
+    configs->entries[configs->entry_count++] = (config_entry){folder, config};
+    return config;
+}
+
+const check_config *check_config_of(check_configs *configs, const char *path) {
+    if (configs->trust == CHECK_CONFIG_NONE) return &configs->empty;
+    if (configs->named) return add_config(configs, configs->named);
+    char *folder = folder_of(path);
+    if (!folder) return without_memory();
+    /* Files of one folder follow each other. */
+    for (size_t i = configs->entry_count; i-- > 0;)
+        if (strcmp(configs->entries[i].folder, folder) == 0) {
+            free(folder);
+            return configs->entries[i].config;
+        }
+    return remember(configs, folder, config_of_folder(configs, folder));
+}
+
+/* ---- Findings of old, kept in a file, so that a repository with many can begin to check
+ * today: known findings are hidden unless they get worse. Paths are relative to the baseline's own
+ * folder, so it does not matter from where the check is run or how a file is spelt. Read by
+ * jansson.
+ *
+ *   {"schema": "norma-baseline/1", "findings": [{"path", "rule", "where", "severity", "count"},
+ * ...]} */
+
+typedef struct known_finding {
+    char fingerprint[17];
+    size_t count;
+    char *path, *rule, *where;
+    norma_severity severity;
+} known_finding;
+
+struct check_baseline {
+    const char *path;
+    char *folder;           /* absolute, of the baseline itself; NULL: it does not exist */
+    int is_new, incomplete; /* incomplete: memory was out, findings are missing */
+    known_finding *known;
+    size_t count, capacity;
+};
+
+const char *check_severity_name(norma_severity severity) {
+    switch (severity) {
+    case NORMA_SEVERITY_ERROR:
+        return "error";
+    case NORMA_SEVERITY_WARNING:
+        return "warning";
+    case NORMA_SEVERITY_INFO:
+        return "info";
+    case NORMA_SEVERITY_NONE:
+        break;
+    }
+    return "none";
+}
+
+/* FNV-1a (Fowler, Noll, Vo), 64 bits, over the parts and a zero after each. */
+void check_fingerprint(
+    const char *path, const char *rule, const char *where, norma_severity severity, char text[17]) {
+    const char *parts[] = {path, rule, where, check_severity_name(severity)};
+    uint64_t hash = 14695981039346656037u;
+    for (size_t i = 0; i < CLI_COUNT(parts); ++i)
+        for (const char *at = parts[i];; ++at) {
+            hash = (hash ^ (unsigned char)*at) * 1099511628211u;
+            if (!*at) break;
+        }
+    snprintf(text, 17, "%016llx", (unsigned long long)hash);
+}
+
+static int compare_known(const void *a, const void *b) {
+    return strcmp(((const known_finding *)a)->fingerprint, ((const known_finding *)b)->fingerprint);
+}
+
+static void free_known(known_finding *known) {
+    free(known->path);
+    free(known->rule);
+    free(known->where);
+}
+
+static int add_known(check_baseline *baseline, const char *path, const char *rule,
+    const char *where, norma_severity severity, size_t count) {
+    if (baseline->count == baseline->capacity) {
+        size_t capacity = baseline->capacity ? 2 * baseline->capacity : 64;
+        known_finding *grown = realloc(baseline->known, capacity * sizeof *grown);
+        if (!grown) return 0;
+        baseline->known = grown;
+        baseline->capacity = capacity;
+    }
+    known_finding *known = &baseline->known[baseline->count];
+    *known = (known_finding){.count = count,
+        .severity = severity,
+        .path = strdup(path),
+        .rule = strdup(rule),
+        .where = strdup(where)};
+    if (!known->path || !known->rule || !known->where) {
+        free_known(known);
+        return 0;
+    }
+    check_fingerprint(path, rule, where, severity, known->fingerprint);
+    ++baseline->count;
+    return 1;
+}
+
+/* ---- paths */
+
+static char *real_folder_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup("."),
+         *real = folder ? realpath(folder, NULL) : NULL;
+    free(folder);
+    return real;
+}
+
+/* How many bytes two absolute folders share, whole components only. */
+static size_t shared_length(const char *a, const char *b) {
+    size_t same = 0, length = 0;
+    for (; a[same] && a[same] == b[same]; ++same)
+        if (a[same] == '/') length = same;
+    const int ends = (!a[same] || a[same] == '/') && (!b[same] || b[same] == '/');
+    return ends ? same : length;
+}
+
+/* A file as the baseline names it: from its own folder, with ../ where it lies elsewhere. The file
+ * may be a link, or missing: only its folder is looked up. The caller's to free. */
+static char *place_of(const check_baseline *baseline, const char *path) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    char *folder = strcmp(path, "-") == 0 || !baseline->folder ? NULL : real_folder_of(path);
+    if (!folder) return strdup(path);
+    const size_t shared = shared_length(folder, baseline->folder);
+    size_t ups = 0;
+    for (const char *at = baseline->folder + shared; *at; ++at) ups += *at == '/' && at[1];
+    const char *below = folder + shared;
+    below += *below == '/';
+    const size_t size = 3 * ups + strlen(below) + strlen(name) + 2;
+    char *place = malloc(size);
+    if (place) {
+        for (size_t i = 0; i < ups; ++i) memcpy(place + 3 * i, "../", 3);
+        snprintf(place + 3 * ups, size - 3 * ups, "%s%s%s", below, *below ? "/" : "", name);
+    }
+    free(folder);
+    return place;
+}
+
+check_baseline *check_baseline_new(const char *path) {
+    check_baseline *baseline = calloc(1, sizeof *baseline);
+    if (!baseline) {
+        cli_out_of_memory();
+        return NULL;
+    }
+    baseline->path = path;
+    baseline->folder = real_folder_of(path);
+    baseline->is_new = 1;
+    return baseline;
+}
+
+check_baseline *check_baseline_part(const check_baseline *whole) {
+    return check_baseline_new(whole->path);
+}
+
+void check_baseline_join(check_baseline *whole, const check_baseline *part, int forgot) {
+    whole->incomplete |= forgot || (part && part->incomplete);
+    for (size_t i = 0; part && i < part->count; ++i) {
+        const known_finding *known = &part->known[i];
+        whole->incomplete |= !add_known(
+            whole, known->path, known->rule, known->where, known->severity, known->count);
+    }
+}
+
+size_t check_baseline_count(const check_baseline *baseline) { return baseline->count; }
+
+/* ---- between processes: sizes, then what they measure */
+
+typedef struct finding_message {
+    size_t count, path, rule, where;
+    norma_severity severity;
+} finding_message;
+
+void check_baseline_send(const check_baseline *part, const cli_worker *worker) {
+    for (size_t i = 0; i < part->count; ++i) {
+        const known_finding *known = &part->known[i];
+        const finding_message message = {known->count, strlen(known->path) + 1,
+            strlen(known->rule) + 1, strlen(known->where) + 1, known->severity};
+        cli_worker_send(worker, &message, sizeof message);
+        cli_worker_send(worker, known->path, message.path);
+        cli_worker_send(worker, known->rule, message.rule);
+        cli_worker_send(worker, known->where, message.where);
+    }
+}
+
+static int receive_finding(check_baseline *whole, const cli_worker *worker) {
+    finding_message message;
+    if (!cli_worker_receive(worker, &message, sizeof message)) return 0;
+    const size_t size = message.path + message.rule + message.where;
+    char *words = malloc(size);
+    const int fine = words && cli_worker_receive(worker, words, size);
+    if (fine)
+        whole->incomplete |= !add_known(whole, words, words + message.path,
+            words + message.path + message.rule, message.severity, message.count);
+    free(words);
+    return fine;
+}
+
+int check_baseline_receive(check_baseline *whole, size_t count, const cli_worker *worker) {
+    int fine = 1;
+    for (size_t i = 0; i < count && fine; ++i) fine = receive_finding(whole, worker);
+    return fine;
+}
+
+void check_baseline_free(check_baseline *baseline) {
+    if (!baseline) return;
+    for (size_t i = 0; i < baseline->count; ++i) free_known(&baseline->known[i]);
+    free(baseline->known);
+    free(baseline->folder);
+    free(baseline);
+}
+
+int check_baseline_is_new(const check_baseline *baseline) { return baseline->is_new; }
+
+static norma_severity severity_called(const char *name) {
+    for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
+        if (name && strcmp(name, check_severity_name((norma_severity)severity)) == 0)
+            return (norma_severity)severity;
+    return NORMA_SEVERITY_NONE;
+}
+
+static int read_known(check_baseline *baseline, const json_t *root) {
+    const json_t *list = json_object_get(root, "findings"),
+                 *schema = json_object_get(root, "schema");
+    size_t i;
+    json_t *entry;
+    if (!json_is_array(list) || !json_is_string(schema) ||
+        strcmp(json_string_value(schema), "norma-baseline/1") != 0)
+        return 0;
+    json_array_foreach(list, i, entry) {
+        const char *path = json_string_value(json_object_get(entry, "path")),
+                   *rule = json_string_value(json_object_get(entry, "rule"));
+        const char *where = json_string_value(json_object_get(entry, "where"));
+        norma_severity severity =
+            severity_called(json_string_value(json_object_get(entry, "severity")));
+        json_int_t count = json_integer_value(json_object_get(entry, "count"));
+        if (!path || !rule || !where || !severity || count < 0 ||
+            !add_known(baseline, path, rule, where, severity, (size_t)count))
+            return 0;
+    }
+    if (baseline->count)
+        qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_known);
+    return 1;
+}
+
+check_baseline *check_baseline_read(const char *path) {
+    static const char expected[] = "a baseline that --write-baseline wrote";
+    check_baseline *baseline = check_baseline_new(path);
+    json_t *root = baseline ? check_load_json(path, expected) : NULL;
+    if (root && read_known(baseline, root)) {
+        baseline->is_new = 0;
+        json_decref(root);
+        return baseline;
+    }
+    if (!baseline) return NULL;
+    if (root) cli_error("%s: expected %s", path, expected);
+    json_decref(root);
+    check_baseline_free(baseline);
+    return NULL;
+}
+
+int check_baseline_knows(const check_baseline *baseline, const char *path,
+    const norma_finding *finding, norma_severity severity) {
+    known_finding key;
+    char *place = place_of(baseline, path);
+    if (!place) return 0;
+    check_fingerprint(place, finding->rule->id, finding->where, severity, key.fingerprint);
+    free(place);
+    const known_finding *known = baseline->count ? bsearch(&key, baseline->known, baseline->count,
+                                                       sizeof *baseline->known, compare_known)
+                                                 : NULL;
+    return known && finding->count <= known->count;
+}
+
+int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
+    norma_severity severity) {
+    char *place = place_of(baseline, path);
+    const int fine = place && add_known(baseline, place, finding->rule->id, finding->where,
+                                  severity, finding->count);
+    baseline->incomplete |= !fine;
+    free(place);
+    return fine;
+}
+
+static int compare_places(const void *a, const void *b) {
+    const known_finding *one = a, *other = b;
+    int order = strcmp(one->path, other->path);
+    if (!order) order = strcmp(one->where, other->where);
+    if (!order) order = strcmp(one->rule, other->rule);
+    return order ? order : (int)one->severity - (int)other->severity;
+}
+
+static void write_known(FILE *out, const check_baseline *baseline) {
+    cli_json json = {.out = out};
+    fputs("{\"schema\": \"norma-baseline/1\", \"findings\": [", out);
+    for (size_t i = 0; i < baseline->count; ++i) {
+        const known_finding *known = &baseline->known[i];
+        fputs(i ? ",\n" : "\n", out);
+        json.needs_comma = 0;
+        cli_json_open(&json, NULL, '{');
+        cli_json_string(&json, "path", known->path);
+        cli_json_string(&json, "rule", known->rule);
+        cli_json_string(&json, "where", known->where);
+        cli_json_string(&json, "severity", check_severity_name(known->severity));
+        cli_json_size(&json, "count", known->count);
+        cli_json_close(&json, '}');
+    }
+    fputs("\n]}\n", out);
+}
+
+int check_baseline_write(check_baseline *baseline, cli_guard *guard) {
+    cli_output output;
+    if (baseline->incomplete) {
+        cli_error("%s: not written: out of memory", baseline->path);
+        return CLI_FILE;
+    }
+    if (baseline->count)
+        qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_places);
+    const int status = cli_output_begin(&output, baseline->path, guard);
+    if (status) return status;
+    write_known(output.out, baseline);
+    return cli_output_end(&output);
+}

@@ -1,0 +1,212 @@
+/* files.h: the files that a command names, where outputs go, and work on many of them. */
+#ifndef NORMA_CLI_FILES_FILES_H
+#define NORMA_CLI_FILES_FILES_H
+#include "cli/options/options.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
+#include <norma/document.h>
+#include <norma/large.h>
+#include <stdio.h>
+
+/* ---- Sources are never outputs. Every file that a command reads (meshes, buffers, lists,
+ * baselines, configurations) and every file that those name (images, material libraries) is put on
+ * one list; every output is compared with it before it is written. Files are told apart by device
+ * and inode, so that links and other spellings of a name count as the file. */
+
+struct cli_subcommand;
+typedef struct cli_guard cli_guard;
+cli_guard *cli_guard_new(const struct cli_subcommand *command); /* NULL: out of memory, reported */
+void cli_guard_free(cli_guard *guard);
+
+/* A file that is read; "-" is standard input. Safe in any thread, as are all of these. */
+void cli_guard_read(cli_guard *guard, const char *path);
+/* The files that an open document was read from or names. Cheap unless an output exists already. */
+void cli_guard_document(cli_guard *guard, norma_document *document, const char *input);
+int cli_guard_watches(const cli_guard *guard); /* an output exists already */
+
+/* What was read and named in a worker (worker.h), through its channel: *first is behind what was
+ * sent before. 0: the worker has ended. */
+struct cli_worker;
+size_t cli_guard_count(cli_guard *guard);
+void cli_guard_send(cli_guard *guard, size_t *first, const struct cli_worker *worker);
+int cli_guard_receive(cli_guard *guard, const struct cli_worker *worker);
+
+/* Called for every output before the work, when the inputs are known, and again just before it is
+ * written. own: the input that it replaces in place, else NULL. CLI_OK, or the status of the error
+ * that was reported. */
+int cli_guard_output(cli_guard *guard, const char *output, const char *own);
+
+/* Whether the second of two outputs would replace the first, however they are spelt. */
+int cli_is_same_output(const char *a, const char *b);
+
+/* ---- The files that a command names, and opening them. */
+
+typedef struct cli_inputs {
+    char **paths;
+    size_t *tails;  /* of each path: from which byte on it is kept below --out-dir */
+    size_t *within; /* the same, relative to the folder given; 0 where none was */
+    size_t count, capacity;
+} cli_inputs;
+
+typedef struct cli_files {
+    cli_words words, lists; /* as given: files, folders, patterns; --files-from */
+    cli_inputs inputs;      /* the files that these stand for */
+    const char *output, *folder;
+    int in_place;
+    norma_file_format format; /* unknown: by each name */
+    cli_guard *guard;         /* keeps what is read from being overwritten */
+} cli_files;
+extern const cli_option cli_input_options[]; /* --input-format */
+extern const size_t cli_input_option_count;
+
+/* Makes room for count words and the guard. 0: out of memory, reported. */
+int cli_files_begin(const cli_subcommand *command, cli_files *files, int count);
+void cli_files_end(cli_files *files);
+
+/* Opens "-" or a path. *memory is what standard input held; freed after the document. */
+norma_document_result cli_open(const cli_files *files, const char *input,
+    const norma_document_options *options, norma_document **document, void **memory,
+    norma_document_error *error);
+double cli_megabytes(const char *input); /* 0: not known */
+void cli_json_notes(cli_json *json, const norma_document *document);
+
+/* ---- Which files the words of a command stand for. */
+
+/* Adds the files that the words stand for: a file, the files of a folder and below, what a pattern
+ * with *, ? and ** matches, or "-". A folder that cannot be read does not stop the others: the
+ * status is then CLI_FILE and inputs hold the rest. */
+int cli_find_inputs(const cli_subcommand *command, cli_files *files);
+/* The same for the lines of each list; what does not exist or has no reader is left out. */
+int cli_find_listed(const cli_subcommand *command, cli_files *files);
+void cli_inputs_free(cli_inputs *inputs);
+/* Whether a path, component by component, is what a pattern says; ** stands for any number of
+ * components. A pattern without a slash is compared with the last one. */
+int cli_path_matches(const char *pattern, const char *path);
+char *cli_join(const char *folder, const char *name); /* the caller's to free */
+
+/* ---- Where the output of each input goes. */
+
+/* Gives each input a place of its own below --out-dir. ending: as of cli_output_of. A status. */
+int cli_place_outputs(const cli_subcommand *command, cli_files *files, const char *ending);
+/* The output of an input, the caller's to free; ending (NULL: the input's own) replaces the input's
+ * below --out-dir. NULL: out of memory. */
+char *cli_output_of(const cli_files *files, size_t index, const char *ending);
+int cli_make_out_dir(const cli_subcommand *command, const cli_files *files);
+/* The folders below --out-dir that an output lies in. A status. */
+int cli_make_folders(const cli_files *files, const char *output);
+
+/* ---- A report that goes to a file, whole or not at all. */
+
+typedef struct cli_output {
+    FILE *out;
+    const char *path;
+    cli_guard *guard;
+    norma_saving *saving; /* NULL: standard output */
+    int passes_on;        /* what is written cannot be taken back: standard output, a pipe */
+} cli_output;
+/* path "-" is standard output; guard may be NULL. A status; not CLI_OK: reported already. The
+ * output stays where it is until it is ended or dropped. */
+int cli_output_begin(cli_output *output, const char *path, cli_guard *guard);
+int cli_output_end(cli_output *output);   /* a status */
+void cli_output_drop(cli_output *output); /* as if it had never been begun */
+
+/* ---- Work on the files of a batch one after the other, in a process of its own (worker.h). */
+
+typedef struct cli_each {
+    size_t count;
+    int (*one)(void *user, size_t file);                    /* a status */
+    void (*lost)(void *user, size_t file, const char *why); /* that file ended a worker */
+    void *user;
+    cli_guard *guard; /* learns what one reads; may be NULL */
+} cli_each;
+int cli_run_each(const cli_each *each); /* the worst status */
+
+/* Inputs that are opened later: glTF files are looked into, if an output exists, so that no output
+ * of the first can replace a picture of the second. */
+void cli_guard_look_ahead(cli_guard *guard, const cli_inputs *inputs, norma_file_format format);
+
+/* ---- Commands that change files: each is opened, changed and written, and a line says so. */
+
+#define CLI_FILES_HELP                                                                             \
+    "Files\n"                                                                                      \
+    "  IN                    a file, a folder, or a pattern in quotes\n"                           \
+    "  -o, --output OUT      the output, in IN's format; - is standard output\n"                   \
+    "  --out-dir FOLDER      the folder for several outputs; keeps the tree of an input folder\n"  \
+    "  --in-place            replaces each input file; a failure leaves it as it was\n"            \
+    "  --input-format obj|ply|stl|gltf|glb\n"                                                      \
+    "                        the format of standard input; needed if IN is -\n"                    \
+    "  --threads N           uses at most N threads (all processors), with the same result\n"      \
+    "  --max-memory SIZE     uses at most SIZE (512M, 2G). compute reads larger binary PLY and\n"  \
+    "                        STL in passes; other files that need more fail\n"                     \
+    "  --json                prints a summary as JSON, one object per line\n"                      \
+    "  --quiet               prints only errors\n"
+extern const cli_option cli_output_options[]; /* -o --out-dir --in-place */
+extern const size_t cli_output_option_count;
+
+typedef struct cli_changer cli_changer;
+
+/* A batch whose files are changed all at once. */
+typedef struct cli_all_files {
+    const cli_subcommand *command;
+    const cli_common *common;
+    const cli_files *files;
+    const cli_changer *changer;
+} cli_all_files;
+
+/* What a command does to each file of a batch. */
+struct cli_changer {
+    void *work; /* the command's own: its options, and the summary of the file at hand */
+    norma_document_result (*change)(void *work, norma_document *document, norma_progress *progress,
+        void *progress_user, norma_document_error *error);
+    void (*write_json)(const void *work, cli_json *json); /* the keys after "input" and "output" */
+    /* What stands after "IN -> OUT: ", without the line's end. document: NULL after passes. */
+    void (*write_text)(const void *work, const norma_document *document, FILE *out);
+    /* NULL, or the same from file to file, in parts that fit into the memory allowed. */
+    norma_document_result (*in_passes)(void *work, const char *input, const char *output,
+        const norma_large_options *options, norma_progress *progress, void *progress_user,
+        norma_document_error *error);
+    /* Once all options are read: a status. */
+    int (*prepare)(const cli_subcommand *command, void *work, uint32_t threads);
+    /* NULL, or all files at once, where takes_all says so after prepare. A status. */
+    int (*all)(const cli_all_files *all, const cli_changer *changer);
+    int (*takes_all)(const void *work);
+};
+
+/* Such a command as a whole, from its arguments to its status; tables: its own options beside those
+ * that all of them take. */
+enum { CLI_OWN_TABLES = 2 };
+int cli_run_changer(const cli_subcommand *command, const cli_changer *changer,
+    const cli_table *tables, size_t table_count, int count, char **arguments);
+
+/* Whether all have somewhere to go, each its own place; makes --out-dir. A status. */
+int cli_check_outputs(const cli_subcommand *command, const cli_common *common, cli_files *files);
+/* Whether no output is a source, as far as the inputs' names say. A status. */
+int cli_guard_outputs(const cli_files *files);
+/* The line, or the JSON object, about a file of a batch that was changed as a whole, by what
+ * changer->work holds of it; before, after: its bytes, those of the files that it names among them,
+ * 0 where they are not known. And for programs, of one that was not changed. */
+void cli_report_grown(
+    const cli_all_files *all, const char *input, const char *output, double before, double after);
+void cli_report_changed(const cli_all_files *all, const char *input, const char *output,
+    const norma_document_error *error);
+/* To standard output. */
+norma_document_result cli_write_standard(norma_document *document, norma_document_error *error);
+
+/* ---- Files that do not fit into memory, changed piece by piece. */
+
+/* Whether this input can be read in passes, as only files of some size are; need: what it takes to
+ * compute its normals at once. */
+int cli_can_take_passes(const cli_files *files, const char *input, uint64_t *need);
+/* Whether this input does not fit into the memory allowed, but can be read in passes. */
+int cli_needs_passes(const cli_files *files, const char *input);
+/* Changes it so. *size: bytes of the output. */
+norma_document_result cli_change_in_passes(const cli_changer *changer, const cli_common *common,
+    const cli_files *files, const char *input, const char *output, uint64_t *size,
+    norma_document_error *error);
+
+/* ---- Options that a format refuses are noticed before the first file of a batch is written.
+ */
+
+/* A status: CLI_USAGE, printed already, where some input's format does not take the options. */
+int cli_try_formats(const cli_files *files, const cli_changer *changer);
+#endif

@@ -1,0 +1,261 @@
+/* outputs.c: where outputs go, and how a report gets there. */
+#define _GNU_SOURCE /* fopencookie */
+#include "cli/files/files.h"
+#include "cli/process/process.h"
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- Where the output of each input goes: the one -o, below --out-dir, or in place.
+ * Below --out-dir a file that was named has its own name, a file of a folder or a pattern its place
+ * in that folder; if two files would meet, all keep their place below the folder that they share.
+ */
+
+static size_t stem_length(const char *name) {
+    const char *slash = strrchr(name, '/'), *base = slash ? slash + 1 : name,
+               *dot = strrchr(base, '.');
+    return dot && dot > base ? (size_t)(dot - name) : strlen(name);
+}
+
+/* Without "./" and doubled slashes, so that two spellings of a name are one. */
+static void simplify(char *path) {
+    char *to = path;
+    for (const char *at = path; *at;) {
+        const size_t length = strcspn(at, "/"), part = length + (at[length] == '/');
+        if (length > 1 || (length == 1 && *at != '.')) {
+            memmove(to, at, part);
+            to += part;
+        }
+        at += part;
+    }
+    *to = '\0';
+}
+
+char *cli_output_of(const cli_files *files, size_t index, const char *ending) {
+    const char *input = files->inputs.paths[index];
+    if (files->output) return strdup(files->output);
+    if (!files->folder) return strdup(input);
+    const char *name = input + files->inputs.tails[index];
+    const size_t kept = ending ? stem_length(name) : strlen(name),
+                 size = kept + (ending ? strlen(ending) : 0) + 1;
+    char *changed = malloc(size);
+    if (!changed) return NULL;
+    snprintf(changed, size, "%.*s%s", (int)kept, name, ending ? ending : "");
+    simplify(changed);
+    char *path = cli_join(files->folder, changed);
+    free(changed);
+    return path;
+}
+
+/* ---- two inputs for one output */
+
+typedef struct placed {
+    char *output;
+    const char *input;
+} placed;
+
+static int compare_placed(const void *a, const void *b) {
+    return strcmp(((const placed *)a)->output, ((const placed *)b)->output);
+}
+
+/* The first output, in the order of names, that two inputs have, in both; 0: none; -1: out of
+ * memory. */
+static int find_meeting(const cli_files *files, const char *ending, placed both[2]) {
+    const size_t count = files->inputs.count;
+    placed *all = calloc(count + 1, sizeof *all);
+    int found = all ? 0 : -1;
+    for (size_t i = 0; i < count && !found; ++i) {
+        all[i] = (placed){cli_output_of(files, i, ending), files->inputs.paths[i]};
+        if (!all[i].output) found = -1;
+    }
+    if (!found) qsort(all, count, sizeof *all, compare_placed);
+    for (size_t i = 1; i < count && !found; ++i)
+        if (strcmp(all[i - 1].output, all[i].output) == 0) {
+            both[0] = all[i - 1];
+            both[1] = all[i];
+            both[1].output = strdup(all[i].output);
+            found = both[1].output ? 1 : -1;
+        }
+    for (size_t i = 0; all && i < count; ++i) free(all[i].output);
+    free(all);
+    return found;
+}
+
+/* The length of the folders that all paths begin with. */
+static size_t shared_folder(const cli_inputs *inputs) {
+    const char *first = inputs->paths[0];
+    size_t shared = strlen(first);
+    for (size_t i = 0; i < inputs->count; ++i) {
+        size_t same = 0;
+        while (same < shared && inputs->paths[i][same] == first[same]) ++same;
+        shared = same;
+    }
+    while (shared && first[shared - 1] != '/') --shared;
+    return shared;
+}
+
+static int climbs(const char *path) {
+    for (const char *at = path; at; at = strchr(at, '/')) {
+        at += *at == '/';
+        if (at[0] == '.' && at[1] == '.' && (at[2] == '/' || !at[2])) return 1;
+    }
+    return 0;
+}
+
+static void keep_tree(cli_inputs *inputs) {
+    const size_t shared = shared_folder(inputs);
+    for (size_t i = 0; i < inputs->count; ++i)
+        if (climbs(inputs->paths[i] + shared)) return; /* it would leave the folder */
+    for (size_t i = 0; i < inputs->count; ++i) inputs->tails[i] = shared;
+}
+
+int cli_place_outputs(const cli_subcommand *command, cli_files *files, const char *ending) {
+    placed both[2];
+    if (!files->folder || !files->inputs.count) return CLI_OK;
+    int meeting = find_meeting(files, ending, both);
+    if (meeting > 0) {
+        free(both[1].output);
+        keep_tree(&files->inputs);
+        meeting = find_meeting(files, ending, both);
+    }
+    if (meeting == 0) return CLI_OK;
+    if (meeting < 0) return cli_out_of_memory();
+    const int status = cli_usage(command, "%s and %s would both be written to %s", both[0].input,
+        both[1].input, both[1].output);
+    free(both[1].output);
+    return status;
+}
+
+/* ---- folders */
+
+static int fail(const char *folder) {
+    cli_error("%s: cannot be made: %s", folder, strerror(errno));
+    return CLI_FILE;
+}
+
+/* Below --out-dir nothing is written through a link, which may lead anywhere: the names there come
+ * from the inputs. */
+static int refuse_links(const cli_files *files, char *output) {
+    struct stat status;
+    const size_t folder = strlen(files->folder);
+    for (char *end = output + folder; *end;) {
+        end += 1 + strcspn(end + 1, "/");
+        const char after = *end;
+        *end = '\0';
+        const int is_link = lstat(output, &status) == 0 && S_ISLNK(status.st_mode);
+        if (is_link) cli_error("%s: is a symbolic link, and is not written through", output);
+        *end = after;
+        if (is_link) return CLI_FILE;
+    }
+    return CLI_OK;
+}
+
+int cli_make_folders(const cli_files *files, const char *output) {
+    struct stat status;
+    if (!files->folder) return CLI_OK;
+    char *path = strdup(output);
+    if (!path) return cli_out_of_memory();
+    int result = refuse_links(files, path);
+    for (char *slash = strchr(path + 1, '/'); slash && !result; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        if (mkdir(path, 0777) && errno != EEXIST && stat(path, &status)) result = fail(path);
+        *slash = '/';
+    }
+    free(path);
+    return result;
+}
+
+int cli_make_out_dir(const cli_subcommand *command, const cli_files *files) {
+    struct stat status;
+    if (!files->folder) return CLI_OK;
+    if (mkdir(files->folder, 0777) && errno != EEXIST) return fail(files->folder);
+    if (stat(files->folder, &status) || !S_ISDIR(status.st_mode))
+        return cli_usage(command, "--out-dir %s is not a folder", files->folder);
+    return CLI_OK;
+}
+
+/* ---- A report that goes to a file, written whole or not at all. It goes there piece
+ * by piece, so a report on any number of files takes no memory. "-" is standard output. */
+
+/* ---- a stream whose bytes go to norma_save_piece, which remembers its first error */
+
+#if defined(__linux__)
+static ssize_t pass_on(void *user, const char *bytes, size_t count) {
+    return norma_save_piece(user, bytes, count, NULL) ? 0 : (ssize_t)count;
+}
+
+static FILE *open_stream(norma_saving *saving) {
+    return fopencookie(saving, "w", (cookie_io_functions_t){.write = pass_on});
+}
+#else
+static int pass_on(void *user, const char *bytes, int count) {
+    return norma_save_piece(user, bytes, (size_t)count, NULL) ? -1 : count;
+}
+
+static FILE *open_stream(norma_saving *saving) {
+    return funopen(saving, NULL, pass_on, NULL, NULL);
+}
+#endif
+
+/* ---- the output */
+
+static int is_stream(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
+}
+
+/* The temporary file is made before the work, so what would fail in the end is said at once. */
+static int begin_file(cli_output *output) {
+    norma_document_error error;
+    output->passes_on = is_stream(output->path);
+    if (norma_save_begin(output->path, &output->saving, &error)) {
+        cli_print_error(&error);
+        return CLI_FILE;
+    }
+    cli_tidy_when_ended(norma_save_temporary(output->saving));
+    output->out = open_stream(output->saving);
+    if (output->out) return CLI_OK;
+    cli_output_drop(output);
+    return cli_out_of_memory();
+}
+
+int cli_output_begin(cli_output *output, const char *path, cli_guard *guard) {
+    *output = (cli_output){.path = path, .guard = guard};
+    const int status = cli_guard_output(guard, path, NULL);
+    if (status || strcmp(path, "-") != 0) return status ? status : begin_file(output);
+    output->out = stdout;
+    output->passes_on = 1;
+    return CLI_OK;
+}
+
+void cli_output_drop(cli_output *output) {
+    if (output->saving && output->out) fclose(output->out);
+    if (output->passes_on && output->saving) {
+        norma_save_end(output->saving, NULL); /* the reader gets what there was */
+    } else {
+        cli_writing_begin(); /* a signal waits: the name that it would remove is freed */
+        norma_save_abandon(output->saving);
+        cli_tidy_when_ended(NULL);
+        cli_writing_end();
+    }
+    *output = (cli_output){0};
+}
+
+int cli_output_end(cli_output *output) {
+    if (!output->saving) return cli_finish(CLI_OK);
+    norma_document_error error;
+    const int refused = cli_guard_output(output->guard, output->path, NULL);
+    if (refused) {
+        cli_output_drop(output);
+        return refused;
+    }
+    cli_writing_begin();
+    fclose(output->out); /* a piece that cannot be written fails at the end */
+    cli_tidy_when_ended(NULL);
+    const int failed = norma_save_end(output->saving, &error) != NORMA_DOCUMENT_OK;
+    cli_writing_end();
+    if (failed) cli_print_error(&error);
+    *output = (cli_output){0};
+    return failed ? CLI_FILE : CLI_OK;
+}

@@ -1,0 +1,781 @@
+/* info.c: norma info: what is in a file. */
+#include "cli/process/process.h"
+#include "cli/text/text.h"
+#include "cli/files/files.h"
+#include <math.h>
+#include <norma/check.h>
+#include <norma/document.h>
+#include <norma/large.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct info_bounds {
+    int known; /* 0: no finite position, or too many instances to look at each vertex of each */
+    double least[3], most[3];
+} info_bounds;
+
+typedef struct cli_explained {
+    norma_weight weight;
+    double crease_deg; /* NaN: smooth, one normal for each position */
+    int flat;
+    double p50_deg, p99_deg, max_deg; /* between the stored normals and those that it gives */
+} cli_explained;
+
+typedef struct cli_explained_tangents {
+    norma_tangent_deviation deviation;
+    double p50_deg, p99_deg, max_deg;
+} cli_explained_tangents;
+
+/* ---- The box that a file's surfaces fill, vertex by vertex, so that it is exact under any
+ * transform. */
+
+/* A file of a few kilobytes can ask for millions of instances. */
+static const size_t most_visits = (size_t)1 << 26;
+
+static void include(info_bounds *bounds, const double p[3]) {
+    if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2])) return;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!bounds->known || p[axis] < bounds->least[axis]) bounds->least[axis] = p[axis];
+        if (!bounds->known || p[axis] > bounds->most[axis]) bounds->most[axis] = p[axis];
+    }
+    bounds->known = 1;
+}
+
+/* world: column-major. In pieces, so that a large mesh takes little memory. */
+static void include_mesh(info_bounds *bounds, const norma_vec3_view *view, const double world[16]) {
+    enum { PIECE = 256 };
+    double points[PIECE][3];
+    for (size_t first = 0; first < view->count; first += PIECE) {
+        const size_t count = view->count - first < PIECE ? view->count - first : PIECE;
+        const norma_vec3_view piece = {points, count, 0, NORMA_FORMAT_DOUBLE};
+        for (size_t i = 0; i < count; ++i) norma_view_vector(view, first + i, points[i]);
+        if (norma_transform_positions_double(world, piece, points[0], 0, count)) return;
+        for (size_t i = 0; i < count; ++i) include(bounds, points[i]);
+    }
+}
+
+/* The primitives of a mesh under one node, each of its instances. *visits: vertices looked at. */
+static norma_document_result include_node(norma_document *document, size_t index,
+    const norma_node_info *node, info_bounds *bounds, size_t *visits, norma_document_error *error) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t i = 0; i < norma_document_mesh_count(document) && !result; ++i) {
+        norma_mesh_info info;
+        norma_mesh_data data;
+        result = norma_document_mesh_info(document, i, &info);
+        if (result || info.mesh != node->mesh || info.not_read) continue;
+        if (info.vertices && node->instances > (most_visits - *visits) / info.vertices) {
+            *visits = most_visits;
+            return NORMA_DOCUMENT_OK;
+        }
+        *visits += node->instances * info.vertices;
+        result = norma_document_mesh_data(document, i, &data, error);
+        for (size_t k = 0; k < node->instances && !result; ++k) {
+            double world[16];
+            result = norma_document_instance_world(document, index, k, world, error);
+            if (!result) include_mesh(bounds, &data.mesh.positions, world);
+        }
+    }
+    return result;
+}
+
+static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+static norma_document_result include_stored(
+    norma_document *document, info_bounds *bounds, norma_document_error *error) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t i = 0; i < norma_document_mesh_count(document) && !result; ++i) {
+        norma_mesh_info info;
+        norma_mesh_data data;
+        result = norma_document_mesh_info(document, i, &info);
+        if (result || info.not_read) continue;
+        result = norma_document_mesh_data(document, i, &data, error);
+        if (!result) include_mesh(bounds, &data.mesh.positions, identity);
+    }
+    return result;
+}
+
+/* Of the positions as they are drawn: of a glTF under the world matrices of the nodes, each
+ * instance; without such nodes, and in other formats, as stored. Skins and morphs are left out. */
+static norma_document_result info_find_bounds(
+    norma_document *document, info_bounds *bounds, norma_document_error *error) {
+    const size_t nodes = norma_document_node_count(document),
+                 meshes = norma_document_mesh_count(document);
+    size_t visits = 0;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    *bounds = (info_bounds){0};
+    if (nodes == 0) return include_stored(document, bounds, error);
+    for (size_t i = 0; i < nodes && !result && visits < most_visits; ++i) {
+        norma_node_info node;
+        result = norma_document_node_info(document, i, &node);
+        /* Looking through the meshes counts as well. */
+        visits = meshes < most_visits - visits ? visits + meshes : most_visits;
+        if (!result) result = include_node(document, i, &node, bounds, &visits, error);
+    }
+    if (visits >= most_visits) bounds->known = 0;
+    return result;
+}
+
+/* ---- Which weight and crease explain the normals of a document's mesh, and
+ * which way its tangents, in degrees. */
+
+static norma_document_result fail_search(
+    norma_document_error *error, const char *what, norma_result result) {
+    error->result =
+        result == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY : NORMA_DOCUMENT_ERROR_MALFORMED;
+    snprintf(error->message, sizeof error->message, "stored %s cannot be explained: %s", what,
+        norma_result_text(result));
+    return error->result;
+}
+
+/* Whole degrees went in; they come out so. */
+static double whole_degrees(double radians) {
+    return isnan(radians) ? radians : rint(cli_to_degrees(radians) * 1e6) / 1e6;
+}
+
+/* 1 if there were normals to explain. */
+static int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads,
+    cli_explained *explained, norma_document_result *result, norma_document_error *error) {
+    norma_mesh_info info;
+    norma_mesh_data data;
+    norma_deviation deviation;
+    const norma_options options = {.struct_size = sizeof options, .threads = threads};
+    *result = norma_document_mesh_info(document, mesh, &info);
+    if (*result || info.not_read || info.normals == NORMA_NORMALS_NONE || info.faces == 0) return 0;
+    *result = norma_document_mesh_data(document, mesh, &data, error);
+    if (*result) return 0;
+    norma_result failed = norma_explain_normals(&data, info.normals, &options, &deviation);
+    if (failed) *result = fail_search(error, "normals", failed);
+    if (failed || !deviation.corners) return 0;
+    *explained = (cli_explained){
+        .weight = deviation.weight,
+        .crease_deg = whole_degrees(deviation.crease_angle_rad),
+        .flat = deviation.shading == NORMA_SHADING_FLAT,
+        .p50_deg = cli_to_degrees(deviation.p50_rad),
+        .p99_deg = cli_to_degrees(deviation.p99_rad),
+        .max_deg = cli_to_degrees(deviation.max_rad),
+    };
+    return 1;
+}
+
+/* 1 if there were tangents to explain. */
+static int cli_explain_tangents(norma_document *document, size_t mesh, uint32_t threads,
+    cli_explained_tangents *explained, norma_document_result *result, norma_document_error *error) {
+    norma_mesh_info info;
+    norma_mesh_data data;
+    norma_mesh_attributes attributes;
+    norma_tangent_deviation *deviation = &explained->deviation;
+    const norma_options options = {.struct_size = sizeof options, .threads = threads};
+    *result = norma_document_mesh_info(document, mesh, &info);
+    if (*result || info.not_read || !info.has_tangents || info.faces == 0) return 0;
+    *result = norma_document_mesh_data(document, mesh, &data, error);
+    if (!*result) *result = norma_document_mesh_attributes(document, mesh, &attributes, error);
+    if (*result) return 0;
+    const norma_result failed = norma_explain_tangents(&data, &attributes, &options, deviation);
+    if (failed) *result = fail_search(error, "tangents", failed);
+    if (failed || !deviation->corners) return 0;
+    explained->p50_deg = cli_to_degrees(deviation->p50_rad);
+    explained->p99_deg = cli_to_degrees(deviation->p99_rad);
+    explained->max_deg = cli_to_degrees(deviation->max_rad);
+    return 1;
+}
+
+/* ---- What is in a file that does not fit into memory: counted piece by piece. */
+
+static norma_document_result info_describe_large(const char *path, norma_file_format *format,
+    cli_progress *progress, norma_mesh_info *info, info_bounds *bounds,
+    norma_document_error *error) {
+    const norma_large_options options = {
+        .struct_size = sizeof options, .max_memory = cli_memory_for_data(), .format = *format};
+    norma_large_description found;
+    const norma_document_result result =
+        norma_large_describe(path, &options, cli_progress_report, progress, &found, error);
+    if (result) return result;
+    *format = found.format;
+    *info = (norma_mesh_info){.name = "",
+        .where = "",
+        .vertices = found.vertices,
+        .faces = found.faces,
+        .triangles = found.triangles,
+        .normals = found.normals,
+        .encoding = found.encoding};
+    bounds->known = found.has_bounds;
+    memcpy(bounds->least, found.least, sizeof bounds->least);
+    memcpy(bounds->most, found.most, sizeof bounds->most);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- Norma info: what is in a file: meshes, counts, normals, the kinds of the
+ * transforms. */
+
+static const char help[] =
+    "norma info IN...: lists what is in a file: meshes, counts, normals and transforms\n"
+    "\n"
+    "Examples\n"
+    "  norma info chair.glb\n"
+    "  norma info *.obj --json                    one object per line\n"
+    "  norma info chair.glb --deep                also names the weight and crease of the stored "
+    "normals\n"
+    "  cat a.stl | norma info - --input-format stl\n"
+    "\n"
+    "Options\n"
+    "  --deep                reads the whole file, and reports whether meshes are closed, which "
+    "weight\n"
+    "                        and crease explain the stored normals, and how stored tangents were "
+    "made\n"
+    "  --input-format obj|ply|stl|gltf|glb\n"
+    "                        the format of standard input; needed if IN is -\n"
+    "  --threads N           uses at most N threads (all processors)\n"
+    "  --max-memory SIZE     uses at most SIZE (512M, 2G). A larger binary PLY or STL is\n"
+    "                        read in parts; other files that need more fail\n"
+    "  --json                prints JSON to standard output\n"
+    "  --quiet               prints no notes\n"
+    "\n"
+    "In a glTF, each primitive is counted once, not once per instance. The kind of a node's "
+    "transform is\n"
+    "that of its world matrix.\n"
+    "Exit status: 0 fine, 2 wrong usage, 3 a file could not be read, 130 interrupted.\n";
+
+/* One primitive, or a whole OBJ, PLY or STL. */
+typedef struct mesh_part {
+    norma_mesh_info info;
+    int closed; /* with --deep: 1 closed, 0 open; -1: not known */
+    int is_explained, has_explained_tangents;
+    cli_explained explained;
+    cli_explained_tangents tangents;
+} mesh_part;
+
+typedef struct contents {
+    const char *path;
+    norma_file_format format;
+    const norma_document *document; /* NULL: a file that does not fit into memory */
+    mesh_part *parts;
+    size_t part_count, vertices, faces, triangles;
+    norma_node_info *nodes;
+    size_t node_count, skin_count;
+    info_bounds bounds;
+} contents;
+
+typedef struct info_work {
+    cli_common common;
+    cli_files files;
+    int deep;
+} info_work;
+
+static const char *set_deep(void *settings, const char *value) {
+    (void)value;
+    ((info_work *)settings)->deep = 1;
+    return NULL;
+}
+
+static const cli_option options[] = {{"deep", 0, 0, set_deep}};
+
+/* ---- meshes: the primitives of one glTF mesh follow each other */
+
+static size_t mesh_end(const contents *found, size_t first) {
+    size_t end = first + 1;
+    while (end < found->part_count && found->parts[end].info.mesh == found->parts[first].info.mesh)
+        ++end;
+    return end;
+}
+
+static const char *storage_name(norma_normal_storage storage) {
+    switch (storage) {
+    case NORMA_NORMALS_NONE:
+        return "none";
+    case NORMA_NORMALS_PER_VERTEX:
+        return "vertex";
+    case NORMA_NORMALS_PER_CORNER:
+        return "corner";
+    case NORMA_NORMALS_PER_FACET:
+        return "facet";
+    }
+    return "none";
+}
+
+/* What a mesh has is what every part of it with faces has. */
+static norma_normal_storage storage_of(
+    const contents *found, size_t first, size_t end, const char **encoding) {
+    norma_normal_storage storage = NORMA_NORMALS_NONE;
+    *encoding = "";
+    for (size_t i = first; i < end; ++i) {
+        const norma_mesh_info *info = &found->parts[i].info;
+        if (info->faces == 0 && end - first > 1) continue;
+        if (info->normals == NORMA_NORMALS_NONE) {
+            *encoding = "";
+            return NORMA_NORMALS_NONE;
+        }
+        storage = info->normals;
+        *encoding =
+            **encoding == '\0' || strcmp(*encoding, info->encoding) == 0 ? info->encoding : "mixed";
+    }
+    return storage;
+}
+
+static void kind_of(const norma_node_info *node, norma_matrix_info *matrix) {
+    double normal_matrix[9];
+    *matrix = (norma_matrix_info){.kind = NORMA_KIND_SINGULAR, .anisotropy = INFINITY};
+    norma_normal_matrix_double(node->world, NORMA_WINDING_REVERSED, normal_matrix, matrix);
+}
+
+/* ---- for programs */
+
+static void write_explained(cli_json *json, const cli_explained *explained) {
+    cli_json_open(json, "explained_by", '{');
+    cli_json_string(json, "shading",
+        explained->flat                ? "flat"
+        : isnan(explained->crease_deg) ? "smooth"
+                                       : "crease");
+    cli_json_string(json, "weight", explained->flat ? NULL : norma_weight_name(explained->weight));
+    cli_json_number(json, "crease_deg", explained->flat ? NAN : explained->crease_deg);
+    cli_json_number(json, "p50_deg", explained->p50_deg);
+    cli_json_number(json, "p99_deg", explained->p99_deg);
+    cli_json_number(json, "max_deg", explained->max_deg);
+    cli_json_close(json, '}');
+}
+
+static const char *way_word(norma_tangent_source source) {
+    return source == NORMA_TANGENTS_BY_MIKK            ? "mikktspace-triangles"
+           : source == NORMA_TANGENTS_BY_MIKK_ON_QUADS ? "mikktspace-quads"
+                                                       : "vertex-sums";
+}
+
+static void write_explained_tangents(cli_json *json, const cli_explained_tangents *explained) {
+    const norma_tangent_deviation *deviation = &explained->deviation;
+    cli_json_open(json, "tangents_explained_by", '{');
+    cli_json_string(json, "way", way_word(deviation->source));
+    cli_json_bool(json, "texture_transform", deviation->transformed);
+    cli_json_string(json, "sign", deviation->negated ? "negated" : "as-is");
+    cli_json_size(json, "signs_other", deviation->signs_other);
+    cli_json_size(json, "corners", deviation->corners);
+    cli_json_size(json, "explained", deviation->explained);
+    cli_json_number(json, "p50_deg", explained->p50_deg);
+    cli_json_number(json, "p99_deg", explained->p99_deg);
+    cli_json_number(json, "max_deg", explained->max_deg);
+    cli_json_close(json, '}');
+}
+
+static void write_part(cli_json *json, const mesh_part *part) {
+    const norma_mesh_info *info = &part->info;
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "where", info->where);
+    cli_json_size(json, "vertices", info->vertices);
+    cli_json_size(json, "faces", info->faces);
+    cli_json_size(json, "triangles", info->triangles);
+    cli_json_string(json, "normals", storage_name(info->normals));
+    cli_json_string(json, "encoding", info->encoding);
+    cli_json_bool(json, "tangents", info->has_tangents);
+    cli_json_bool(json, "smoothing_groups", info->has_smoothing_groups);
+    cli_json_size(json, "morph_targets", info->morph_targets);
+    cli_json_string(json, "compression", info->compression);
+    cli_json_string(json, "not_read", info->not_read);
+    if (part->closed >= 0) cli_json_bool(json, "closed", part->closed);
+    if (part->is_explained) write_explained(json, &part->explained);
+    if (part->has_explained_tangents) write_explained_tangents(json, &part->tangents);
+    cli_json_close(json, '}');
+}
+
+static void write_mesh(cli_json *json, const contents *found, size_t first, size_t end) {
+    size_t vertices = 0, faces = 0;
+    const char *encoding;
+    norma_normal_storage storage = storage_of(found, first, end, &encoding);
+    for (size_t i = first; i < end; ++i) {
+        vertices += found->parts[i].info.vertices;
+        faces += found->parts[i].info.faces;
+    }
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "name", found->parts[first].info.name);
+    cli_json_size(json, "vertices", vertices);
+    cli_json_size(json, "faces", faces);
+    cli_json_string(json, "normals", storage_name(storage));
+    cli_json_string(json, "encoding", encoding);
+    cli_json_open(json, "primitives", '[');
+    for (size_t i = first; i < end; ++i) write_part(json, &found->parts[i]);
+    cli_json_close(json, ']');
+    cli_json_close(json, '}');
+}
+
+static void write_nodes(cli_json *json, const contents *found) {
+    norma_matrix_info matrix;
+    cli_json_open(json, "nodes", '[');
+    for (size_t i = 0; i < found->node_count; ++i) {
+        const norma_node_info node = found->nodes[i];
+        kind_of(&node, &matrix);
+        cli_json_open(json, NULL, '{');
+        cli_json_string(json, "name", node.name);
+        cli_json_string(json, "kind", cli_kind_name(matrix.kind));
+        cli_json_bool(json, "mirrored", matrix.mirrored);
+        cli_json_number(json, "anisotropy", matrix.anisotropy);
+        cli_json_size(json, "node", node.node);
+        cli_json_size(json, "mesh", node.mesh);
+        cli_json_size(json, "instances", node.instances);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+}
+
+static void write_bounds(cli_json *json, const info_bounds *bounds) {
+    if (!bounds->known) {
+        cli_json_null(json, "bounds");
+        return;
+    }
+    cli_json_open(json, "bounds", '[');
+    for (int end = 0; end < 2; ++end) {
+        cli_json_open(json, NULL, '[');
+        for (int axis = 0; axis < 3; ++axis)
+            cli_json_number(json, NULL, end ? bounds->most[axis] : bounds->least[axis]);
+        cli_json_close(json, ']');
+    }
+    cli_json_close(json, ']');
+}
+
+static void write_json(const contents *found) {
+    cli_json json = {.out = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_string(&json, "path", found->path);
+    cli_json_string(&json, "format", norma_file_format_name(found->format));
+    write_bounds(&json, &found->bounds);
+    cli_json_size(&json, "vertices", found->vertices);
+    cli_json_size(&json, "faces", found->faces);
+    cli_json_size(&json, "triangles", found->triangles);
+    cli_json_size(&json, "skins", found->skin_count);
+    cli_json_open(&json, "meshes", '[');
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
+        write_mesh(&json, found, first, mesh_end(found, first));
+    cli_json_close(&json, ']');
+    write_nodes(&json, found);
+    cli_json_notes(&json, found->document);
+    cli_json_close(&json, '}');
+    fputc('\n', stdout);
+}
+
+static void write_failure(const char *path, const norma_document_error *error) {
+    cli_json json = {.out = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_string(&json, "path", path);
+    cli_json_string(&json, "error", error->message);
+    cli_json_close(&json, '}');
+    fputc('\n', stdout);
+}
+
+/* ---- for people */
+
+static void print_name(const char *name) {
+    if (!name[0]) return;
+    fputs(" \"", stdout);
+    cli_write_outside(stdout, name);
+    fputc('"', stdout);
+}
+
+static void print_explained(const cli_explained *explained) {
+    char crease[32], p50[32], p99[32], most[32];
+    cli_decimals(p50, explained->p50_deg, 3);
+    cli_decimals(p99, explained->p99_deg, 3);
+    cli_decimals(most, explained->max_deg, 3);
+    fputs("      stored normals are best explained by ", stdout);
+    if (explained->flat)
+        fputs("flat shading", stdout);
+    else if (isnan(explained->crease_deg))
+        printf("%s weights, smooth", norma_weight_name(explained->weight));
+    else
+        printf("%s weights, crease %s\302\260", norma_weight_name(explained->weight),
+            cli_decimals(crease, explained->crease_deg, 3));
+    printf(": off by %s\302\260 at p50, %s\302\260 at p99, %s\302\260 at most\n", p50, p99, most);
+}
+
+static void print_explained_tangents(const cli_explained_tangents *explained) {
+    const norma_tangent_deviation *deviation = &explained->deviation;
+    char p50[32], p99[32], most[32];
+    cli_decimals(p50, explained->p50_deg, 3);
+    cli_decimals(p99, explained->p99_deg, 3);
+    cli_decimals(most, explained->max_deg, 3);
+    printf("      stored tangents are best explained by %s%s, sign %s: off by %s\302\260 at p50, "
+           "%s\302\260 at p99, %s\302\260 at most; ",
+        norma_tangent_source_name(deviation->source),
+        deviation->transformed ? " through the texture transform" : "",
+        deviation->negated ? "negated" : "as it is", p50, p99, most);
+    cli_count(stdout, deviation->explained);
+    fputs(" of ", stdout);
+    cli_counted(stdout, deviation->corners, "corner", "corners");
+    fputs(" explained\n", stdout);
+}
+
+static void print_part(const mesh_part *part) {
+    const norma_mesh_info *info = &part->info;
+    cli_counted(stdout, info->vertices, "vertex", "vertices");
+    fputs(", ", stdout);
+    cli_counted(stdout, info->faces, "face", "faces");
+    if (info->triangles != info->faces) {
+        fputs(" (", stdout);
+        cli_counted(stdout, info->triangles, "triangle", "triangles");
+        fputs(")", stdout);
+    }
+    if (info->normals == NORMA_NORMALS_NONE)
+        fputs(", no normals", stdout);
+    else
+        printf(", normals per %s (%s)", storage_name(info->normals), info->encoding);
+    fputs(info->has_tangents ? ", tangents" : "", stdout);
+    fputs(info->has_smoothing_groups ? ", smoothing groups" : "", stdout);
+    if (info->morph_targets) {
+        fputs(", ", stdout);
+        cli_counted(stdout, info->morph_targets, "morph target", "morph targets");
+    }
+    if (info->compression) printf(", compressed with %s", info->compression);
+    if (part->closed >= 0) fputs(part->closed ? ", closed" : ", open", stdout);
+    fputs("\n", stdout);
+    if (info->not_read) {
+        cli_say(stdout, "      cannot be computed or transformed: %s", info->not_read);
+        fputs("\n", stdout);
+    }
+    if (part->is_explained) print_explained(&part->explained);
+    if (part->has_explained_tangents) print_explained_tangents(&part->tangents);
+}
+
+/* Of a glTF file. */
+static void print_mesh(const contents *found, size_t first, size_t end) {
+    const norma_mesh_info *info = &found->parts[first].info;
+    for (size_t i = first; i < end; ++i) {
+        printf("  mesh %zu", info->mesh);
+        print_name(info->name);
+        if (end - first > 1) printf(" primitive %zu", found->parts[i].info.primitive);
+        fputs(": ", stdout);
+        print_part(&found->parts[i]);
+    }
+}
+
+static void print_nodes(const contents *found) {
+    norma_matrix_info matrix;
+    for (size_t i = 0; i < found->node_count; ++i) {
+        const norma_node_info node = found->nodes[i];
+        kind_of(&node, &matrix);
+        printf("  node %zu", node.node);
+        print_name(node.name);
+        printf(" draws mesh %zu", node.mesh);
+        if (node.instances != 1) {
+            fputs(" in ", stdout);
+            cli_counted(stdout, node.instances, "instance", "instances");
+        }
+        printf(": %s", cli_kind_name(matrix.kind));
+        if (!isfinite(matrix.anisotropy))
+            fputs(", flattened", stdout);
+        else if (matrix.kind == NORMA_KIND_NON_UNIFORM_SCALE || matrix.kind == NORMA_KIND_SHEAR)
+            printf(", anisotropy %.4g", matrix.anisotropy);
+        fputs(matrix.mirrored ? ", mirrored\n" : "\n", stdout);
+    }
+}
+
+static void print_bounds(const info_bounds *bounds) {
+    char from[3][32], to[3][32];
+    if (!bounds->known) return;
+    for (int axis = 0; axis < 3; ++axis) {
+        snprintf(from[axis], sizeof from[axis], "%.6g", bounds->least[axis] + 0.0);
+        snprintf(to[axis], sizeof to[axis], "%.6g", bounds->most[axis] + 0.0);
+    }
+    printf("  from (%s, %s, %s) to (%s, %s, %s)\n", from[0], from[1], from[2], to[0], to[1], to[2]);
+}
+
+static void print_text(const contents *found) {
+    size_t meshes = 0;
+    cli_say(stdout, "%s: %s", cli_input_name(found->path), norma_file_format_name(found->format));
+    if (found->part_count == 1 && !found->parts[0].info.where[0]) {
+        print_name(found->parts[0].info.name);
+        fputs(", ", stdout);
+        print_part(&found->parts[0]);
+        print_bounds(&found->bounds);
+        return;
+    }
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first)) ++meshes;
+    fputs(", ", stdout);
+    cli_counted(stdout, meshes, "mesh", "meshes");
+    fputs(", ", stdout);
+    cli_counted(stdout, found->vertices, "vertex", "vertices");
+    fputs(", ", stdout);
+    cli_counted(stdout, found->faces, "face", "faces");
+    if (found->skin_count) {
+        fputs(", ", stdout);
+        cli_counted(stdout, found->skin_count, "skin", "skins");
+    }
+    fputs("\n", stdout);
+    print_bounds(&found->bounds);
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
+        print_mesh(found, first, mesh_end(found, first));
+    print_nodes(found);
+}
+
+/* ---- one file */
+
+/* N304 names the components that are open, or that cannot be turned to one side. */
+static norma_document_result find_open_parts(
+    const info_work *work, norma_document *document, contents *found, norma_document_error *error) {
+    uint8_t rules[128] = {0};
+    char unknown[64];
+    norma_findings *findings = NULL;
+    const norma_check_options checking = {.struct_size = sizeof checking,
+        .profile = NORMA_CHECK_PROFILE_PRINT,
+        .max_samples = 1,
+        .rules = rules,
+        .threads = work->common.threads};
+    norma_rules_select("N304", rules, unknown);
+    const norma_document_result result =
+        norma_check_document(document, &checking, &findings, error);
+    for (size_t i = 0; i < found->part_count && !result; ++i) {
+        const norma_mesh_info *info = &found->parts[i].info;
+        found->parts[i].closed = info->faces && !info->not_read ? 1 : -1;
+        for (size_t k = 0; k < norma_findings_count(findings); ++k)
+            if (strcmp(norma_findings_get(findings, k)->where, info->where) == 0)
+                found->parts[i].closed = 0;
+    }
+    norma_findings_free(findings);
+    return result;
+}
+
+static norma_document_result collect(const info_work *work, int whole, norma_document *document,
+    contents *found, norma_document_error *error) {
+    found->document = document;
+    found->format = norma_document_format(document);
+    found->part_count = norma_document_mesh_count(document);
+    found->parts = calloc(found->part_count + 1, sizeof *found->parts);
+    norma_document_result result = found->parts ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MEMORY;
+    for (size_t i = 0; i < found->part_count && !result; ++i) {
+        mesh_part *part = &found->parts[i];
+        part->closed = -1;
+        if (work->deep)
+            part->is_explained = cli_explain_normals(
+                document, i, work->common.threads, &part->explained, &result, error);
+        if (work->deep && !result)
+            part->has_explained_tangents = cli_explain_tangents(
+                document, i, work->common.threads, &part->tangents, &result, error);
+        if (!result) result = norma_document_mesh_info(document, i, &part->info);
+        found->vertices += part->info.vertices;
+        found->faces += part->info.faces;
+        found->triangles += part->info.triangles;
+    }
+    found->node_count = norma_document_node_count(document);
+    found->nodes = calloc(found->node_count + 1, sizeof *found->nodes);
+    result = result || found->nodes ? result : NORMA_DOCUMENT_ERROR_MEMORY;
+    for (size_t i = 0; i < found->node_count && !result; ++i)
+        result = norma_document_node_info(document, i, &found->nodes[i]);
+    found->skin_count = norma_document_skin_count(document);
+    if (!result && whole) result = info_find_bounds(document, &found->bounds, error);
+    if (!result && work->deep) result = find_open_parts(work, document, found, error);
+    return result;
+}
+
+/* The body of a larger file is read with --deep only. */
+static norma_document_depth depth_of(const info_work *work, const char *path) {
+    const double most_megabytes = 256;
+    return work->deep || cli_megabytes(path) <= most_megabytes ? NORMA_DOCUMENT_WHOLE
+                                                               : NORMA_DOCUMENT_SUMMARY;
+}
+
+static void forget(contents *found, norma_document **document, void **memory) {
+    free(found->parts);
+    free(found->nodes);
+    *found = (contents){.path = found->path};
+    norma_document_close(*document);
+    free(*memory);
+    *document = NULL;
+    *memory = NULL;
+}
+
+/* A status. */
+static int finish_file(const info_work *work, const contents *found, norma_document_error *error) {
+    cli_name_error(error, found->path);
+    if (error->result) {
+        cli_print_error(error);
+        if (work->common.json) write_failure(found->path, error);
+    } else if (work->common.json) {
+        write_json(found);
+    } else {
+        print_text(found);
+        fflush(stdout);
+        if (!work->common.quiet) cli_print_notes(found->path, found->document);
+    }
+    return cli_status_of(error->result);
+}
+
+static int run_large_file(const info_work *work, const char *path) {
+    cli_progress progress;
+    norma_document_error error = {0};
+    mesh_part part = {.closed = -1};
+    contents found = {.path = path, .format = work->files.format, .parts = &part, .part_count = 1};
+    cli_progress_start(&progress, "reading", path, work->common.quiet, cli_megabytes(path));
+    error.result =
+        info_describe_large(path, &found.format, &progress, &part.info, &found.bounds, &error);
+    cli_progress_stop(&progress);
+    found.vertices = part.info.vertices;
+    found.faces = part.info.faces;
+    found.triangles = part.info.triangles;
+    return finish_file(work, &found, &error);
+}
+
+static int run_file(const info_work *work, const char *path) {
+    if (!work->deep && cli_needs_passes(&work->files, path)) return run_large_file(work, path);
+    cli_progress progress;
+    norma_document *document;
+    norma_document_error error = {0};
+    void *memory;
+    contents found = {.path = path};
+    cli_progress_start(&progress, "reading", path, work->common.quiet, cli_megabytes(path));
+    norma_document_options opening = {.struct_size = sizeof opening,
+        .format = work->files.format,
+        .depth = depth_of(work, path),
+        .threads = work->common.threads,
+        .progress = cli_progress_report,
+        .progress_user = &progress};
+    norma_document_result result =
+        cli_open(&work->files, path, &opening, &document, &memory, &error);
+    if (!result)
+        result = collect(work, opening.depth == NORMA_DOCUMENT_WHOLE, document, &found, &error);
+    const int again = result && result != NORMA_DOCUMENT_ERROR_MEMORY && !work->deep &&
+                      opening.depth == NORMA_DOCUMENT_WHOLE && strcmp(path, "-") != 0;
+    if (again) { /* of a file whose body is at fault, the head may still be read */
+        forget(&found, &document, &memory);
+        opening.depth = NORMA_DOCUMENT_SUMMARY;
+        result = cli_open(&work->files, path, &opening, &document, &memory, &error);
+        if (!result) result = collect(work, 0, document, &found, &error);
+    }
+    cli_progress_stop(&progress);
+    error.result = result;
+    const int status = finish_file(work, &found, &error);
+    forget(&found, &document, &memory);
+    return status;
+}
+
+static int run_one(void *user, size_t file) {
+    const info_work *work = user;
+    return run_file(work, work->files.inputs.paths[file]);
+}
+
+static void report_lost(void *user, size_t file, const char *why) {
+    const info_work *work = user;
+    contents none = {.path = work->files.inputs.paths[file]};
+    norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_FILE};
+    snprintf(error.message, sizeof error.message, ": %s", why);
+    finish_file(work, &none, &error);
+}
+
+/* ---- the command */
+
+static int run(const cli_subcommand *command, int count, char **arguments) {
+    info_work work = {.common = {.threads = NORMA_ALL_THREADS}};
+    const cli_table tables[] = {
+        {options, CLI_COUNT(options), &work},
+        {cli_input_options, cli_input_option_count, &work.files},
+        {cli_common_options, cli_common_option_count, &work.common},
+    };
+    int wants_help, status;
+    if (!cli_files_begin(command, &work.files, count)) return CLI_FILE;
+    status = cli_parse(
+        command, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
+    if (wants_help)
+        fputs(help, stdout);
+    else if (!status)
+        status = cli_find_inputs(command, &work.files);
+    const cli_each each = {work.files.inputs.count, run_one, report_lost, &work, work.files.guard};
+    if (!wants_help && status != CLI_USAGE) status = cli_worse(status, cli_run_each(&each));
+    cli_files_end(&work.files);
+    return cli_finish(status);
+}
+
+const cli_subcommand cli_subcommand_info = {
+    "info", "lists what is in a file: meshes, counts, normals and transforms", help, run};

@@ -1,0 +1,530 @@
+/* read_reports.c: where the entries of a report stand, and what they say. */
+#define _POSIX_C_SOURCE 200809L
+#include "cli/report/report.h"
+#include "cli/process/process.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Where the entries of a report in JSON or SARIF stand. The report is gone through
+ * once, and jansson reads its values one by one, so that memory does not grow with the report. */
+
+typedef struct report_scan {
+    report_merge *merged;
+    report_text *text;
+    uint64_t at;       /* of the next byte */
+    const char *bytes; /* those of the block from there on */
+    size_t left;
+    int space;   /* the last white space since a bracket or a comma */
+    size_t size; /* of the value that was taken last, in merged->entry */
+    uint64_t value_at;
+    int status;                                   /* not CLI_OK: reported */
+    int has_files, has_runs, is_norma, has_fault; /* has_fault: JSON, but not as check writes it */
+    size_t first_part;
+    int run_fits, run_fault;
+} report_scan;
+
+static int refuse(const report_scan *scan, const char *why) {
+    cli_error("%s: %s", scan->text->files->paths[scan->text->report], why);
+    return CLI_FILE;
+}
+
+/* ---- values */
+
+static int peek(report_scan *scan) {
+    if (!scan->left) scan->bytes = report_text_at(scan->text, scan->at, &scan->left);
+    return scan->left ? (unsigned char)*scan->bytes : EOF;
+}
+
+static void advance(report_scan *scan, size_t count) {
+    scan->bytes += count;
+    scan->left -= count;
+    scan->at += count;
+}
+
+static int next(report_scan *scan) { /* after white space */
+    int byte;
+    while ((byte = peek(scan)) == ' ' || byte == '\n' || byte == '\t' || byte == '\r') {
+        scan->space = byte;
+        advance(scan, 1);
+    }
+    return byte;
+}
+
+static int expect(report_scan *scan, int byte) {
+    if (next(scan) != byte) return 0;
+    advance(scan, 1);
+    scan->space = 0;
+    return 1;
+}
+
+typedef struct nesting {
+    size_t depth;
+    int in_string, escaped, ended;
+} nesting;
+
+/* Whether a byte of a string ends it. */
+static int ends_string(nesting *state, char byte) {
+    const int ends = byte == '"' && !state->escaped;
+    state->escaped = byte == '\\' && !state->escaped;
+    return ends;
+}
+
+/* How many of the bytes belong to a value. What it is, jansson sees. */
+static size_t span_of_value(nesting *state, const char *bytes, size_t size) {
+    for (size_t i = 0; i < size; ++i) {
+        const char byte = bytes[i];
+        if (state->in_string) {
+            if (!ends_string(state, byte)) continue;
+            state->in_string = 0;
+            state->ended = state->depth == 0;
+        } else if (byte == '"') {
+            state->in_string = 1;
+        } else if (byte == '{' || byte == '[') {
+            ++state->depth;
+        } else if ((byte == '}' || byte == ']') && state->depth) {
+            state->ended = --state->depth == 0;
+        } else if (state->depth == 0 && strchr(" \n\t\r,:]}", byte)) {
+            state->ended = 1;
+            return i;
+        }
+        if (state->ended) return i + 1;
+    }
+    return size;
+}
+
+/* The text of the value that stands next. 0: it has no end. */
+static int take_value(report_scan *scan) {
+    nesting state = {0};
+    next(scan);
+    scan->size = 0;
+    scan->value_at = scan->at;
+    while (!state.ended && peek(scan) != EOF) {
+        const size_t count = span_of_value(&state, scan->bytes, scan->left);
+        if (!report_grow_entry(scan->merged, scan->size + count)) {
+            scan->status = CLI_FILE;
+            return 0;
+        }
+        memcpy(scan->merged->entry + scan->size, scan->bytes, count);
+        scan->size += count;
+        advance(scan, count);
+    }
+    return state.ended && scan->size;
+}
+
+static json_t *load_value(report_scan *scan) {
+    json_error_t error;
+    return take_value(scan) ? json_loadb(scan->merged->entry, scan->size,
+                                  JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error)
+                            : NULL;
+}
+
+/* ---- objects and arrays whose values are taken one by one; 0: not to be read any further */
+
+typedef int take(report_scan *scan, const char *key);
+
+static json_t *load_key(report_scan *scan, json_t *keys) {
+    json_t *key = next(scan) == '"' ? load_value(scan) : NULL;
+    const char *name = json_string_value(key);
+    if (name && !json_object_get(keys, name) && !json_object_set_new(keys, name, json_true()))
+        return key;
+    json_decref(key);
+    return NULL;
+}
+
+static int take_member(report_scan *scan, json_t *keys, take *member) {
+    json_t *key = load_key(scan, keys);
+    const int fine = key && expect(scan, ':') && member(scan, json_string_value(key));
+    json_decref(key);
+    return fine;
+}
+
+static int walk_object(report_scan *scan, take *member) {
+    json_t *keys = json_object();
+    int fine = expect(scan, '{');
+    if (fine && next(scan) != '}') do
+            fine = take_member(scan, keys, member);
+        while (fine && expect(scan, ','));
+    json_decref(keys);
+    return fine && expect(scan, '}');
+}
+
+static int walk_array(report_scan *scan, take *element) {
+    int fine = expect(scan, '[');
+    if (fine && next(scan) != ']') do
+            fine = element(scan, NULL);
+        while (fine && expect(scan, ','));
+    return fine && expect(scan, ']');
+}
+
+/* ---- JSON */
+
+/* What is read of an entry must be there. */
+static int is_file(const json_t *file) {
+    const json_t *findings = json_object_get(file, "findings");
+    size_t i;
+    json_t *finding;
+    if (!json_string_value(json_object_get(file, "path")) ||
+        !json_string_value(json_object_get(file, "status")) || !json_is_array(findings))
+        return 0;
+    json_array_foreach(findings, i, finding) {
+        if (!report_severity(finding) || !json_string_value(json_object_get(finding, "rule")) ||
+            !json_string_value(json_object_get(finding, "where")) ||
+            !json_string_value(json_object_get(finding, "message")))
+            return 0;
+    }
+    return 1;
+}
+
+static void count_file(const json_t *file, check_totals *totals) {
+    size_t i;
+    json_t *finding;
+    size_t problems = 0;
+    json_array_foreach(json_object_get(file, "findings"), i, finding) {
+        const norma_severity severity = report_severity(finding);
+        totals->errors += severity == NORMA_SEVERITY_ERROR;
+        totals->warnings += severity == NORMA_SEVERITY_WARNING;
+        totals->infos += severity == NORMA_SEVERITY_INFO;
+        problems += severity != NORMA_SEVERITY_INFO;
+    }
+    ++totals->files;
+    totals->files_with_trouble += problems > 0;
+    totals->not_checked +=
+        strcmp(json_string_value(json_object_get(file, "status")), "checked") != 0;
+}
+
+/* Results of one file that follow one another as norma check writes them are one part, so that
+ * memory grows with files, not with findings. */
+static int extends_last(const report_scan *scan, const char *path) {
+    const report_merge *merged = scan->merged;
+    if (merged->part_count == scan->first_part || scan->space != '\n') return 0;
+    const report_part *last = &merged->parts[merged->part_count - 1];
+    return scan->value_at == last->offset + last->size + strlen(",\n") &&
+           strcmp(last->path, path) == 0;
+}
+
+static int add_part(report_scan *scan, const char *path) {
+    const char *text = scan->merged->entry;
+    if (scan->has_runs && extends_last(scan, path)) {
+        report_part *last = &scan->merged->parts[scan->merged->part_count - 1];
+        last->size += strlen(",\n") + scan->size;
+        last->hash = report_hash(report_hash(last->hash, ",\n", strlen(",\n")), text, scan->size);
+        return 1;
+    }
+    scan->status =
+        report_add_part(scan->merged, (report_part){.path = path,
+                                          .report = (uint32_t)scan->text->report,
+                                          .offset = scan->value_at,
+                                          .size = scan->size,
+                                          .hash = report_hash(REPORT_HASH, text, scan->size)});
+    return scan->status == CLI_OK;
+}
+
+/* Adds a part under the name that percent-encoded text stands for. */
+static int add_encoded(report_scan *scan, const char *text) {
+    char *path = strdup(text);
+    if (!path) {
+        scan->status = cli_out_of_memory();
+        return 0;
+    }
+    report_decode(path);
+    const int added = add_part(scan, path);
+    free(path);
+    return added;
+}
+
+/* What the file alone would have ended with: the severity that fails is its own. */
+static int status_of(const json_t *file) {
+    const int least = report_fail_on(file);
+    const json_t *finding;
+    size_t i;
+    int status = CLI_OK;
+    if (strcmp(json_string_value(json_object_get(file, "status")), "unreadable") == 0)
+        return CLI_FILE;
+    json_array_foreach(json_object_get(file, "findings"), i, finding) {
+        if ((int)report_severity(finding) >= least) status = CLI_FINDINGS;
+    }
+    return status;
+}
+
+static int note_file(report_scan *scan, const json_t *file) {
+    const char *bytes = json_string_value(json_object_get(file, "path_bytes"));
+    count_file(file, &scan->merged->totals);
+    scan->merged->status = cli_worse(scan->merged->status, status_of(file));
+    return bytes ? add_encoded(scan, bytes)
+                 : add_part(scan, json_string_value(json_object_get(file, "path")));
+}
+
+/* A fault is reported in the end: an error in the JSON goes before it. */
+static int take_file(report_scan *scan, const char *key) {
+    (void)key;
+    json_t *file = load_value(scan);
+    int fine = file != NULL;
+    if (fine && !scan->has_runs) {
+        scan->has_fault |= !is_file(file);
+        fine = scan->has_fault || note_file(scan, file);
+    }
+    json_decref(file);
+    return fine;
+}
+
+/* ---- SARIF */
+
+static const char *uri_of(const json_t *result) {
+    const json_t *location = json_array_get(json_object_get(result, "locations"), 0),
+                 *physical = json_object_get(location, "physicalLocation"),
+                 *artifact = json_object_get(physical, "artifactLocation");
+    const char *uri = json_string_value(json_object_get(artifact, "uri"));
+    return uri ? uri : "";
+}
+
+static int result_status(const json_t *result) {
+    const char *level = json_string_value(json_object_get(result, "level")),
+               *rule = json_string_value(json_object_get(result, "ruleId"));
+    const json_t *fails = json_object_get(json_object_get(result, "properties"), "fails");
+    if (rule && strcmp(rule, "N001") == 0) return CLI_FILE;
+    return (fails ? json_is_true(fails) : level && strcmp(level, "error") == 0) ? CLI_FINDINGS
+                                                                                : CLI_OK;
+}
+
+static int take_result(report_scan *scan, const char *key) {
+    (void)key;
+    json_t *result = load_value(scan);
+    if (result) scan->merged->status = cli_worse(scan->merged->status, result_status(result));
+    const int fine = result && add_encoded(scan, uri_of(result));
+    json_decref(result);
+    return fine;
+}
+
+/* Results name rules by their numbers, which other versions may have changed. */
+static int is_of_this_version(const json_t *tool) {
+    const json_t *driver = json_object_get(tool, "driver");
+    const char *version = json_string_value(json_object_get(driver, "semanticVersion"));
+    return version && strcmp(version, norma_version()) == 0;
+}
+
+static int take_of_run(report_scan *scan, const char *key) {
+    if (strcmp(key, "results") == 0 && next(scan) == '[') return walk_array(scan, take_result);
+    json_t *value = load_value(scan);
+    if (strcmp(key, "tool") == 0) scan->run_fits = is_of_this_version(value);
+    if (strcmp(key, "properties") == 0) report_note_shard(scan->merged, scan->text->report, value);
+    if (strcmp(key, "invocations") == 0 &&
+        json_is_false(json_object_get(json_array_get(value, 0), "executionSuccessful")))
+        scan->merged->status = CLI_FILE;
+    json_decref(value);
+    return value != NULL;
+}
+
+static int take_run(report_scan *scan, const char *key) {
+    (void)key;
+    scan->run_fits = 0;
+    int fine;
+    if (next(scan) == '{') {
+        fine = walk_object(scan, take_of_run);
+    } else {
+        json_t *run = load_value(scan);
+        fine = run != NULL;
+        json_decref(run);
+    }
+    scan->run_fault |= !scan->run_fits;
+    return fine;
+}
+
+/* ---- both */
+
+static int take_runs(report_scan *scan) {
+    scan->has_runs = 1; /* then it is SARIF, and all else is of no importance */
+    report_drop_parts(scan->merged, scan->first_part);
+    return walk_array(scan, take_run);
+}
+
+/* Of members that stand alone. */
+static void note_member(report_scan *scan, const char *key, json_t *value) {
+    json_t *object = json_object();
+    if (object && !json_object_set(object, key, value))
+        report_note_shard(scan->merged, scan->text->report, object);
+    json_decref(object);
+    if (strcmp(key, "summary") == 0 && json_is_false(json_object_get(value, "complete"))) {
+        scan->merged->status = CLI_FILE;
+        scan->merged->totals.incomplete = 1;
+    }
+}
+
+static int take_of_report(report_scan *scan, const char *key) {
+    const int is_array = next(scan) == '[';
+    if (is_array && strcmp(key, "runs") == 0) return take_runs(scan);
+    if (is_array && strcmp(key, "files") == 0) {
+        scan->has_files = 1;
+        return walk_array(scan, take_file);
+    }
+    json_t *value = load_value(scan);
+    const char *text = json_string_value(value);
+    if (strcmp(key, "schema") == 0) scan->is_norma = text && strcmp(text, "norma-check/1") == 0;
+    if (value && !scan->has_runs) note_member(scan, key, value);
+    json_decref(value);
+    return value != NULL;
+}
+
+static const char no_report[] = "is not a report of norma check; expected one in JSON or SARIF";
+
+/* jansson says where and why, for which it reads the whole report. */
+static int refuse_text(const report_scan *scan) {
+    if (scan->status || scan->text->files->failed) return CLI_FILE;
+    json_t *report =
+        check_load_json(scan->text->files->paths[scan->text->report], "a report of norma check");
+    if (!report) return CLI_FILE;
+    const int is_array = json_is_array(report);
+    json_decref(report);
+    return refuse(scan, is_array ? no_report : "changed while it was read");
+}
+
+static int note_report(report_scan *scan) {
+    if (scan->has_runs) {
+        scan->merged->kind = REPORT_SARIF;
+        if (scan->run_fault)
+            return refuse(scan, "was not written by this version of norma check, so its rules may "
+                                "have other numbers");
+        return CLI_OK;
+    }
+    if (!scan->has_files || !scan->is_norma) return refuse(scan, no_report);
+    scan->merged->kind = REPORT_JSON;
+    if (scan->has_fault) return refuse(scan, "expected a path, a status and findings in each file");
+    return CLI_OK;
+}
+
+int report_add_json(report_merge *merged, report_text *text) {
+    report_scan scan = {.merged = merged, .text = text, .first_part = merged->part_count};
+    return walk_object(&scan, take_of_report) && next(&scan) == EOF && !merged->files.failed
+               ? note_report(&scan)
+               : refuse_text(&scan);
+}
+
+/* ---- Pages of norma check as one: the sections of their files, pictures included, and a
+ * summary of all, from the totals that each page holds as JSON. */
+
+int report_is_html(report_text *text) {
+    const char *bytes;
+    size_t size;
+    for (uint64_t at = 0; (bytes = report_text_at(text, at, &size)); at += size)
+        for (size_t i = 0; i < size; ++i)
+            if (!bytes[i] || !strchr(" \t\r\n", bytes[i])) return bytes[i] == '<';
+    return 0;
+}
+
+static int refuse_page(const report_text *text) {
+    if (!text->files->failed)
+        cli_error("%s: is not an HTML report of norma check", text->files->paths[text->report]);
+    return CLI_FILE;
+}
+
+/* ---- totals */
+
+static size_t number_of(const json_t *object, const char *key) {
+    const json_int_t number = json_integer_value(json_object_get(object, key));
+    return number > 0 ? (size_t)number : 0;
+}
+
+static void add_rule(const json_t *entry, check_totals *totals) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    const char *id = json_string_value(json_object_get(entry, "rule"));
+    const norma_severity severity = report_severity(entry);
+    for (size_t rule = 0; rule < count && id && severity; ++rule)
+        if (strcmp(rules[rule].id, id) == 0) {
+            totals->by_rule[rule][severity].places += number_of(entry, "places");
+            totals->by_rule[rule][severity].files += number_of(entry, "files");
+        }
+}
+
+static void add_totals(const json_t *page, check_totals *totals) {
+    size_t i;
+    json_t *entry;
+    totals->errors += number_of(page, "errors");
+    totals->warnings += number_of(page, "warnings");
+    totals->infos += number_of(page, "infos");
+    totals->files += number_of(page, "files");
+    totals->files_with_trouble += number_of(page, "files_with_trouble");
+    totals->not_checked += number_of(page, "not_checked");
+    totals->known += number_of(page, "known");
+    totals->incomplete |= json_is_false(json_object_get(page, "complete"));
+    json_array_foreach(json_object_get(page, "rules"), i, entry) add_rule(entry, totals);
+}
+
+/* The bytes from one place to another, in merged->entry. 0: reported. */
+static int read_between(report_merge *merged, report_text *text, uint64_t from, uint64_t to) {
+    const size_t size = (size_t)(to - from);
+    if (!report_grow_entry(merged, size + 1)) return 0;
+    if (report_files_read(text->files, text->report, from, merged->entry, size) == size) return 1;
+    refuse_page(text);
+    return 0;
+}
+
+static int read_totals(report_merge *merged, report_text *text) {
+    static const char begin[] = CHECK_HTML_TOTALS;
+    json_error_t error;
+    uint64_t at = report_text_find(text, 0, begin), last = at;
+    if (at != UINT64_MAX) last = report_text_find(text, at, "</script>");
+    if (last == UINT64_MAX) return refuse_page(text);
+    at += sizeof begin - 1;
+    if (!read_between(merged, text, at, last)) return CLI_FILE;
+    json_t *page = json_loadb(merged->entry, (size_t)(last - at), 0, &error);
+    if (!page) return refuse_page(text);
+    add_totals(page, &merged->totals);
+    report_note_shard(merged, text->report, page);
+    if (merged->totals.incomplete) merged->status = CLI_FILE;
+    json_decref(page);
+    return CLI_OK;
+}
+
+/* ---- sections */
+
+/* Behind its path: whether the file was read, and whether a finding fails. */
+static int note_status(report_merge *merged, report_text *text, uint64_t at) {
+    static const char words[] = CHECK_HTML_STATUS, fails[] = CHECK_HTML_FAILS;
+    const uint64_t end = report_text_find(text, at, ">");
+    if (end == UINT64_MAX || end - at > 100) return refuse_page(text);
+    if (!read_between(merged, text, at, end + 1)) return CLI_FILE;
+    merged->entry[end + 1 - at] = '\0';
+    if (strncmp(merged->entry, words, sizeof words - 1) != 0) return refuse_page(text);
+    if (strstr(merged->entry, fails)) merged->status = cli_worse(merged->status, CLI_FINDINGS);
+    if (strncmp(merged->entry + sizeof words - 1, "unreadable", 10) == 0) merged->status = CLI_FILE;
+    return CLI_OK;
+}
+
+static int add_section(report_merge *merged, report_text *text, uint64_t from, uint64_t to) {
+    report_part part = {.report = (uint32_t)text->report, .offset = from, .size = to - from};
+    const uint64_t path = from + sizeof CHECK_HTML_FILE - 1,
+                   path_end = report_text_find(text, path, "\"");
+    if (path_end == UINT64_MAX || !report_copy_bytes(merged, &part, &part.hash, NULL))
+        return refuse_page(text);
+    if (!read_between(merged, text, path, path_end)) return CLI_FILE;
+    merged->entry[path_end - path] = '\0';
+    report_decode(merged->entry);
+    part.path = merged->entry;
+    const int status = report_add_part(merged, part);
+    return status ? status : note_status(merged, text, path_end);
+}
+
+int report_add_html(report_merge *merged, report_text *text) {
+    static const char begin[] = CHECK_HTML_FILE, end[] = CHECK_HTML_FILE_END;
+    merged->kind = REPORT_HTML;
+    text->stops_at_zero = 1;
+    text->size = 0; /* reads the block again */
+    int status = read_totals(merged, text);
+    for (uint64_t at = 0; !status && (at = report_text_find(text, at, begin)) != UINT64_MAX;) {
+        const uint64_t last = report_text_find(text, at, end);
+        if (last == UINT64_MAX) return refuse_page(text);
+        status = add_section(merged, text, at, last + sizeof end - 1);
+        at = last + sizeof end - 1;
+    }
+    return text->files->failed ? CLI_FILE : status;
+}
+
+int report_write_html(report_merge *merged, FILE *out) {
+    int status = CLI_OK;
+    merged->totals.status = merged->status;
+    check_format_html.begin(out, &merged->settings);
+    for (size_t i = 0; i < merged->part_count && !status; ++i)
+        status = report_copy_part(merged, &merged->parts[i], out);
+    check_format_html.end(out, &merged->totals, &merged->settings);
+    return status;
+}

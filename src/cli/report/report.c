@@ -1,0 +1,371 @@
+/* report.c: norma report: the reports of norma check as one. */
+#include "cli/report/report.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
+#include "cli/files/files.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Merged reports in their own form, the entries byte by byte, or JSON in the words
+ * of any other form. */
+
+/* ---- as it is */
+
+/* An entry that is what it was when it was read first can be read again. */
+static json_t *load_entry(report_merge *merged, const report_part *part, int *status) {
+    json_error_t error;
+    *status = report_load_part(merged, part);
+    if (*status) return NULL;
+    json_t *entry = json_loadb(merged->entry, (size_t)part->size, JSON_DECODE_ANY, &error);
+    if (!entry) *status = cli_out_of_memory();
+    return entry;
+}
+
+static int write_parts_as_they_are(report_merge *merged, FILE *out) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < merged->part_count && !status; ++i) {
+        if (i) fputs(",\n", out);
+        status = report_copy_part(merged, &merged->parts[i], out);
+    }
+    return status;
+}
+
+int report_write_json(report_merge *merged, FILE *out) {
+    check_totals totals = merged->totals;
+    totals.status = merged->status;
+    check_format_json.begin(out, &merged->settings);
+    const int status = write_parts_as_they_are(merged, out);
+    check_format_json.end(out, &totals, &merged->settings);
+    return status;
+}
+
+/* Results that another program wrote over several lines are not told apart by lines. */
+static int add_results(report_merge *merged, const report_part *part, check_results *results) {
+    const int status = report_load_part(merged, part);
+    if (status) return status;
+    return check_results_add(results, merged->entry, (size_t)part->size) ? CLI_OK
+                                                                         : cli_out_of_memory();
+}
+
+int report_write_sarif(report_merge *merged, FILE *out) {
+    check_totals totals = {.status = merged->status};
+    check_results *results = check_results_new();
+    int status = results ? CLI_OK : cli_out_of_memory();
+    check_format_sarif.begin(out, &merged->settings);
+    for (size_t i = 0; i < merged->part_count && !status; ++i)
+        status = add_results(merged, &merged->parts[i], results);
+    if (!status) check_results_write(results, out, &totals);
+    check_results_free(results);
+    check_format_sarif.end(out, &totals, &merged->settings);
+    return status;
+}
+
+/* ---- JSON in another form */
+
+static const char *text_of(const json_t *object, const char *key) {
+    const char *text = json_string_value(json_object_get(object, key));
+    return text ? text : "";
+}
+
+static size_t index_of(const json_t *object, const char *key) {
+    const json_t *value = json_object_get(object, key);
+    return json_is_integer(value) ? (size_t)json_integer_value(value) : SIZE_MAX;
+}
+
+static norma_sample read_sample(const json_t *object) {
+    const json_t *position = json_object_get(object, "position");
+    norma_sample sample = {.vertex = index_of(object, "vertex"),
+        .face = index_of(object, "face"),
+        .normal = SIZE_MAX,
+        .has_position = json_array_size(position) == 3};
+    for (size_t i = 0; i < 3 && sample.has_position; ++i)
+        sample.position[i] = json_number_value(json_array_get(position, i));
+    return sample;
+}
+
+static const norma_rule *find_rule(const char *id) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    for (size_t i = 0; i < count; ++i)
+        if (strcmp(rules[i].id, id) == 0) return &rules[i];
+    return NULL;
+}
+
+/* The rule is that of the table, so one that this version does not know has no place in another
+ * form. */
+static int read_finding(const json_t *object, norma_finding *finding) {
+    const json_t *worst = json_object_get(object, "worst"),
+                 *value = json_object_get(worst, "value");
+    *finding = (norma_finding){.rule = find_rule(text_of(object, "rule")),
+        .severity = report_severity(object),
+        .where = text_of(object, "where"),
+        .label = text_of(object, "where"),
+        .count = index_of(object, "count"),
+        .worst_value = json_is_number(value) ? json_number_value(value) : NAN,
+        .unit = text_of(worst, "unit"),
+        .worst = read_sample(worst),
+        .message = text_of(object, "message")};
+    if (finding->count == SIZE_MAX) finding->count = 1;
+    return finding->rule != NULL;
+}
+
+static norma_check_profile read_profile(const json_t *file) {
+    const char *name = text_of(file, "profile");
+    for (int profile = NORMA_CHECK_PROFILE_RENDER; profile <= NORMA_CHECK_PROFILE_GENERATED;
+         ++profile)
+        if (strcmp(check_profile_name((norma_check_profile)profile), name) == 0)
+            return (norma_check_profile)profile;
+    return NORMA_CHECK_PROFILE_RENDER;
+}
+
+/* A status. */
+static int write_file_as(const report_merge *merged, const char *path, const json_t *file,
+    const check_format *format, FILE *out, check_totals *totals) {
+    const json_t *list = json_object_get(file, "findings");
+    const size_t room = json_array_size(list) + 1;
+    norma_finding *findings = calloc(room, sizeof *findings);
+    check_item *items = calloc(room, sizeof *items);
+    const int fine = findings && items;
+    check_report report = {.settings = &merged->settings,
+        .path = path,
+        .profile = read_profile(file),
+        .status = text_of(file, "status"),
+        .items = items,
+        .fail_on = report_fail_on(file)};
+    size_t i;
+    json_t *object;
+    json_array_foreach(list, i, object) {
+        if (!fine || !read_finding(object, &findings[i])) continue;
+        items[report.count++] = (check_item){&findings[i], findings[i].severity,
+            (char *)(uintptr_t)json_string_value(json_object_get(object, "command"))};
+    }
+    if (fine) check_write_file(&report, format, out, totals);
+    free(items);
+    free(findings);
+    return fine ? CLI_OK : cli_out_of_memory();
+}
+
+/* Some forms have nothing to say of a file, and then need nothing between. */
+static int write_part_as(report_merge *merged, const report_part *part, const check_format *format,
+    FILE *out, check_totals *totals, int *any) {
+    cli_memory_stream written;
+    int status;
+    json_t *entry = load_entry(merged, part, &status);
+    if (!entry) return status;
+    if (cli_memory_open(&written))
+        status = write_file_as(merged, part->path, entry, format, written.out, totals);
+    json_decref(entry);
+    if (!cli_memory_close(&written)) return status ? status : cli_out_of_memory();
+    if (written.size && *any) fputs(format->between, out);
+    *any |= written.size > 0;
+    fwrite(written.text, 1, written.size, out);
+    free(written.text);
+    return status;
+}
+
+int report_write_as(
+    report_merge *merged, const check_format *format, FILE *out, check_totals *totals) {
+    int status = CLI_OK, any = 0;
+    format->begin(out, &merged->settings);
+    for (size_t i = 0; i < merged->part_count && !status; ++i)
+        status = write_part_as(merged, &merged->parts[i], format, out, totals, &any);
+    totals->status = cli_worse(totals->status, merged->status);
+    format->end(out, totals, &merged->settings);
+    return status;
+}
+
+/* ---- Norma report --merge: the reports of norma check on parts of a set of files,
+ * put together as the report on the whole set. What each report is, its content says. */
+
+static const char help[] =
+    "norma report --merge REPORT... -o OUT: joins reports of norma check into one\n"
+    "\n"
+    "Examples\n"
+    "  norma check models/ --shard 1/2 -o 1.json       on one machine\n"
+    "  norma check models/ --shard 2/2 -o 2.json       on another\n"
+    "  norma report --merge 1.json 2.json -o all.json\n"
+    "  norma report --merge 1.json 2.json -o all.html  a page, without pictures\n"
+    "  norma report --merge *.sarif -o all.sarif\n"
+    "\n"
+    "Each REPORT is a JSON, SARIF or HTML report of norma check; all must have the same format.\n"
+    "  --format text|line|json|sarif|html\n"
+    "                        the format to make of JSON reports. The default is the ending of -o, "
+    "or\n"
+    "                        JSON. SARIF and HTML reports keep their format\n"
+    "  -o, --output FILE     writes the report to FILE, not to standard output\n"
+    "  --info                also lists findings of severity info, in the formats text and line\n"
+    "  --partial             joins shards (norma check --shard) although some are missing; the\n"
+    "                        report names them, and the exit status is 3\n"
+    "Files are sorted by path. Shards must be of one set: each once, with the same options.\n"
+    "Exit status: by the findings, as one norma check of all files; 2 wrong usage, 3 a report\n"
+    "could not be read or written, or a set of shards is not whole.\n";
+
+typedef struct report_work {
+    int merge, partial;
+    char *missing;
+    const char *output;
+    const check_format *format; /* NULL: as the output is called */
+    report_merge merged;
+} report_work;
+
+static const char *set_merge(void *settings, const char *value) {
+    (void)value;
+    ((report_work *)settings)->merge = 1;
+    return NULL;
+}
+
+static const char *set_partial(void *settings, const char *value) {
+    (void)value;
+    ((report_work *)settings)->partial = 1;
+    return NULL;
+}
+
+static const char *set_output(void *settings, const char *value) {
+    ((report_work *)settings)->output = value;
+    return value[0] ? NULL : "the name of a file, or -";
+}
+
+static const char *set_format(void *settings, const char *value) {
+    ((report_work *)settings)->format = check_find_format(value);
+    return ((report_work *)settings)->format ? NULL : CHECK_FORMAT_NAMES;
+}
+
+static const char *set_info(void *settings, const char *value) {
+    (void)value;
+    ((report_work *)settings)->merged.settings.list_infos = 1;
+    return NULL;
+}
+
+static const cli_option options[] = {
+    {"merge", 0, 0, set_merge},
+    {"partial", 0, 0, set_partial},
+    {"output", 'o', 1, set_output},
+    {"format", 0, 1, set_format},
+    {"info", 0, 0, set_info},
+};
+
+/* ---- reading */
+
+/* By its content: a page, or JSON. Notes its parts. */
+static int read_report(report_merge *merged, size_t report) {
+    report_text *text = malloc(sizeof *text);
+    if (!text) return cli_out_of_memory();
+    report_text_begin(text, &merged->files, report);
+    const int status =
+        report_is_html(text) ? report_add_html(merged, text) : report_add_json(merged, text);
+    free(text);
+    return status;
+}
+
+static const char *kind_name(report_kind kind) {
+    return kind == REPORT_HTML ? "HTML" : kind == REPORT_SARIF ? "SARIF" : "JSON";
+}
+
+static int read_reports(report_merge *merged, const cli_words *words, cli_guard *guard) {
+    int status = CLI_OK;
+    if (!status) status = report_merge_begin(merged, words->words, words->count);
+    for (size_t i = 0; i < words->count && !status; ++i) {
+        const report_kind before = merged->kind;
+        cli_guard_read(guard, words->words[i]);
+        status = read_report(merged, i);
+        if (status || !before || before == merged->kind) continue;
+        cli_error("%s: is %s, but the reports before it are %s; expected one format for all",
+            words->words[i], kind_name(merged->kind), kind_name(before));
+        status = CLI_FILE;
+    }
+    return status;
+}
+
+/* ---- writing */
+
+/* Only JSON can become another form. */
+static int choose_format(const cli_subcommand *command, report_work *work) {
+    const report_kind kind = work->merged.kind;
+    const check_format *own = kind == REPORT_SARIF  ? &check_format_sarif
+                              : kind == REPORT_HTML ? &check_format_html
+                                                    : &check_format_json;
+    if (!work->format) work->format = own;
+    return kind != REPORT_JSON && work->format != own
+               ? cli_usage(command, "reports in %s stay %s; expected JSON for --format %s",
+                     kind_name(kind), kind_name(kind), work->format->name)
+               : CLI_OK;
+}
+
+/* Standard output and pipes cannot take back a part: all entries are looked at before. */
+static int look_again(report_merge *merged) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < merged->part_count && !status; ++i)
+        status = report_copy_part(merged, &merged->parts[i], NULL);
+    return status;
+}
+
+static int write_parts(report_work *work, FILE *out, check_totals *totals) {
+    switch (work->merged.kind) {
+    case REPORT_SARIF:
+        return report_write_sarif(&work->merged, out);
+    case REPORT_HTML:
+        return report_write_html(&work->merged, out);
+    default:
+        return work->format == &check_format_json
+                   ? report_write_json(&work->merged, out)
+                   : report_write_as(&work->merged, work->format, out, totals);
+    }
+}
+
+static int write_merged(report_work *work, cli_guard *guard) {
+    cli_output output;
+    check_totals totals = {0};
+    int status = cli_output_begin(&output, work->output, guard);
+    if (status) return status;
+    if (output.passes_on) status = look_again(&work->merged);
+    if (!status) status = write_parts(work, output.out, &totals);
+    if (status) {
+        cli_output_drop(&output);
+        return status;
+    }
+    return cli_worse(cli_worse(work->merged.status, totals.status), cli_output_end(&output));
+}
+
+static int merge(const cli_subcommand *command, report_work *work, const cli_words *words) {
+    if (!work->merge) return cli_usage(command, "nothing to do was given; expected --merge");
+    if (!words->count) return cli_usage(command, "no report was given");
+    cli_guard *guard = cli_guard_new(command);
+    if (!guard) return CLI_FILE;
+    if (!work->format) work->format = check_format_of_name(work->output);
+    work->merged.changes_form = work->format && work->format != &check_format_json;
+    int status = read_reports(&work->merged, words, guard);
+    if (!status)
+        status = report_check_shards(&work->merged, words->count, work->partial, &work->missing);
+    work->merged.settings.missing = work->missing;
+    if (!status) status = choose_format(command, work);
+    if (!status) {
+        work->merged.settings.file_count = work->merged.part_count;
+        report_sort(&work->merged);
+        status = write_merged(work, guard);
+    }
+    cli_guard_free(guard);
+    return status;
+}
+
+static int run(const cli_subcommand *command, int count, char **arguments) {
+    report_work work = {.output = "-"};
+    cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
+    const cli_table tables[] = {{options, CLI_COUNT(options), &work}};
+    int wants_help = 0;
+    int status = words.words ? cli_parse(command, tables, CLI_COUNT(tables), count, arguments,
+                                   &words, &wants_help)
+                             : cli_out_of_memory();
+    if (wants_help) {
+        fputs(command->help, stdout);
+        status = cli_finish(status);
+    } else if (!status)
+        status = merge(command, &work, &words);
+    report_merge_free(&work.merged);
+    free(work.missing);
+    free(words.words);
+    return status;
+}
+
+const cli_subcommand cli_subcommand_report = {
+    "report", "joins reports of norma check into one", help, run};

@@ -1,0 +1,131 @@
+/* report.h: what the files of norma report share: reports on disk, where their entries stand, in
+ * the order of paths. The entries themselves stay on disk. */
+#ifndef NORMA_CLI_REPORT_REPORT_H
+#define NORMA_CLI_REPORT_REPORT_H
+#include "cli/check/check.h"
+#include <jansson.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* ---- The reports as files, which are read twice: once to see where each entry stands,
+ * and again, entry by entry, when the merged report is written. */
+
+enum { REPORT_KEPT = 128, REPORT_BLOCK = 65536 };
+
+typedef struct report_files {
+    const char *const *paths; /* the caller's */
+    int failed;               /* one could not be read, which was reported */
+    size_t keeps;             /* descriptors that stay open, at most */
+    struct {
+        size_t report; /* its number and 1; 0: none */
+        int file;
+    } kept[REPORT_KEPT];
+} report_files;
+
+void report_files_open(report_files *files, const char *const *paths);
+void report_files_close(report_files *files);
+/* As many bytes as there are from there on, at most size. Less: the end, or failed. */
+size_t report_files_read(
+    report_files *files, size_t report, uint64_t offset, char *bytes, size_t size);
+
+/* ---- from the beginning to the end, in blocks */
+
+typedef struct report_text {
+    report_files *files;
+    size_t report;
+    uint64_t start; /* of the block */
+    size_t size;
+    int stops_at_zero; /* the text ends there */
+    char block[REPORT_BLOCK];
+} report_text;
+
+void report_text_begin(report_text *text, report_files *files, size_t report);
+/* The bytes there, at least one of *size; NULL: the end, or failed. */
+const char *report_text_at(report_text *text, uint64_t offset, size_t *size);
+/* The first place from an offset on that has these words; UINT64_MAX: none, or failed. */
+uint64_t report_text_find(report_text *text, uint64_t offset, const char *words);
+
+enum { REPORT_HASH = 1 }; /* of no bytes */
+/* Of an entry's bytes, to see in the second reading that they are what they were. */
+uint64_t report_hash(uint64_t before, const char *bytes, size_t size);
+
+/* ---- What the files of norma report share: where the entries of the reports stand, in the
+ * order of paths. The entries themselves stay on disk. */
+
+typedef enum report_kind { REPORT_UNKNOWN, REPORT_JSON, REPORT_SARIF, REPORT_HTML } report_kind;
+
+typedef struct report_part { /* a file of JSON or HTML, a result of SARIF */
+    const char *path;
+    uint32_t report;    /* its number among the inputs */
+    uint32_t owns_path; /* 0: the path is that of the part before it */
+    uint64_t offset, size, hash;
+} report_part;
+
+typedef struct report_shard { /* what a report says of itself */
+    size_t number, count;     /* count 0: it is no shard */
+    char *options;
+} report_shard;
+
+typedef struct report_merge {
+    check_settings settings;
+    report_kind kind;
+    int changes_form; /* JSON becomes another form */
+    report_files files;
+    report_shard *shards; /* of each report */
+    size_t report_count;
+    report_part *parts;
+    size_t part_count, part_room;
+    char *entry; /* the text of one */
+    size_t entry_room;
+    check_totals totals; /* of pages and JSON */
+    int status;          /* by the findings, and what says that it is not whole */
+} report_merge;
+
+/* The paths of the reports are the caller's. */
+int report_merge_begin(report_merge *merged, const char *const *reports, size_t count);
+void report_merge_free(report_merge *merged);
+void report_sort(report_merge *merged); /* by path, and else as they were read */
+
+norma_severity report_severity(const json_t *finding); /* NONE where none is called so */
+int report_fail_on(const json_t *file);                /* the least severity that fails it */
+/* The bytes of percent-encoded text, in its place. */
+void report_decode(char *text);
+/* What a report says of shards, in members "shard", "options", "missing_shards". */
+void report_note_shard(report_merge *merged, size_t report, const json_t *object);
+/* The path is copied. A status. */
+int report_add_part(report_merge *merged, report_part part);
+void report_drop_parts(report_merge *merged, size_t count); /* all but so many */
+int report_grow_entry(report_merge *merged, size_t size);   /* 0: out of memory, reported */
+
+/* ---- shards (merge_shards.c) */
+
+/* Whether all shards of a set are there, each once, of the same options. allows_missing: --partial,
+ * and *missing is then the list of those that are not there, or NULL. A status. */
+int report_check_shards(report_merge *merged, size_t count, int allows_missing, char **missing);
+
+/* ---- JSON and SARIF (read_json.c) */
+
+int report_add_json(report_merge *merged, report_text *text);
+
+/* ---- pages (merge_html.c) */
+
+int report_is_html(report_text *text);
+int report_add_html(report_merge *merged, report_text *text);
+int report_write_html(report_merge *merged, FILE *out);
+
+/* ---- writing (write_merged.c). JSON may become any form; a status. */
+
+int report_write_json(report_merge *merged, FILE *out);
+int report_write_sarif(report_merge *merged, FILE *out);
+int report_write_as(
+    report_merge *merged, const check_format *format, FILE *out, check_totals *totals);
+
+/* ---- entries on disk (entries.c) */
+
+/* Reads the text of a part into merged->entry. A status: it may not be what it was. */
+int report_load_part(report_merge *merged, const report_part *part);
+/* Copies the text of a part; out NULL: only looks whether it is what it was. A status. */
+int report_copy_part(report_merge *merged, const report_part *part, FILE *out);
+/* Goes through the bytes of a part; out may be NULL. 0: there are fewer, or out of memory. */
+int report_copy_bytes(report_merge *merged, const report_part *part, uint64_t *hash, FILE *out);
+#endif

@@ -1,0 +1,400 @@
+/* text.c: what the subcommands write. */
+#define _GNU_SOURCE
+#include "cli/text/text.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+/* ---- One function decides what of a text from outside may be written as it is; the
+ * others write the rest as escapes. */
+
+/* The bytes of one UTF-8 character (RFC 3629: no overlong forms, no surrogates, at most U+10FFFF)
+ * and its code point. Returns 0 if the bytes are not a character. */
+static size_t decode(const unsigned char *text, uint32_t *code) {
+    const unsigned char lead = text[0];
+    const size_t length = lead < 0x80                   ? 1
+                          : lead >= 0xC2 && lead < 0xE0 ? 2
+                          : lead >= 0xE0 && lead < 0xF0 ? 3
+                          : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                        : 0;
+    if (length < 2) {
+        *code = lead;
+        return length;
+    }
+    *code = lead & (0x7Fu >> length);
+    for (size_t i = 1; i < length; ++i) {
+        if ((text[i] & 0xC0) != 0x80) return 0;
+        *code = *code << 6 | (text[i] & 0x3Fu);
+    }
+    static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
+    return *code < least[length] || *code > 0x10FFFF || (*code >= 0xD800 && *code <= 0xDFFF)
+               ? 0
+               : length;
+}
+
+/* Controls (C0, DEL, C1), line and paragraph separators, marks of direction (Unicode's
+ * Bidi_Control) and the byte order mark. */
+static int is_unsafe(uint32_t code) {
+    return code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x61C ||
+           (code >= 0x200E && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) ||
+           (code >= 0x2066 && code <= 0x2069) || code == 0xFEFF;
+}
+
+size_t cli_next_character(const char *text, uint32_t *unsafe) {
+    uint32_t code;
+    *unsafe = 0;
+    if (!*text) return 0;
+    const size_t length = decode((const unsigned char *)text, &code);
+    if (length == 0)
+        *unsafe = CLI_NOT_UTF8 + (unsigned char)*text;
+    else if (is_unsafe(code))
+        *unsafe = code;
+    return length ? length : 1;
+}
+
+static void write_character(FILE *out, const char *at, size_t length, uint32_t unsafe) {
+    if (!unsafe)
+        fwrite(at, 1, length, out);
+    else if (unsafe < 0x100 || unsafe >= CLI_NOT_UTF8)
+        fprintf(out, "\\x%02X", (unsigned)(unsafe & 0xFF));
+    else
+        fprintf(out, "\\u%04X", (unsigned)unsafe);
+}
+
+int cli_is_utf8(const char *text) {
+    uint32_t unsafe;
+    for (size_t length; (length = cli_next_character(text, &unsafe)); text += length)
+        if (unsafe >= CLI_NOT_UTF8) return 0;
+    return 1;
+}
+
+void cli_write_outside_cut(FILE *out, const char *text, size_t most) {
+    uint32_t unsafe;
+    for (size_t length; most-- && (length = cli_next_character(text, &unsafe)); text += length)
+        write_character(out, text, length, unsafe);
+}
+
+void cli_write_outside(FILE *out, const char *text) { cli_write_outside_cut(out, text, SIZE_MAX); }
+
+void cli_write_outside_html(FILE *out, const char *text) {
+    uint32_t unsafe;
+    for (size_t length; (length = cli_next_character(text, &unsafe)); text += length) {
+        const char *entity = *text == '&'   ? "&amp;"
+                             : *text == '<' ? "&lt;"
+                             : *text == '>' ? "&gt;"
+                             : *text == '"' ? "&quot;"
+                                            : NULL;
+        if (entity)
+            fputs(entity, out);
+        else
+            write_character(out, text, length, unsafe);
+    }
+}
+
+/* Most lines fit; a longer one is written whole if there is memory for it, else cut. */
+void cli_say_list(FILE *out, const char *format, va_list arguments) {
+    char brief[1024], *text = brief;
+    va_list again;
+    va_copy(again, arguments);
+    const int length = vsnprintf(brief, sizeof brief, format, arguments);
+    if (length >= (int)sizeof brief && (text = malloc((size_t)length + 1)))
+        vsnprintf(text, (size_t)length + 1, format, again);
+    va_end(again);
+    if (length >= 0) cli_write_outside(out, text ? text : brief);
+    if (text != brief) free(text);
+}
+
+void cli_say(FILE *out, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    cli_say_list(out, format, arguments);
+    va_end(arguments);
+}
+
+void cli_error(const char *format, ...) {
+    va_list arguments;
+    flockfile(stderr); /* threads report at the same time */
+    fputs("norma: ", stderr);
+    va_start(arguments, format);
+    cli_say_list(stderr, format, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+    funlockfile(stderr);
+}
+
+/* ---- Text gathered in memory, all of it or none. The C library's own memory streams
+ * do not always tell when they could not grow (glibc 2.36 cuts the text there, without an error),
+ * so where streams with functions of one's own exist, growing is done here. */
+
+#if defined(__linux__)
+static ssize_t append(void *user, const char *bytes, size_t count) {
+    cli_memory_stream *stream = user;
+    if (count >= stream->room - stream->size) {
+        size_t room = stream->room;
+        while (count >= room - stream->size) room *= 2; /* one byte for the end */
+        char *text = realloc(stream->text, room);
+        if (!text) return 0; /* sets the stream's error */
+        stream->text = text;
+        stream->room = room;
+    }
+    memcpy(stream->text + stream->size, bytes, count);
+    stream->size += count;
+    return (ssize_t)count;
+}
+
+int cli_memory_open(cli_memory_stream *stream) {
+    *stream = (cli_memory_stream){.room = 4096};
+    stream->text = malloc(stream->room);
+    stream->out =
+        stream->text ? fopencookie(stream, "w", (cookie_io_functions_t){.write = append}) : NULL;
+    if (!stream->out) {
+        free(stream->text);
+        stream->text = NULL;
+    }
+    return stream->out != NULL;
+}
+#else
+int cli_memory_open(cli_memory_stream *stream) {
+    *stream = (cli_memory_stream){.out = NULL};
+    stream->out = open_memstream(&stream->text, &stream->size);
+    return stream->out != NULL;
+}
+#endif
+
+int cli_memory_close(cli_memory_stream *stream) {
+    if (!stream->out) return 0;
+    const int gathered = !fflush(stream->out) && !ferror(stream->out),
+              closed = fclose(stream->out) == 0;
+    stream->out = NULL;
+    if (gathered && closed && stream->text) {
+#if defined(__linux__)
+        stream->text[stream->size] = '\0';
+#endif
+        return 1;
+    }
+    free(stream->text);
+    stream->text = NULL;
+    return 0;
+}
+
+/* ---- One JSON object a line, as RFC 8259 has it: always valid, whatever bytes a name
+ * holds. */
+
+/* Most text is nothing but ASCII that stands as it is; these bytes go out together. */
+static size_t plain_length(const char *text) {
+    size_t length = 0;
+    while (
+        text[length] >= ' ' && text[length] <= '~' && text[length] != '"' && text[length] != '\\')
+        ++length;
+    return length;
+}
+
+static void write_quoted(FILE *out, const char *text) {
+    uint32_t unsafe;
+    fputc('"', out);
+    for (size_t length; *text; text += length) {
+        length = plain_length(text);
+        if (length) {
+            fwrite(text, 1, length, out);
+            continue;
+        }
+        length = cli_next_character(text, &unsafe);
+        if (unsafe)
+            fprintf(out, "\\u%04x", unsafe >= CLI_NOT_UTF8 ? 0xFFFDu : (unsigned)unsafe);
+        else if (*text == '"' || *text == '\\')
+            fprintf(out, "\\%c", *text);
+        else
+            fwrite(text, 1, length, out);
+    }
+    fputc('"', out);
+}
+
+static void begin_value(cli_json *json, const char *key) {
+    if (json->needs_comma) fputs(", ", json->out);
+    json->needs_comma = 1;
+    if (key) {
+        write_quoted(json->out, key);
+        fputs(": ", json->out);
+    }
+}
+
+void cli_json_open(cli_json *json, const char *key, char bracket) {
+    begin_value(json, key);
+    fputc(bracket, json->out);
+    json->needs_comma = 0;
+}
+
+void cli_json_close(cli_json *json, char bracket) {
+    fputc(bracket, json->out);
+    json->needs_comma = 1;
+}
+
+void cli_json_string(cli_json *json, const char *key, const char *text) {
+    begin_value(json, key);
+    if (text)
+        write_quoted(json->out, text);
+    else
+        fputs("null", json->out);
+}
+
+void cli_json_size(cli_json *json, const char *key, size_t number) {
+    begin_value(json, key);
+    fprintf(json->out, "%zu", number);
+}
+
+char *cli_shortest(char text[32], double number) {
+    if (fabs(number) < 1e15 && number == floor(number)) { /* %.15g would write all digits */
+        snprintf(text, 32, "%lld", (long long)number);
+        return text;
+    }
+    for (int digits = 15; digits <= 17; ++digits) {
+        snprintf(text, 32, "%.*g", digits, number + 0.0); /* + 0: no "-0" */
+        if (strtod(text, NULL) == number) break;
+    }
+    return text;
+}
+
+void cli_json_number(cli_json *json, const char *key, double number) {
+    char text[32];
+    begin_value(json, key);
+    fputs(isfinite(number) ? cli_shortest(text, number) : "null", json->out);
+}
+
+void cli_json_bool(cli_json *json, const char *key, int value) {
+    begin_value(json, key);
+    fputs(value ? "true" : "false", json->out);
+}
+
+void cli_json_null(cli_json *json, const char *key) {
+    begin_value(json, key);
+    fputs("null", json->out);
+}
+
+/* ---- What people read: counts with commas, angles without noise, names of weights and
+ * kinds. */
+
+void cli_count(FILE *out, size_t count) {
+    char digits[32];
+    int length = snprintf(digits, sizeof digits, "%zu", count);
+    for (int i = 0; i < length; ++i) {
+        if (i > 0 && (length - i) % 3 == 0) fputc(',', out);
+        fputc(digits[i], out);
+    }
+}
+
+void cli_counted(FILE *out, size_t count, const char *one, const char *many) {
+    cli_count(out, count);
+    fprintf(out, " %s", count == 1 ? one : many);
+}
+
+char *cli_decimals(char text[32], double number, int digits) {
+    snprintf(text, 32, "%.*f", digits, number);
+    if (strchr(text, '.')) {
+        size_t length = strlen(text);
+        while (text[length - 1] == '0') --length;
+        if (text[length - 1] == '.') --length;
+        text[length] = '\0';
+    }
+    return strcmp(text, "-0") == 0 ? strcpy(text, "0") : text;
+}
+
+static const double PI = 3.14159265358979323846;
+
+double cli_radians(double degrees) { return degrees * (PI / 180); }
+
+double cli_to_degrees(double radians) { return radians * (180 / PI); }
+
+double cli_given_degrees(double radians) { return round(cli_to_degrees(radians) * 1e9) / 1e9; }
+
+const char *cli_find_weight(const char *word, norma_weight *out) {
+    const char *name;
+    for (int weight = 0; (name = norma_weight_name((norma_weight)weight)) != NULL; ++weight)
+        if (strcmp(word, name) == 0) {
+            *out = (norma_weight)weight;
+            return NULL;
+        }
+    return "angle, area, uniform, max, angle-area, visible or angle-lengths";
+}
+
+const char *cli_find_only(const char *word, norma_only *out) {
+    static const char *const words[] = {"all", "missing", "broken"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
+        if (strcmp(word, words[i]) == 0) {
+            *out = (norma_only)i;
+            return NULL;
+        }
+    return "all, missing or broken";
+}
+
+const char *cli_kind_name(norma_kind kind) {
+    switch (kind) {
+    case NORMA_KIND_IDENTITY:
+        return "identity";
+    case NORMA_KIND_TRANSLATION:
+        return "translation";
+    case NORMA_KIND_ROTATION:
+        return "rotation";
+    case NORMA_KIND_UNIFORM_SCALE:
+        return "uniform-scale";
+    case NORMA_KIND_NON_UNIFORM_SCALE:
+        return "non-uniform-scale";
+    case NORMA_KIND_SHEAR:
+        return "shear";
+    case NORMA_KIND_SINGULAR:
+        return "singular";
+    }
+    return "unknown";
+}
+
+/* ---- Colours by the wish of the user, the environment and the terminal; words wrapped at
+ * its width. */
+
+static int is_terminal(FILE *out) { return isatty(fileno(out)); }
+
+int cli_wants_color(FILE *out, cli_color_mode mode) {
+    if (mode != CLI_COLOR_AUTO) return mode == CLI_COLOR_ALWAYS;
+    const char *kind = getenv("TERM"), *without = getenv("NO_COLOR");
+    return is_terminal(out) && kind && strcmp(kind, "dumb") != 0 && !(without && *without);
+}
+
+/* A width that is not known, or too small to be read in, counts as the usual one. */
+size_t cli_terminal_width(FILE *out) {
+    enum { USUAL = 80, LEAST = 40 };
+    struct winsize size = {0};
+    if (!is_terminal(out)) return 0;
+    if (ioctl(fileno(out), TIOCGWINSZ, &size)) size.ws_col = 0;
+    const char *columns = getenv("COLUMNS");
+    const size_t width = size.ws_col ? size.ws_col : columns ? strtoul(columns, NULL, 10) : 0;
+    return width >= LEAST ? width : USUAL;
+}
+
+/* Columns of the first bytes of text: characters of UTF-8, without sequences such as "\033[1m". */
+static size_t columns_of(const char *text, size_t bytes) {
+    size_t columns = 0;
+    for (size_t i = 0; i < bytes; ++i) {
+        if (text[i] == '\033')
+            while (i + 1 < bytes && text[i] != 'm') ++i;
+        else
+            columns += ((unsigned char)text[i] & 0xC0) != 0x80;
+    }
+    return columns;
+}
+
+void cli_write_wrapped(FILE *out, const char *text, size_t width, int indent) {
+    size_t column = 0;
+    while (*text) {
+        size_t blanks = strspn(text, " "), length = strcspn(text + blanks, " ");
+        size_t columns = columns_of(text + blanks, length);
+        if (width && column && column + blanks + columns > width) {
+            fprintf(out, "\n%*s", indent, "");
+            column = (size_t)indent;
+            text += blanks;
+            blanks = 0;
+        }
+        fwrite(text, 1, blanks + length, out);
+        column += blanks + columns;
+        text += blanks + length;
+    }
+}

@@ -1,0 +1,106 @@
+/* text.h: what the subcommands write: text from outside, JSON, numbers and words, terminals, the
+ * description of a rule. */
+#ifndef NORMA_CLI_TEXT_TEXT_H
+#define NORMA_CLI_TEXT_TEXT_H
+#include <norma/check.h>
+#include <norma/document.h>
+#include <norma/norma.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+/* ---- Text that came from outside (names in files, paths, what a message quotes) on its
+ * way to a terminal or a report. It may hold anything: escape sequences that move the cursor or
+ * rename the window, marks that reverse the direction of what follows, line ends that pretend to be
+ * another line, bytes that are no UTF-8. All of that is shown as \x1B or \u202E instead. */
+
+/* How many bytes the character at text takes (1 if it is not UTF-8, 0 at the end). *unsafe: 0 if it
+ * may be written as it is, else its code point; for a byte that is not UTF-8 CLI_NOT_UTF8 plus it.
+ */
+#define CLI_NOT_UTF8 0x80000000u
+size_t cli_next_character(const char *text, uint32_t *unsafe);
+
+int cli_is_utf8(const char *text);
+
+void cli_write_outside(FILE *out, const char *text);
+/* At most so many characters of it. */
+void cli_write_outside_cut(FILE *out, const char *text, size_t most);
+/* The same as text in HTML and in its attributes. */
+void cli_write_outside_html(FILE *out, const char *text);
+
+#if defined(__GNUC__)
+#define CLI_FORMAT(text, first) __attribute__((format(printf, text, first)))
+#else
+#define CLI_FORMAT(text, first)
+#endif
+/* printf, all of whose text counts as from outside; so format has no line end. */
+CLI_FORMAT(2, 3) void cli_say(FILE *out, const char *format, ...);
+CLI_FORMAT(2, 0) void cli_say_list(FILE *out, const char *format, va_list arguments);
+/* A line on standard error: "norma: " and what cli_say would write. */
+CLI_FORMAT(1, 2) void cli_error(const char *format, ...);
+
+/* ---- Text gathered in memory, all of it or none. */
+
+typedef struct cli_memory_stream {
+    FILE *out;
+    char *text; /* once closed: what was written to out, ended by a 0; the caller's to free */
+    size_t size, room;
+} cli_memory_stream;
+/* The stream stays where it is while it is open. 0: out of memory. */
+int cli_memory_open(cli_memory_stream *stream);
+/* Whether all that was written is there; if not, text is NULL. */
+int cli_memory_close(cli_memory_stream *stream);
+
+/* ---- Reports for programs, one JSON object a line. */
+
+typedef struct cli_json {
+    FILE *out;
+    int needs_comma;
+} cli_json;
+void cli_json_open(cli_json *json, const char *key, char bracket); /* key NULL within an array */
+void cli_json_close(cli_json *json, char bracket);
+/* text NULL: null. Bytes that are not UTF-8 become U+FFFD. */
+void cli_json_string(cli_json *json, const char *key, const char *text);
+void cli_json_size(cli_json *json, const char *key, size_t number);
+/* Reads back as the same number; null if it is not finite. */
+void cli_json_number(cli_json *json, const char *key, double number);
+void cli_json_bool(cli_json *json, const char *key, int value);
+void cli_json_null(cli_json *json, const char *key);
+char *cli_shortest(char text[32], double number); /* the fewest digits that read back as the same */
+
+/* ---- What people read: counts, angles, names of weights and kinds. */
+
+void cli_count(FILE *out, size_t count); /* 1,234 */
+void cli_counted(FILE *out, size_t count, const char *one, const char *many);
+/* Rounded to so many decimals, without trailing zeros. */
+char *cli_decimals(char text[32], double number, int digits);
+/* NULL, or what was expected instead. */
+const char *cli_find_weight(const char *word, norma_weight *out);
+const char *cli_find_only(const char *word, norma_only *out);
+const char *cli_kind_name(norma_kind kind);
+double cli_radians(double degrees);
+double cli_to_degrees(double radians);
+double cli_given_degrees(double radians); /* 60 where 60 was given: rounded to 1e-9 */
+
+/* ---- What the report of a person's terminal may look like: colours, and lines that fit its
+ * width. Whatever is read by a program gets neither. */
+
+typedef enum cli_color_mode { CLI_COLOR_AUTO, CLI_COLOR_ALWAYS, CLI_COLOR_NEVER } cli_color_mode;
+
+/* Auto: on a terminal that knows colours, unless NO_COLOR is set (no-color.org). */
+int cli_wants_color(FILE *out, cli_color_mode mode);
+/* Columns; 0: not a terminal, nothing is to be wrapped. */
+size_t cli_terminal_width(FILE *out);
+
+/* Words with line breaks before the last column, and an indent after each. Escape sequences of
+ * colours take no column. Width 0: one line. No line end after the last. */
+void cli_write_wrapped(FILE *out, const char *text, size_t width, int indent);
+
+/* ---- A rule in HTML: what it means, with a picture of wrong and one of right. */
+
+void cli_write_rule_style(FILE *out); /* CSS, and once on a page the marks, which pictures use */
+void cli_write_rule_marks(FILE *out);
+/* An article whose id is the rule's; level: of its heading. */
+void cli_write_rule_html(FILE *out, const norma_rule *rule, int level);
+#endif

@@ -1,0 +1,448 @@
+/* view.c: norma view: a page that shows a model. */
+#include "web/page/model/model_pack.h"
+#include "cli/files/files.h"
+#include "cli/process/process.h"
+#include "cli/text/text.h"
+#include "cli/view/embedded_page.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Fewer triangles, by meshoptimizer's simplifier (quadrics, Garland and Heckbert 1997),
+ * and by its clustering of vertices where that cannot go far enough. Equal positions count as one
+ * vertex: the first of them stays. */
+
+#if defined(NORMA_HAS_MESHOPTIMIZER)
+#include <meshoptimizer.h>
+
+/* As a part of the mesh's size. */
+static const float largest_error = 0.02F;
+
+typedef struct shared_mesh {
+    float *positions;                  /* of each vertex that stays so far */
+    uint32_t *remap, *first, *corners; /* first: its number in the mesh */
+    size_t vertex_count, unique, corner_count;
+} shared_mesh;
+
+static void free_shared(shared_mesh *s) {
+    free(s->positions);
+    free(s->remap);
+    free(s->first);
+    free(s->corners);
+}
+
+static int make_room(shared_mesh *s, const norma_mesh *mesh) {
+    s->vertex_count = mesh->positions.count;
+    s->corner_count = mesh->corner_count;
+    s->positions = calloc(3 * s->vertex_count + 1, sizeof *s->positions);
+    s->remap = malloc(4 * s->vertex_count + 1);
+    s->first = malloc(4 * s->vertex_count + 1);
+    s->corners = malloc(4 * s->corner_count + 1);
+    return s->positions && s->remap && s->first && s->corners;
+}
+
+static void read_positions(shared_mesh *s, const norma_mesh *mesh) {
+    for (size_t i = 0; i < s->vertex_count; ++i) {
+        double v[3];
+        norma_view_vector(&mesh->positions, i, v);
+        for (size_t axis = 0; axis < 3; ++axis)
+            s->positions[3 * i + axis] = isfinite(v[axis]) ? (float)v[axis] : 0;
+    }
+}
+
+/* Vertices of equal positions become one. 0: a corner names none. */
+static int share(shared_mesh *s, const norma_mesh *mesh) {
+    read_positions(s, mesh);
+    s->unique = meshopt_generateVertexRemap(
+        s->remap, NULL, s->vertex_count, s->positions, s->vertex_count, 12);
+    for (size_t i = s->vertex_count; i-- > 0;) s->first[s->remap[i]] = (uint32_t)i;
+    meshopt_remapVertexBuffer(s->positions, s->positions, s->vertex_count, 12, s->remap);
+    for (size_t i = 0; i < s->corner_count; ++i) {
+        const uint32_t corner = mesh->corners ? norma_mesh_corner(mesh, i) : (uint32_t)i;
+        if (corner >= s->vertex_count) return 0;
+        s->corners[i] = s->remap[corner];
+    }
+    return 1;
+}
+
+static int simplify(shared_mesh *s, size_t most_triangles) {
+    uint32_t *fewer = malloc(4 * s->corner_count + 1);
+    if (!fewer) return 0;
+    size_t count = meshopt_simplify(fewer, s->corners, s->corner_count, s->positions, s->unique, 12,
+        3 * most_triangles, largest_error, 0, NULL);
+    if (count > 4 * most_triangles)
+        count = meshopt_simplifySloppy(fewer, s->corners, s->corner_count, s->positions, s->unique,
+            12, 3 * most_triangles, 1, NULL);
+    free(s->corners);
+    s->corners = fewer;
+    s->corner_count = count;
+    return 1;
+}
+
+/* Only vertices that are still used, in the order of the mesh. */
+static int keep_used(shared_mesh *s, view_decimated *decimated) {
+    decimated->vertices = malloc(4 * s->unique + 1);
+    if (!decimated->vertices) return 0;
+    memset(s->remap, 0, 4 * s->vertex_count);
+    for (size_t i = 0; i < s->corner_count; ++i) s->remap[s->corners[i]] = 1;
+    for (size_t i = 0; i < s->unique; ++i)
+        if (s->remap[i]) {
+            decimated->vertices[decimated->vertex_count] = s->first[i];
+            s->remap[i] = (uint32_t)decimated->vertex_count++;
+        }
+    for (size_t i = 0; i < s->corner_count; ++i) s->corners[i] = s->remap[s->corners[i]];
+    decimated->corners = s->corners;
+    decimated->corner_count = s->corner_count;
+    s->corners = NULL;
+    return 1;
+}
+
+/* As view_pack_options.decimate. Without meshoptimizer the mesh is left as it is. */
+static int view_decimate(const norma_mesh *mesh, size_t most_triangles, view_decimated *decimated) {
+    shared_mesh s = {0};
+    if (mesh->corner_count <= 3 * most_triangles) return 1;
+    int good = make_room(&s, mesh);
+    if (good && share(&s, mesh)) good = simplify(&s, most_triangles) && keep_used(&s, decimated);
+    free_shared(&s);
+    return good;
+}
+#else
+int view_decimate(const norma_mesh *mesh, size_t most_triangles, view_decimated *decimated) {
+    (void)mesh, (void)most_triangles, (void)decimated;
+    return 1;
+}
+#endif
+
+/* ---- Norma view: one HTML file with the page and the model in it. The page is the
+ * playground that `make web` leaves; the model is packed by model_pack.c. */
+
+static const char help[] =
+    "norma view IN -o OUT.html: writes one HTML page that shows the model offline in any browser\n"
+    "\n"
+    "Examples\n"
+    "  norma view chair.glb -o chair.html\n"
+    "  norma view scan.ply -o - > scan.html\n"
+    "  norma view models/ --out-dir pages              one page for each file of the folder\n"
+    "\n"
+    "On the page you can turn the model, shade it flat, by Gouraud or by Phong, and draw normals, "
+    "winding\n"
+    "and the error of stored normals. Sliders change the crease and the weight. Choose a scale, "
+    "shear or\n"
+    "mirror to compare normals under M itself with normals under the normal matrix. The page also "
+    "lists what\n"
+    "norma check finds; press a finding to see the place. You can drop other files on the page. A "
+    "model of\n"
+    "more than a million triangles is simplified for display, but the findings are those of the "
+    "whole file.\n"
+    "\n"
+    "Options\n"
+    "  -o, --output OUT.html the page; - is standard output\n"
+    "  --out-dir FOLDER      the folder for several inputs; the pages are called FOLDER/NAME.html\n"
+    "  --input-format obj|ply|stl|gltf|glb\n"
+    "                        the format of standard input; needed if IN is -\n"
+    "  --threads N           uses at most N threads to read (all processors)\n"
+    "  --max-memory SIZE     uses at most SIZE (512M, 2G); files that need more fail\n"
+    "  --json                prints a summary as JSON\n"
+    "  --quiet               prints only errors\n"
+    "\n"
+    "Exit status: 0 fine, 2 wrong usage, 3 a file could not be read or written, 130 interrupted.\n";
+
+/* More make pages that browsers open slowly or not at all. */
+enum { MOST_TRIANGLES = 1000000 };
+
+typedef struct view_work {
+    cli_common common;
+    cli_files files; /* its inputs, their format, and where pages go */
+} view_work;
+
+/* ---- writing */
+
+static void write_base64(FILE *out, const unsigned char *bytes, size_t size) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char text[4 * 1024];
+    size_t length = 0;
+    for (size_t i = 0; i < size; i += 3) {
+        const size_t left = size - i;
+        const unsigned long three = (unsigned long)bytes[i] << 16 |
+                                    (left > 1 ? (unsigned long)bytes[i + 1] << 8 : 0) |
+                                    (left > 2 ? bytes[i + 2] : 0);
+        text[length++] = digits[three >> 18];
+        text[length++] = digits[three >> 12 & 63];
+        text[length++] = left > 1 ? digits[three >> 6 & 63] : '=';
+        text[length++] = left > 2 ? digits[three & 63] : '=';
+        if (length == sizeof text) {
+            fwrite(text, 1, length, out);
+            length = 0;
+        }
+    }
+    fwrite(text, 1, length, out);
+}
+
+/* Finds a mark in the page. Returns the end of the page if the mark is missing, which only a broken
+ * build could cause. */
+static const char *find_mark(const char *from, const char *end, const char *mark) {
+    const size_t length = strlen(mark);
+    for (const char *at = from; (at = memchr(at, mark[0], (size_t)(end - at))) != NULL; ++at)
+        if ((size_t)(end - at) >= length && memcmp(at, mark, length) == 0) return at;
+    return end;
+}
+
+static void write_page(FILE *out, const char *name, const view_pack *pack) {
+    size_t size;
+    const char *page = view_page(&size), *end = page + size;
+    const char *name_mark = find_mark(page, end, VIEW_PAGE_NAME),
+               *after_name = name_mark + strlen(VIEW_PAGE_NAME);
+    const char *model_mark = find_mark(after_name, end, VIEW_PAGE_MODEL),
+               *after_model = model_mark + strlen(VIEW_PAGE_MODEL);
+    fwrite(page, 1, (size_t)(name_mark - page), out);
+    cli_write_outside_html(out, name);
+    fwrite(after_name, 1, (size_t)(model_mark - after_name), out);
+    write_base64(out, pack->bytes, pack->size);
+    fwrite(after_model, 1, (size_t)(end - after_model), out);
+}
+
+/* ---- one file */
+
+static norma_document_result read_pack(const view_work *work, const char *input,
+    norma_document **document, void **memory, view_pack *pack, norma_document_error *error) {
+    cli_progress progress;
+    cli_progress_start(&progress, "reading", input, work->common.quiet, cli_megabytes(input));
+    const norma_document_options opening = {.struct_size = sizeof opening,
+        .format = work->files.format,
+        .threads = work->common.threads,
+        .progress = cli_progress_report,
+        .progress_user = &progress,
+        .lenient = 1};
+    norma_document_result result = cli_open(&work->files, input, &opening, document, memory, error);
+    cli_progress_stop(&progress);
+    if (result) return result;
+    cli_progress_start(&progress, "packing", input, work->common.quiet, 0);
+    cli_progress_tick(&progress);
+    const view_pack_options packing = {.threads = work->common.threads,
+        .most_triangles = MOST_TRIANGLES,
+        .decimate = view_decimate};
+    result = view_pack_document(*document, &packing, pack, error);
+    cli_progress_stop(&progress);
+    return result;
+}
+
+static const char *base_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static size_t count_triangles(const norma_document *document) {
+    size_t triangles = 0;
+    norma_mesh_info info;
+    for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
+        if (norma_document_mesh_info(document, i, &info) == NORMA_DOCUMENT_OK && !info.not_read)
+            triangles += info.triangles;
+    return triangles;
+}
+
+/* How many triangles of decimated meshes the page has; 0: none was decimated. */
+static size_t count_decimated(const view_pack *pack, size_t *all) {
+    const view_pack_head *head = (const view_pack_head *)(const void *)pack->bytes;
+    const view_pack_mesh *meshes =
+        (const view_pack_mesh *)(const void *)(pack->bytes + head->meshes);
+    size_t decimated = 0;
+    *all = 0;
+    for (uint32_t i = 0; i < head->mesh_count; ++i) {
+        *all += meshes[i].face_count;
+        decimated += meshes[i].decimated ? meshes[i].face_count : 0;
+    }
+    return decimated;
+}
+
+static void report(const view_work *work, const char *input, const char *to,
+    const norma_document *document, const view_pack *pack) {
+    const size_t triangles = count_triangles(document),
+                 meshes = norma_document_mesh_count(document);
+    size_t shown;
+    const int decimated = count_decimated(pack, &shown) > 0;
+    if (decimated && !work->common.quiet)
+        cli_error(
+            "%s: %zu triangles are too many for a page; it shows the surface simplified to %zu",
+            cli_input_name(input), triangles, shown);
+    if (work->common.json) {
+        cli_json json = {.out = stdout};
+        cli_json_open(&json, NULL, '{');
+        cli_json_string(&json, "input", input);
+        cli_json_string(&json, "output", to);
+        cli_json_size(&json, "triangles", triangles);
+        cli_json_size(&json, "shown", decimated ? shown : triangles);
+        cli_json_size(&json, "meshes", meshes);
+        cli_json_notes(&json, document);
+        cli_json_close(&json, '}');
+        putchar('\n');
+        return;
+    }
+    if (work->common.quiet) return;
+    FILE *out = strcmp(to, "-") == 0 ? stderr : stdout;
+    cli_say(out, "%s -> %s: ", cli_input_name(input), to);
+    cli_counted(out, triangles, "triangle", "triangles");
+    fputs("; open it in a browser\n", out);
+    cli_print_notes(input, document);
+}
+
+/* Why a page of it would be empty: the first mesh that could not be read, or what it holds. */
+static norma_document_result fail_empty(
+    const char *input, const norma_document *document, norma_document_error *error) {
+    norma_mesh_info info;
+    size_t vertices = 0;
+    const char *reason = NULL;
+    for (size_t i = 0; i < norma_document_mesh_count(document) && !reason; ++i) {
+        if (norma_document_mesh_info(document, i, &info)) continue;
+        reason = info.not_read;
+        vertices += info.vertices;
+    }
+    snprintf(error->message, sizeof error->message, "%.500s: there is no surface to show: %.300s",
+        cli_input_name(input),
+        reason     ? reason
+        : vertices ? "it holds points without faces"
+                   : "it holds no faces");
+    return error->result = NORMA_DOCUMENT_ERROR_UNSUPPORTED;
+}
+
+static int write_to(
+    const view_work *work, const char *input, const char *to, const view_pack *pack) {
+    cli_output output;
+    int status = cli_make_folders(&work->files, to);
+    if (!status) status = cli_output_begin(&output, to, work->files.guard);
+    if (status) return status;
+    write_page(output.out, strcmp(input, "-") == 0 ? "standard input" : base_name(input), pack);
+    return cli_output_end(&output);
+}
+
+static int run_file(const view_work *work, const char *input, const char *to) {
+    norma_document *document = NULL;
+    norma_document_error error = {0};
+    void *memory = NULL;
+    view_pack pack = {0};
+    norma_document_result result = read_pack(work, input, &document, &memory, &pack, &error);
+    if (!result && count_triangles(document) == 0) result = fail_empty(input, document, &error);
+    int status = cli_status_of(result);
+    if (result) {
+        error.result = result;
+        cli_name_error(&error, input);
+        cli_print_error(&error);
+    } else {
+        status = write_to(work, input, to, &pack);
+        if (!status) report(work, input, to, document, &pack);
+    }
+    free(pack.bytes);
+    norma_document_close(document);
+    free(memory);
+    return status;
+}
+
+/* ---- the command */
+
+static int ends_in(const char *name, const char *ending) {
+    const size_t length = strlen(name), size = strlen(ending);
+    return length > size && strcmp(name + length - size, ending) == 0;
+}
+
+static int check_words(const cli_subcommand *command, view_work *work) {
+    const char *output = work->files.output;
+    if (work->files.in_place)
+        return cli_usage(command, "a page cannot replace its input; expected -o or --out-dir");
+    if (!output && !work->files.folder)
+        return cli_usage(command, "no output was given; expected -o OUT.html or --out-dir FOLDER");
+    if (output && work->files.folder)
+        return cli_usage(command, "-o and --out-dir exclude each other");
+    if (output && work->files.inputs.count > 1)
+        return cli_usage(
+            command, "one -o for %zu inputs; expected --out-dir FOLDER", work->files.inputs.count);
+    if (output && strcmp(output, "-") == 0)
+        return work->common.json
+                   ? cli_usage(command, "-o - and --json would both write to standard output")
+                   : CLI_OK;
+    if (output && !ends_in(output, ".html") && !ends_in(output, ".htm"))
+        return cli_usage(
+            command, "-o %s: the output is a page; expected a name that ends in .html", output);
+    return cli_place_outputs(command, &work->files, ".html");
+}
+
+static int has_page(void) {
+    size_t size;
+    if (view_page(&size)) return 1;
+    fputs("norma view: this norma was built without the page; run 'make web' in Norma's sources, "
+          "which builds one with it\n",
+        stderr);
+    return 0;
+}
+
+static int guard_page(const view_work *work, const char *input, const char *to) {
+    (void)input;
+    return cli_guard_output(work->files.guard, to, NULL);
+}
+
+typedef struct page_run {
+    const view_work *work;
+    int (*call)(const view_work *work, const char *input, const char *to);
+} page_run;
+
+static int run_page(void *user, size_t file) {
+    const page_run *run = user;
+    const cli_files *files = &run->work->files;
+    char *to = cli_output_of(files, file, ".html");
+    const int status =
+        to ? run->call(run->work, files->inputs.paths[file], to) : cli_out_of_memory();
+    free(to);
+    return status;
+}
+
+static void report_lost(void *user, size_t file, const char *why) {
+    const page_run *run = user;
+    cli_error("%s: %s", cli_input_name(run->work->files.inputs.paths[file]), why);
+}
+
+static int guard_pages(const view_work *work) {
+    page_run run = {work, guard_page};
+    int status = CLI_OK;
+    for (size_t i = 0; i < work->files.inputs.count && !status; ++i) status = run_page(&run, i);
+    return status;
+}
+
+static int write_pages(const view_work *work) {
+    page_run run = {work, run_file};
+    const cli_each each = {
+        work->files.inputs.count, run_page, report_lost, &run, work->files.guard};
+    return cli_run_each(&each);
+}
+
+static int make_pages(const cli_subcommand *command, view_work *work) {
+    const int found = cli_find_inputs(command, &work->files);
+    if (found == CLI_USAGE || work->files.inputs.count == 0) return found;
+    int status = check_words(command, work);
+    if (!status) status = guard_pages(work);
+    if (!status) {
+        cli_guard_look_ahead(work->files.guard, &work->files.inputs, work->files.format);
+        status = guard_pages(work);
+    }
+    if (!status) status = has_page() ? cli_make_out_dir(command, &work->files) : CLI_FILE;
+    return status ? status : cli_worse(found, write_pages(work));
+}
+
+static int run(const cli_subcommand *command, int count, char **arguments) {
+    view_work work = {.common = {.threads = NORMA_ALL_THREADS}};
+    const cli_table tables[] = {
+        {cli_output_options, cli_output_option_count, &work.files},
+        {cli_input_options, cli_input_option_count, &work.files},
+        {cli_common_options, cli_common_option_count, &work.common},
+    };
+    int wants_help;
+    if (!cli_files_begin(command, &work.files, count)) return CLI_FILE;
+    int status = cli_parse(
+        command, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
+    if (wants_help)
+        fputs(help, stdout);
+    else if (!status)
+        status = make_pages(command, &work);
+    cli_files_end(&work.files);
+    return cli_finish(status);
+}
+
+const cli_subcommand cli_subcommand_view = {
+    "view", "writes one HTML page that shows a model in any browser", help, run};
