@@ -61,7 +61,9 @@ left_out() {
 }
 
 # build TREE [TARGET...]: a failure counts as a failed case.
+built=""
 build() {
+    built="$built $1"
     local said result=$results/$1${2:+.$2}.build before=$SECONDS
     if said=$(scripts/tree.sh "$@"); then
         printf '1..1\nok 1 - builds without a warning\n' >"$result.tap"
@@ -75,6 +77,8 @@ build() {
     fi
 }
 
+# needs TREE [TARGET...]: builds it where no part before did.
+needs() { case " $built " in *" $1 "*) ;; *) build "$@" ;; esac; }
 in_tree() { export NORMA_TREE=$out/$1 NORMA_BIN=$out/$1/bin/norma; }
 
 # ---- parts
@@ -89,6 +93,7 @@ part_gcc() {
 }
 
 part_scripts() {
+    needs gcc
     in_tree gcc
     say "scripts: command line, README, guide, headers, arrows, format, manual"
     printf '%s\n' $quick_scripts | xargs -P "$jobs" -I{} bash -c 'script "$0"' {}
@@ -107,7 +112,10 @@ part_clang() {
 }
 
 fuzz_targets() { find tests/fuzz -name 'fuzz_*.c' -exec grep -l '^int LLVMFuzzerTestOneInput' {} + | sed 's|.*/fuzz_||; s|\.c$||' | sort; }
-has_fuzzers() { [ -d "$out/clang/fuzz" ] || { left_out "$1" "clang with libFuzzer is not installed"; return 1; }; }
+has_fuzzers() {
+    has_clang && needs clang fuzzers
+    [ -d "$out/clang/fuzz" ] || { left_out "$1" "clang with libFuzzer is not installed"; return 1; }
+}
 
 part_fuzz() {
     has_fuzzers fuzz || return
@@ -134,6 +142,7 @@ part_web() {
 }
 
 part_long() {
+    needs web
     in_tree gcc
     say "long: faults, data set, judges, MPI, Python, install, plain, single, bits"
     long_scripts | xargs -P "$jobs" -I{} bash -c 'script "$0"' {}
@@ -267,7 +276,7 @@ echo "The slowest, in seconds of the processor:"
 seconds $results | sort -rn | head -n 8 | sed -E 's/^([^ ]+) /    \1  /'
 if [ "$what" = test ]; then
     echo "Not run here, but by make test-all: the page, the npm package, Python, MPI; $(long_scripts | tr '\n' ' ')"
-    echo "    with sanitizers: long unit tests, golden cases, bits, each file of the data set through each verb, 15 fuzz targets for some seconds each, the tool with the thread sanitizer"
+    echo "    with sanitizers: $("$out/clang/tests/norma_tests" --long --list 2>/dev/null | tr '\n' ' '); golden cases, bits, each file of the data set through each verb, $(fuzz_targets | wc -l) fuzz targets for some seconds each, the tool with threads"
 fi
 times >"$out/times"
 say "done, after $SECONDS s, with $(awk -F"[ms ]+" 'END { printf "%.0f", 60 * ($1 + $3) + $2 + $4 }' "$out/times") s of the processor"
