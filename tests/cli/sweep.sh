@@ -32,10 +32,17 @@ commands() {
     printf '%s\n' 'render IN -o PICTURE --size 48x48 --samples 1' 'render IN -o PICTURE --size 48x48 --samples 1 --show findings' 'render IN -o PICTURE --size 48x48 --samples 1 --show normals,hedgehog,wireframe' 'render IN -o PICTURE --size 48x48 --samples 1 --compare=30,180'
 }
 
+# size_of FILE: in kB, with the buffers of a glTF beside it.
+size_of() {
+    local all=("$1")
+    [[ $1 != *.gltf ]] || all+=("$(dirname "$1")"/*.bin)
+    stat -L -c %s "${all[@]}" 2>/dev/null | awk '{ sum += $1 } END { print int((sum + 1023) / 1024) }'
+}
+
 # one FILE: runs its commands; prints those that went wrong, each with what it said.
 one() {
     local file=$1 kb line words status said leaks here=$scratch/$$ bad=0 count=0
-    kb=$((($(stat -L -c %s "$file") + 1023) / 1024))
+    kb=$(size_of "$file")
     mkdir -p "$here/folder"
     while IFS= read -r line; do
         count=$((count + 1))
@@ -59,18 +66,20 @@ answer() {
     name=$(md5sum <<<"$1" | cut -c1-16)
     if one "$1" >"$scratch/$name.said"; then echo ok; else echo bad; fi >"$scratch/$name.end"
 }
-export -f commands one answer
+export -f commands size_of one answer
 
 if [ $# -gt 0 ]; then
     printf '%s\n' "$@" >"$scratch/files"
 else
-    find -L "$data" -type f -regextype egrep -iregex '.*\.(obj|ply|stl|gltf|glb|3mf)' -printf '%s\t%p\n' | sort -rn | cut -f2- >"$scratch/files" # the largest first
+    find -L "$data" -type f -regextype egrep -iregex '.*\.(obj|ply|stl|gltf|glb|3mf)' | while IFS= read -r file; do printf '%s\t%s\n' "$(size_of "$file")" "$file"; done |
+        sort -rn >"$scratch/sizes" # the largest first
+    cut -f2- "$scratch/sizes" >"$scratch/files"
 fi
 xargs -d '\n' -P "${JOBS:-$(nproc)}" -I{} bash -c 'answer "$0"' {} <"$scratch/files"
 while IFS= read -r file; do
     name=$(md5sum <<<"$file" | cut -c1-16)
     if [ "$(cat "$scratch/$name.end" 2>/dev/null)" = ok ]; then pass "${file#"$data"/}"; else fail "${file#"$data"/}" "$(cat "$scratch/$name.said")"; fi
 done <"$scratch/files"
-larger() { xargs -d '\n' -I{} find -L {} -size "+$1k" <"$scratch/files" | wc -l; }
-echo "# $(wc -l <"$scratch/files") files; left out: all but info and check on $(larger "$middle") files above $middle kB, second ways of each verb on $(larger "$small") above $small kB, render on $(larger $((small / 4))) above $((small / 4)) kB; norma view, which needs the page"
+larger() { awk -v kb="$1" '$1 > kb { n++ } END { print n + 0 }' "$scratch/sizes" 2>/dev/null; }
+[ ! -e "$scratch/sizes" ] || echo "# $(wc -l <"$scratch/files") files; left out: all but info and check on $(larger "$middle") files above $middle kB, second ways of each verb on $(larger "$small") above $small kB, render on $(larger $((small / 4))) above $((small / 4)) kB; norma view, which needs the page"
 finish

@@ -10,6 +10,7 @@ export CMAKE_FLAGS="-DNORMA_FILES=OFF -DNORMA_SHARED=OFF -DCMAKE_BUILD_TYPE=Debu
 
 scripts/build.sh >"$scratch/said" 2>&1
 check "a build succeeds" test -f "$BUILD/lib/libnorma-core.a"
+check "it leaves the page and the npm package to make web" grep -q '^NORMA_WEB:[A-Z]*=OFF' "$BUILD/CMakeCache.txt"
 check "it prints at most ten lines" test "$(wc -l <"$scratch/said")" -le 10
 check "it ends with what was built" bash -c 'tail -n 1 "$0" | grep -q "libnorma-core.a"' "$scratch/said"
 find "$BUILD" -name 'call.c.o' -delete
