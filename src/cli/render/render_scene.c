@@ -1,8 +1,697 @@
-/* render_scene.c: a document as a scene: each mesh a surface, each node that draws one, and each of
- * its instances, a draw. */
-#include "cli/render/render_scene.h"
+/* render_scene.c: a file as a scene: opened, its meshes in the world, with materials and bodies. */
+#include "cli/render/render.h"
+#include "cli/process/process.h"
+#include <norma/check.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- A file that is drawn: opened, closed, and the blocks that live as long as it. */
+
+norma_document_result render_file_fail(norma_document_error *error, norma_document_result result,
+    const char *input, const char *what) {
+    error->result = result;
+    snprintf(error->message, sizeof error->message, "%.500s: %.400s", cli_input_name(input), what);
+    return result;
+}
+
+norma_document_result render_file_open(const render_settings *settings, const char *input,
+    render_scene_file *file, norma_document_error *error) {
+    cli_progress progress;
+    *file = (render_scene_file){.input = input};
+    cli_progress_start(&progress, "reading", input, settings->common.quiet, cli_megabytes(input));
+    const norma_document_options options = {.struct_size = sizeof options,
+        .format = settings->files.format,
+        .threads = settings->common.threads,
+        .progress = cli_progress_report,
+        .progress_user = &progress,
+        .lenient = 1};
+    norma_document_result result =
+        cli_open(&settings->files, input, &options, &file->document, &file->memory, error);
+    cli_progress_stop(&progress);
+    error->result = result;
+    return result;
+}
+
+void render_scene_free(render_scene *scene) {
+    free((void *)scene->surfaces);
+    free((void *)scene->draws);
+    *scene = (render_scene){0};
+}
+
+void render_file_close(render_scene_file *file) {
+    for (size_t i = 0; i < file->variant_count; ++i) render_scene_free(&file->scenes[i]);
+    for (size_t i = 0; i < file->owned_count; ++i) free(file->owned[i]);
+    free(file->owned);
+    free(file->images);
+    free(file->document_meshes);
+    norma_document_close(file->document);
+    free(file->memory);
+    *file = (render_scene_file){0};
+}
+
+void render_file_note(render_scene_file *file, const char *format, ...) {
+    char text[400];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    for (size_t i = 0; i < file->note_count; ++i)
+        if (strcmp(file->notes[i], text) == 0) return;
+    if (file->note_count == sizeof file->notes / sizeof *file->notes) return;
+    char *kept = malloc(strlen(text) + 1);
+    if (!kept) return;
+    strcpy(kept, text);
+    if (render_file_keep(file, kept)) file->notes[file->note_count++] = kept;
+}
+
+int render_file_keep(render_scene_file *file, void *block) {
+    if (file->owned_count == file->owned_room) {
+        const size_t room = file->owned_room ? 2 * file->owned_room : 16;
+        void **larger = realloc(file->owned, room * sizeof *larger);
+        if (!larger) {
+            free(block);
+            return 0;
+        }
+        file->owned = larger;
+        file->owned_room = room;
+    }
+    file->owned[file->owned_count++] = block;
+    return 1;
+}
+
+/* ---- Which way is up in a file, and what of the file a picture does not show. */
+
+const char *render_up_name(enum render_up up) {
+    static const char *const names[] = {"y", "z", "x", "-y", "-z", "-x"};
+    return names[up];
+}
+
+/* glTF says that y points up. Where nothing shows, OBJ is taken as modellers export it, STL
+ * and PLY as printers and scanners have them.
+ */
+void render_file_set_up(
+    const render_settings *settings, render_scene_file *file, const render_scene *scene) {
+    const norma_file_format format = norma_document_format(file->document);
+    file->up_guessed = 0;
+    file->up = settings->up_given ? settings->up : RENDER_UP_Y;
+    if (settings->up_given || format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB) return;
+    file->up = render_guess_up(scene->surfaces, scene->surface_count,
+        format == NORMA_FILE_OBJ ? RENDER_UP_Y : RENDER_UP_Z);
+    file->up_guessed = 1;
+}
+
+/* ---- what is left out */
+
+static int is_of(const char *reason, const char *word) {
+    return strncmp(reason, word, strlen(word)) == 0;
+}
+
+void render_file_left_out(
+    const render_settings *settings, const render_scene_file *file, render_left_out *left_out) {
+    size_t *counts = left_out->counts;
+    for (size_t i = 0; i < norma_document_mesh_count(file->document); ++i) {
+        norma_mesh_info info;
+        if (norma_document_mesh_info(file->document, i, &info) || !info.not_read) continue;
+        ++counts[is_of(info.not_read, "points")  ? RENDER_NO_POINTS
+                 : is_of(info.not_read, "lines") ? RENDER_NO_LINES
+                 : info.compression              ? RENDER_NO_COMPRESSION
+                                                 : RENDER_NO_MESHES];
+    }
+    counts[RENDER_NO_NODES] += file->not_shown;
+    counts[RENDER_NO_IMAGES] += file->images_left_out;
+    if (file->left_out_names[0])
+        render_add_name(left_out->images, sizeof left_out->images, file->left_out_names);
+    if (settings->show == RENDER_SHOW_MARKS) counts[RENDER_NO_PLACE] += file->found_nowhere;
+}
+
+void render_add_name(char *list, size_t room, const char *name) {
+    const size_t length = strlen(list), dots = sizeof ", ...";
+    if (length >= dots && strcmp(list + length - 3, "...") == 0) return;
+    snprintf(list + length, room - length, "%s%s", length ? ", " : "",
+        length + strlen(name) + 2 * dots < room ? name : "...");
+}
+
+static void add_words(
+    char *text, size_t room, size_t count, const char *const words[2], const char *names) {
+    const size_t length = strlen(text);
+    if (count)
+        snprintf(text + length, room - length, "%s%zu %s%s%s%s", length ? ", " : "", count,
+            words[count > 1], *names ? " (" : "", names, *names ? ")" : "");
+}
+
+void render_left_out_words(const render_left_out *left_out, char *text, size_t room) {
+    static const char *const files[2] = {"file that cannot be drawn", "files that cannot be drawn"};
+    static const char *const words[RENDER_LEFT_OUT][2] = {
+        [RENDER_NO_POINTS] = {"mesh of points", "meshes of points"},
+        [RENDER_NO_LINES] = {"mesh of lines", "meshes of lines"},
+        [RENDER_NO_COMPRESSION] = {"mesh with a compression that is not read",
+            "meshes with a compression that is not read"},
+        [RENDER_NO_MESHES] = {"mesh that is not read", "meshes that are not read"},
+        [RENDER_NO_NODES] = {"mesh outside the scene", "meshes outside the scene"},
+        [RENDER_NO_IMAGES] = {"image that cannot be read", "images that cannot be read"},
+        [RENDER_NO_PLACE] = {"finding without a place", "findings without a place"}};
+    text[0] = '\0';
+    add_words(text, room, left_out->file_count, files, left_out->files);
+    for (int i = 0; i < RENDER_LEFT_OUT; ++i)
+        add_words(text, room, left_out->counts[i], words[i],
+            i == RENDER_NO_IMAGES ? left_out->images : "");
+}
+
+/* ---- What a surface's material makes it look like: its colour, its images, which
+ * of its sides are there, what lets light through. */
+
+/* Linear; mid-grey, so that light and shade both show. Whatever has no material of its own, too. */
+static const float clay[3] = {0.55F, 0.53F, 0.48F};
+
+/* ---- images, each decoded once for a file */
+
+struct render_file_image {
+    size_t number; /* in the file */
+    render_picture picture;
+};
+
+/* What cannot be drawn is named in the picture, and in a note with the reason. */
+static void leave_image(render_scene_file *file, const char *list, size_t number, const char *why) {
+    char name[48];
+    snprintf(name, sizeof name, "/%s/%zu", list, number);
+    ++file->images_left_out;
+    render_add_name(file->left_out_names, sizeof file->left_out_names, name);
+    render_file_note(file, "%s is not drawn: %.300s", name, why);
+}
+
+/* A picture without pixels: it could not be decoded. NULL: out of memory. */
+static const render_picture *picture_of(render_scene_file *file, const norma_texture_info *info) {
+    for (size_t i = 0; i < file->image_count; ++i)
+        if (file->images[i]->number == info->image) return &file->images[i]->picture;
+    struct render_file_image **list = realloc(file->images, (file->image_count + 1) * sizeof *list);
+    if (list) file->images = list;
+    struct render_file_image *made = list ? calloc(1, sizeof *made) : NULL;
+    if (!made) return NULL;
+    render_error why = {.message = "it has no bytes"};
+    made->number = info->image;
+    if (info->bytes) render_image_decode(info->bytes, info->size, &made->picture, &why);
+    if (!made->picture.pixels)
+        leave_image(file, "images", info->image, info->not_read ? info->not_read : why.message);
+    if (!render_file_keep(file, made) ||
+        (made->picture.pixels && !render_file_keep(file, made->picture.pixels)))
+        return NULL;
+    file->images[file->image_count++] = made;
+    return &made->picture;
+}
+
+/* ---- texture coordinates, as they are looked up */
+
+static norma_document_result read_texcoords(render_scene_file *file, size_t mesh,
+    const norma_texture_info *info, render_texture *map, norma_document_error *error) {
+    const float *texcoords = NULL;
+    size_t count = 0;
+    norma_document_result result =
+        norma_document_texcoords(file->document, mesh, info->texcoord, &texcoords, &count, error);
+    if (result || !texcoords) return result;
+    float *placed = malloc((2 * count + 1) * sizeof *placed);
+    if (!placed || !render_file_keep(file, placed))
+        return render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    norma_texture_place(info, texcoords, count, 2, placed);
+    map->texcoords = placed;
+    return NORMA_DOCUMENT_OK;
+}
+
+typedef struct surface_of { /* numbers in the document */
+    size_t mesh, material;
+} surface_of;
+
+/* Without coordinates, or with an image that cannot be read, the surface is drawn without it. */
+static norma_document_result set_map(render_scene_file *file, const surface_of *of,
+    const norma_texture_info *info, render_texture *map, norma_document_error *error) {
+    if (!info->there) return NORMA_DOCUMENT_OK;
+    *map = (render_texture){.wrap_s = info->wrap_s,
+        .wrap_t = info->wrap_t,
+        .mag_filter = info->mag_filter,
+        .min_filter = info->min_filter};
+    norma_document_result result = read_texcoords(file, of->mesh, info, map, error);
+    if (result || !map->texcoords) return result;
+    if (info->image == SIZE_MAX) {
+        leave_image(
+            file, "materials", of->material, info->not_read ? info->not_read : "it names no image");
+        return NORMA_DOCUMENT_OK;
+    }
+    const render_picture *picture = picture_of(file, info);
+    if (!picture)
+        return render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    if (picture->pixels) map->picture = picture;
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- materials */
+
+static norma_document_result set_maps(const render_settings *settings, render_scene_file *file,
+    size_t mesh, size_t material, render_surface *surface, norma_document_error *error) {
+    norma_material_maps maps;
+    norma_document_result result =
+        norma_document_material_maps(file->document, material, &maps, error);
+    if (result) return result;
+    if (settings->show == RENDER_SHOW_TANGENTS)
+        return maps.normal.there
+                   ? read_texcoords(file, mesh, &maps.normal, &surface->normal_map, error)
+                   : NORMA_DOCUMENT_OK;
+    if (settings->show != RENDER_SHOW_LIT || settings->clay) return NORMA_DOCUMENT_OK;
+    surface->alpha_cutoff = maps.alpha_mode == NORMA_ALPHA_MASK ? maps.alpha_cutoff : 0;
+    surface->blends = maps.alpha_mode == NORMA_ALPHA_BLEND;
+    surface->normal_strength = maps.normal.strength;
+    const surface_of of = {mesh, material};
+    result = set_map(file, &of, &maps.base_color, &surface->base_map, error);
+    return result ? result : set_map(file, &of, &maps.normal, &surface->normal_map, error);
+}
+
+static void set_colours(const norma_mesh_attributes *attributes,
+    const norma_material_info *material, render_surface *surface) {
+    surface->colours = attributes->colors;
+    if (attributes->colors)
+        for (int k = 0; k < 3; ++k) surface->base_colour[k] = 1;
+    if (!material) return;
+    memcpy(surface->base_colour, material->base_color, sizeof surface->base_colour);
+    surface->alpha = material->base_color[3];
+    surface->unlit = material->unlit;
+}
+
+norma_document_result render_file_set_material(const render_settings *settings,
+    render_scene_file *file, size_t mesh, const norma_mesh_attributes *attributes,
+    render_surface *surface, norma_document_error *error) {
+    static const norma_texture_info plain = {.scale = {1, 1}};
+    norma_material_info material;
+    const int gltf = norma_document_format(file->document) >= NORMA_FILE_GLTF;
+    const int known =
+        gltf && attributes->material != SIZE_MAX &&
+        !norma_document_material_info(file->document, attributes->material, &material);
+    memcpy(surface->base_colour, clay, sizeof clay);
+    surface->alpha = 1;
+    surface->two_sided = gltf ? known && material.double_sided : 1; /* only glTF has sides */
+    if (surface->stored == RENDER_NORMALS_PER_VERTEX &&
+        attributes->tangent_count >= surface->mesh.positions.count)
+        surface->tangents = attributes->tangents;
+    if (!settings->clay) set_colours(attributes, known ? &material : NULL, surface);
+    norma_document_result result =
+        known ? set_maps(settings, file, mesh, attributes->material, surface, error)
+              : NORMA_DOCUMENT_OK;
+    if (!result && settings->show == RENDER_SHOW_TANGENTS && !surface->normal_map.texcoords)
+        result = read_texcoords(file, mesh, &plain, &surface->normal_map, error);
+    file->with_tangents += surface->tangents != NULL;
+    file->with_texcoords += surface->normal_map.texcoords != NULL;
+    return result;
+}
+
+/* ---- GlTF: the primitives of a mesh are one body, whose normals are computed
+ * together.
+ */
+
+int render_join_primitives(
+    render_scene_file *file, render_surface *first, size_t count, norma_document_error *error) {
+    float *expected[64];
+    render_error trouble;
+    if (count < 2 || count > CLI_COUNT(expected)) return 1;
+    if (render_expect(first, count, expected, &trouble)) {
+        render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, trouble.message);
+        return 0;
+    }
+    int good = 1;
+    for (size_t i = 0; i < count; ++i) {
+        first[i].expected = expected[i];
+        if (!render_file_keep(file, expected[i])) {
+            first[i].expected = NULL;
+            good = 0;
+        }
+    }
+    if (!good) render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    return good;
+}
+
+/* Normals are computed for the surfaces of one mesh: all that are not stored and not flat, and all
+ * that errors are measured against. */
+int render_join_needed(
+    const render_settings *settings, const render_surface *surfaces, size_t count) {
+    for (size_t i = 0; i < count; ++i)
+        if (settings->show == RENDER_SHOW_ERROR ||
+            (surfaces[i].stored == RENDER_NORMALS_NONE && surfaces[i].crease_rad >= 0))
+            return 1;
+    return 0;
+}
+
+/* ---- What norma check names, coloured: faces, the corners of vertices, and a dot at
+ * each place, by the gravest that was found there. */
+
+const uint32_t render_finding_colours[4] = {[NORMA_SEVERITY_INFO] = 0x2F7FC4,
+    [NORMA_SEVERITY_WARNING] = 0xE39A1E,
+    [NORMA_SEVERITY_ERROR] = 0xD12B2B};
+static const uint32_t *const colours = render_finding_colours;
+enum { MOST_SAMPLES = 20000 }; /* of one finding */
+
+/* One surface's marks while they are made: severities first, so that the gravest stays. */
+typedef struct marks {
+    const render_surface *surface;
+    size_t faces, corners;
+    uint8_t *face_severity, *corner_severity;
+    uint32_t *vertex_corners, *vertex_starts; /* the corners of each position */
+    render_dot *dots;
+    size_t dot_count, dot_room;
+} marks;
+
+static size_t face_count(const norma_mesh *mesh) {
+    return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
+}
+
+/* A counting sort of corners by position. */
+static void sort_corners(marks *m) {
+    const norma_mesh *mesh = &m->surface->mesh;
+    for (size_t i = 0; i < m->corners; ++i) ++m->vertex_starts[norma_mesh_corner(mesh, i) + 1];
+    for (size_t i = 0; i < mesh->positions.count; ++i)
+        m->vertex_starts[i + 1] += m->vertex_starts[i];
+    for (size_t i = m->corners; i-- > 0;) {
+        const uint32_t position = norma_mesh_corner(mesh, i);
+        m->vertex_corners[--m->vertex_starts[position + 1]] = (uint32_t)i;
+    }
+    /* Each start has moved down to its own; the first stays 0. */
+    memmove(
+        m->vertex_starts, m->vertex_starts + 1, mesh->positions.count * sizeof *m->vertex_starts);
+    m->vertex_starts[mesh->positions.count] = (uint32_t)m->corners;
+}
+
+static int begin(marks *m, const render_surface *surface) {
+    *m = (marks){.surface = surface,
+        .faces = face_count(&surface->mesh),
+        .corners = surface->mesh.corner_count};
+    m->face_severity = calloc(m->faces + 1, 1);
+    m->corner_severity = calloc(m->corners + 1, 1);
+    m->vertex_corners = malloc((m->corners + 1) * sizeof *m->vertex_corners);
+    m->vertex_starts = calloc(surface->mesh.positions.count + 2, sizeof *m->vertex_starts);
+    if (!m->face_severity || !m->corner_severity || !m->vertex_corners || !m->vertex_starts)
+        return 0;
+    sort_corners(m);
+    return 1;
+}
+
+static void end(marks *m) {
+    free(m->face_severity);
+    free(m->corner_severity);
+    free(m->vertex_corners);
+    free(m->vertex_starts);
+    free(m->dots);
+}
+
+static void raise(uint8_t *severity, norma_severity to) {
+    *severity = *severity < to ? (uint8_t)to : *severity;
+}
+
+static int add_dot(marks *m, const norma_sample *sample, norma_severity severity) {
+    if (!sample->has_position) return 1;
+    if (m->dot_count == m->dot_room) {
+        const size_t room = m->dot_room ? 2 * m->dot_room : 64;
+        render_dot *larger = realloc(m->dots, room * sizeof *larger);
+        if (!larger) return 0;
+        m->dots = larger;
+        m->dot_room = room;
+    }
+    memcpy(m->dots[m->dot_count].position, sample->position, sizeof sample->position);
+    m->dots[m->dot_count].vertex = sample->vertex;
+    m->dots[m->dot_count].face = sample->face;
+    m->dots[m->dot_count++].colour = colours[severity];
+    return 1;
+}
+
+static void mark_sample(marks *m, const norma_sample *sample, norma_severity severity) {
+    if (sample->face < m->faces) raise(&m->face_severity[sample->face], severity);
+    if (sample->vertex < m->surface->mesh.positions.count)
+        for (uint32_t i = m->vertex_starts[sample->vertex];
+             i < m->vertex_starts[sample->vertex + 1]; ++i)
+            raise(&m->corner_severity[m->vertex_corners[i]], severity);
+    for (size_t i = 0; sample->normal != SIZE_MAX && m->surface->corner_normals && i < m->corners;
+         ++i)
+        if (m->surface->corner_normals[i] == sample->normal)
+            raise(&m->corner_severity[i], severity);
+}
+
+/* Dots mark what is small or far between; where very many places are named, the faces' colours do.
+ * An info that names most of a mesh says something of the mesh, and would only hide the rest. */
+static const size_t most_dots = 400;
+
+static int is_of_the_whole(const marks *m, const norma_finding *finding) {
+    return finding->severity == NORMA_SEVERITY_INFO && finding->count > m->faces / 4;
+}
+
+static int mark_finding(marks *m, const norma_finding *finding) {
+    int good = 1;
+    for (size_t i = 0; i < finding->sample_count && good && !is_of_the_whole(m, finding); ++i) {
+        mark_sample(m, &finding->samples[i], finding->severity);
+        if (finding->sample_count <= most_dots && finding->severity >= NORMA_SEVERITY_WARNING)
+            good = add_dot(m, &finding->samples[i], finding->severity);
+    }
+    return good;
+}
+
+static uint32_t *coloured(render_scene_file *file, const uint8_t *severities, size_t count) {
+    uint32_t *out = malloc((count + 1) * sizeof *out);
+    for (size_t i = 0; out && i < count; ++i) out[i] = colours[severities[i]];
+    return out && render_file_keep(file, out) ? out : NULL;
+}
+
+static int mark_surface(render_scene_file *file, const norma_findings *findings, const char *where,
+    render_surface *surface) {
+    marks m;
+    int good = begin(&m, surface);
+    /* Errors last, so that their dots lie above. */
+    for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
+        for (size_t i = 0; good && i < norma_findings_count(findings); ++i) {
+            const norma_finding *finding = norma_findings_get(findings, i);
+            if ((int)finding->severity == severity && strcmp(finding->where, where) == 0)
+                good = mark_finding(&m, finding);
+        }
+    if (good) {
+        surface->face_marks = coloured(file, m.face_severity, m.faces);
+        surface->corner_marks = coloured(file, m.corner_severity, m.corners);
+        good = surface->face_marks && surface->corner_marks;
+    }
+    if (good && m.dots) {
+        surface->dots = m.dots;
+        surface->dot_count = m.dot_count;
+        good = render_file_keep(file, m.dots);
+        m.dots = NULL;
+    }
+    end(&m);
+    return good;
+}
+
+/* How many of each severity, the rules of the gravest by name while there is room, and how many
+ * have no place on a surface. */
+static void tell_found(const norma_findings *findings, render_scene_file *file) {
+    const size_t room = sizeof file->found;
+    size_t length = 0, named = 0;
+    memset(file->found_counts, 0, sizeof file->found_counts);
+    file->found_nowhere = 0;
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        ++file->found_counts[finding->severity];
+        file->found_nowhere += finding->sample_count == 0;
+    }
+    snprintf(file->found, room, "nothing found");
+    for (int severity = NORMA_SEVERITY_ERROR; severity >= NORMA_SEVERITY_INFO; --severity)
+        for (size_t i = 0; i < norma_findings_count(findings) && named < 3; ++i) {
+            const norma_finding *finding = norma_findings_get(findings, i);
+            char name[120];
+            snprintf(name, sizeof name, "%s %s", finding->rule->id, finding->rule->name);
+            if ((int)finding->severity != severity || (named && strstr(file->found, name)))
+                continue;
+            const int more =
+                snprintf(file->found + length, room - length, "%s%s", named++ ? ", " : "", name);
+            length += more > 0 && (size_t)more < room - length ? (size_t)more : 0;
+        }
+}
+
+norma_document_result render_file_mark(const render_settings *settings, render_scene_file *file,
+    render_surface *surfaces, size_t surface_count, norma_document_error *error) {
+    cli_progress progress;
+    const norma_check_options options = {.struct_size = sizeof options,
+        .max_samples = MOST_SAMPLES,
+        .rules = settings->has_select ? settings->select : NULL,
+        .threads = settings->common.threads,
+        .progress = cli_progress_elapsed,
+        .progress_user = &progress};
+    norma_findings *findings = NULL;
+    cli_progress_start(&progress, "checking", file->input, settings->common.quiet, 0);
+    norma_document_result result = norma_check_document(file->document, &options, &findings, error);
+    cli_progress_stop(&progress);
+    for (size_t i = 0; i < surface_count && !result; ++i) {
+        norma_mesh_info info;
+        result = norma_document_mesh_info(file->document, file->document_meshes[i], &info);
+        if (!result && !mark_surface(file, findings, info.where, &surfaces[i])) {
+            snprintf(error->message, sizeof error->message, "%.800s: out of memory",
+                cli_input_name(file->input));
+            result = NORMA_DOCUMENT_ERROR_MEMORY;
+        }
+    }
+    if (!result) tell_found(findings, file);
+    norma_findings_free(findings);
+    error->result = result;
+    return result;
+}
+
+/* ---- Where the surfaces of a file stand, as a viewer of the format draws them at rest:
+ * at each instance of each node of its scene, moved by morph targets and skins. */
+
+/* The surfaces of a mesh of the file, which come in the order of their meshes. */
+static int surfaces_of(
+    const scene_maker *m, size_t base_count, size_t mesh, size_t *first, size_t *count) {
+    size_t low = 0, high = base_count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (m->mesh_of[middle] < mesh)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    for (*first = low, *count = 0; low < base_count && m->mesh_of[low] == mesh; ++low) ++*count;
+    return *count > 0;
+}
+
+/* ---- a surface that moves */
+
+static void find_middle(const norma_mesh *mesh, size_t face, double middle[3]) {
+    memset(middle, 0, 3 * sizeof *middle);
+    for (size_t corner = 3 * face; corner < 3 * face + 3; ++corner) {
+        double p[3];
+        norma_view_vector(&mesh->positions, norma_mesh_corner(mesh, corner), p);
+        for (int k = 0; k < 3; ++k) middle[k] += p[k] / 3;
+    }
+}
+
+static int move_dots(render_scene_file *file, render_surface *surface) {
+    render_dot *dots = malloc((surface->dot_count + 1) * sizeof *dots);
+    if (!dots) return 0;
+    for (size_t i = 0; i < surface->dot_count; ++i) {
+        dots[i] = surface->dots[i];
+        if (dots[i].vertex < surface->mesh.positions.count)
+            norma_view_vector(&surface->mesh.positions, dots[i].vertex, dots[i].position);
+        else if (3 * dots[i].face < surface->mesh.corner_count) /* a glTF's are triangles */
+            find_middle(&surface->mesh, dots[i].face, dots[i].position);
+    }
+    surface->dots = dots;
+    return render_file_keep(file, dots);
+}
+
+/* Errors are measured where the file stores normals: between them and those of the mesh as it is
+ * stored. */
+static int add_moved(
+    render_scene_file *file, scene_maker *m, size_t from, const norma_drawn_mesh *drawn) {
+    render_surface *surface = &m->surfaces[m->surface_count++];
+    *surface = m->surfaces[from];
+    surface->stored_surface = &m->surfaces[from];
+    surface->mesh.positions = drawn->positions;
+    surface->normals = drawn->normals;
+    if (surface->tangents) surface->tangents = drawn->tangents;
+    surface->expected = NULL;
+    return !surface->dots || move_dots(file, surface);
+}
+
+/* ---- draws */
+
+typedef struct node_draws { /* the surfaces of one node's mesh */
+    size_t node, first, count;
+} node_draws;
+
+static norma_document_result drawn_at(const render_scene_file *file, const node_draws *draws,
+    size_t instance, size_t surface, norma_drawn_mesh *drawn, norma_document_error *error) {
+    return norma_document_drawn_mesh(file->document, draws->node, instance,
+        file->document_meshes[draws->first + surface], drawn, error);
+}
+
+/* If any of the node's surfaces moves, all of them are made anew, so that they stay one body. */
+static norma_document_result move_surfaces(const render_settings *settings, render_scene_file *file,
+    scene_maker *m, const node_draws *draws, size_t *first, norma_document_error *error) {
+    const size_t begin = m->surface_count;
+    norma_drawn_mesh drawn;
+    int any = 0;
+    *first = draws->first;
+    for (size_t k = 0; k < draws->count && !any; ++k) {
+        norma_document_result result = drawn_at(file, draws, 0, k, &drawn, error);
+        if (result) return result;
+        any = drawn.moved;
+    }
+    for (size_t k = 0; k < draws->count && any; ++k) {
+        norma_document_result result = drawn_at(file, draws, 0, k, &drawn, error);
+        if (result) return result;
+        if (!add_moved(file, m, draws->first + k, &drawn))
+            return render_file_fail(
+                error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+    }
+    if (any) *first = begin;
+    return !any || !render_join_needed(settings, &m->surfaces[begin], draws->count) ||
+                   render_join_primitives(file, &m->surfaces[begin], draws->count, error)
+               ? NORMA_DOCUMENT_OK
+               : error->result;
+}
+
+static norma_document_result draw_node(const render_settings *settings, render_scene_file *file,
+    scene_maker *m, const node_draws *draws, size_t instances, norma_document_error *error) {
+    size_t first;
+    norma_document_result result = move_surfaces(settings, file, m, draws, &first, error);
+    for (size_t instance = 0; instance < instances && !result; ++instance)
+        for (size_t k = 0; k < draws->count && !result; ++k) {
+            norma_drawn_mesh drawn;
+            result = drawn_at(file, draws, instance, k, &drawn, error);
+            file->not_shown += !result && !drawn.shown;
+            if (result || !drawn.shown || (drawn.skinned && instance > 0)) continue;
+            m->draws[m->draw_count].surface = first + k;
+            memcpy(m->draws[m->draw_count++].world, drawn.world, sizeof drawn.world);
+        }
+    return result;
+}
+
+/* Room for all draws, and for the surfaces that may move. */
+static norma_document_result make_room(
+    render_scene_file *file, scene_maker *m, norma_document_error *error) {
+    norma_document *document = file->document;
+    size_t draws = 0, moved = 0;
+    for (size_t i = 0; i < norma_document_node_count(document); ++i) {
+        norma_node_info node;
+        norma_mesh_info info;
+        size_t first, count;
+        norma_document_result result = norma_document_node_info(document, i, &node);
+        if (result) return result;
+        if (!surfaces_of(m, m->surface_count, node.mesh, &first, &count)) continue;
+        draws += count * node.instances;
+        int moves = node.skin != SIZE_MAX;
+        for (size_t k = 0; k < count && !moves && !result; ++k) {
+            result = norma_document_mesh_info(document, file->document_meshes[first + k], &info);
+            moves = info.morph_targets > 0;
+        }
+        if (result) return result;
+        moved += moves ? count : 0;
+    }
+    render_surface *larger =
+        realloc(m->surfaces, (m->surface_count + moved + 1) * sizeof *m->surfaces);
+    if (larger) m->surfaces = larger;
+    m->draws = calloc(draws + 1, sizeof *m->draws);
+    return larger && m->draws
+               ? NORMA_DOCUMENT_OK
+               : render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
+}
+
+norma_document_result render_file_draws(const render_settings *settings, render_scene_file *file,
+    scene_maker *m, norma_document_error *error) {
+    const size_t base_count = m->surface_count;
+    file->not_shown = 0;
+    norma_document_result result = make_room(file, m, error);
+    for (size_t i = 0; i < norma_document_node_count(file->document) && !result; ++i) {
+        norma_node_info node;
+        node_draws draws = {.node = i};
+        result = norma_document_node_info(file->document, i, &node);
+        if (!result && surfaces_of(m, base_count, node.mesh, &draws.first, &draws.count))
+            result = draw_node(settings, file, m, &draws, node.instances, error);
+    }
+    return result;
+}
+
+/* ---- A document as a scene: each mesh a surface, each node that draws one, and each of
+ * its instances, a draw. */
 
 /* ---- surfaces */
 
