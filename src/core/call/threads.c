@@ -34,6 +34,7 @@ static norma_result run_in_threads(const pool *c, size_t workers) {
     return run_here(c);
 }
 static size_t machine_threads(void) { return 1; }
+static void let_others_work(void) {}
 void norma_core_gather(core_call *call, size_t corners) {
     (void)call;
     (void)corners;
@@ -215,6 +216,7 @@ static size_t machine_threads(void) {
     return online > 0 ? (size_t)online : 1;
 }
 
+static void let_others_work(void) { sched_yield(); }
 #endif
 
 enum { FEWEST_CORNERS_TO_SHARE = 1 << 13 };
@@ -247,4 +249,12 @@ norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task
     const size_t most = count > 1 ? norma_core_workers(call) : 1,
                  workers = most < count ? most : count;
     return workers > 1 ? run_in_threads(&c, workers) : run_here(&c);
+}
+
+/* Most waits are shorter than it takes to sleep and be woken. */
+void norma_core_wait(const atomic_size_t *value, size_t least) {
+    enum { LOOKS = 1000 };
+    for (int looks = 0; atomic_load_explicit(value, memory_order_acquire) < least;
+         looks += looks < LOOKS)
+        if (looks == LOOKS) let_others_work();
 }

@@ -133,11 +133,25 @@ CORE_INLINE void add_batch(
     core_add_eight(adder, &eight, f, lanes, weight);
 }
 
+CORE_INLINE void queue_batch(const core_adder *adder, const triangle_batch *t, size_t f, int lanes,
+    size_t in_chunk, core_queue *queue, norma_weight weight) {
+    static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
+    const core_eight eight = batch_to_rows(t, weight, (core_rows *)(void *)queue->row[in_chunk]);
+    const double *w[3];
+    for (int k = 0; k < 3; k++) w[k] = core_weighs_evenly(weight) ? ones : eight.weight[k];
+    core_lanes_to_rows(w[0], w[1], w[2], ones, (core_rows *)(void *)queue->weight[in_chunk]);
+    memcpy(queue->at + 3 * in_chunk, t->at, sizeof t->at);
+    if (core_all_are_decided(adder, &eight, lanes)) return;
+    for (int i = 0; i < lanes; i++)
+        if (!core_is_decided(&eight, i)) adder->add_face(adder->context, f + (size_t)i);
+}
+
 /* One batch after the other from end to end is a chain of some 200 steps that each wait for the one
  * before, too long for the processor to see the next one's beginning. So each step is taken for
- * some batches at a time: they wait for nothing of each other. */
-CORE_INLINE void add_weighted(
-    const core_adder *adder, size_t begin, size_t end, norma_weight weight) {
+ * some batches at a time: they wait for nothing of each other. queue: NULL where they are added at
+ * once. */
+CORE_INLINE void take_weighted(
+    const core_adder *adder, size_t begin, size_t end, core_queue *queue, norma_weight weight) {
     triangle_batch t[BATCHES_AT_ONCE];
     for (size_t f = begin; f < end; f += BATCHES_AT_ONCE * CORE_LANES) {
         const size_t left = end - f, batches = left < BATCHES_AT_ONCE * CORE_LANES
@@ -145,14 +159,24 @@ CORE_INLINE void add_weighted(
                                                    : BATCHES_AT_ONCE;
         for (size_t i = 0; i < batches; i++) {
             const size_t first = f + i * CORE_LANES;
-            if (adder->scattered) look_ahead(adder, first);
+            if (queue || adder->scattered) look_ahead(adder, first);
             read_batch(adder->mesh, first, lanes_left(first, end), &t[i]);
         }
         for (size_t i = 0; i < batches; i++) measure_batch(&t[i].measured, weight);
-        for (size_t i = 0; i < batches; i++)
-            add_batch(
-                adder, &t[i], f + i * CORE_LANES, lanes_left(f + i * CORE_LANES, end), weight);
+        for (size_t i = 0; i < batches; i++) {
+            const size_t first = f + i * CORE_LANES;
+            if (queue)
+                queue_batch(
+                    adder, &t[i], first, lanes_left(first, end), first - begin, queue, weight);
+            else
+                add_batch(adder, &t[i], first, lanes_left(first, end), weight);
+        }
     }
+}
+
+CORE_INLINE void add_weighted(
+    const core_adder *adder, size_t begin, size_t end, norma_weight weight) {
+    take_weighted(adder, begin, end, NULL, weight);
 }
 
 #if defined(__wasm_simd128__)
@@ -194,6 +218,52 @@ CORE_INLINE void add_triangles(const core_adder *adder, size_t begin, size_t end
 #endif
 }
 
+/* ---- queueing */
+
+CORE_INLINE uint32_t part_of(uint32_t at, uint64_t scale) {
+    return at == CORE_NOWHERE ? CORE_PARTS : (uint32_t)((at * scale) >> CORE_PART_BITS);
+}
+
+/* A counting sort, so that a queue is no larger for many parts than for few. */
+CORE_INLINE void list_corners(core_queue *queue, size_t faces, uint64_t scale) {
+    uint16_t next[CORE_PARTS + 2] = {0};
+    for (size_t c = 0; c < 3 * faces; c++) next[part_of(queue->at[c], scale) + 1]++;
+    for (size_t part = 0; part <= CORE_PARTS; part++)
+        next[part + 1] = (uint16_t)(next[part + 1] + next[part]);
+    memcpy(queue->begin, next, sizeof next);
+    for (size_t f = 0; f < faces; f++)
+        for (size_t k = 0; k < 3; k++)
+            queue->list[next[part_of(queue->at[3 * f + k], scale)]++] = (uint16_t)(4 * f + k);
+}
+
+CORE_INLINE void queue_triangles(
+    const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
+#if defined(__wasm__) /* queues are for threads, which are not there: one small loop */
+    take_weighted(adder, begin, end, queue, adder->weight);
+#else
+    CORE_LOOP_FOR_WEIGHT(adder->weight, take_weighted, adder, begin, end, queue)
+#endif
+    list_corners(queue, end - begin, scale);
+}
+
+CORE_INLINE vertex_sum *sum_of_corner(const core_queue *queue, uint16_t corner, vertex_sum *sums) {
+    return &sums[queue->at[corner - (corner >> 2)]];
+}
+
+CORE_INLINE void drain_queue(const core_queue *queue, size_t part, vertex_sum *sums) {
+    enum { CORNERS_AHEAD = 64 };
+    const uint16_t *list = queue->list + queue->begin[part];
+    const size_t count = (size_t)(queue->begin[part + 1] - queue->begin[part]);
+    for (size_t i = 0; i < count && i < CORNERS_AHEAD; i++)
+        __builtin_prefetch(sum_of_corner(queue, list[i], sums), 1, 2);
+    for (size_t i = 0; i < count; i++) {
+        if (i + CORNERS_AHEAD < count)
+            __builtin_prefetch(sum_of_corner(queue, list[i + CORNERS_AHEAD], sums), 1, 2);
+        core_add_row(&sum_of_corner(queue, list[i], sums)->x, queue->row[list[i] >> 2],
+            queue->weight[list[i] >> 2][list[i] & 3]);
+    }
+}
+
 /* ---- finishing */
 
 CORE_INLINE int finish_sums(const vertex_sum *sums, float (*normals)[3]) {
@@ -209,6 +279,13 @@ CORE_INLINE int finish_sums(const vertex_sum *sums, float (*normals)[3]) {
 static void add_portable(const core_adder *adder, size_t begin, size_t end) {
     add_triangles(adder, begin, end);
 }
+static void queue_portable(
+    const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
+    queue_triangles(adder, begin, end, scale, queue);
+}
+static void drain_portable(const core_queue *queue, size_t part, vertex_sum *sums) {
+    drain_queue(queue, part, sums);
+}
 static int finish_portable(const vertex_sum *sums, float (*normals)[3]) {
     return finish_sums(sums, normals);
 }
@@ -222,6 +299,24 @@ CORE_FOR_AVX512 static void add_avx512(const core_adder *adder, size_t begin, si
     add_triangles(adder, norma_core_add_eights_avx512(adder, begin, end), end);
 }
 #endif
+CORE_FOR_AVX2 static void queue_avx2(
+    const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
+    queue_triangles(adder, begin, end, scale, queue);
+}
+#if defined(CORE_HAS_AVX512)
+CORE_FOR_AVX512 static void queue_avx512(
+    const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue) {
+    queue_triangles(adder, begin, end, scale, queue);
+}
+#endif
+CORE_FOR_AVX2 static void drain_avx2(const core_queue *queue, size_t part, vertex_sum *sums) {
+    drain_queue(queue, part, sums);
+}
+#if defined(CORE_HAS_AVX512)
+CORE_FOR_AVX512 static void drain_avx512(const core_queue *queue, size_t part, vertex_sum *sums) {
+    drain_queue(queue, part, sums);
+}
+#endif
 CORE_FOR_AVX2 static int finish_avx2(const vertex_sum *sums, float (*normals)[3]) {
     return finish_sums(sums, normals);
 }
@@ -231,6 +326,8 @@ static core_finish_sums *const FINISH[] = {
 static core_finish_sums *const FINISH[] = {finish_portable};
 #endif
 static core_add_faces *const ADD[] = CORE_KERNELS(add);
+static core_queue_triangles *const QUEUE[] = CORE_KERNELS(queue);
+static core_drain_queue *const DRAIN[] = CORE_KERNELS(drain);
 
 static void add_widened(core_add_faces *add, const core_adder *adder, size_t begin, size_t end) {
     uint32_t corners[3 * FACES_TO_WIDEN];
@@ -255,4 +352,8 @@ void norma_core_add_chunk(core_add_faces *add, const core_adder *adder, size_t b
 }
 
 core_add_faces *norma_core_choose_add(norma_isa isa) { return ADD[norma_core_level(isa)]; }
+core_queue_triangles *norma_core_choose_queue(norma_isa isa) {
+    return QUEUE[norma_core_level(isa)];
+}
+core_drain_queue *norma_core_choose_drain(norma_isa isa) { return DRAIN[norma_core_level(isa)]; }
 core_finish_sums *norma_core_choose_finish(norma_isa isa) { return FINISH[norma_core_level(isa)]; }

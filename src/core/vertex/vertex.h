@@ -199,7 +199,7 @@ static inline int norma_core_is_one_turn(face_chains *c, double angles, int poly
 }
 
 /* ---- the loops that most of the time of norma_vertex_normals goes to: triangles added to the sums
- * of positions, and sums made normals. */
+ * of positions, at once or by way of queues, and sums made normals. */
 
 typedef struct core_adder {
     const core_mesh *mesh;
@@ -226,7 +226,32 @@ void norma_core_add_chunk(core_add_faces *add, const core_adder *adder, size_t b
  * is beyond what doubles square, none of them is to be used. */
 typedef int core_finish_sums(const vertex_sum sums[CORE_LANES], float normals[CORE_LANES][3]);
 
+/* What a chunk of faces adds, waiting for who owns the sums: of each face a row and the weight of
+ * each corner, and the corners in the order of the parts of the positions where they lie, within a
+ * part in their own, as 4 face + corner. Position p is in part p * scale / 2^CORE_PART_BITS. */
+enum {
+    CORE_PARTS = 64 /* at most */,
+    CORE_PART_BITS = 40,
+    CORE_CORNERS_IN_CHUNK = 3 * CORE_FACES_IN_CHUNK
+};
+static const uint32_t CORE_NOWHERE = UINT32_MAX; /* the position of a corner that adds nothing */
+typedef struct core_queue {
+    _Alignas(64) double row[CORE_FACES_IN_CHUNK][4];
+    double weight[CORE_FACES_IN_CHUNK][4];
+    uint32_t at[CORE_CORNERS_IN_CHUNK];
+    uint16_t begin[CORE_PARTS + 2]; /* of each part its first in list; the last part: nowhere */
+    uint16_t list[CORE_CORNERS_IN_CHUNK];
+} core_queue;
+
+/* The faces from begin to before end, a chunk at most, queued: adder->sums are not touched. */
+typedef void core_queue_triangles(
+    const core_adder *adder, size_t begin, size_t end, uint64_t scale, core_queue *queue);
+/* What waits for one part is added to the sums of all. */
+typedef void core_drain_queue(const core_queue *queue, size_t part, vertex_sum *sums);
+
 core_add_faces *norma_core_choose_add(norma_isa isa);
+core_queue_triangles *norma_core_choose_queue(norma_isa isa);
+core_drain_queue *norma_core_choose_drain(norma_isa isa);
 core_finish_sums *norma_core_choose_finish(norma_isa isa);
 
 /* ---- faces of any number of corners added to the sums of their positions. */
@@ -289,6 +314,14 @@ static inline size_t norma_core_chunk_end(const core_bins *bins, size_t chunk) {
 /* Adds all faces that touch the bin. */
 void norma_core_add_to_bin(
     const core_bins *bins, const core_bin *bin, core_add_faces *add, core_adder *adder);
+
+/* ---- the sums of large meshes of triangles in no order, by several at once. */
+
+/* mesh: the surface's, its positions perhaps copied. sums: of all its positions. *done: 0, and
+ * nothing is touched, if there are too few faces for the memory that this takes (not quite 2 bytes
+ * for each), or no memory. */
+norma_result norma_core_queue_vertices(const core_prepared_mesh *prepared, const core_mesh *mesh,
+    vertex_sum *sums, norma_count *degenerate, int *done);
 
 /* ---- weighted sums of vectors that do not depend on the order in which they are added, nor on how
  * they are grouped: for one surface in many files. Each number is cut into digits of 32 bits at
