@@ -130,6 +130,8 @@ static void check_and_fix(norma_document *document, const fuzz_bytes *file, uint
     if (result) return;
     read_findings(findings);
     norma_findings_free(findings);
+    /* A fix, two checks and the judge: two seconds more than a check alone. */
+    fuzz_meter_begin(4 * file->left + (2 << 17));
     const fix_verdict verdict = judge_fix("fuzz",
         (fix_file){file->at, file->left, norma_document_format(document)}, &options, kind & 16);
     fflush(stdout);
