@@ -88,12 +88,13 @@ static signed char lean_of_facet(
  * its own does than to the other; below: of fewer. */
 static int agreement_of_facet(const core_topology *t, size_t facet, const signed char *leans) {
     int sum = 0;
-    for (size_t c = 3 * facet; c < 3 * facet + 3; c++) {
+    const size_t end = norma_core_face_end(&t->mesh, facet);
+    for (size_t c = norma_core_face_begin(&t->mesh, facet); c < end; c++) {
         const uint32_t partner = t->partners[c];
         if (partner < CORE_EDGE_SPECIAL)
-            sum += leans[facet] * leans[partner / 3];
+            sum += leans[facet] * leans[norma_core_topology_face(t, partner)];
         else if (partner == CORE_EDGE_CONFLICT)
-            sum -= leans[facet] * leans[t->others[c] / 3];
+            sum -= leans[facet] * leans[norma_core_topology_face(t, t->others[c])];
     }
     return sum;
 }

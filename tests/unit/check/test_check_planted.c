@@ -241,6 +241,45 @@ static void explained(void **state) {
     }
 }
 
+/* Two squares side by side, one of them wound wrongly or with a wrong normal for it: nothing says
+ * which is turned but the normals. */
+static void facets_of_polygons(void **state) {
+    (void)state;
+    static const float positions[6][3] = {
+        {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}, {2, 1, 0}};
+    static const uint32_t corners[8] = {0, 1, 2, 3, 1, 4, 5, 2}, starts[3] = {0, 4, 8};
+    for (int wrong = 0; wrong < 2; wrong++) {
+        const float normals[2][3] = {{0, 0, wrong ? -1.0F : 1.0F}, {0, 0, 1}};
+        const uint32_t turned[8] = {0, 1, 2, 3, 1, 2, 5, 4};
+        const norma_check_mesh mesh = {.info = {.name = "",
+                                           .where = "",
+                                           .encoding = "float",
+                                           .vertices = 6,
+                                           .faces = 2,
+                                           .triangles = 4,
+                                           .normals = NORMA_NORMALS_PER_FACET},
+            .data = {.mesh = {.positions = {positions, 6, 0, NORMA_FORMAT_FLOAT},
+                         .corners = wrong ? corners : turned,
+                         .corner_count = 8,
+                         .face_starts = starts,
+                         .face_count = 2},
+                .normals = {normals, 2, 0, NORMA_FORMAT_FLOAT}},
+            .attributes = {.material = SIZE_MAX, .tangent_encoding = "", .ignore = ""},
+            .material = {.name = "", .where = "", .ignore = ""}};
+        const norma_check_scene scene = {
+            .meshes = &mesh, .mesh_count = 1, .format = NORMA_FILE_STL};
+        norma_findings *findings;
+        assert_ok(norma_check_scene_run(&scene, NULL, &findings));
+        const norma_finding *f = finding_of(findings, "N205", NORMA_SEVERITY_NONE);
+        assert_non_null(f);
+        assert_int_equal(f->count, 1);
+        assert_int_equal(f->samples[0].face, !wrong);
+        /* the second is shown to be turned; the first one's normal to be wrong */
+        assert_int_equal(f->fix, wrong ? NORMA_FIX_SAFE : NORMA_FIX_NONE);
+        norma_findings_free(findings);
+    }
+}
+
 static void facets(void **state) {
     (void)state;
     surface s = surface_soup(surface_torus(AROUND, ACROSS));
@@ -944,6 +983,7 @@ int main(void) {
         cmocka_unit_test(placeholders),
         cmocka_unit_test(explained),
         cmocka_unit_test(facets),
+        cmocka_unit_test(facets_of_polygons),
         cmocka_unit_test(one_face_turned_in_a_hundred_thousand),
         cmocka_unit_test(one_face_turned_in_a_soup),
         cmocka_unit_test(pieces_that_touch),
