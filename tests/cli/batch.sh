@@ -38,6 +38,15 @@ for form in text line sarif html; do
     faulty check models --format $form -o report.$form
     expect "check, $form: all files are in the report" bash -c '[ "$(grep -o "models/[0-9]*-faulty.obj" report.$1 | sort -u | wc -l)" -eq 3 ] && [ "$(grep -oE "models/[0-9].obj" report.$1 | sort -u | wc -l)" -eq 6 ]' _ $form
 done
+# Files that were done while an earlier one was checked again are told once.
+mkdir pairs
+for i in $(seq 10 40); do cp models/1.obj pairs/$i.obj && cp models/1.obj pairs/$i-faulty.obj; done
+once=yes
+for _ in 1 2 3 4 5; do
+    faulty check pairs --quiet --threads 8
+    [ "$(cat said)" = '62 errors, 0 warnings in 62 of 62 files; 31 not checked' ] || once=$(cat said)
+done
+if [ "$once" = yes ]; then pass "each file is told once"; else fail "each file is told once" "$once"; fi
 FAULTY_SIGNAL=9 faulty check models
 expect "a file for which the system kills the process is named" lines said '-faulty.obj: error N001 unreadable: norma ended by signal 9 (Killed) .*perhaps memory ran out' 3
 printf 'models/%s\n' 9-faulty.obj 1.obj >list

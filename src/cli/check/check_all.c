@@ -358,16 +358,19 @@ static int receive_checked(
         .size = message->size,
         .bytes = malloc(message->size + 1),
         .forgot = message->forgot};
-    int fine = checked.bytes &&
+    if (message->known) checked.baseline = check_baseline_part(all->settings->baseline);
+    int fine = checked.bytes && (!message->known || checked.baseline) &&
                cli_worker_receive(worker, &checked.totals, sizeof checked.totals) &&
                cli_worker_receive(worker, checked.bytes, checked.size) &&
-               check_baseline_receive(all->settings->baseline, message->known, worker) &&
+               check_baseline_receive(checked.baseline, message->known, worker) &&
                cli_guard_receive(all->settings->files->guard, worker);
-    if (fine)
+    if (fine) {
         collect(all, &checked);
-    else
-        free(checked.bytes);
-    return fine;
+        return 1;
+    }
+    free(checked.bytes);
+    check_baseline_free(checked.baseline);
+    return 0;
 }
 
 /* Until it ends. *next: behind the last file that it began. */
@@ -410,7 +413,7 @@ static int check_alone(check_collector *all, check_configs *configs, size_t file
 static int check_again(check_collector *all, check_configs *configs, size_t next) {
     int status = CLI_OK;
     for (size_t file = all->told; file < next; ++file)
-        if (!all->parts[file % WINDOW].done)
+        if (file >= all->told && !all->parts[file % WINDOW].done)
             status = cli_worse(status, check_alone(all, configs, file));
     return status;
 }
