@@ -221,42 +221,6 @@ static inline void norma_core_join_sets(uint32_t *joined, uint32_t a, uint32_t b
         joined[set_a] = set_b;
 }
 
-/* ---- numbers found again by what they stand for: a hash table with open addressing and linear
- * probing (Knuth, volume 3, 6.4), at most half full. A slot holds a number + 1, or 0 where it is
- * free. What the numbers stand for is the caller's, who compares it. */
-
-/* Slots for so many numbers: a power of two. */
-static inline size_t norma_core_table_size(size_t count) {
-    size_t size = 16;
-    while (size / 2 < count) size *= 2;
-    return size;
-}
-
-/* Whether a number stands for what is looked for. */
-typedef int core_is_wanted(const void *context, uint32_t number);
-
-/* The slot of the number that is wanted, else a free one. */
-static inline uint32_t *norma_core_table_find(
-    uint32_t *slots, size_t size, uint64_t hash, core_is_wanted *is_wanted, const void *context) {
-    size_t at = (size_t)hash & (size - 1);
-    while (slots[at] && !is_wanted(context, slots[at] - 1)) at = (at + 1) & (size - 1);
-    return &slots[at];
-}
-
-/* Eight bytes at a time; every bit of the result hangs on all of them. */
-static inline uint64_t norma_core_hash(const void *bytes, size_t size) {
-    const unsigned char *at = bytes;
-    const uint64_t prime = UINT64_C(0x9E3779B97F4A7C15);
-    uint64_t hash = size * prime;
-    for (size_t i = 0; i < size; i += 8) {
-        uint64_t word = 0;
-        memcpy(&word, at + i, size - i < 8 ? size - i : 8);
-        hash = (hash ^ word) * prime;
-        hash ^= hash >> 29;
-    }
-    return hash ^ hash >> 32;
-}
-
 /* ---- for what is sorted seldom and may be large. */
 
 enum { SORT_MOST_BYTES = 32 }; /* of one item */
@@ -268,23 +232,6 @@ void norma_core_sort(
 
 /* Ascending, without further memory, O(n). */
 void norma_core_sort_numbers(uint64_t *numbers, size_t count);
-
-/* Bisection: of 0 to count, of which those at the beginning come before, the first that does not.
- */
-typedef int core_comes_before(const void *context, size_t i);
-
-static inline size_t norma_core_bisect(
-    size_t count, core_comes_before *comes_before, const void *context) {
-    size_t low = 0, high = count;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (comes_before(context, middle))
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
 
 /* ---- one call of the library: the caller's options made whole, its memory, its threads, its
  * progress. */

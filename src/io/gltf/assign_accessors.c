@@ -1,7 +1,7 @@
 /* assign_accessors.c: which accessors hold what was put; primitives that Draco held are written
  * without it. */
 #include "io/gltf/gltf.h"
-#include "core/call/call.h"
+#include "core/call/table.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,6 +2,7 @@
  * winding. */
 #include "io/gltf/gltf.h"
 #include "core/call/call.h"
+#include "core/call/table.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

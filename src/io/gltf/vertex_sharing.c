@@ -2,6 +2,7 @@
  * vertices, corners new indices. */
 #include "io/gltf/gltf.h"
 #include "core/call/call.h"
+#include "core/call/table.h"
 #include "io/file/file.h"
 #include "io/stream/stream.h"
 #include <math.h>

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "io/stream/stream.h"
 #include "core/call/call.h"
+#include "core/call/table.h"
 #include "io/file/file.h"
 #include <pthread.h>
 #include <signal.h>

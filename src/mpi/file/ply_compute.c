@@ -4,6 +4,7 @@
  * writes those of its own vertices where they belong. */
 #include "mpi/file/shared_file.h"
 #include "core/call/call.h"
+#include "core/call/table.h"
 #include "io/format/format.h"
 #include "io/large/large.h"
 #include <errno.h>

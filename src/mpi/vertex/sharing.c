@@ -5,6 +5,7 @@
  */
 #include "mpi/vertex/vertex.h"
 #include "core/call/call.h"
+#include "core/call/table.h"
 
 enum { MOST_KEY = 24, LEAST_LOANS = 1024 };
 static const uint64_t MOST_SLOTS = UINT64_C(1) << MPI_HOME_AT; /* an answer has room for it */
