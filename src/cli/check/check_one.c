@@ -337,8 +337,10 @@ static norma_document_result try_offers(file_check *check, const check_format *f
         mended ? check->mended.findings : check->findings, &check->error);
 }
 
-/* What could not be fixed is not offered again. */
+/* What could not be fixed is not offered again, nor anything in a file that is read in parts:
+ * fixing needs the whole of it. */
 static norma_fix offered_fix(const file_check *check, const norma_finding *finding) {
+    if (!document_of(check)) return NORMA_FIX_NONE;
     const int fix = check->fix_status ? CHECK_FIX_NOTHING : check->settings->fix;
     const int tried =
         finding->fix == NORMA_FIX_SAFE
