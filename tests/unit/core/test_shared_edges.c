@@ -217,8 +217,8 @@ static void a_quad_that_names_a_position_twice(void **state) {
         for (int crease = 20; crease <= 180; crease += 40)
             for (int smooth = 0; smooth < 2; ++smooth) {
                 memcpy(c + 16, (const uint32_t[]){5, 6, turn ? 5 : 10, turn ? 9 : 6}, 16);
-                const result r =
-                    corners_with(&mesh, crease, (norma_options){.non_manifold = smooth});
+                const result r = corners_with(
+                    &mesh, crease, (norma_options){.non_manifold = (norma_non_manifold)smooth});
                 const uint32_t alike[2][3][2] = {
                     {{16, 7}, {17, 6}, {18, 23}}, {{16, 13}, {17, 6}, {19, 14}}};
                 for (int i = 0; i < 3; ++i) {

@@ -480,13 +480,13 @@ static void answers_stay(void **state) {
     (void)state;
     static const char *const texts[] = {
         "o name\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\ns 1\nf 1/1 2/1 3/1\n",
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-        "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
-        "property float s\nproperty float t\nelement face 1\n"
-        "property list uchar int vertex_indices\nend_header\n"
-        "1 0 0 0 0 1 0 0\n0 1 0 0 0 1 0 0\n0 0 1 0 0 1 0 0\n3 0 1 2\n",
-        "solid name\nfacet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 0 1 0\n"
-        "vertex 0 0 1\nendloop\nendfacet\nendsolid name\n"};
+        ("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+         "property float s\nproperty float t\nelement face 1\n"
+         "property list uchar int vertex_indices\nend_header\n"
+         "1 0 0 0 0 1 0 0\n0 1 0 0 0 1 0 0\n0 0 1 0 0 1 0 0\n3 0 1 2\n"),
+        ("solid name\nfacet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 0 1 0\n"
+         "vertex 0 0 1\nendloop\nendfacet\nendsolid name\n")};
     static const char *const names[] = {"a.obj", "a.ply", "a.stl"};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
         norma_document *document;
