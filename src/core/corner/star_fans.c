@@ -153,8 +153,9 @@ int norma_core_edge_is_smooth(const core_prepared_mesh *prepared, const core_sta
  * round the edge, and two faces bend by the difference of their angles. The faces that run back are
  * joined to their neighbours in angle wherever some face that runs out is near enough to both, and
  * each that runs out to its neighbours among those that run back: the same fans, in O(n log n).
- * Faces whose normals lean (bent polygons) or are borrowed are few, and are compared with all;
- * twins among the others stand opposite, beyond any crease that is asked about. */
+ * Faces whose normals lean (bent polygons) or are borrowed are few, and are compared with all, and
+ * so are those that are their own reverse: they run both ways at one angle and are not partners of
+ * themselves. Twins among the others stand opposite, beyond any crease that is asked about. */
 
 typedef struct fin {
     double angle;
@@ -260,11 +261,19 @@ static void join_neighbours(const fin_set *f) {
     }
 }
 
-/* Compares a leaning face with all of the other side. */
+/* Compares one face with all of the other side. */
 static void join_leaning(const fin_set *f, const star_edge *own, int back) {
     const edge_side *other = back ? &f->e->out : &f->e->back;
-    for (size_t i = 0; i < other->count; i++)
-        join_pair(f, back ? &other->edges[i] : own, back ? own : &other->edges[i]);
+    for (size_t i = 0; i < other->count; i++) {
+        if (other->edges[i].key == norma_core_key_of_twin(own->key)) /* its twins lie together */
+            i = norma_core_first_not_below(other, other->edges[i].key, 1) - 1;
+        else
+            join_pair(f, back ? &other->edges[i] : own, back ? own : &other->edges[i]);
+    }
+}
+
+static int is_own_reverse(const star_edge *run) {
+    return run->key == norma_core_key_of_twin(run->key);
 }
 
 /* Whether its angle round the edge says all: a direction of its own, at right angles to the edge.
@@ -285,7 +294,7 @@ static size_t list_side(
         if (!(c->flags & STAR_HAS_NORMAL) || (group && !(mesh->smoothing_groups[c->face] & group)))
             continue;
         if (mesh->hard_edges && mesh->hard_edges[back ? c->previous_corner : c->corner]) continue;
-        if (!is_plain(frame, c))
+        if (!is_plain(frame, c) || is_own_reverse(&side->edges[i]))
             join_leaning(f, &side->edges[i], back);
         else
             fins[count++] = (fin){angle_in(frame, c->normal), (uint32_t)back, (uint32_t)i};
