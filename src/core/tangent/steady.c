@@ -283,9 +283,9 @@ static steady_part part_of_face(
     const float *n = m->input->vertices[norma_core_tangent_key(m->input, corner)].normal;
     const double given[3] = {(double)n[0], (double)n[1], (double)n[2]};
     double normal[3];
-    steady_part part = {0};
+    steady_part part;
     steady_normalise(given, normal);
-    if (!steady_make_perpendicular(face->along, normal, part.sum)) return part;
+    if (!steady_make_perpendicular(face->along, normal, part.sum)) return (steady_part){{0}, 0};
     part.weight = weight_of_corner(m, face, number, corner);
     for (int k = 0; k < 3; k++) part.sum[k] *= part.weight;
     return part;

@@ -151,6 +151,33 @@ static void steady_at_any_scale(void **state) {
     }
 }
 
+/* Of a direction along the normal only rounding is left: it adds nothing, however little the other
+ * faces weigh. */
+static void steady_along_the_normal(void **state) {
+    static const float normal[3] = {1, 1e-7F, 0}, up[3] = {0, 0, 1};
+    static const float origin[2] = {0, 0}, s_axis[2] = {1, 0}, t_axis[2] = {0, 1}, both[2] = {1, 1};
+    const norma_options options = {.struct_size = sizeof options, .weight = NORMA_WEIGHT_MAX};
+    (void)state;
+    for (int size = 0; size < 2; size++) {
+        const float large = size ? 1e15F : 1e4F;
+        shape *s = calloc(1, sizeof *s);
+        const uint32_t at = add_vertex(s, (const float[]){0, 0, 0}, normal, origin);
+        add_face(s, 4,
+            (const uint32_t[]){at, add_vertex(s, (const float[]){1, 0, 0}, up, s_axis),
+                add_vertex(s, (const float[]){1, 1, 0}, up, both),
+                add_vertex(s, (const float[]){0, 1, 0}, up, t_axis)});
+        add_face(s, 3,
+            (const uint32_t[]){at, add_vertex(s, (const float[]){0, 0, large}, normal, s_axis),
+                add_vertex(s, (const float[]){0, large, 0}, normal, t_axis)});
+        answer *a = compute(s, NORMA_TANGENTS_STEADY, options);
+        assert_ok(a->result);
+        for (int corner = 0; corner <= 4; corner += 4)
+            assert_direction(a->tangents[corner], 0, 0, 1, 1e-6);
+        free(a);
+        free(s);
+    }
+}
+
 /* The arc cosines that lie nearest to a tie between two floats, from quadruple precision. */
 static void arc_cosines_are_rounded_right(void **state) {
     static const float known[][2] = {{0x1.110b44p-26F, 0x1.921fb6p+0F},
@@ -620,7 +647,7 @@ static void other_dress(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(affine_texture),
         cmocka_unit_test(every_weight_is_exact_on_a_plane), cmocka_unit_test(steady_at_any_scale),
-        cmocka_unit_test(arc_cosines_are_rounded_right),
+        cmocka_unit_test(steady_along_the_normal), cmocka_unit_test(arc_cosines_are_rounded_right),
         cmocka_unit_test(quads_are_the_triangles_they_are_cut_into), cmocka_unit_test(reasons),
         cmocka_unit_test(degenerate_faces_copy), cmocka_unit_test(steady_in_any_order),
         cmocka_unit_test(the_same_bits_however), cmocka_unit_test(the_bits_of_the_reference),
