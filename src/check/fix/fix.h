@@ -146,9 +146,10 @@ norma_document_result norma_fix_open_whole(
 void norma_fix_close_whole(fix_whole *whole);
 int norma_fix_join(fix_whole *whole); /* 0: out of memory */
 
-norma_result norma_fix_faces(fix_mesh *m);     /* fix_faces.c: N301, N302, N305, N401 */
-norma_result norma_fix_polygons(fix_mesh *m);  /* fix_faces.c: N404, N405 */
-norma_result norma_fix_positions(fix_mesh *m); /* fix_vertices.c: N503 */
+norma_result norma_fix_faces(fix_mesh *m);        /* fix_faces.c: N301, N302, N305, N401 */
+norma_result norma_fix_polygons(fix_mesh *m);     /* fix_faces.c: N404, N405 */
+norma_result norma_fix_positions(fix_mesh *m);    /* fix_vertices.c: N503 */
+double norma_fix_diagonal(const core_mesh *mesh); /* 0: none */
 norma_result norma_fix_normals(
     fix_mesh *m); /* fix_normals.c: N101 to N103, N201 to N203, N205, N206, N501 */
 norma_result norma_fix_vertices(
@@ -182,12 +183,35 @@ void norma_fix_unite(uint32_t *parents, uint32_t one, uint32_t other);
 
 enum { FIX_MOST_STEPS = 8 };
 
+/* Edges or faces by the positions of their corners. */
+typedef struct fix_shape {
+    size_t begin, count; /* of its points */
+    size_t mesh;         /* the first one of its group, or its own */
+} fix_shape;
+
+typedef struct fix_key {
+    double key;
+    size_t shape;
+} fix_key;
+
+typedef struct fix_shapes {
+    fix_shape *each;
+    double (*points)[3];
+    fix_key *keys; /* of the points, ascending */
+    size_t count, room, point_count, point_room;
+    int is_cut; /* there are more, which were not noted */
+} fix_shapes;
+
 typedef struct fix_measure { /* of a document, by all rules */
     norma_findings *findings;
     int has_shape;        /* the following is known */
     size_t loose;         /* edges along which faces do not run as often one way as the other */
     size_t surplus;       /* faces at edges, beyond the second */
     double area, opposed; /* twice, of all faces; of those with normals on their other side */
+    fix_shapes crowded;   /* edges of more than two faces */
+    fix_shapes behind;    /* faces with normals on their other side, but slivers */
+    double size;          /* diagonal of the largest group */
+    int is_elsewhere;     /* positions have moved as a whole: they cannot be compared */
 } fix_measure;
 /* Every element that any rule finds, to be freed by the caller. */
 norma_document_result norma_fix_find(norma_document *document, const fix_request *request,

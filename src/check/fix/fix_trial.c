@@ -14,6 +14,113 @@ static norma_document_result fail_trial(
     return result;
 }
 
+/* ---- shapes that are found again by their positions: what is one less here and one more there is
+ * the same in number */
+
+enum { MOST_SHAPES = 1 << 20 };        /* noted; where there are more, sums must do */
+static const double SHAPE_NEAR = 4e-6; /* of the diagonal: N503 moves by less */
+static const double SHAPE_KEY[] = {
+    1, .62, .27}; /* a direction in which little lies at right angles */
+
+static double shape_key(const double p[3]) {
+    return SHAPE_KEY[0] * p[0] + SHAPE_KEY[1] * p[1] + SHAPE_KEY[2] * p[2];
+}
+
+/* Room for one more. NULL: out of memory; the block stays. */
+static void *grow_shapes(void *block, size_t count, size_t *room, size_t size) {
+    if (count < *room) return block;
+    void *grown = realloc(block, (2 * *room + 64) * size);
+    if (grown) *room = 2 * *room + 64;
+    return grown;
+}
+
+/* Its points follow. 0: out of memory. */
+static int begin_shape(fix_shapes *s, size_t mesh) {
+    fix_shape *each = grow_shapes(s->each, s->count, &s->room, sizeof *each);
+    if (!each) return 0;
+    s->each = each;
+    s->each[s->count++] = (fix_shape){.begin = s->point_count, .mesh = mesh};
+    return 1;
+}
+
+static int add_shape_point(fix_shapes *s, const double p[3]) {
+    double(*points)[3] = grow_shapes(s->points, s->point_count, &s->point_room, sizeof *points);
+    if (!points) return 0;
+    s->points = points;
+    memcpy(s->points[s->point_count++], p, sizeof *points);
+    s->each[s->count - 1].count++;
+    return 1;
+}
+
+static int compare_keys(const void *a, const void *b) {
+    const fix_key *x = a, *y = b;
+    return (x->key > y->key) - (x->key < y->key);
+}
+
+static int sort_shapes(fix_shapes *s) {
+    s->keys = malloc((s->point_count + 1) * sizeof *s->keys);
+    for (size_t i = 0; s->keys && i < s->count; i++)
+        for (size_t k = s->each[i].begin; k < s->each[i].begin + s->each[i].count; k++)
+            s->keys[k] = (fix_key){shape_key(s->points[k]), i};
+    if (s->keys) qsort(s->keys, s->point_count, sizeof *s->keys, compare_keys);
+    return s->keys != NULL;
+}
+
+static void free_shapes(fix_shapes *s) {
+    free(s->each);
+    free(s->points);
+    free(s->keys);
+}
+
+static int has_point(const fix_shapes *s, const fix_shape *shape, const double p[3], double near) {
+    for (size_t k = shape->begin; k < shape->begin + shape->count; k++) {
+        const double *q = s->points[k];
+        if (fabs(p[0] - q[0]) <= near && fabs(p[1] - q[1]) <= near && fabs(p[2] - q[2]) <= near)
+            return 1;
+    }
+    return 0;
+}
+
+/* The first key that is not below. */
+static size_t find_key(const fix_shapes *s, double key) {
+    size_t begin = 0, end = s->point_count;
+    while (begin < end) {
+        const size_t middle = begin + (end - begin) / 2;
+        if (s->keys[middle].key < key)
+            begin = middle + 1;
+        else
+            end = middle;
+    }
+    return begin;
+}
+
+/* Whether one of those before has all its points: looked for at the one where the fewest are. */
+static int was_there(
+    const fix_shapes *before, const fix_shapes *after, const fix_shape *shape, double near) {
+    size_t begin = 0, end = SIZE_MAX;
+    for (size_t k = shape->begin; k < shape->begin + shape->count; k++) {
+        const double key = shape_key(after->points[k]), reach = 2 * near;
+        const size_t from = find_key(before, key - reach), to = find_key(before, key + reach);
+        if (to - from < end - begin) begin = from, end = to;
+    }
+    for (size_t i = begin; i < end; i++) {
+        const fix_shape *was = &before->each[before->keys[i].shape];
+        size_t found = 0;
+        while (was->mesh == shape->mesh && found < shape->count &&
+               has_point(before, was, after->points[shape->begin + found], near))
+            found++;
+        if (found == shape->count) return 1;
+    }
+    return 0;
+}
+
+static int has_new_shape(const fix_shapes *before, const fix_shapes *after, double near) {
+    if (before->is_cut || after->is_cut) return 0;
+    for (size_t i = 0; i < after->count; i++)
+        if (!was_there(before, after, &after->each[i], near)) return 1;
+    return 0;
+}
+
 /* ---- edges: of the primitives of a glTF mesh together */
 
 typedef struct edge_count { /* of a block */
@@ -30,8 +137,29 @@ static void tally_edge(
     counts[block].surplus += count > 2 ? count - 2 : 0;
 }
 
+/* Once for each face at it. */
+static int add_crowded(const core_topology *t, size_t group, fix_shapes *edges) {
+    for (size_t face = 0; face < t->mesh.face_count; face++) {
+        const size_t begin = norma_core_face_begin(&t->mesh, face),
+                     end = norma_core_face_end(&t->mesh, face);
+        for (size_t c = begin; c < end; c++) {
+            double a[3], b[3];
+            if (t->partners[c] != CORE_EDGE_MANY) continue;
+            edges->is_cut |= edges->count >= MOST_SHAPES;
+            if (edges->is_cut) return 1;
+            norma_view_read(&t->mesh.positions, norma_core_corner(&t->mesh, c), a);
+            norma_view_read(
+                &t->mesh.positions, norma_core_corner(&t->mesh, c + 1 < end ? c + 1 : begin), b);
+            if (!begin_shape(edges, group) || !add_shape_point(edges, a) ||
+                !add_shape_point(edges, b))
+                return 0;
+        }
+    }
+    return 1;
+}
+
 static norma_result count_odd_edges(
-    const norma_mesh *mesh, uint32_t threads, fix_measure *measure) {
+    const norma_mesh *mesh, size_t group, uint32_t threads, fix_measure *measure) {
     core_call call;
     core_mesh checked;
     core_topology topology;
@@ -50,7 +178,17 @@ static norma_result count_odd_edges(
         measure->surplus += counts[i].surplus;
     }
     free(counts);
+    if (!result && !add_crowded(&topology, group, &measure->crowded)) result = NORMA_ERROR_MEMORY;
     norma_core_topology_close(&topology);
+    return result;
+}
+
+static norma_result measure_size(const norma_mesh *mesh, fix_measure *measure) {
+    core_mesh shape;
+    const norma_result result = norma_core_mesh_shape(mesh, &shape);
+    if (result) return result;
+    shape.scale = 1;
+    measure->size = fmax(measure->size, norma_fix_diagonal(&shape));
     return result;
 }
 
@@ -70,9 +208,33 @@ static int is_opposed(const fix_mesh *m, size_t face, const core_face *geometry,
     return opposed;
 }
 
+static int is_sliver(const core_mesh *mesh, size_t face, const core_face *geometry) {
+    const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
+    double longest = 0, a[3], b[3];
+    for (size_t c = begin; c < end; c++) {
+        norma_core_position(mesh, norma_core_corner(mesh, c), a);
+        norma_core_position(mesh, norma_core_corner(mesh, c + 1 < end ? c + 1 : begin), b);
+        const double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+        longest = fmax(longest, norma_core_dot(d, d));
+    }
+    return geometry->twice_area < 1e-4 * longest;
+}
+
+static int add_behind(const core_mesh *mesh, size_t face, size_t index, fix_shapes *faces) {
+    faces->is_cut |= faces->count >= MOST_SHAPES;
+    if (faces->is_cut) return 1;
+    int fine = begin_shape(faces, index);
+    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
+        double p[3];
+        norma_core_position(mesh, norma_core_corner(mesh, c), p);
+        fine = fine && add_shape_point(faces, p);
+    }
+    return fine;
+}
+
 /* Whatever else is wrong with them: rules are silent where others hold. */
 static norma_document_result measure_normals(
-    const fix_group *group, size_t index, fix_measure *measure) {
+    const fix_group *group, size_t index, fix_measure *measure, norma_result *how) {
     fix_mesh m = {.document = group->document};
     norma_document_result result = norma_document_mesh_info(group->document, index, &m.info);
     if (!result) result = norma_document_mesh_data(group->document, index, &m.data, group->error);
@@ -84,8 +246,12 @@ static norma_document_result measure_normals(
         norma_core_face_geometry(&m.mesh, face, &geometry);
         if (!(geometry.flags & CORE_FACE_FINITE)) continue;
         measure->area += geometry.twice_area;
-        if (geometry.flags & CORE_FACE_DIRECTED && is_opposed(&m, face, &geometry, across))
-            measure->opposed += geometry.twice_area;
+        if (!(geometry.flags & CORE_FACE_DIRECTED) || !is_opposed(&m, face, &geometry, across))
+            continue;
+        measure->opposed += geometry.twice_area;
+        if (!is_sliver(&m.mesh, face, &geometry) &&
+            !add_behind(&m.mesh, face, index, &measure->behind))
+            *how = NORMA_ERROR_MEMORY;
     }
     return result;
 }
@@ -106,13 +272,16 @@ norma_document_result norma_fix_measure_shape(norma_document *document, const fi
         result = norma_fix_open_whole(&these, &whole, &how);
         if (!result && !how && whole.face_count)
             how = norma_fix_join(&whole)
-                      ? count_odd_edges(&whole.mesh, request->options.threads, measure)
+                      ? count_odd_edges(&whole.mesh, indices[0], request->options.threads, measure)
                       : NORMA_ERROR_MEMORY;
+        if (!result && !how && whole.face_count) how = measure_size(&whole.mesh, measure);
         norma_fix_close_whole(&whole);
         for (size_t i = 0; i < of && !result && !how; i++)
-            result = measure_normals(&these, indices[i], measure);
+            result = measure_normals(&these, indices[i], measure, &how);
     }
     free(indices);
+    if (!result && !how && !(sort_shapes(&measure->crowded) && sort_shapes(&measure->behind)))
+        how = NORMA_ERROR_MEMORY;
     measure->has_shape = 1;
     if (result || !how) return result;
     return fail_trial(error,
@@ -148,6 +317,8 @@ static norma_document_result measure_copy(norma_document *copy, const fix_reques
 
 void norma_fix_measure_free(fix_measure *measure) {
     norma_findings_free(measure->findings);
+    free_shapes(&measure->crowded);
+    free_shapes(&measure->behind);
     *measure = (fix_measure){0};
 }
 
@@ -189,12 +360,16 @@ static int changes_place(const fix_measure *before, const fix_measure *after, ch
 }
 
 const char *norma_fix_worse_shape(const fix_measure *before, const fix_measure *after) {
-    const double whole = fmax(before->area, after->area);
-    return after->loose > before->loose       ? "closed edges would become open"
-           : after->surplus > before->surplus ? "an edge would get a third face"
-           : after->opposed > before->opposed + 1e-9 * whole
-               ? "a face would have its normals on the other side"
-               : NULL;
+    const double whole = fmax(before->area, after->area), near = SHAPE_NEAR * before->size;
+    const int compares = !after->is_elsewhere;
+    if (after->loose > before->loose) return "closed edges would become open";
+    if (after->surplus > before->surplus ||
+        (compares && has_new_shape(&before->crowded, &after->crowded, near)))
+        return "an edge would get a third face";
+    if (after->opposed > before->opposed + 1e-9 * whole ||
+        (compares && has_new_shape(&before->behind, &after->behind, near)))
+        return "a face would have its normals on the other side";
+    return NULL;
 }
 
 int norma_fix_find_worse(const fix_measure *before, const fix_measure *after, uint8_t *worse) {
@@ -238,6 +413,8 @@ norma_document_result norma_fix_try(norma_document *document, const fix_request 
     norma_document_result result = norma_document_copy(document, &copy, error);
     const size_t notes = norma_document_note_count(copy);
     if (!result) result = take_steps(copy, request, trial, error);
+    for (size_t i = 0; i < trial->count; i++)
+        trial->after.is_elsewhere |= trial->plans[i].recentred || trial->plans[i].bakes;
     if (!result) result = measure_copy(copy, request, &trial->after, error);
     if (!result && norma_document_note_count(copy) > notes)
         norma_check_message(trial->said, "%s", norma_document_note(copy, notes));

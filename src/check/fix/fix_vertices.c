@@ -11,7 +11,7 @@
 
 static const double NEAR = 1e-6; /* of the diagonal, as the rule has it */
 
-static double diagonal_of(const core_mesh *mesh) {
+double norma_fix_diagonal(const core_mesh *mesh) {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
            squares = 0;
     for (size_t i = 0; i < mesh->positions.count; i++) {
@@ -57,7 +57,7 @@ norma_result norma_fix_positions(fix_mesh *m) {
     int any = norma_fix_mark(m, RULE_N503, MEND_VERTEX, mesh.positions.count, &marks);
     const norma_options options = {.struct_size = sizeof options,
         .weld = NORMA_WELD_DISTANCE,
-        .weld_distance = any > 0 ? NEAR * diagonal_of(&mesh) : 0,
+        .weld_distance = any > 0 ? NEAR * norma_fix_diagonal(&mesh) : 0,
         .threads = m->threads};
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : norma_core_begin(&call, &options);
     if (!result && any > 0) {

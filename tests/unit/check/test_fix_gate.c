@@ -259,6 +259,46 @@ static void no_edge_gets_a_third_face(void **state) {
     norma_document_close(document);
 }
 
+/* The same squares, and two others of which one is there twice: left out once, it takes a third
+ * face from their edge, which is no leave for the first edge to get one. */
+static void no_edge_gets_a_third_face_for_another(void **state) {
+    (void)state;
+    static const char squares[] =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 -1 0\nv 0 -1 0\nv 0 0 1e-7\nv 1 0 1e-7\nv 1 0 1\n"
+        "v 0 0 1\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nv 6 -1 0\nv 5 -1 0\n"
+        "f 1 2 3 4\nf 2 1 6 5\nf 7 8 9 10\nf 11 12 13 14\nf 12 11 16 15\nf 11 12 13 14\n";
+    norma_document *document =
+        scene_reopen((const unsigned char *)squares, strlen(squares), "a.obj");
+    assert_int_equal(count_of(document, "N305"), 1);
+    const norma_fix_summary summary = fix(document, "N305,N503");
+    assert_int_equal(summary.changed, 1);
+    assert_int_equal(count_of(document, "N305"), 0);
+    assert_int_equal(count_of(document, "N503"), 4);
+    assert_true(has_note(document, "N503 almost-coincident is not fixed", "a third face"));
+    norma_document_close(document);
+}
+
+/* A cube whose floor is turned, with normals that go with its winding, and a larger square against
+ * its normals, twice: less area is behind its normals once one of these is left out, but the floor
+ * may not be for that. */
+static void no_face_gets_behind_its_normals_for_another(void **state) {
+    (void)state;
+    static const char cube[] =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+        "v 5 0 0\nv 8 0 0\nv 8 3 0\nv 5 3 0\n"
+        "vn 0 0 1\nvn 0 0 -1\nvn 0 -1 0\nvn 1 0 0\nvn 0 1 0\nvn -1 0 0\n"
+        "f 1//1 2//1 3//1 4//1\nf 5//1 6//1 7//1 8//1\nf 1//3 2//3 6//3 5//3\n"
+        "f 2//4 3//4 7//4 6//4\nf 3//5 4//5 8//5 7//5\nf 4//6 1//6 5//6 8//6\n"
+        "f 9//2 10//2 11//2 12//2\nf 9//2 10//2 11//2 12//2\n";
+    norma_document *document = scene_reopen((const unsigned char *)cube, strlen(cube), "a.obj");
+    assert_int_equal(count_of(document, "N201"), 2);
+    assert_int_equal(fix(document, "N301,N305").changed, 1);
+    assert_int_equal(count_of(document, "N305"), 0);
+    assert_int_equal(count_of(document, "N201"), 1);
+    assert_true(has_note(document, "N301 inconsistent-winding is not fixed", "N201"));
+    norma_document_close(document);
+}
+
 /* ---- what findings offer, tried */
 
 static norma_findings *tried(norma_document *document, norma_severity from) {
@@ -341,6 +381,8 @@ int main(void) {
         cmocka_unit_test(the_only_face_of_a_primitive_stays),
         cmocka_unit_test(progress_never_falls),
         cmocka_unit_test(no_edge_gets_a_third_face),
+        cmocka_unit_test(no_edge_gets_a_third_face_for_another),
+        cmocka_unit_test(no_face_gets_behind_its_normals_for_another),
         cmocka_unit_test(an_offer_keeps_its_promise),
         cmocka_unit_test(informations_are_left),
     };
