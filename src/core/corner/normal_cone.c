@@ -228,7 +228,7 @@ static int take_in(cone **c, cone **few, size_t number, const double normal[3]) 
     return narrow(held, *c) && (*c)->cosine > 0x1p-30;
 }
 
-enum { CANCELLED, GOES_ON, SETTLED };
+enum { CANCELLED, GOES_ON, SETTLED, MOST_STALLS = 32 };
 
 /* The first steps, from one to two to three, without making unit vectors: only what rounding cannot
  * turn. Where another is outside the cone of two, with s what it lacks, the cone with it has a
@@ -260,6 +260,7 @@ CORE_INLINE int smallest_cone(
     cone cones[2], *c = cones, *few = cones + 1;
     double normal[3] = {0, 0, 0};
     size_t first = 0;
+    int stalls = 0;
     while (first < count && !at(context, first, normal)) first++;
     if (first == count) return 0;
     c->count = 0;
@@ -272,10 +273,13 @@ CORE_INLINE int smallest_cone(
         if (far.least >= before - ROUNDING || is_held(c, far.found)) break;
         at(context, far.found, normal);
         if (!take_in(&c, &few, far.found, normal)) return 0;
-        if (c->cosine >= before) { /* no wider than before: what is left outside must be rounding */
-            if (farthest(at, context, count, c->axis).least < c->cosine - 0x1p-20) return 0;
-            break;
-        }
+        if (c->cosine < before) continue;
+        /* No wider than before: what is left outside is rounding, or the cone is nearly a
+         * hemisphere and grows by less than that. */
+        const double outside = c->cosine - farthest(at, context, count, c->axis).least;
+        if (outside > 0x1p-30 && ++stalls < MOST_STALLS) continue;
+        if (outside > 0x1p-20) return 0;
+        break;
     }
     memcpy(axis, c->axis, sizeof c->axis);
     return 1;
