@@ -6,7 +6,8 @@
 #include <string.h>
 
 /* ---- Which faces are turned: those of closed parts by volume and nesting, as orient.c turns
- * them; those of open parts by rays from each piece whose faces agree. */
+ * them; those of open parts by rays from each piece whose faces agree. An open part may wind by
+ * little more than one half round what lies beside it: of that, rays are asked first. */
 
 static const uint8_t PART_NOT_CLOSED = COMPONENT_OPEN | COMPONENT_ONE_SIDED | COMPONENT_UNBALANCED;
 
@@ -67,6 +68,16 @@ static int has_flags(const core_side_judge *j, size_t face, uint8_t flags) {
     return parts->of[face] == UINT32_MAX || (parts->each[parts->of[face]].flags & flags) != 0;
 }
 
+static int lies_in_open(const core_side_judge *j, size_t face) {
+    const core_components *parts = &j->parts;
+    const uint32_t parent = parts->each[parts->of[face]].parent;
+    return parent != UINT32_MAX && (parts->each[parent].flags & PART_NOT_CLOSED) != 0;
+}
+
+static int is_for_rays(const core_side_judge *j, size_t face) {
+    return has_flags(j, face, PART_NOT_CLOSED) || lies_in_open(j, face);
+}
+
 /* The pieces that rays must be cast from. */
 static size_t choose_pieces(core_side_judge *j, size_t first, size_t count, const uint8_t *asked) {
     core_components *pieces = &j->pieces;
@@ -74,7 +85,7 @@ static size_t choose_pieces(core_side_judge *j, size_t first, size_t count, cons
     for (size_t f = first; f < first + count; f++) {
         const uint32_t piece = pieces->of[f];
         if ((asked && !asked[f - first]) || piece == UINT32_MAX || j->known[piece] != UNASKED ||
-            !has_flags(j, f, PART_NOT_CLOSED) || has_flags(j, f, COMPONENT_ONE_SIDED))
+            !is_for_rays(j, f) || has_flags(j, f, COMPONENT_ONE_SIDED))
             continue;
         pieces->each[piece].flags |= COMPONENT_OPEN;
         chosen++;
@@ -108,11 +119,12 @@ static int is_doubled_sheet(const core_side_judge *j, size_t face) {
 
 static uint8_t side_of(const core_side_judge *j, size_t face) {
     const uint8_t turned = j->parts.reverse[face] ? CORE_SIDE_TURNED : 0;
-    if (!has_flags(j, face, PART_NOT_CLOSED))
-        return turned | (is_doubled_sheet(j, face) ? CORE_SIDE_UNDECIDED : 0);
     const uint32_t piece = j->pieces.of[face];
-    const uint8_t known = piece == UINT32_MAX ? UNDECIDED : j->known[piece];
-    if (known == UNASKED || known == UNDECIDED) return turned | CORE_SIDE_UNDECIDED;
+    const uint8_t known = is_for_rays(j, face) && piece != UINT32_MAX ? j->known[piece] : UNDECIDED;
+    const int is_silent = known == UNASKED || known == UNDECIDED;
+    if (is_silent && !has_flags(j, face, PART_NOT_CLOSED))
+        return turned | (is_doubled_sheet(j, face) ? CORE_SIDE_UNDECIDED : 0);
+    if (is_silent) return turned | CORE_SIDE_UNDECIDED;
     return known == TURNED ? CORE_SIDE_TURNED | CORE_SIDE_BY_RAYS : CORE_SIDE_BY_RAYS;
 }
 

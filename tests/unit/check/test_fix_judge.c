@@ -5,7 +5,7 @@
 #include "fix_files.h"
 #include "mesh_files.h"
 
-enum { SEEDS = 300 / SLOWER, MOST_BYTES = 12000 / (SLOWER > 1 ? 4 : 1), MOST_WRONG = 12 };
+enum { SEEDS = 3000 / SLOWER, MOST_BYTES = 12000 / (SLOWER > 1 ? 4 : 1), MOST_WRONG = 12 };
 
 static void made_files(void **state) {
     (void)state;

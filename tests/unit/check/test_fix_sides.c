@@ -118,6 +118,30 @@ static void what_is_undecided_stays(void **state) {
 /* ---- glTF: a tray whose normals look inward; of a material that is seen from both sides rays say
  * nothing */
 
+/* A box over a wide open bowl, whose rim is above its floor, so that the bowl winds round that by
+ * more than one half, as if the box were a hole in it: but rays from its lid, which alone is wound
+ * outward, leave. */
+#define BOX_OVER_BOWL(faces)                                                                       \
+    "v -.5 -.5 0\nv .5 -.5 0\nv .5 .5 0\nv -.5 .5 0\nv -.5 -.5 .5\nv .5 -.5 .5\nv .5 .5 .5\n"      \
+    "v -.5 .5 .5\nv -8 -8 .6\nv 8 -8 .6\nv 8 8 .6\nv -8 8 .6\nv 0 0 -1\n" faces                    \
+    "f 9 13 10\nf 10 13 11\nf 11 13 12\nf 12 13 9\n"
+
+static void what_rays_call_right_stays(void **state) {
+    (void)state;
+    static const char before[] =
+        BOX_OVER_BOWL("f 1 2 3 4\nf 5 6 7 8\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n"),
+                      after[] = BOX_OVER_BOWL(
+                          "f 1 4 3 2\nf 5 6 7 8\nf 5 1 2 6\nf 6 2 3 7\nf 7 3 4 8\nf 8 4 1 5\n");
+    size_t size;
+    norma_document *document = scene_reopen((const unsigned char *)before, strlen(before), "a.obj");
+    assert_int_equal(fix(document, "N301"), 1);
+    unsigned char *bytes = scene_output(document, &size);
+    assert_int_equal(size, strlen(after));
+    assert_memory_equal(bytes, after, size);
+    free(bytes);
+    norma_document_close(document);
+}
+
 static void a_double_sided_material_stays(void **state) {
     (void)state;
     static const float corners[8][3] = {
@@ -256,6 +280,7 @@ int main(void) {
         cmocka_unit_test(what_is_wrong_is_turned),
         cmocka_unit_test(most_faces_may_be_wrong),
         cmocka_unit_test(what_is_undecided_stays),
+        cmocka_unit_test(what_rays_call_right_stays),
         cmocka_unit_test(a_double_sided_material_stays),
         cmocka_unit_test(normals_of_facets_that_are_right_stay),
         cmocka_unit_test(stored_normals_are_evidence),
