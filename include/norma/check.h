@@ -304,7 +304,7 @@ NORMA_API norma_document_result norma_fix_document(norma_document *document,
  *   findings   those of norma_check_document
  *   error      written on failure; or NULL
  *
- * Cost: two checks, and two to four more for each rule that offers a fix; memory for a copy of the
+ * Cost: two checks, and one to three more for each rule that offers a fix; memory for a copy of the
  * file. Errors: those of norma_fix_document. */
 NORMA_API norma_document_result norma_document_try_fixes(norma_document *document,
     const norma_check_options *options, norma_severity from, norma_findings *findings,

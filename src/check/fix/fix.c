@@ -120,7 +120,7 @@ static norma_document_result try_request(
         return result;
     }
     result = norma_fix_try(f->document, &f->request, &plan, trial, f->error);
-    f->checks += trial->count + 1;
+    f->checks += trial->count;
     if (!result) *is_worse = norma_fix_find_worse(&f->before, &trial->after, harmful->by);
     if (!result) harmful->shape = norma_fix_worse_shape(&f->before, &trial->after);
     return result;

@@ -48,8 +48,8 @@ typedef struct fix_plan {
     fix_note *notes;
     size_t note_count;
 } fix_plan;
-/* found: all that the rules find in the document, every element; NULL: they look now. After an
- * error there is nothing to free. */
+/* found: all that the rules find in the document, every element. After an error there is nothing to
+ * free. */
 norma_document_result norma_fix_make_plan(norma_document *document, const fix_request *request,
     const norma_findings *found, fix_plan *plan, norma_document_error *error);
 int norma_fix_plan_is_empty(const fix_plan *plan);

@@ -245,33 +245,16 @@ static norma_document_result plan_all(mender *m) {
     return result ? result : plan_rest(m);
 }
 
-/* The rules that a fix may follow: those that lead to none need not look. */
-static norma_document_result look_for_fixes(norma_document *document, const fix_request *request,
-    norma_findings **findings, norma_document_error *error) {
-    norma_check_options options = request->options;
-    uint8_t rules[CHECK_RULE_COUNT];
-    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++) {
-        const norma_fix fix = norma_rules(NULL)[rule].fix;
-        rules[rule] = request->wanted[rule] && !request->left_out[rule] &&
-                      (fix != NORMA_FIX_NONE || (rule == RULE_N304 && request->by_rays));
-    }
-    options.rules = rules;
-    return norma_check_document(document, &options, findings, error);
-}
-
 norma_document_result norma_fix_make_plan(norma_document *document, const fix_request *request,
     const norma_findings *found, fix_plan *plan, norma_document_error *error) {
-    norma_findings *own = NULL;
     mender m = {.document = document,
         .request = request,
+        .findings = found,
         .plan = plan,
         .mesh_count = norma_document_mesh_count(document),
         .error = error};
     *plan = (fix_plan){0};
-    norma_document_result result =
-        found ? NORMA_DOCUMENT_OK : look_for_fixes(document, request, &own, error);
-    m.findings = found ? found : own;
-    if (!result) result = plan_all(&m);
+    const norma_document_result result = plan_all(&m);
     for (size_t i = 0; m.turned && m.sides && m.smooth && i < m.mesh_count; i++) {
         free(m.turned[i]);
         free(m.sides[i]);
@@ -280,7 +263,6 @@ norma_document_result norma_fix_make_plan(norma_document *document, const fix_re
     free((void *)m.turned);
     free((void *)m.sides);
     free((void *)m.smooth);
-    norma_findings_free(own);
     if (result) norma_fix_plan_free(plan);
     return result;
 }

@@ -293,26 +293,26 @@ norma_document_result norma_fix_measure_shape(norma_document *document, const fi
 
 /* By all rules; by those that look into images only where that is asked for. */
 static norma_document_result find_by_all(norma_document *document, const fix_request *request,
-    int maps, size_t max_samples, norma_findings **findings, norma_document_error *error) {
+    int maps, norma_findings **findings, norma_document_error *error) {
     norma_check_options options = request->options;
     uint8_t rules[CHECK_RULE_COUNT];
     memset(rules, 1, sizeof rules);
     rules[RULE_N811] = rules[RULE_N812] = (uint8_t)(maps != 0);
     options.rules = rules;
-    options.max_samples = max_samples;
     return norma_check_document(document, &options, findings, error);
 }
 
 norma_document_result norma_fix_find(norma_document *document, const fix_request *request,
     norma_findings **findings, norma_document_error *error) {
-    return find_by_all(document, request, request->reads_maps, SIZE_MAX, findings, error);
+    return find_by_all(document, request, request->reads_maps, findings, error);
 }
 
-static norma_document_result measure_copy(norma_document *copy, const fix_request *request,
+/* Every element: what is to be done next is planned by the same look. */
+static norma_document_result look_at_copy(norma_document *copy, const fix_request *request,
     fix_measure *measure, norma_document_error *error) {
-    const norma_document_result result =
-        find_by_all(copy, request, request->changes_maps, 1, &measure->findings, error);
-    return result ? result : norma_fix_measure_shape(copy, request, measure, error);
+    norma_findings_free(measure->findings);
+    measure->findings = NULL;
+    return find_by_all(copy, request, request->changes_maps, &measure->findings, error);
 }
 
 void norma_fix_measure_free(fix_measure *measure) {
@@ -394,12 +394,14 @@ static norma_document_result take_steps(norma_document *copy, const fix_request 
         changed = 0;
         if (norma_fix_plan_is_empty(plan)) break;
         result = norma_fix_apply(copy, plan, request->options.threads, &changed, error);
+        if (!result) result = look_at_copy(copy, request, &trial->after, error);
         if (result || !changed || trial->count == FIX_MOST_STEPS) break;
         /* What rays said they would say again, but where something was moved since. */
         next.by_rays = request->by_rays && norma_fix_plan_moves(plan);
         /* What one turn of a map does not make right, another would only undo. */
         next.left_out[RULE_N812] |= plan->greens != NULL;
-        result = norma_fix_make_plan(copy, &next, NULL, &trial->plans[trial->count], error);
+        result = norma_fix_make_plan(
+            copy, &next, trial->after.findings, &trial->plans[trial->count], error);
         trial->count += !result;
     }
     return result;
@@ -415,7 +417,7 @@ norma_document_result norma_fix_try(norma_document *document, const fix_request 
     if (!result) result = take_steps(copy, request, trial, error);
     for (size_t i = 0; i < trial->count; i++)
         trial->after.is_elsewhere |= trial->plans[i].recentred || trial->plans[i].bakes;
-    if (!result) result = measure_copy(copy, request, &trial->after, error);
+    if (!result) result = norma_fix_measure_shape(copy, request, &trial->after, error);
     if (!result && norma_document_note_count(copy) > notes)
         norma_check_message(trial->said, "%s", norma_document_note(copy, notes));
     norma_document_close(copy);
