@@ -147,17 +147,23 @@ typedef struct face_corners {
     size_t first, count, start; /* start: where the least rotation begins */
 } face_corners;
 
-static const tangent_vertex *corner_of_face(const face_corners *f, size_t index) {
+static uint32_t key_of_face(const face_corners *f, size_t index) {
     size_t place = f->start + index;
     if (place >= f->count) place -= f->count;
-    return &f->mesh->vertices[norma_core_tangent_key(f->mesh, f->first + place)];
+    return norma_core_tangent_key(f->mesh, f->first + place);
+}
+static const tangent_vertex *corner_of_face(const face_corners *f, size_t index) {
+    return &f->mesh->vertices[key_of_face(f, index)];
 }
 
 /* -1, 0 or 1, by position, normal and texture coordinates. */
-static int compare_area(const tangent_vertex *a, const tangent_vertex *b) {
+static int compare_area(const tangent_mesh *mesh, uint32_t a, uint32_t b) {
     float x[8], y[8];
-    memcpy(x, a, sizeof x);
-    memcpy(y, b, sizeof y);
+    memcpy(x, &mesh->vertices[a], sizeof x);
+    memcpy(y, &mesh->vertices[b], sizeof y);
+    for (int k = 0; k < 3 && mesh->exact; k++)
+        if (mesh->exact[a][k] != mesh->exact[b][k])
+            return mesh->exact[a][k] < mesh->exact[b][k] ? -1 : 1;
     for (int k = 0; k < 8; k++)
         if (x[k] != y[k]) return x[k] < y[k] ? -1 : 1;
     return 0;
@@ -169,7 +175,7 @@ static size_t least_rotation(const face_corners *f) {
     size_t i = 0, j = 1, same = 0;
     while (i < f->count && j < f->count && same < f->count) {
         const int order = compare_area(
-            corner_of_face(f, (i + same) % f->count), corner_of_face(f, (j + same) % f->count));
+            f->mesh, key_of_face(f, (i + same) % f->count), key_of_face(f, (j + same) % f->count));
         if (!order) {
             same++;
             continue;
@@ -184,8 +190,8 @@ static size_t least_rotation(const face_corners *f) {
     return i < j ? i : j;
 }
 
-static void difference(const float *a, const float *b, int count, double *out) {
-    for (int k = 0; k < count; k++) out[k] = (double)a[k] - (double)b[k];
+static void difference(const float a[2], const float b[2], double out[2]) {
+    for (int k = 0; k < 2; k++) out[k] = (double)a[k] - (double)b[k];
 }
 
 typedef struct face_sums {
@@ -194,13 +200,18 @@ typedef struct face_sums {
 } face_sums;
 
 /* The triangle between the first corner and two that follow each other. */
-static void add_steady_triangle(face_sums *sums, const tangent_vertex *origin,
-    const tangent_vertex *a, const tangent_vertex *b) {
-    double p[3], q[3], s[2], t[2], cross[3];
-    difference(a->position, origin->position, 3, p);
-    difference(b->position, origin->position, 3, q);
-    difference(a->texcoord, origin->texcoord, 2, s);
-    difference(b->texcoord, origin->texcoord, 2, t);
+static void add_steady_triangle(face_sums *sums, const face_corners *f, size_t index) {
+    const uint32_t origin = key_of_face(f, 0), a = key_of_face(f, index),
+                   b = key_of_face(f, index + 1);
+    const tangent_vertex *v = f->mesh->vertices;
+    double here[3], p[3], q[3], s[2], t[2], cross[3];
+    norma_core_tangent_position(f->mesh, origin, here);
+    norma_core_tangent_position(f->mesh, a, p);
+    norma_core_tangent_position(f->mesh, b, q);
+    norma_core_subtract(p, here, p);
+    norma_core_subtract(q, here, q);
+    difference(v[a].texcoord, v[origin].texcoord, s);
+    difference(v[b].texcoord, v[origin].texcoord, t);
     norma_core_cross(p, q, cross);
     sums->area += s[0] * t[1] - s[1] * t[0];
     sums->magnitude += fabs(s[0] * t[1]) + fabs(s[1] * t[0]);
@@ -218,9 +229,7 @@ static int is_face_finite(const face_corners *f) {
 
 static int8_t measure_face(const face_corners *f, steady_face *face) {
     face_sums sums = {0};
-    const tangent_vertex *origin = corner_of_face(f, 0);
-    for (size_t i = 1; i + 1 < f->count; i++)
-        add_steady_triangle(&sums, origin, corner_of_face(f, i), corner_of_face(f, i + 1));
+    for (size_t i = 1; i + 1 < f->count; i++) add_steady_triangle(&sums, f, i);
     memcpy(face->normal, sums.normal, sizeof face->normal);
     face->twice_area = steady_length(sums.normal);
     if (!(fabs(sums.area) > STEADY_ROUNDING * sums.magnitude) || !(face->twice_area > 0)) return 0;
@@ -233,8 +242,7 @@ static int8_t measure_face(const face_corners *f, steady_face *face) {
 /* ---- what a corner adds */
 
 static void position_at_corner(const steady_mesh *m, size_t corner, double out[3]) {
-    const float *p = m->input->vertices[norma_core_tangent_key(m->input, corner)].position;
-    for (int k = 0; k < 3; k++) out[k] = (double)p[k];
+    norma_core_tangent_position(m->input, norma_core_tangent_key(m->input, corner), out);
 }
 
 typedef struct face_points {
@@ -325,7 +333,9 @@ static size_t load_face_lane(const steady_mesh *m, size_t triangle, int lane, st
     const size_t start = start_of_triangle(&f, v);
     for (size_t i = 0; i < 3; i++) {
         const tangent_vertex *from = v[(start + i) % 3];
-        for (int k = 0; k < 3; k++) batch->position[i][k][lane] = (double)from->position[k];
+        double at[3];
+        norma_core_tangent_position(m->input, (size_t)(from - m->input->vertices), at);
+        for (int k = 0; k < 3; k++) batch->position[i][k][lane] = at[k];
         for (int k = 0; k < 3; k++) batch->normal[i][k][lane] = (double)from->normal[k];
         for (int k = 0; k < 2; k++) batch->texcoord[i][k][lane] = (double)from->texcoord[k];
     }
@@ -439,15 +449,17 @@ static steady_side side_of_corner(const steady_mesh *m, const steady_star *star,
 
 static corner_tangent sum_of_side(
     const steady_mesh *m, const steady_star *star, const steady_side *side) {
-    const double scale = ldexp(1, 60 - log2_above(star->count) - ilogb(side->largest));
+    /* In two steps: doubles do not hold the inverse of every weight. */
+    const int shift = 60 - log2_above(star->count) - ilogb(side->largest);
+    const double scale = ldexp(1, shift / 2), rest = ldexp(1, shift - shift / 2);
     corner_tangent out = {.reason = NORMA_REASON_CANCELLED};
     int64_t sum[3] = {0}, weight = 0;
     for (size_t j = 0; j < star->count; j++) {
         const int sign = m->signs[norma_core_face_of(&m->around, star->corners[j])];
         if (!sign || (sign < 0) != side->negative) continue;
         const steady_part *part = &m->parts[star->corners[j]];
-        for (int k = 0; k < 3; k++) sum[k] += (int64_t)(part->sum[k] * scale);
-        weight += (int64_t)(part->weight * scale);
+        for (int k = 0; k < 3; k++) sum[k] += (int64_t)(part->sum[k] * scale * rest);
+        weight += (int64_t)(part->weight * scale * rest);
     }
     double direction[3] = {(double)sum[0], (double)sum[1], (double)sum[2]};
     if (norma_core_cancels(direction, (double)weight)) return out;
@@ -604,11 +616,23 @@ static void release_unknown(steady_mesh *m) {
     if (m->around.starts) norma_core_corners_of_position_release(m->call, &m->around);
 }
 
+/* By a power of two, so that squares of squares of lengths are held. */
+static void scale_exact(const tangent_mesh *m) {
+    double largest = 0;
+    for (size_t i = 0; i < m->key_count; i++)
+        for (int k = 0; k < 3; k++)
+            if (isfinite(m->exact[i][k])) largest = fmax(largest, fabs(m->exact[i][k]));
+    const int shift = largest > 0 ? -ilogb(largest) : 0;
+    for (size_t i = 0; i < m->key_count; i++)
+        for (int k = 0; k < 3; k++) m->exact[i][k] = ldexp(m->exact[i][k], shift);
+}
+
 norma_result norma_core_steady_tangents(
     const tangent_mesh *mesh, const tangent_output *output, core_tally *tally) {
     const core_call *call = mesh->call;
     const size_t corners = mesh->mesh.corner_count, faces = mesh->mesh.face_count;
     if (!corners) return NORMA_OK;
+    if (mesh->exact) scale_exact(mesh);
     steady_mesh m = {.call = mesh->call,
         .input = mesh,
         .parts = norma_core_allocate(call, corners, sizeof *m.parts),

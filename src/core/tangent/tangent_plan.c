@@ -91,9 +91,13 @@ static norma_result core_tangent_rivals_find(core_call *call, norma_tangent_plan
 
 typedef struct weld_check {
     const norma_tangent_plan *plan;
-    const tangent_vertex *vertices;
+    const tangent_mesh *mesh;
     atomic_int differs;
 } weld_check;
+
+static int are_equal_keys(const tangent_mesh *m, uint32_t one, uint32_t other) {
+    return norma_core_tangent_are_equal(m->vertices, (const double(*)[3])m->exact, one, other);
+}
 
 static void check_rivals_task(void *context, size_t task) {
     weld_check *c = context;
@@ -102,33 +106,38 @@ static void check_rivals_task(void *context, size_t task) {
     int equal = 1;
     for (size_t key = begin; key < end && equal; key++) {
         const uint32_t one = c->plan->weld[key];
-        if (one != key) equal = norma_core_tangent_are_equal(&c->vertices[key], &c->vertices[one]);
+        if (one != key) equal = are_equal_keys(c->mesh, (uint32_t)key, one);
     }
     if (!equal) atomic_store_explicit(&c->differs, 1, memory_order_relaxed);
 }
 
-static int few_are_apart(const norma_tangent_plan *plan, const tangent_vertex *vertices) {
+static int few_are_apart(const norma_tangent_plan *plan, const tangent_mesh *mesh) {
     const tangent_rivals *r = &plan->rivals;
     for (size_t at = 0; at < r->few_count; at += 1 + r->few[at]) {
         const uint32_t count = r->few[at], *keys = &r->few[at + 1];
         for (uint32_t i = 1; i < count; i++)
             for (uint32_t j = 0; j < i; j++)
-                if (norma_core_tangent_are_equal(&vertices[keys[i]], &vertices[keys[j]])) return 0;
+                if (are_equal_keys(mesh, keys[i], keys[j])) return 0;
     }
     return 1;
 }
 
 static norma_result look_at_crowd(
     const norma_tangent_plan *plan, const tangent_mesh *mesh, int *holds) {
-    const size_t count = plan->rivals.crowd_count;
+    const size_t count = plan->rivals.crowd_count, in_doubles = mesh->exact ? count : 0;
     size_t found = 0;
     tangent_vertex *vertices = norma_core_allocate(mesh->call, count, sizeof *vertices);
     uint32_t *weld = norma_core_allocate(mesh->call, count, sizeof *weld);
-    norma_result result = vertices && weld ? NORMA_OK : NORMA_ERROR_MEMORY;
+    double(*exact)[3] = norma_core_allocate(mesh->call, in_doubles, sizeof *exact);
+    norma_result result = vertices && weld && exact ? NORMA_OK : NORMA_ERROR_MEMORY;
     for (size_t i = 0; i < count && result == NORMA_OK; i++)
         vertices[i] = mesh->vertices[plan->rivals.crowd[i]];
+    for (size_t i = 0; i < in_doubles && result == NORMA_OK; i++)
+        memcpy(exact[i], mesh->exact[plan->rivals.crowd[i]], sizeof *exact);
     if (result == NORMA_OK)
-        result = norma_core_tangent_weld_vertices(mesh->call, vertices, count, weld, &found);
+        result = norma_core_tangent_weld_vertices(mesh->call, vertices,
+            in_doubles ? (const double(*)[3])exact : NULL, count, weld, &found);
+    norma_core_release(mesh->call, exact, in_doubles, sizeof *exact);
     norma_core_release(mesh->call, vertices, count, sizeof *vertices);
     norma_core_release(mesh->call, weld, count, sizeof *weld);
     *holds = !found;
@@ -138,14 +147,13 @@ static norma_result look_at_crowd(
 /* Whether the vertices that were equal at the plan's creation are, and no others. *holds is set. */
 static norma_result core_tangent_weld_holds(
     const norma_tangent_plan *plan, const tangent_mesh *mesh, int *holds) {
-    weld_check c = {.plan = plan, .vertices = mesh->vertices};
+    weld_check c = {.plan = plan, .mesh = mesh};
     norma_result result = NORMA_OK;
     if (plan->weld)
         result = norma_core_parallel(mesh->call,
             plan->key_count / KEYS_IN_TASK + (plan->key_count % KEYS_IN_TASK != 0),
             check_rivals_task, &c);
-    *holds = !atomic_load_explicit(&c.differs, memory_order_relaxed) &&
-             few_are_apart(plan, mesh->vertices);
+    *holds = !atomic_load_explicit(&c.differs, memory_order_relaxed) && few_are_apart(plan, mesh);
     if (result == NORMA_OK && *holds && plan->rivals.crowd_count)
         result = look_at_crowd(plan, mesh, holds);
     return result;
@@ -327,7 +335,8 @@ static int read_keys(tangent_part *p) {
         if (i && key != p->by_key[i - 1] >> 32) number++;
         p->keys[(uint32_t)p->by_key[i]] = number;
         if ((!i || key != p->by_key[i - 1] >> 32) &&
-            !norma_core_tangent_read_key(p->whole, key, &p->mesh.vertices[number]))
+            !norma_core_tangent_read_key(p->whole, key, &p->mesh.vertices[number],
+                p->mesh.exact ? p->mesh.exact[number] : NULL))
             return 0;
     }
     p->mesh.key_count = p->mesh.mesh.positions.count = p->corner_count ? number + 1 : 0;
@@ -369,12 +378,15 @@ static int open_tangent_part(tangent_part *p, const core_call *call) {
     p->keys = norma_core_allocate(call, count, sizeof *p->keys);
     p->by_key = norma_core_allocate(call, count, sizeof *p->by_key);
     p->mesh.vertices = norma_core_allocate(call, count, sizeof *p->mesh.vertices);
+    if (p->whole->in_doubles)
+        p->mesh.exact = norma_core_allocate(call, count, sizeof *p->mesh.exact);
     p->tangents = norma_core_allocate(call, count, sizeof *p->tangents);
     p->reasons = norma_core_allocate(call, count, 1);
     if (p->plan->mesh.face_starts)
         p->face_starts = norma_core_allocate(call, p->face_count + 1, sizeof *p->face_starts);
     return p->corners && p->keys && p->by_key && p->mesh.vertices && p->tangents && p->reasons &&
-           (p->face_starts || !p->plan->mesh.face_starts);
+           (p->face_starts || !p->plan->mesh.face_starts) &&
+           (p->mesh.exact || !p->whole->in_doubles);
 }
 
 static void close_tangent_part(tangent_part *p, const core_call *call) {
@@ -384,6 +396,7 @@ static void close_tangent_part(tangent_part *p, const core_call *call) {
     norma_core_release(call, p->keys, count, sizeof *p->keys);
     norma_core_release(call, p->by_key, count, sizeof *p->by_key);
     norma_core_release(call, p->mesh.vertices, count, sizeof *p->mesh.vertices);
+    norma_core_release(call, p->mesh.exact, count, sizeof *p->mesh.exact);
     norma_core_release(call, p->tangents, count, sizeof *p->tangents);
     norma_core_release(call, p->reasons, count, 1);
     norma_core_release(call, p->face_starts, p->face_count + 1, sizeof *p->face_starts);
@@ -476,7 +489,7 @@ static norma_result open_mesh(const norma_tangent_plan *plan, norma_vec3_view po
     m->mesh.positions = view;
     m->by_position = plan->by_position;
     m->key_count = plan->key_count;
-    result = norma_core_tangent_attributes(m, normals, texcoords);
+    result = norma_core_tangent_attributes(m, plan->mode, normals, texcoords);
     if (result == NORMA_OK && plan->by_position &&
         (normals->of != NORMA_PER_VERTEX || normals->corners))
         result = NORMA_ERROR_ARGUMENT;
@@ -590,7 +603,7 @@ static norma_result keep_plan_texcoords(norma_tangent_plan *plan, const tangent_
         memcpy(plan->texcoords[key], m->vertices[key].texcoord, sizeof *plan->texcoords);
     }
     if (result == NORMA_OK)
-        result = norma_core_tangent_weld_vertices(m->call, places, count, place, &found);
+        result = norma_core_tangent_weld_vertices(m->call, places, NULL, count, place, &found);
     norma_core_release(m->call, places, count, sizeof *places);
     if (result == NORMA_OK && found)
         core_tangent_adopt(plan, plan->place = place, count, sizeof *place);
@@ -680,7 +693,8 @@ norma_result norma_tangent_plan_create(const norma_mesh *mesh, const norma_attri
         result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked.mesh);
     if (result == NORMA_OK) norma_core_share(&call, checked.mesh.corner_count);
-    if (result == NORMA_OK) result = norma_core_tangent_attributes(&checked, normals, texcoords);
+    if (result == NORMA_OK)
+        result = norma_core_tangent_attributes(&checked, mode, normals, texcoords);
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked.mesh);
     if (result == NORMA_OK) result = make(&checked, mode, &made);

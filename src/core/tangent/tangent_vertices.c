@@ -26,8 +26,10 @@ static norma_result check_attribute(
     return NORMA_OK;
 }
 
-norma_result norma_core_tangent_attributes(
-    tangent_mesh *mesh, const norma_attribute *normals, const norma_attribute *texcoords) {
+norma_result norma_core_tangent_attributes(tangent_mesh *mesh, norma_tangent_mode mode,
+    const norma_attribute *normals, const norma_attribute *texcoords) {
+    mesh->in_doubles =
+        mode == NORMA_TANGENTS_STEADY && mesh->mesh.positions.format == NORMA_FORMAT_DOUBLE;
     mesh->normals = normals;
     mesh->texcoords = texcoords;
     const norma_result result = check_attribute(normals, 3, &mesh->mesh);
@@ -105,12 +107,19 @@ static size_t value_of_corner(const norma_attribute *a, size_t position, size_t 
     return value < a->count ? value : SIZE_MAX;
 }
 
-int norma_core_tangent_read_key(const tangent_mesh *m, size_t key, tangent_vertex *v) {
+int norma_core_tangent_read_key(
+    const tangent_mesh *m, size_t key, tangent_vertex *v, double exact[3]) {
     const size_t position = m->by_position ? key : norma_core_corner(&m->mesh, key),
                  normal = value_of_corner(m->normals, position, key),
                  texcoord = value_of_corner(m->texcoords, position, key);
     if (normal == SIZE_MAX || texcoord == SIZE_MAX) return 0;
-    read_float_position(&m->mesh.positions, position, v->position);
+    if (exact) {
+        norma_view_read(&m->mesh.positions, position, exact);
+        const float stand_in = norma_core_finite(exact) ? 0 : NAN;
+        for (int k = 0; k < 3; k++) v->position[k] = stand_in;
+    } else {
+        read_float_position(&m->mesh.positions, position, v->position);
+    }
     read_attribute(m->normals, normal, 3, v->normal);
     read_attribute(m->texcoords, texcoord, 2, v->texcoord);
     return 1;
@@ -122,7 +131,8 @@ static void read_task(void *context, size_t task) {
     const size_t begin = task * KEYS_IN_TASK,
                  end = m->key_count - begin < KEYS_IN_TASK ? m->key_count : begin + KEYS_IN_TASK;
     for (size_t key = begin; key < end; key++)
-        if (!norma_core_tangent_read_key(m, key, &m->vertices[key])) {
+        if (!norma_core_tangent_read_key(
+                m, key, &m->vertices[key], m->exact ? m->exact[key] : NULL)) {
             atomic_store_explicit(&r->wrong, 1, memory_order_relaxed);
             return;
         }
@@ -141,8 +151,25 @@ static norma_result read_all_vertices(tangent_mesh *mesh) {
 static const uint64_t ODD[4] = {UINT64_C(0x9e3779b97f4a7c15), UINT64_C(0xbf58476d1ce4e5b9),
     UINT64_C(0x94d049bb133111eb), UINT64_C(0xc2b2ae3d27d4eb4f)};
 
+typedef struct vertices_to_weld {
+    const tangent_vertex *vertices;
+    const double (*exact)[3];
+} vertices_to_weld;
+
+static uint64_t hash_exact(const double position[3]) {
+    uint64_t sum = 0;
+    for (int k = 0; k < 3; k++) {
+        const double number = position[k] + 0.0;
+        uint64_t bits;
+        memcpy(&bits, &number, sizeof bits);
+        sum = norma_core_weld_mix(sum + bits * ODD[k]);
+    }
+    return sum;
+}
+
 static void hash_vertices(const void *context, size_t first, size_t count, uint64_t *hashes) {
-    const tangent_vertex *vertices = (const tangent_vertex *)context + first;
+    const vertices_to_weld *w = context;
+    const tangent_vertex *vertices = w->vertices + first;
     for (size_t i = 0; i < count; i++) {
         float numbers[8];
         uint32_t bits[8];
@@ -155,27 +182,31 @@ static void hash_vertices(const void *context, size_t first, size_t count, uint6
         }
         memcpy(bits, numbers, sizeof bits);
         for (int k = 0; k < 4; k++) sum += (bits[2 * k] | (uint64_t)bits[2 * k + 1] << 32) * ODD[k];
+        if (w->exact) sum += hash_exact(w->exact[first + i]);
         hashes[i] = nan ? 0 : norma_core_weld_mix(sum);
     }
 }
 
-int norma_core_tangent_are_equal(const tangent_vertex *one, const tangent_vertex *other) {
+int norma_core_tangent_are_equal(
+    const tangent_vertex *vertices, const double (*exact)[3], size_t one, size_t other) {
     float a[8], b[8];
     int same = 1;
-    memcpy(a, one, sizeof a);
-    memcpy(b, other, sizeof b);
+    memcpy(a, &vertices[one], sizeof a);
+    memcpy(b, &vertices[other], sizeof b);
     for (int k = 0; k < 8; k++) same &= a[k] == b[k];
+    for (int k = 0; k < 3 && exact; k++) same &= exact[one][k] == exact[other][k];
     return same;
 }
 
 static int same_vertex(const void *context, uint32_t one, uint32_t other) {
-    const tangent_vertex *vertices = context;
-    return norma_core_tangent_are_equal(&vertices[one], &vertices[other]);
+    const vertices_to_weld *w = context;
+    return norma_core_tangent_are_equal(w->vertices, w->exact, one, other);
 }
 
-norma_result norma_core_tangent_weld_vertices(
-    core_call *call, const tangent_vertex *vertices, size_t count, uint32_t *weld, size_t *found) {
-    const weld_keys keys = {count, vertices, hash_vertices, same_vertex};
+norma_result norma_core_tangent_weld_vertices(core_call *call, const tangent_vertex *vertices,
+    const double (*exact)[3], size_t count, uint32_t *weld, size_t *found) {
+    const vertices_to_weld context = {vertices, exact};
+    const weld_keys keys = {count, &context, hash_vertices, same_vertex};
     return norma_core_weld_keys(call, &keys, weld, found);
 }
 
@@ -184,8 +215,8 @@ norma_result norma_core_tangent_weld(tangent_mesh *mesh) {
     size_t found;
     uint32_t *weld = norma_core_allocate(mesh->call, count, sizeof *weld);
     if (!weld) return NORMA_ERROR_MEMORY;
-    const norma_result result =
-        norma_core_tangent_weld_vertices(mesh->call, mesh->vertices, count, weld, &found);
+    const norma_result result = norma_core_tangent_weld_vertices(
+        mesh->call, mesh->vertices, (const double(*)[3])mesh->exact, count, weld, &found);
     mesh->weld = mesh->own_weld = weld;
     if (result != NORMA_OK || found) return result;
     norma_core_release(mesh->call, weld, count, sizeof *weld);
@@ -201,7 +232,10 @@ norma_result norma_core_tangent_read(tangent_mesh *mesh) {
     mesh->by_position = is_per_vertex(mesh->normals) && is_per_vertex(mesh->texcoords);
     mesh->key_count = mesh->by_position ? mesh->mesh.positions.count : mesh->mesh.corner_count;
     mesh->vertices = norma_core_allocate(mesh->call, mesh->key_count, sizeof *mesh->vertices);
-    return mesh->vertices ? read_all_vertices(mesh) : NORMA_ERROR_MEMORY;
+    if (mesh->in_doubles)
+        mesh->exact = norma_core_allocate(mesh->call, mesh->key_count, sizeof *mesh->exact);
+    const int ready = mesh->vertices && (mesh->exact || !mesh->in_doubles);
+    return ready ? read_all_vertices(mesh) : NORMA_ERROR_MEMORY;
 }
 
 norma_result norma_core_tangent_open(tangent_mesh *mesh) {
@@ -214,8 +248,10 @@ norma_result norma_core_tangent_open(tangent_mesh *mesh) {
 
 void norma_core_tangent_close(tangent_mesh *mesh) {
     norma_core_release(mesh->call, mesh->vertices, mesh->key_count, sizeof *mesh->vertices);
+    norma_core_release(mesh->call, mesh->exact, mesh->key_count, sizeof *mesh->exact);
     norma_core_release(mesh->call, mesh->own_weld, mesh->key_count, sizeof *mesh->own_weld);
     mesh->vertices = NULL;
+    mesh->exact = NULL;
     mesh->weld = mesh->own_weld = NULL;
 }
 

@@ -31,7 +31,8 @@ norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute
         result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK) result = norma_core_mesh_shape(mesh, &checked.mesh);
     if (result == NORMA_OK) norma_core_share(&call, checked.mesh.corner_count);
-    if (result == NORMA_OK) result = norma_core_tangent_attributes(&checked, normals, texcoords);
+    if (result == NORMA_OK)
+        result = norma_core_tangent_attributes(&checked, mode, normals, texcoords);
     if (result == NORMA_OK)
         result = norma_core_tangent_output_open(
             options, tangents, checked.mesh.corner_count, capacity, &output);

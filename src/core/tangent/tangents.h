@@ -22,6 +22,9 @@ typedef struct tangent_mesh {
     int by_position;
     size_t key_count;
     tangent_vertex *vertices; /* of each key */
+    int in_doubles;           /* floats do not do for its positions */
+    double (*exact)[3];       /* NULL, or of each key its position; in vertices are zeros, or NaN
+                                 where it is not finite */
     const uint32_t *weld;     /* NULL, or of each key the least that is equal to it (-0 = 0); NaN is
                                  equal to nothing */
     uint32_t *own_weld;       /* NULL where the weld is none, or a plan's */
@@ -31,8 +34,8 @@ typedef struct tangent_mesh {
 } tangent_mesh;
 
 /* ARGUMENT or OVERFLOW: what can be told without reading the arrays; mesh->mesh is checked. */
-norma_result norma_core_tangent_attributes(
-    tangent_mesh *mesh, const norma_attribute *normals, const norma_attribute *texcoords);
+norma_result norma_core_tangent_attributes(tangent_mesh *mesh, norma_tangent_mode mode,
+    const norma_attribute *normals, const norma_attribute *texcoords);
 /* INDEX, MEMORY or CANCELLED; on success norma_core_tangent_close releases it. */
 norma_result norma_core_tangent_open(tangent_mesh *mesh);
 void norma_core_tangent_close(tangent_mesh *mesh);
@@ -42,10 +45,13 @@ norma_result norma_core_tangent_read(tangent_mesh *mesh);
 norma_result norma_core_tangent_weld(tangent_mesh *mesh);
 /* Reads one vertex; key: the position or, unless it is by_position, the corner. 0: a corner names
  * no value. */
-int norma_core_tangent_read_key(const tangent_mesh *mesh, size_t key, tangent_vertex *vertex);
-norma_result norma_core_tangent_weld_vertices(
-    core_call *call, const tangent_vertex *vertices, size_t count, uint32_t *weld, size_t *found);
-int norma_core_tangent_are_equal(const tangent_vertex *a, const tangent_vertex *b);
+int norma_core_tangent_read_key(
+    const tangent_mesh *mesh, size_t key, tangent_vertex *vertex, double exact[3]);
+/* exact: NULL, or of each vertex. */
+norma_result norma_core_tangent_weld_vertices(core_call *call, const tangent_vertex *vertices,
+    const double (*exact)[3], size_t count, uint32_t *weld, size_t *found);
+int norma_core_tangent_are_equal(
+    const tangent_vertex *vertices, const double (*exact)[3], size_t one, size_t other);
 
 static inline uint32_t norma_core_tangent_key(const tangent_mesh *mesh, size_t corner) {
     return mesh->by_position ? norma_core_corner(&mesh->mesh, corner) : (uint32_t)corner;
@@ -69,6 +75,14 @@ static inline void norma_core_tangent_await(const tangent_mesh *m, size_t face) 
     const size_t end = norma_core_face_end(&m->mesh, face);
     for (size_t c = norma_core_face_begin(&m->mesh, face); c < end; c++)
         TANGENT_PREFETCH(&m->vertices[norma_core_tangent_key(m, c)]);
+}
+
+static inline void norma_core_tangent_position(
+    const tangent_mesh *mesh, size_t key, double out[3]) {
+    if (mesh->exact)
+        memcpy(out, mesh->exact[key], sizeof mesh->exact[key]);
+    else
+        for (int k = 0; k < 3; k++) out[k] = (double)mesh->vertices[key].position[k];
 }
 
 static inline int norma_core_tangent_is_finite(const tangent_vertex *v) {

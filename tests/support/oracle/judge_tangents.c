@@ -13,9 +13,9 @@ typedef long double vec[3];
 typedef struct corner {
     double position[3];
     float normal[3], texcoord[2];
-    int finite, rounded; /* rounded: floats do not hold the position */
-    int sign;            /* of its face; 0: that has no texture area, or is not finite */
-    vec direction;       /* unit, perpendicular to the normal; zeros: none */
+    int finite;
+    int sign;      /* of its face; 0: that has no texture area, or is not finite */
+    vec direction; /* unit, perpendicular to the normal; zeros: none */
     long double weight;
     int doubtful;
 } corner;
@@ -64,8 +64,6 @@ static void read_corners(tangents *g) {
         memcpy(here->normal, value_of(g, &g->normals, c, 3), sizeof here->normal);
         memcpy(here->texcoord, value_of(g, &g->texcoords, c, 2), sizeof here->texcoord);
         here->finite = oracle_finite(here->position);
-        for (int k = 0; k < 3; ++k)
-            here->rounded |= here->finite && (double)(float)here->position[k] != here->position[k];
         for (int k = 0; k < 3; ++k) here->finite &= isfinite(here->normal[k]) != 0;
         for (int k = 0; k < 2; ++k) here->finite &= isfinite(here->texcoord[k]) != 0;
     }
@@ -80,8 +78,7 @@ static void read_triangle(tangents *g, size_t face) {
                       u2 = (long double)c[2].texcoord[0] - (long double)c[0].texcoord[0],
                       v2 = (long double)c[2].texcoord[1] - (long double)c[0].texcoord[1];
     const long double area = u1 * v2 - u2 * v1;
-    /* Doubles are rounded to floats first, which the header says of MikkTSpace only. */
-    int doubtful = c[0].rounded || c[1].rounded || c[2].rounded;
+    int doubtful = 0;
     vec t;
     long double size = 0, a_squared = 0, b_squared = 0;
     if (!c[0].finite || !c[1].finite || !c[2].finite || area == 0) return;

@@ -178,6 +178,49 @@ static void steady_along_the_normal(void **state) {
     }
 }
 
+/* Doubles far from the origin, which floats do not tell apart, and such as floats do not reach. As
+ * a plan has them, too, of all vertices and of some. */
+static void steady_in_doubles(void **state) {
+    static const double scales[] = {1e-3, 1e-200, 1e200};
+    static const uint32_t moved = 12;
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(scales); ++i) {
+        shape *s = grid(12, 4, 0);
+        norma_tangent_plan *plan = NULL;
+        double(*p)[3] = calloc(s->vertices, sizeof *p);
+        float(*t)[4] = calloc(s->corner_count, sizeof *t);
+        for (size_t v = 0; v < s->vertices; ++v)
+            for (int k = 0; k < 3; ++k)
+                p[v][k] = ((double)s->positions[v][k] + (i ? 0 : 1e8)) * scales[i];
+        norma_mesh mesh = mesh_of(s);
+        mesh.positions.data = p;
+        mesh.positions.format = NORMA_FORMAT_DOUBLE;
+        const norma_attribute normals = {.data = s->normals, .count = s->vertices},
+                              texcoords = {.data = s->texcoords, .count = s->vertices};
+        assert_ok(norma_corner_tangents(
+            &mesh, &normals, &texcoords, NORMA_TANGENTS_STEADY, NULL, t[0], s->corner_count, NULL));
+        for (size_t c = 0; c < s->corner_count; ++c) assert_direction(t[c], 1, 0, 0, 1e-5);
+        assert_ok(norma_tangent_plan_create(
+            &mesh, &normals, &texcoords, NORMA_TANGENTS_STEADY, NULL, &plan));
+        for (int some = 0; some < 2; ++some) {
+            memset(t, 0, s->corner_count * sizeof *t);
+            assert_ok(norma_tangent_plan_update(plan, mesh.positions, &normals,
+                some ? &moved : NULL, (size_t)some, NULL, t[0], s->corner_count, NULL));
+            size_t there = 0;
+            for (size_t c = 0; c < s->corner_count; ++c) {
+                if (some && t[c][3] == 0) continue;
+                assert_direction(t[c], 1, 0, 0, 1e-5);
+                ++there;
+            }
+            assert_true(some ? there > 0 && there < s->corner_count : there == s->corner_count);
+        }
+        norma_tangent_plan_destroy(plan);
+        free(p);
+        free(t);
+        free(s);
+    }
+}
+
 /* The arc cosines that lie nearest to a tie between two floats, from quadruple precision. */
 static void arc_cosines_are_rounded_right(void **state) {
     static const float known[][2] = {{0x1.110b44p-26F, 0x1.921fb6p+0F},
@@ -647,7 +690,8 @@ static void other_dress(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(affine_texture),
         cmocka_unit_test(every_weight_is_exact_on_a_plane), cmocka_unit_test(steady_at_any_scale),
-        cmocka_unit_test(steady_along_the_normal), cmocka_unit_test(arc_cosines_are_rounded_right),
+        cmocka_unit_test(steady_along_the_normal), cmocka_unit_test(steady_in_doubles),
+        cmocka_unit_test(arc_cosines_are_rounded_right),
         cmocka_unit_test(quads_are_the_triangles_they_are_cut_into), cmocka_unit_test(reasons),
         cmocka_unit_test(degenerate_faces_copy), cmocka_unit_test(steady_in_any_order),
         cmocka_unit_test(the_same_bits_however), cmocka_unit_test(the_bits_of_the_reference),
