@@ -25,7 +25,7 @@ export LC_ALL=C.UTF-8
 quick_parts="gcc scripts clang fuzz tsan"
 other_parts="web long clang-long fuzz-long tsan-long"
 # Scripts of `make test`; all others are of `make test-all`. Long ones first: nothing then waits for a last one.
-quick_scripts="cli/together cli/hostile cli/report repo/format cli/golden repo/hygiene cli/hostile-names repo/arrows repo/readme repo/headers repo/guide cli/gltf-shared
+quick_scripts="cli/together cli/hostile repo/format cli/golden repo/hygiene cli/hostile-names repo/arrows repo/readme repo/headers repo/guide cli/gltf-shared
     repo/trust repo/names repo/checklist repo/manual repo/packaging repo/examples repo/sbom"
 # Those that need the page, and a tree that has it.
 web_scripts="web/page web/package web/marks web/silhouettes"
