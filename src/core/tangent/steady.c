@@ -617,7 +617,7 @@ static void release_unknown(steady_mesh *m) {
 }
 
 /* By a power of two, so that squares of squares of lengths are held. */
-static void scale_exact(const tangent_mesh *m) {
+static void scale_exact_positions(const tangent_mesh *m) {
     double largest = 0;
     for (size_t i = 0; i < m->key_count; i++)
         for (int k = 0; k < 3; k++)
@@ -632,7 +632,7 @@ norma_result norma_core_steady_tangents(
     const core_call *call = mesh->call;
     const size_t corners = mesh->mesh.corner_count, faces = mesh->mesh.face_count;
     if (!corners) return NORMA_OK;
-    if (mesh->exact) scale_exact(mesh);
+    if (mesh->exact) scale_exact_positions(mesh);
     steady_mesh m = {.call = mesh->call,
         .input = mesh,
         .parts = norma_core_allocate(call, corners, sizeof *m.parts),
