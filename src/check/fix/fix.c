@@ -455,7 +455,8 @@ static norma_document_result try_offer(
     f->request.wanted[rule] = 1;
     f->checks = 0;
     norma_document_result result = find_fixes(f);
-    if (result && result != NORMA_DOCUMENT_CANCELLED && f->before.findings) {
+    if (result && result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY &&
+        f->before.findings) {
         /* The command would fail in the same way. */
         norma_check_message(f->best.said, "it fails: %s", f->error->message);
         result = NORMA_DOCUMENT_OK;
