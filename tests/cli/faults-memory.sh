@@ -48,7 +48,7 @@ cases() {
     echo "check --fix-unsafe glb|$NORMA check --fix-unsafe roof.glb --in-place --threads 1"
     for format in json sarif html; do echo "check --format $format|$NORMA check cube.obj roof.gltf broken.obj --format $format --threads 1"; done
     echo "check of a folder, two threads|$NORMA check . --threads 2"
-    echo "check --write-baseline|$NORMA check cube.obj roof.ply --write-baseline=base.json --threads 1"
+    echo "check --write-baseline|$NORMA check cube.obj roof.ply --write-baseline=packed/base.json --threads 1"
     echo "tangents|$NORMA tangents charts.gltf -o out.gltf --threads 1"
     echo "info --json|$NORMA info cube.obj roof.gltf --json"
     echo "compute to standard output|$NORMA compute cube.obj -o - --threads 1"

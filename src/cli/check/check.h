@@ -217,6 +217,7 @@ int check_baseline_add(check_baseline *baseline, const char *path, const norma_f
     norma_severity severity); /* 0: out of memory */
 /* The findings of one file, for a new baseline; NULL: out of memory. */
 check_baseline *check_baseline_part(const check_baseline *whole);
+int check_baseline_is_cut(const check_baseline *baseline); /* findings are missing: out of memory */
 /* Adds those of a part, which may be NULL; forgot: some are missing there. */
 void check_baseline_join(check_baseline *whole, const check_baseline *part, int forgot);
 size_t check_baseline_count(const check_baseline *baseline);

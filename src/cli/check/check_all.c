@@ -214,7 +214,8 @@ static void send_checked(check_pool *pool, const checked_file *checked) {
     const check_message message = {.kind = MESSAGE_DONE,
         .file = checked->file,
         .size = checked->size,
-        .forgot = checked->forgot,
+        .forgot =
+            checked->forgot || (checked->baseline && check_baseline_is_cut(checked->baseline)),
         .known = checked->baseline ? check_baseline_count(checked->baseline) : 0};
     send_message(pool, &message);
     cli_worker_send(pool->worker, &checked->totals, sizeof checked->totals);

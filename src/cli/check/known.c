@@ -556,11 +556,13 @@ static size_t shared_length(const char *a, const char *b) {
 }
 
 /* A file as the baseline names it: from its own folder, with ../ where it lies elsewhere. The file
- * may be a link, or missing: only its folder is looked up. The caller's to free. */
+ * may be a link, or missing: only its folder is looked up. The caller's to free; NULL: memory is
+ * out. */
 static char *place_of(const check_baseline *baseline, const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    errno = 0;
     char *folder = strcmp(path, "-") == 0 || !baseline->folder ? NULL : real_folder_of(path);
-    if (!folder) return strdup(path);
+    if (!folder) return errno == ENOMEM ? NULL : strdup(path);
     const size_t shared = shared_length(folder, baseline->folder);
     size_t ups = 0;
     for (const char *at = baseline->folder + shared; *at; ++at) ups += *at == '/' && at[1];
@@ -583,9 +585,13 @@ check_baseline *check_baseline_new(const char *path) {
         return NULL;
     }
     baseline->path = path;
-    baseline->folder = real_folder_of(path);
     baseline->is_new = 1;
-    return baseline;
+    errno = 0;
+    baseline->folder = real_folder_of(path);
+    if (baseline->folder || errno != ENOMEM) return baseline;
+    cli_out_of_memory();
+    check_baseline_free(baseline);
+    return NULL;
 }
 
 check_baseline *check_baseline_part(const check_baseline *whole) {
@@ -600,6 +606,8 @@ void check_baseline_join(check_baseline *whole, const check_baseline *part, int 
             whole, known->path, known->rule, known->where, known->severity, known->count);
     }
 }
+
+int check_baseline_is_cut(const check_baseline *baseline) { return baseline->incomplete; }
 
 size_t check_baseline_count(const check_baseline *baseline) { return baseline->count; }
 
