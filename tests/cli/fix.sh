@@ -15,10 +15,11 @@ left() {
         // cut (cloth.obj); N502: equal positions, but nothing else is; N401: without the face the surface would be open.
         const never = new Set(["N201", "N202", "N301", "N401", "N404", "N405", "N502"]);
         const refused = require("fs").readFileSync(errors, "utf8").split("\n").filter((line) => line.includes(" is not fixed"));
+        // Informations are mended by unsafe fixes only where their rule is selected.
         // A count that it names is the count that may be left: facets whose winding is wrong, not their normals (N205).
         const refuses = (path, x) => refused.some((line) => line.startsWith(`norma: ${path}: ${x.rule} `) && x.count <= (line.match(/ is not fixed for ([0-9]+) /)?.[1] ?? Infinity));
         for (const f of report.files) for (const x of f.findings)
-            if (!refuses(f.path, x) && f.status === "checked" && (x.fix === "safe" || (how === "--fix-unsafe" && x.fix && !never.has(x.rule))))
+            if (!refuses(f.path, x) && f.status === "checked" && (x.fix === "safe" || (how === "--fix-unsafe" && x.fix && x.severity !== "info" && !never.has(x.rule))))
                 console.log(f.path, x.rule, x.where, x.count)' -- "$1" "$2" "$3"
 }
 
@@ -31,11 +32,15 @@ mend() {
     local status=$?
     if [ "$status" = 2 ] || [ ! -s "$scratch/report.json" ]; then fail "$name $how: runs" "status $status: $(head -3 "$scratch/err")"; return; fi
     if [ -n "$(find "$scratch/once" -type f 2>/dev/null | head -1)" ]; then
-        "$norma" check "$scratch/once" "$how" --out-dir "$scratch/twice" --no-config --quiet >"$scratch/twice.txt" 2>&1
+        # A file is written where something was fixed; where nothing was, there is none, but the file must have been read.
+        "$norma" check "$scratch/once" "$how" --out-dir "$scratch/twice" --no-config --json >"$scratch/twice.json" 2>"$scratch/twice.txt"
         local different
-        different=$(cd "$scratch/once" && find . -maxdepth 1 -type f \( -name '*.obj' -o -name '*.ply' -o -name '*.stl' -o -name '*.gl*' \) | while read -r file; do
-            cmp -s "$file" "$scratch/twice/$file" || echo "$file"
-        done)
+        different=$(find "$scratch/twice" -type f 2>/dev/null
+            node -e '
+                const [folder, file] = process.argv.slice(1), fs = require("fs"), path = require("path");
+                const read = new Set(JSON.parse(fs.readFileSync(file)).files.filter((f) => f.status !== "unreadable").map((f) => path.basename(f.path)));
+                for (const name of fs.readdirSync(folder)) if (/\.(obj|ply|stl|glb|gltf)$/.test(name) && !read.has(name)) console.log(`${name}: not read again`);' \
+                -- "$scratch/once" "$scratch/twice.json" 2>&1)
         if [ -z "$different" ]; then pass "$name $how: mending twice changes nothing more"; else fail "$name $how: mending twice changes nothing more" "$different"; fi
     fi
     local rest
@@ -45,13 +50,14 @@ mend() {
 
 # harmless NAME FOLDER FILE...: no fix, alone or with all others, opens what is closed (fix-closed.mjs finds edges by itself), and no rule reports more at warning or above than before.
 harmless() {
-    local name=$1 folder=$2 rule
+    local name=$1 folder=$2 rule compared=0
     shift 2
     "$norma" check "$@" --no-config --json >"$scratch/before.json" 2>/dev/null
     for rule in N2 N201 N202 N301 N302 N305 N401 N404 N405 N502 N503 N; do
         rm -rf "$scratch/fixed"
         "$norma" check "$@" --fix-unsafe --select "$rule" --no-config --quiet --out-dir "$scratch/fixed" >/dev/null 2>&1
-        [ -d "$scratch/fixed" ] || continue
+        [ -n "$(find "$scratch/fixed" -type f 2>/dev/null | head -1)" ] || continue # nothing was fixed
+        compared=$((compared + 1))
         (cd "$scratch/fixed" && "$norma" check . --no-config --json) >"$scratch/after.json" 2>/dev/null
         node "$root/tests/cli/fix-closed.mjs" "$folder" "$scratch/fixed" >"$scratch/closed" 2>&1
         node -e '
@@ -75,6 +81,7 @@ harmless() {
             fail "$name --select $rule: nothing is opened, no rule reports more" "$(head -20 "$scratch/closed" "$scratch/grown")"
         fi
     done
+    [ "$compared" -gt 0 ] || fail "$name: some rule fixes some file" "none of $# files"
 }
 
 cd "$root" || exit 1
