@@ -739,13 +739,8 @@ static void count_degenerate_overflow(const overflow_work *w, const core_face *f
         norma_core_count_one(&tally->degenerate, overflow->faces[number]);
 }
 
-static void add_overflow_face(const overflow_work *w, const core_face *face, uint32_t number,
-    uint32_t corner, double sum[4]) {
-    if (!(face->flags & CORE_FACE_DIRECTED) || !norma_core_is_kept(&w->mesh, number, corner))
-        return;
-    const double weight =
-        norma_core_corner_weight(&w->mesh, w->work->call->options.weight, number, face, corner);
-    for (int k = 0; k < 3; k++) sum[k] += weight * face->normal[k];
+static void add_overflow_vote(double weight, const double normal[3], double sum[4]) {
+    for (int k = 0; k < 3; k++) sum[k] += weight * normal[k];
     sum[3] += weight;
 }
 
@@ -762,20 +757,61 @@ static const core_face *measured_face_of(
 
 /* ---- one group */
 
+/* Polygons, and triangles that doubles do not decide. */
+static void add_overflow_face(const overflow_work *w, size_t group, uint32_t corner, int votes,
+    cached_face *cache, core_tally *tally, double sum[4]) {
+    const uint32_t number = overflow_face_of(&w->work->plan->overflow, corner);
+    const core_face *face = measured_face_of(w, number, cache);
+    count_degenerate_overflow(w, face, number, corner, group, tally);
+    if (!votes || !(face->flags & CORE_FACE_DIRECTED) ||
+        !norma_core_is_kept(&w->mesh, number, corner))
+        return;
+    add_overflow_vote(
+        norma_core_corner_weight(&w->mesh, w->work->call->options.weight, number, face, corner),
+        face->normal, sum);
+}
+
+/* The triangles of eight members at most, measured as stars measure theirs: the angles of one that
+ * is weighed by itself differ in their last bits. Returns which of them doubles decide. */
+static unsigned measure_members(
+    const overflow_work *w, const uint32_t *members, uint32_t count, core_batch *batch) {
+    const core_call *call = w->work->call;
+    unsigned sure = 0;
+    int edged[CORE_LANES];
+    for (uint32_t i = 0; i < CORE_LANES; i++)
+        edged[i] = norma_core_load_lane(&w->mesh, members[i < count ? i : 0] / 3, batch, (int)i);
+    norma_core_measure(call->level, batch, call->options.weight, CORE_ALL_CORNERS);
+    for (uint32_t i = 0; i < count; i++) sure |= edged[i] && batch->sure[i] != 0 ? 1U << i : 0;
+    return sure;
+}
+
+static void add_members(const overflow_work *w, size_t group, const uint32_t *members,
+    uint32_t count, uint32_t vertex, cached_face *cache, core_tally *tally, double sum[4]) {
+    const overflow_group *overflow = &w->work->plan->overflow;
+    core_batch b;
+    const unsigned sure = overflow->corner_faces ? 0 : measure_members(w, members, count, &b);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t corner = members[i], k = corner % 3;
+        const int votes = vertex == UINT32_MAX || overflow->corners[corner] == vertex;
+        if (!(sure >> i & 1U))
+            add_overflow_face(w, group, corner, votes, cache, tally, sum);
+        else if (votes)
+            add_overflow_vote(b.weight[k][i],
+                (const double[3]){b.normal[0][i], b.normal[1][i], b.normal[2][i]}, sum);
+    }
+}
+
 /* Over all members, or those that are corners of one vertex. tally: NULL where its faces are
  * counted already. */
 static void sum_group(const overflow_work *w, size_t group, uint32_t vertex, cached_face *cache,
     core_tally *tally, double sum[4]) {
     const overflow_group *overflow = &w->work->plan->overflow;
+    const uint32_t end = overflow->member_starts[group + 1];
     sum[0] = sum[1] = sum[2] = 0;
     sum[3] = -0.0;
-    for (uint32_t i = overflow->member_starts[group]; i < overflow->member_starts[group + 1]; i++) {
-        const uint32_t corner = overflow->members[i], number = overflow_face_of(overflow, corner);
-        const core_face *face = measured_face_of(w, number, cache);
-        count_degenerate_overflow(w, face, number, corner, group, tally);
-        if (vertex == UINT32_MAX || overflow->corners[corner] == vertex)
-            add_overflow_face(w, face, number, corner, sum);
-    }
+    for (uint32_t i = overflow->member_starts[group]; i < end; i += CORE_LANES)
+        add_members(w, group, overflow->members + i, end - i < CORE_LANES ? end - i : CORE_LANES,
+            vertex, cache, tally, sum);
 }
 
 typedef struct overflow_cone {
