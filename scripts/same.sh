@@ -124,7 +124,7 @@ sums() {
             tree=tree_$side
             rm -rf "$folder"/* && words=${line/ IN/ \"$(basename "$file")\"} && words=${words/OUT/\"$folder/out.${file##*.}\"} status=0
             eval "timeout 120 ${!tree}/bin/norma $words" >"$folder/said" 2>&1 </dev/null || status=$?
-            sum="$status $(cat "$folder"/* | md5sum)"
+            sum="$status $(find "$folder" -type f | LC_ALL=C sort | xargs -d '\n' cat | md5sum)"
             if [ "$side" = a ]; then before=$sum; elif [ "$sum" != "$before" ]; then echo "differs norma $line   (IN = $file) exit ${before%% *} and ${sum%% *}"; else echo same; fi
         done
     done <<<"$list"
@@ -138,7 +138,9 @@ export commands gltf_commands work tree_a tree_b
 } | grep -E '\.(obj|ply|stl|gltf|glb)$' | while IFS= read -r file; do [ "$(stat -L -c %s "$file")" -gt $((kb * 1024)) ] || echo "$file"; done | LC_ALL=C sort >"$work/files"
 xargs -d '\n' -P "$jobs" -I{} bash -c 'sums "$0"' {} <"$work/files" >"$work/sums"
 grep '^differs' "$work/sums" | sed "s/^differs //; s|$data/||; s|$root/||" | LC_ALL=C sort >"$work/differences"
-told "verbs on $(wc -l <"$work/files") files" "$(wc -l <"$work/sums")" "$work/differences" 60
+sed 's/ *(IN = .*//' "$work/differences" | sort | uniq -c | sort -rn >"$work/by_command"
+told "verbs on $(wc -l <"$work/files") files" "$(wc -l <"$work/sums")" "$work/differences" 20
+[ ! -s "$work/by_command" ] || { echo "    by command:"; sed 's/^/    /' "$work/by_command"; }
 
 # ---- sizes, for information
 
