@@ -136,7 +136,7 @@ cases() {
             echo "late-$kind|$kind: compute $format in place|$format|$NORMA compute in.$format --in-place --threads 1"
             echo "late-$kind|$kind: compute $format over an older output|again|$NORMA compute in.$format -o out.$format --threads 1"
         done
-        for verb in 'transform --scale 2,1,1 --bake' 'check --fix-unsafe'; do
+        for verb in 'transform --scale 2,1,1 --bake' 'check --fix-unsafe --select N'; do
             [[ $verb == transform* && $format != gl* ]] && verb='transform --scale 2,1,1'
             echo "late-kill|kill: ${verb%% *} $format in place|$format|$NORMA $verb in.$format --in-place --threads 1"
             echo "late-kill|kill: ${verb%% *} a new $format|$format|$NORMA $verb in.$format -o out.$format --threads 1"
@@ -145,7 +145,7 @@ cases() {
         done
         echo "trace|order: compute a new $format|$format|$NORMA compute in.$format -o out.$format"
         echo "trace|order: compute $format in place|$format|$NORMA compute in.$format --in-place"
-        echo "trace|order: check --fix-unsafe $format in place|$format|$NORMA check --fix-unsafe in.$format --in-place"
+        echo "trace|order: check --fix-unsafe $format in place|$format|$NORMA check --fix-unsafe --select N in.$format --in-place"
         echo "short|short reads and writes: $format|$format|$NORMA compute in.$format -o out.$format --threads 1"
     done
     all=$(cd "$fast/sets/mixed" && printf '%s ' *.obj *.ply *.stl *.gltf *.glb)
