@@ -49,6 +49,7 @@ cases() {
     for format in json sarif html; do echo "check --format $format|$NORMA check cube.obj roof.gltf broken.obj --format $format --threads 1"; done
     echo "check of a folder, two threads|$NORMA check . --threads 2"
     echo "check --write-baseline|$NORMA check cube.obj roof.ply --write-baseline=packed/base.json --threads 1"
+    echo "check --baseline|$NORMA check cube.obj roof.ply --baseline=known/base.json --threads 1"
     echo "tangents|$NORMA tangents charts.gltf -o out.gltf --threads 1"
     echo "info --json|$NORMA info cube.obj roof.gltf --json"
     echo "compute to standard output|$NORMA compute cube.obj -o - --threads 1"
@@ -74,6 +75,8 @@ cp "$root/tests/tangent/charts.gltf" "$fast/from/"
 rm "$fast/from/malformed.obj"
 mkdir "$fast/from/packed"
 cp "$root/tests/fuzz/corpus/glb/draco" "$fast/from/packed/draco.glb"
+mkdir "$fast/from/known"
+(cd "$fast/from" && "$NORMA" check cube.obj roof.ply --write-baseline=known/base.json >/dev/null)
 chmod u+w "$fast/from"/*
 cases | grep -E -- "${1:-.}" >"$scratch/cases"
 FAULT_PLACE=$fast xargs -P "${JOBS:-$(nproc)}" -d '\n' -n 1 bash "$0" --one <"$scratch/cases" >"$scratch/verdicts" 2>"$scratch/errors"

@@ -212,7 +212,7 @@ check_baseline *check_baseline_read(const char *path); /* NULL: said already */
 check_baseline *check_baseline_new(
     const char *path); /* to be filled by check_baseline_add and written */
 int check_baseline_knows(const check_baseline *baseline, const char *path,
-    const norma_finding *finding, norma_severity severity);
+    const norma_finding *finding, norma_severity severity, int *knows); /* 0: out of memory */
 int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
     norma_severity severity); /* 0: out of memory */
 /* The findings of one file, for a new baseline; NULL: out of memory. */

@@ -373,25 +373,28 @@ static void free_items(check_item *items, size_t count) {
     free(items);
 }
 
-/* items has room for all findings. */
-static size_t weigh(const file_check *check, check_item *items, check_totals *totals) {
-    size_t count = 0;
+/* items has room for all findings. 0: memory is out. */
+static int weigh(const file_check *check, check_item *items, size_t *count, check_totals *totals) {
+    size_t known = 0;
     check_baseline *baseline = check->settings->baseline;
+    *count = 0;
     for (size_t i = 0; i < norma_findings_count(findings_of(check)); ++i) {
         const norma_finding *finding = norma_findings_get(findings_of(check), i);
-        int severity = severity_of(check, finding);
+        const int severity = severity_of(check, finding);
+        int is_known = 0;
         if (severity == CHECK_SEVERITY_OFF) continue;
         if (baseline && check_baseline_is_new(baseline))
             check_baseline_add(baseline, check->path, finding, (norma_severity)severity);
-        else if (baseline &&
-                 check_baseline_knows(baseline, check->path, finding, (norma_severity)severity)) {
-            ++totals->known;
-            continue;
-        }
-        items[count] = (check_item){finding, (norma_severity)severity, NULL};
-        ++count;
+        else if (baseline && !check_baseline_knows(baseline, check->path, finding,
+                                 (norma_severity)severity, &is_known))
+            return 0;
+        if (is_known)
+            ++known;
+        else
+            items[(*count)++] = (check_item){finding, (norma_severity)severity, NULL};
     }
-    return count;
+    totals->known += known;
+    return 1;
 }
 
 /* "PATH: " and "PATH:" say again what the report says first; "PATH:12: " becomes "line 12: ". */
@@ -437,8 +440,8 @@ static void report_unreadable(
 static void report_findings(
     file_check *check, const check_format *format, FILE *out, check_totals *totals) {
     check_item *items = calloc(norma_findings_count(findings_of(check)) + 1, sizeof *items);
-    const size_t count = items ? weigh(check, items, totals) : 0;
-    if (!items || !make_commands(check, items, count)) {
+    size_t count = 0;
+    if (!items || !weigh(check, items, &count, totals) || !make_commands(check, items, count)) {
         free_items(items, count);
         check->error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         report_unreadable(check, format, out, totals);
