@@ -49,9 +49,9 @@ one() {
     rm -rf "$scratch"
     echo "$status" >"$results/$name.status"
 }
-# script NAME: one of tests/, by its name from there without the ending.
-script() { one "${1/\//.}" "tests/$1.sh"; }
-export -f one script
+# run_script NAME: one of tests/, by its name from there without the ending.
+run_script() { one "${1/\//.}" "tests/$1.sh"; }
+export -f one run_script
 
 # left_out NAME REASON: a part that cannot be run here counts as skipped.
 left_out() {
@@ -96,7 +96,7 @@ part_scripts() {
     needs gcc
     in_tree gcc
     say "scripts: command line, README, guide, headers, arrows, format, manual"
-    printf '%s\n' $quick_scripts | xargs -P "$jobs" -I{} bash -c 'script "$0"' {}
+    printf '%s\n' $quick_scripts | xargs -P "$jobs" -I{} bash -c 'run_script "$0"' {}
 }
 
 has_clang() { command -v clang >/dev/null; }
@@ -138,14 +138,14 @@ part_web() {
     build web
     in_tree gcc
     say "web: the page in a browser, the package, pictures beside three.js"
-    printf '%s\n' $web_scripts | xargs -P "$jobs" -I{} bash -c 'script "$0"' {}
+    printf '%s\n' $web_scripts | xargs -P "$jobs" -I{} bash -c 'run_script "$0"' {}
 }
 
 part_long() {
     needs web
     in_tree gcc
     say "long: faults, data set, judges, MPI, Python, install, plain, single, bits"
-    long_scripts | xargs -P "$jobs" -I{} bash -c 'script "$0"' {}
+    long_scripts | xargs -P "$jobs" -I{} bash -c 'run_script "$0"' {}
 }
 
 part_clang_long() {
