@@ -305,8 +305,12 @@ void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out
 void norma_core_faces_geometry(
     const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out);
 
-/* Loads a triangle into a lane of a batch. Returns whether its corners are at three positions. */
-int norma_core_load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane);
+/* Of a mesh of triangles count of them, 1 to CORE_LANES, with the weights of their corners. Returns
+ * a bit of each that doubles decide and whose corners are at three positions; the others are left
+ * to norma_core_face_geometry. The angles of one that norma_core_corner_weight weighs by itself
+ * differ in their last bits. */
+unsigned norma_core_measure_triangles(const core_call *call, const core_mesh *mesh,
+    norma_weight weight, const size_t *faces, size_t count, core_batch *batch);
 
 /* What a kept corner of a directed face weighs. Constant time, but for runs of corners at one
  * position. */

@@ -127,7 +127,8 @@ void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out
 
 /* ---- some at a time */
 
-int norma_core_load_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane) {
+/* Whether its corners are at three positions. */
+static int load_into_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane) {
     double p[3][3];
     uint32_t welded[3];
     for (size_t k = 0; k < 3; k++) {
@@ -135,12 +136,19 @@ int norma_core_load_lane(const core_mesh *mesh, size_t face, core_batch *batch, 
         welded[k] = norma_core_welded(mesh, at);
         norma_core_position(mesh, at, p[k]);
     }
-    for (int k = 0; k < 3; k++) {
-        batch->u[k][lane] = p[1][k] - p[0][k];
-        batch->v[k][lane] = p[2][k] - p[0][k];
-        batch->a[k][lane] = p[2][k] - p[1][k];
-    }
+    core_set_edges(batch, lane, (const double(*)[3])p);
     return welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
+}
+
+unsigned norma_core_measure_triangles(const core_call *call, const core_mesh *mesh,
+    norma_weight weight, const size_t *faces, size_t count, core_batch *batch) {
+    int edged[CORE_LANES];
+    unsigned decided = 0;
+    for (size_t i = 0; i < CORE_LANES; i++)
+        edged[i] = load_into_lane(mesh, faces[i < count ? i : 0], batch, (int)i);
+    norma_core_measure(call->level, batch, weight, CORE_ALL_CORNERS);
+    for (size_t i = 0; i < count; i++) decided |= edged[i] && batch->sure[i] != 0 ? 1U << i : 0;
+    return decided;
 }
 
 static void take_measured(const core_measured *measured, size_t i, core_face *out) {

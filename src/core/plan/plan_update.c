@@ -771,18 +771,13 @@ static void add_overflow_face(const overflow_work *w, size_t group, uint32_t cor
         face->normal, sum);
 }
 
-/* The triangles of eight members at most, measured as stars measure theirs: the angles of one that
- * is weighed by itself differ in their last bits. Returns which of them doubles decide. */
+/* The triangles of eight members at most. Returns which of them doubles decide. */
 static unsigned measure_members(
     const overflow_work *w, const uint32_t *members, uint32_t count, core_batch *batch) {
-    const core_call *call = w->work->call;
-    unsigned sure = 0;
-    int edged[CORE_LANES];
-    for (uint32_t i = 0; i < CORE_LANES; i++)
-        edged[i] = norma_core_load_lane(&w->mesh, members[i < count ? i : 0] / 3, batch, (int)i);
-    norma_core_measure(call->level, batch, call->options.weight, CORE_ALL_CORNERS);
-    for (uint32_t i = 0; i < count; i++) sure |= edged[i] && batch->sure[i] != 0 ? 1U << i : 0;
-    return sure;
+    size_t faces[CORE_LANES];
+    for (uint32_t i = 0; i < count; i++) faces[i] = members[i] / 3;
+    return norma_core_measure_triangles(
+        w->work->call, &w->mesh, w->work->call->options.weight, faces, count, batch);
 }
 
 static void add_members(const overflow_work *w, size_t group, const uint32_t *members,

@@ -28,28 +28,19 @@ static void visit_one(const mpi_visit *visit, size_t f) {
 }
 
 static void visit_lane(const mpi_visit *visit, const core_batch *batch, int lane, size_t f) {
-    const norma_weight weight = mpi_weight_of(visit);
-    const int even = core_weighed(weight) == CORE_BY_FACE;
     const double normal[3] = {
         batch->normal[0][lane], batch->normal[1][lane], batch->normal[2][lane]};
     for (size_t k = 0; k < 3; k++)
-        visit->vote(visit->context, f, 3 * f + k,
-            even ? norma_core_weight_of(weight, 0, 0, 0, 0, batch->twice_area[lane])
-                 : batch->weight[k][lane],
-            normal);
+        visit->vote(visit->context, f, 3 * f + k, batch->weight[k][lane], normal);
 }
 
 static void visit_triangles(const mpi_visit *visit, const size_t *faces, int count) {
     const core_prepared_mesh *prepared = visit->prepared;
-    const norma_weight weight = mpi_weight_of(visit);
     core_batch batch;
-    int edged[CORE_LANES];
-    for (int i = 0; i < CORE_LANES; i++)
-        edged[i] = norma_core_load_lane(&prepared->mesh, faces[i < count ? i : 0], &batch, i);
-    norma_core_measure(prepared->call->level, &batch, weight,
-        core_weighed(weight) == CORE_BY_FACE ? CORE_NO_CORNER : CORE_ALL_CORNERS);
+    const unsigned decided = norma_core_measure_triangles(
+        prepared->call, &prepared->mesh, mpi_weight_of(visit), faces, (size_t)count, &batch);
     for (int i = 0; i < count; i++) {
-        if (edged[i] && batch.sure[i] != 0)
+        if (decided >> i & 1U)
             visit_lane(visit, &batch, i, faces[i]);
         else
             visit_one(visit, faces[i]);

@@ -323,7 +323,35 @@ static void random_meshes(void **state) {
     test_free(r);
 }
 
+/* Two vertices at one position, whose corners cancel each other: each gets the sum of its own. That
+ * of the first is zero along y but for what its weights are rounded to, so that their last bits
+ * show; it is the same where nothing is welded, and in a plan. */
+static void own_corners_to_the_last_bit(void **state) {
+    (void)state;
+    static const float positions[11][3] = {{0, 0, 0}, {0, 0, 0}, {0, -8, 1}, {-8, 1, -2},
+        {-16, -2, -4}, {0, 24, 3}, {0, 1, 6}, {0, 48, 6}, {-32, -4, -8}, {-16, 2, -4}, {0, -16, 2}};
+    static const uint32_t corners[] = {
+        0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 6, 1, 6, 7, 1, 7, 8, 1, 8, 9, 1, 9, 10};
+    const norma_mesh mesh = {.positions = {positions, 11, 0, NORMA_FORMAT_FLOAT},
+        .corners = corners,
+        .corner_count = 24,
+        .corner_size = 4};
+    norma_options options = {.struct_size = sizeof options};
+    float welded[33], apart[33], planned[33];
+    norma_plan *plan;
+    assert_ok(norma_vertex_normals(&mesh, &options, welded, 11, NULL));
+    assert_ok(norma_plan_create(&mesh, NORMA_PER_VERTEX, 3.1415927F, &options, &plan));
+    assert_ok(norma_plan_update(plan, mesh.positions, NULL, 0, &options, planned, 11, NULL));
+    norma_plan_destroy(plan);
+    options.weld = NORMA_WELD_NONE;
+    assert_ok(norma_vertex_normals(&mesh, &options, apart, 11, NULL));
+    assert_true(fabsf(apart[1]) < 1e-12F);
+    assert_memory_equal(welded, apart, 24);
+    assert_memory_equal(planned, apart, 24);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(random_meshes)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(random_meshes), cmocka_unit_test(own_corners_to_the_last_bit)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
