@@ -153,7 +153,7 @@ void norma_core_dismiss(core_call *call) {
     norma_core_release(call, team, 1, sizeof *team);
 }
 
-static void tell(thread_pool *t) {
+static void tell_progress(thread_pool *t) {
     const size_t done = atomic_load_explicit(&t->done, memory_order_relaxed);
     if (norma_core_progress(t->work->call, (double)done / (double)t->work->count))
         atomic_store_explicit(&t->stop, 1, memory_order_relaxed);
@@ -165,19 +165,19 @@ static void wait_for_helpers(thread_pool *t, size_t started) {
     for (int waits = 1; atomic_load_explicit(&t->ended, memory_order_acquire) < started;
          waits = waits % WAITS_A_QUESTION + 1) {
         sched_yield();
-        if (waits == WAITS_A_QUESTION) tell(t);
+        if (waits == WAITS_A_QUESTION) tell_progress(t);
     }
 }
 
 static void run_by_team(core_team *team, thread_pool *shared) {
     atomic_store_explicit(&team->work, shared, memory_order_relaxed);
     next_round(team);
-    do tell(shared);
+    do tell_progress(shared);
     while (take_one(shared));
     atomic_fetch_add(&team->round, 1);
     for (size_t waits = 1; atomic_load(&team->inside); waits++) {
         sched_yield();
-        if (waits % WAITS_A_QUESTION == 0) tell(shared);
+        if (waits % WAITS_A_QUESTION == 0) tell_progress(shared);
     }
 }
 
@@ -192,7 +192,7 @@ static norma_result run_in_threads(const pool *c, size_t workers) {
     } else {
         while (started + 1 < workers && pthread_create(&threads[started], NULL, help, &shared) == 0)
             started++;
-        do tell(&shared);
+        do tell_progress(&shared);
         while (take_one(&shared));
         if (c->call->options.progress) wait_for_helpers(&shared, started);
         for (size_t i = 0; i < started; i++) pthread_join(threads[i], NULL);
