@@ -3,17 +3,18 @@
 # those that it documents, no sanitizer says a word, no command takes more than SWEEP_SECONDS (120) of the processor. One case a file; a failure shows the command and the stack.
 #   tests/cli/sweep.sh             small files through all commands, larger ones through fewer (below); what is left out is said
 #   tests/cli/sweep.sh FILE...     these
+# SWEEP_TOTAL: seconds after which no further file is begun (480; 0: all are, which takes an hour); the smallest come first, and what is left out is counted as skipped.
 # SWEEP_SMALL, SWEEP_MIDDLE: sizes in kB up to which all commands, or those of one pass, are run (256, 3000). FINDS: a folder for each find's command and stack.
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 NORMA=${NORMA_BIN:-$tree/bin/norma}
 data=${NORMA_DATA:-$root/../shared/data}
-small=${SWEEP_SMALL:-256} middle=${SWEEP_MIDDLE:-3000}
+small=${SWEEP_SMALL:-256} middle=${SWEEP_MIDDLE:-3000} total=${SWEEP_TOTAL:-480} began=$(date +%s)
 [ -x "$NORMA" ] || { fail "the tool is there" "no program at $NORMA"; finish; exit 1; }
 [ -d "$data" ] || { skip "the data set is not there"; finish; exit; }
 export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:detect_stack_use_after_return=1:allocator_may_return_null=1}
 export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1} MESA_SHADER_CACHE_DISABLE=true
-export NORMA scratch data small middle
+export NORMA scratch data small middle total began
 
 # commands FILE KB: one a line; IN and OUT stand for the names.
 commands() {
@@ -64,6 +65,7 @@ one() {
 answer() {
     local name
     name=$(md5sum <<<"$1" | cut -c1-16)
+    if [ "$total" -gt 0 ] && [ $(($(date +%s) - began)) -gt "$total" ]; then echo late >"$scratch/$name.end"; return; fi
     if one "$1" >"$scratch/$name.said"; then echo ok; else echo bad; fi >"$scratch/$name.end"
 }
 export -f commands size_of one answer
@@ -72,14 +74,20 @@ if [ $# -gt 0 ]; then
     printf '%s\n' "$@" >"$scratch/files"
 else
     find -L "$data" -type f -regextype egrep -iregex '.*\.(obj|ply|stl|gltf|glb|3mf)' | while IFS= read -r file; do printf '%s\t%s\n' "$(size_of "$file")" "$file"; done |
-        sort -rn >"$scratch/sizes" # the largest first
+        sort -n >"$scratch/sizes" # the smallest first
     cut -f2- "$scratch/sizes" >"$scratch/files"
 fi
 xargs -d '\n' -P "${JOBS:-$(nproc)}" -I{} bash -c 'answer "$0"' {} <"$scratch/files"
+late=0
 while IFS= read -r file; do
     name=$(md5sum <<<"$file" | cut -c1-16)
-    if [ "$(cat "$scratch/$name.end" 2>/dev/null)" = ok ]; then pass "${file#"$data"/}"; else fail "${file#"$data"/}" "$(cat "$scratch/$name.said")"; fi
+    case $(cat "$scratch/$name.end" 2>/dev/null) in
+    ok) pass "${file#"$data"/}" ;;
+    late) late=$((late + 1)) ;;
+    *) fail "${file#"$data"/}" "$(cat "$scratch/$name.said")" ;;
+    esac
 done <"$scratch/files"
+[ $late -eq 0 ] || skip "$late of $(wc -l <"$scratch/files") files, the largest: not begun within $total s"
 larger() { awk -v kb="$1" '$1 > kb { n++ } END { print n + 0 }' "$scratch/sizes" 2>/dev/null; }
 [ ! -e "$scratch/sizes" ] || echo "# $(wc -l <"$scratch/files") files; left out: all but info and check on $(larger "$middle") files above $middle kB, second ways of each verb on $(larger "$small") above $small kB, render on $(larger $((small / 4))) above $((small / 4)) kB; norma view, which needs the page"
 finish
