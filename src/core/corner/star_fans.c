@@ -272,8 +272,10 @@ static void join_leaning(const fin_set *f, const star_edge *own, int back) {
     }
 }
 
-static int is_own_reverse(const star_edge *run) {
-    return run->key == norma_core_key_of_twin(run->key);
+/* The key of a triangle is that of its twins as well; but no triangle is its own reverse. */
+static int is_own_reverse(const core_mesh *mesh, const star_corner *c, const star_edge *run) {
+    return mesh->face_starts && mesh->face_starts[c->face + 1] - mesh->face_starts[c->face] > 3 &&
+           run->key == norma_core_key_of_twin(run->key);
 }
 
 /* Whether its angle round the edge says all: a direction of its own, at right angles to the edge.
@@ -294,7 +296,7 @@ static size_t list_side(
         if (!(c->flags & STAR_HAS_NORMAL) || (group && !(mesh->smoothing_groups[c->face] & group)))
             continue;
         if (mesh->hard_edges && mesh->hard_edges[back ? c->previous_corner : c->corner]) continue;
-        if (!is_plain(frame, c) || is_own_reverse(&side->edges[i]))
+        if (!is_plain(frame, c) || is_own_reverse(mesh, c, &side->edges[i]))
             join_leaning(f, &side->edges[i], back);
         else
             fins[count++] = (fin){angle_in(frame, c->normal), (uint32_t)back, (uint32_t)i};
