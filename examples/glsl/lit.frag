@@ -6,7 +6,7 @@ in vec4 world_tangent;
 in vec2 uv;
 uniform vec3 to_light;                        // unit, world space
 uniform vec3 eye;                             // world space
-uniform sampler2D normal_map;                 // one texel of (0.5, 0.5, 1) if there is none
+uniform sampler2D normal_map;                 // without a map: one texel of (0.5, 0.5, 1)
 out vec4 colour;
 
 void main() {

@@ -169,7 +169,7 @@ for form in json sarif html; do
 done
 refuses 'a shard of other options' 'other.json: was made with other options than part1.json' part1.json part2.json other.json part4.json -o refused.json
 refuses 'a shard of another set' 'five.json: is one of 5 shards' part1.json part2.json five.json part4.json -o refused.json
-refuses 'a shard and a whole report' 'whole.json is none' part1.json whole.json -o refused.json
+refuses 'a shard and a whole report' 'whole.json is a whole report' part1.json whole.json -o refused.json
 norma report --merge --partial part1.json part4.json --format text >said 2>/dev/null
 check "--partial: text says what is missing" grep -q '; shards \[2, 3\] are missing$' said
 

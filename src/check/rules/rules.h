@@ -49,7 +49,7 @@ static inline norma_severity norma_check_tangent_severity(const check_mesh *m) {
     return m->given->material.normal_map ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
 }
 
-/* Cosine between a face and a stored normal; NaN: there is none, or it has no direction. */
+/* Cosine between a face and a stored normal; NaN if the normal is missing or has no direction. */
 static inline double norma_check_cosine_to(const check_mesh *m, size_t face, size_t number) {
     double n[3];
     if (number == SIZE_MAX) return NAN;

@@ -229,7 +229,7 @@ static double check_seam_angle(
 }
 
 /* Angles in radians; 0: no seam there. The faces of m are known and its edges paired.
- * creases: NULL, or the file's: a seam that bends as edges do that are split as well is none. */
+ * creases: NULL, or the file's: seams that bend like edges that are split as well are left out. */
 static norma_result check_add_seams(check_mesh *m, check_hits *hits) {
     return norma_check_report(m,
         &(check_report){

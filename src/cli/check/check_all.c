@@ -190,7 +190,7 @@ typedef struct check_pool {
     check_settings settings;
     check_configs *configs;
     check_collector *all;     /* of this process */
-    const cli_worker *worker; /* NULL: this is none, and parts go to all */
+    const cli_worker *worker; /* NULL: not in a worker; parts go to all */
     size_t sources_sent;
     pthread_mutex_t lock;
     pthread_cond_t moved;    /* the output went on */

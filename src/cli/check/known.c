@@ -306,7 +306,7 @@ static char *absolute_folder_of(const char *path) {
     return absolute;
 }
 
-/* Whoever asked for a configuration sees by errno that its text is not at fault. */
+/* errno shows the caller that the configuration's text is not at fault. */
 static check_config *without_memory(void) {
     cli_out_of_memory();
     errno = ENOMEM;

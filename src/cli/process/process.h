@@ -87,8 +87,8 @@ typedef struct cli_worker {
     int channel; /* of its messages, or into which it sends them */
 } cli_worker;
 
-/* 1: in the caller, 0: in the worker, -1: there is none, and the work is to be done here. Only
- * where no other thread runs. */
+/* Returns 1 in the caller, 0 in the worker, -1 if no worker could be started: the caller then does
+ * the work. Only while no other thread runs. */
 int cli_worker_start(cli_worker *worker);
 
 /* In the worker. */

@@ -294,7 +294,7 @@ static int check_shard(const report_merge *merged, size_t report) {
         return CLI_FILE;
     }
     if (!one->count != !first->count) {
-        cli_error("%s: is a shard, but %s is none; expected all shards of a set",
+        cli_error("%s: is a shard, but %s is a whole report; expected all shards of a set",
             one->count ? name : first_name, one->count ? first_name : name);
         return CLI_FILE;
     }
