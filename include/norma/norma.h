@@ -1195,10 +1195,9 @@ typedef struct norma_built {
  * coordinates, colours and whatever else a vertex has from its source corner or source vertex with
  * norma_copy_values.
  * Errors: those of norma_corner_normals, norma_corner_tangents and norma_index_corners;
- * NORMA_ERROR_ARGUMENT also for tangents without texcoords. reasons and report are written even if
- * an output buffer turns out to be too small.
- * Cost: that of the three calls; 12 bytes of scratch memory for each corner, 16 more with texcoords
- * and 4 more with corners. */
+ * NORMA_ERROR_ARGUMENT also for tangents without texcoords. After an error nothing has been
+ * written. Cost: that of the three calls; 16 bytes of scratch memory for each corner, 16 more with
+ * texcoords, 4 more if the mesh's corners are not 32-bit indices. */
 NORMA_API norma_result norma_build(const norma_mesh *mesh, const norma_attribute *texcoords,
     float crease_angle_rad, norma_tangent_mode mode, const norma_options *options,
     norma_built *built, norma_report *report);

@@ -262,11 +262,24 @@ static void builds_a_cube(void **state) {
         }
         assert_true(tangents[c][3] == (float)side && tangents[c][4] == 0);
     }
-    built.indexed.vertex_capacity = CUBE - 1;
+    /* After an error nothing has been written, reasons and report included. */
+    uint8_t reasons[CUBE];
+    norma_report report = {.cancelled = {7, 7}};
+    const norma_options options = {.reasons = reasons};
+    norma_attribute broken = uv;
+    memset(reasons, 9, sizeof reasons);
     memset(normals, 0, sizeof normals);
-    assert_int_equal(norma_build(&mesh, &uv, 0.5F, NORMA_TANGENTS_MIKK, NULL, &built, NULL),
+    built.indexed.vertex_capacity = CUBE - 1;
+    assert_int_equal(norma_build(&mesh, &uv, 0.5F, NORMA_TANGENTS_MIKK, &options, &built, &report),
         NORMA_ERROR_CAPACITY);
-    assert_true(normals[0][0] == 0);
+    built.indexed.vertex_capacity = CUBE;
+    broken.count = CUBE - 1;
+    assert_int_equal(
+        norma_build(&mesh, &broken, 0.5F, NORMA_TANGENTS_MIKK, &options, &built, &report),
+        NORMA_ERROR_ARGUMENT);
+    assert_true(normals[0][0] == 0 && reasons[0] == 9 && report.cancelled.count == 7);
+    assert_ok(norma_build(&mesh, &uv, 0.5F, NORMA_TANGENTS_MIKK, &options, &built, &report));
+    assert_true(reasons[CUBE - 1] == NORMA_REASON_NONE && report.cancelled.count == 0);
     assert_int_equal(norma_build(&mesh, NULL, 0.5F, NORMA_TANGENTS_MIKK, NULL, &built, NULL),
         NORMA_ERROR_ARGUMENT);
     assert_int_equal(
