@@ -27,8 +27,8 @@ other_parts="web long clang-long fuzz-long tsan-long"
 # Scripts of `make test`; all others are of `make test-all`. Long ones first: nothing then waits for a last one.
 quick_scripts="cli/together cli/hostile repo/format cli/golden repo/hygiene cli/hostile-names repo/arrows repo/readme repo/headers repo/guide cli/gltf-shared
     repo/trust repo/names repo/checklist repo/manual repo/packaging repo/examples repo/sbom"
-# Those that need the page, and a tree that has it.
-web_scripts="web/page web/package web/marks web/silhouettes"
+# Those that need the page, and a tree that has it; names are written into pages, too.
+web_scripts="web/page web/package web/marks web/silhouettes cli/hostile-names"
 long_scripts() {
     find tests/cli tests/mpi tests/python tests/repo tests/tangent tests/web -maxdepth 1 -name '*.sh' | sed 's|^tests/||; s|\.sh$||' | sort |
         grep -vxFf <(printf '%s\n' $quick_scripts $web_scripts cli/threads cli/sweep)
