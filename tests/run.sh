@@ -52,6 +52,8 @@ one() {
 # run_script NAME: one of tests/, by its name from there without the ending.
 run_script() { one "${1/\//.}" "tests/$1.sh"; }
 export -f one run_script
+# each COMMAND: for each line of its input, which is the command's $0, several at a time.
+each() { xargs -P "$jobs" -I{} bash -c "$1" {}; }
 
 # left_out NAME REASON: a part that cannot be run here counts as skipped.
 left_out() {
@@ -96,13 +98,14 @@ part_scripts() {
     needs gcc
     in_tree gcc
     say "scripts: command line, README, guide, headers, arrows, format, manual"
-    printf '%s\n' $quick_scripts | xargs -P "$jobs" -I{} bash -c 'run_script "$0"' {}
+    printf '%s\n' $quick_scripts | each 'run_script "$0"'
 }
 
-has_clang() { command -v clang >/dev/null; }
+# has_clang PART: without it, the part is left out.
+has_clang() { command -v clang >/dev/null || { left_out "$1" "clang is not installed"; return 1; }; }
 
 part_clang() {
-    has_clang || { left_out clang "clang is not installed"; return; }
+    has_clang clang || return
     say "clang: building with address and undefined-behaviour sanitizers, for fuzzing too"
     build clang norma_tests norma_tests_wrapped fuzzers
     in_tree clang
@@ -113,7 +116,8 @@ part_clang() {
 
 fuzz_targets() { find tests/fuzz -name 'fuzz_*.c' -exec grep -l '^int LLVMFuzzerTestOneInput' {} + | sed 's|.*/fuzz_||; s|\.c$||' | sort; }
 has_fuzzers() {
-    has_clang && needs clang fuzzers
+    has_clang "$1" || return
+    needs clang fuzzers
     [ -d "$out/clang/fuzz" ] || { left_out "$1" "clang with libFuzzer is not installed"; return 1; }
 }
 
@@ -121,11 +125,11 @@ part_fuzz() {
     has_fuzzers fuzz || return
     in_tree clang
     say "fuzz: seeds and what was ever found"
-    fuzz_targets | xargs -P "$jobs" -I{} bash -c 'one "fuzz.$0" tests/fuzz/replay.sh "$0"' {}
+    fuzz_targets | each 'one "fuzz.$0" tests/fuzz/replay.sh "$0"'
 }
 
 part_tsan() {
-    has_clang || { left_out tsan "clang is not installed"; return; }
+    has_clang tsan || return
     say "tsan: building what runs in it with the thread sanitizer"
     build tsan norma_tests
     in_tree tsan
@@ -138,24 +142,24 @@ part_web() {
     build web
     in_tree gcc
     say "web: the page in a browser, the package, pictures beside three.js"
-    printf '%s\n' $web_scripts | xargs -P "$jobs" -I{} bash -c 'run_script "$0"' {}
+    printf '%s\n' $web_scripts | each 'run_script "$0"'
 }
 
 part_long() {
     needs web
     in_tree gcc
     say "long: faults, data set, judges, MPI, Python, install, plain, single, bits"
-    long_scripts | xargs -P "$jobs" -I{} bash -c 'run_script "$0"' {}
+    long_scripts | each 'run_script "$0"'
 }
 
 part_clang_long() {
-    has_clang || { left_out clang-long "clang is not installed"; return; }
+    has_clang clang-long || return
     build clang norma-cli norma_bits
     in_tree clang
     say "clang: long unit tests, golden cases, bits"
     one clang.units-long "$NORMA_TREE/tests/norma_tests" -j "$jobs" --long
     one clang.wrapped-long "$NORMA_TREE/tests/norma_tests_wrapped" -j "$jobs" --long
-    printf '%s\n' "clang.golden tests/cli/golden.sh" "clang.bits env NORMA_BITS_WAYS=one tests/repo/portable.sh" | xargs -P "$jobs" -I{} bash -c 'one $0' {}
+    printf '%s\n' "clang.golden tests/cli/golden.sh" "clang.bits env NORMA_BITS_WAYS=one tests/repo/portable.sh" | each 'one $0'
     say "clang: every file of the data set through every verb"
     one clang.sweep tests/cli/sweep.sh
 }
@@ -164,11 +168,11 @@ part_fuzz_long() {
     has_fuzzers fuzz-long || return
     in_tree clang
     say "fuzz: runs from a fixed seed"
-    fuzz_targets | xargs -P "$jobs" -I{} bash -c 'one "fuzz-long.$0" tests/fuzz/replay.sh "$0" runs' {}
+    fuzz_targets | each 'one "fuzz-long.$0" tests/fuzz/replay.sh "$0" runs'
 }
 
 part_tsan_long() {
-    has_clang || { left_out tsan-long "clang is not installed"; return; }
+    has_clang tsan-long || return
     build tsan norma-cli engine_jobs
     in_tree tsan
     say "tsan: whole programs"
