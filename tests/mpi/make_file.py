@@ -2,8 +2,8 @@
 degenerate faces.  make_file.py PATH SIDE WORD...: big, double, shuffled, polygons, normals, codes
 (normals as chars), before (an element before the vertices), number (a property before the list),
 tail (an element with lists behind), nan, stl, flat (faces without area, which borrow a direction),
-fins (edges of three faces, faces turned round), ridges (even slopes that meet at 36 degrees, each
-position once)."""
+fins (edges of three faces, faces turned round), short (corners of 16 bits), ridges (even slopes
+that meet at 36 degrees, each position once)."""
 
 import math
 import random
@@ -59,7 +59,7 @@ with open(path, "wb") as out:
     header += "property uchar red\nelement face %d\n" % len(faces)
     if "number" in words:
         header += "property int id\n"
-    header += "property list uchar int vertex_indices\n"
+    header += "property list uchar %s vertex_indices\n" % ("ushort" if "short" in words else "int")
     if "tail" in words:
         header += "element edge 2\nproperty int a\nproperty list uchar float b\n"
     out.write((header + "end_header\n").encode())
@@ -75,7 +75,7 @@ with open(path, "wb") as out:
     for number, face in enumerate(faces):
         if "number" in words:
             out.write(struct.pack(order + "i", number))
-        out.write(struct.pack(order + "B%di" % len(face), len(face), *face))
+        out.write(struct.pack(order + "B%d%s" % (len(face), "H" if "short" in words else "i"), len(face), *face))
     if "tail" in words:
         for number in range(2):
             out.write(struct.pack(order + "iB2f", number, 2, 1.5, 2.5))

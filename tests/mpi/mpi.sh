@@ -132,7 +132,7 @@ test_tool() { # TREE MPI RANKS...
             python3 tests/mpi/make_file.py "$scratch/made.ply" 40 $words
             same_file "PLY ${words:-plain}" "$mpi" "$tree" "$n" "$scratch/made.ply"
         done
-        for words in "flat shuffled" "double fins flat nan normals" "polygons fins flat tail before number"; do
+        for words in "flat shuffled" "double fins flat nan normals" "polygons fins flat tail before number" "short shuffled polygons"; do
             # shellcheck disable=SC2086
             python3 tests/mpi/make_file.py "$scratch/made.ply" 30 $words
             same_file "PLY $words" "$mpi" "$tree" "$n" "$scratch/made.ply"
