@@ -37,11 +37,13 @@ fi
 [ "$what" != firefox ] || packages="firefox-esr xvfb"
 [ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
+if [ "$what" = all ] || [ "$what" = test ]; then
+    # clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint; glslang: compiles the shaders of the guide; python3: makes files.
+    packages="$packages clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales clang-format glslang-tools python3"
+fi
 if [ "$what" = all ]; then
-    # clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint; admesh: a judge of fixed STL files; glslang: compiles the shaders of the guide; curl: fetches a release in the test of the action.
-    packages="$packages clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales clang-format admesh curl glslang-tools"
-    # chromium: the page's tests; mypy and pytest: those of the Python package.
-    packages="$packages $web_packages chromium $python_packages mypy python3-pytest"
+    # admesh: a judge of fixed STL files; curl: fetches a release in the test of the action; chromium: the page's tests; mypy and pytest: those of the Python package.
+    packages="$packages admesh curl $web_packages chromium $python_packages mypy python3-pytest"
 fi
 
 missing=""
