@@ -1,5 +1,5 @@
 #version 300 es
-// Carries a vertex, its normal and its tangent into world space.
+// Transforms a vertex, its normal and its tangent into world space.
 in vec3 position;
 in vec3 normal;
 in vec4 tangent;                              // xyz, and the sign of the bitangent
