@@ -1180,13 +1180,11 @@ norma_result norma_plan_update(const norma_plan *plan, norma_vec3_view positions
         result = open_plan_work(plan, positions, moved, moved_count, &call, &work);
     if (result == NORMA_OK) norma_core_share(&call, plan->corner_count);
     if (result != NORMA_OK) return result;
-    norma_core_gather(&call, moved ? 3 * moved_count : plan->corner_count);
     result = update(&work);
     const size_t without =
         tally.non_finite.count + tally.unreferenced.count + tally.cancelled.count;
     if (result == NORMA_OK && output.nearest && (work.moved ? moved_count : without))
         result = fill_plan_from_nearest(&work);
-    norma_core_dismiss(&call);
     if (result == NORMA_OK && norma_core_progress(&call, 1)) result = NORMA_CANCELLED;
     if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
     return result;

@@ -184,6 +184,36 @@ static void failing_allocations(void **state) {
     test_free(wanted);
 }
 
+/* Threads that a call keeps from step to step need room of their own. */
+static void threads_allocate_nothing(void **state) {
+    (void)state;
+    mesh_file mesh = {0};
+    shape_wavy_grid(&mesh, 60, 0);
+    shape_round_to_float(&mesh);
+    float *floats = test_calloc(3 * mesh.position_count, sizeof *floats),
+          *out = test_calloc(3 * mesh.position_count, sizeof *out);
+    const norma_mesh view = mesh_file_view_float(&mesh, floats);
+    accountant a = {0};
+    const norma_options options = {.threads = 2, .allocator = {take, give, &a}};
+    norma_plan *plan;
+    uint32_t *moved = test_calloc(mesh.position_count - 1, sizeof *moved);
+    for (uint32_t i = 0; i + 1 < mesh.position_count; ++i) moved[i] = i + 1;
+    assert_true(mesh.corner_count > 1 << 14); /* enough for a thread of its own */
+    assert_ok(norma_plan_create(&view, NORMA_PER_VERTEX, 3, &options, &plan));
+    const size_t calls = a.calls;
+    assert_ok(
+        norma_plan_update(plan, view.positions, NULL, 0, &options, out, mesh.position_count, NULL));
+    assert_ok(norma_plan_update(plan, view.positions, moved, mesh.position_count - 1, &options, out,
+        mesh.position_count, NULL));
+    assert_int_equal(a.calls, calls);
+    norma_plan_destroy(plan);
+    assert_int_equal(a.live, 0);
+    mesh_file_free(&mesh);
+    test_free(moved);
+    test_free(floats);
+    test_free(out);
+}
+
 static int stop(void *user, double fraction) {
     (void)fraction;
     return --*(int *)user < 0;
@@ -386,8 +416,9 @@ static void reports(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_arguments_of_creation),
         cmocka_unit_test(wrong_arguments_of_updates), cmocka_unit_test(empty_meshes),
-        cmocka_unit_test(failing_allocations), cmocka_unit_test(cancelled),
-        cmocka_unit_test(nearest_as_in_the_full_calls), cmocka_unit_test(formats_and_strides),
-        cmocka_unit_test(creases_stay), cmocka_unit_test(reports), cmocka_unit_test(far_vertices)};
+        cmocka_unit_test(failing_allocations), cmocka_unit_test(threads_allocate_nothing),
+        cmocka_unit_test(cancelled), cmocka_unit_test(nearest_as_in_the_full_calls),
+        cmocka_unit_test(formats_and_strides), cmocka_unit_test(creases_stay),
+        cmocka_unit_test(reports), cmocka_unit_test(far_vertices)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
