@@ -315,21 +315,25 @@ static void join_group(fin_set *f, const edge_frame *frame, uint32_t group) {
 }
 
 /* Where no angle is asked, a face's partners are all of the other side that have a normal and are
- * not its twins: two of different keys reach all of them. */
+ * not its twins: two of different keys reach all of them. They are among the first of three keys.
+ */
 static void join_any_angle(
     const fin_set *f, const edge_side *own, const edge_side *other, int back) {
+    enum { FIRST_KEYS = 3 };
+    const star_edge *firsts[FIRST_KEYS];
+    size_t count = 0;
+    for (size_t j = 0; j < other->count && count < FIRST_KEYS; j++) {
+        if (!(f->star->corners[other->edges[j].corner].flags & STAR_HAS_NORMAL)) continue;
+        firsts[count++] = &other->edges[j];
+        j = norma_core_first_not_below(other, other->edges[j].key, 1) - 1; /* on to the next key */
+    }
     for (size_t i = 0; i < own->count; i++) {
         const star_edge *mine = &own->edges[i];
         int found = 0;
-        for (size_t j = 0; j < other->count && found < 2; j++) {
-            const star_edge *partner = &other->edges[j];
-            const int is_twin = partner->key == norma_core_key_of_twin(mine->key);
-            if (!is_twin && !(f->star->corners[partner->corner].flags & STAR_HAS_NORMAL)) continue;
-            if (!is_twin) {
-                join_pair(f, back ? partner : mine, back ? mine : partner);
-                found++;
-            }
-            j = norma_core_first_not_below(other, partner->key, 1) - 1; /* on to the next key */
+        for (size_t k = 0; k < count && found < 2; k++) {
+            if (firsts[k]->key == norma_core_key_of_twin(mine->key)) continue;
+            join_pair(f, back ? firsts[k] : mine, back ? mine : firsts[k]);
+            found++;
         }
     }
 }
@@ -499,9 +503,11 @@ static void join_all_partners(
     if (e->out.count * e->back.count > MOST_PAIRS_TO_TRY &&
         norma_core_join_crowded_edge(prepared, star, e, along))
         return;
-    for (size_t i = 0; i < e->out.count; i++)
+    for (size_t i = 0; i < e->out.count; i++) {
+        const star_edge *out = &e->out.edges[i];
+        if (!(star->corners[out->corner].flags & STAR_HAS_NORMAL)) continue; /* all hard */
         for (size_t j = 0; j < e->back.count; j++) {
-            const star_edge *out = &e->out.edges[i], *back = &e->back.edges[j];
+            const star_edge *back = &e->back.edges[j];
             if (!norma_core_are_partners(out, back) ||
                 norma_core_set_of(star->joined, out->corner) ==
                     norma_core_set_of(star->joined, back->corner))
@@ -509,6 +515,7 @@ static void join_all_partners(
             if (norma_core_edge_is_smooth(prepared, star, out, back))
                 norma_core_join_sets(star->joined, out->corner, back->corner);
         }
+    }
 }
 
 static pairs join_only_partners(

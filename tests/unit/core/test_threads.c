@@ -339,6 +339,24 @@ static void many_faces_along_one_edge(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* Quads that name a position twice have no direction, and there is none to borrow. */
+static void many_faces_without_direction_along_one_edge(void **state) {
+    (void)state;
+    mesh_file mesh = {0};
+    uint64_t seed = 1;
+    mesh_file_add_position(&mesh, 0, 0, 0);
+    mesh_file_add_position(&mesh, 0, 0, 1);
+    for (uint32_t i = 0; i < SOME; ++i) {
+        mesh_file_add_position(
+            &mesh, shape_random_unit(&seed), shape_random_unit(&seed), shape_random_unit(&seed));
+        mesh_file_add_face(&mesh, (uint32_t[]){i & 1, !(i & 1), i + 2, !(i & 1)}, 4);
+    }
+    const norma_mesh view = mesh_file_view(&mesh);
+    finishes_soon("quads of no area, smooth", &view, CORNERS,
+        (norma_options){.non_manifold = NORMA_NON_MANIFOLD_SMOOTH});
+    mesh_file_free(&mesh);
+}
+
 static void many_triangles_apart(void **state) {
     (void)state;
     mesh_file mesh = {0};
@@ -501,6 +519,7 @@ int main(void) {
         cmocka_unit_test(many_triangles_round_one_vertex),
         cmocka_unit_test(many_copies_of_one_position),
         cmocka_unit_test(many_faces_along_one_edge),
+        cmocka_unit_test(many_faces_without_direction_along_one_edge),
         cmocka_unit_test(many_triangles_apart),
         cmocka_unit_test(many_without_a_normal),
     };
