@@ -26,17 +26,18 @@ static inline uint32_t *norma_core_table_find(
     return &slots[at];
 }
 
-/* Eight bytes at a time; every bit of the result hangs on all of them. */
+/* Four bytes at a time, each copied in one instruction. Keys are often floats that have just been
+ * stored: a load of eight bytes would wait for both stores, and for every store before them. */
 static inline uint64_t norma_core_hash(const void *bytes, size_t size) {
     const unsigned char *at = bytes;
     const uint64_t prime = UINT64_C(0x9E3779B97F4A7C15);
     uint64_t hash = size * prime;
-    for (size_t i = 0; i < size; i += 8) {
-        uint64_t word = 0;
-        memcpy(&word, at + i, size - i < 8 ? size - i : 8);
-        hash = (hash ^ word) * prime;
-        hash ^= hash >> 29;
+    uint32_t word;
+    for (; size >= sizeof word; size -= sizeof word, at += sizeof word) {
+        memcpy(&word, at, sizeof word);
+        hash = (hash ^ hash >> 29 ^ word) * prime;
     }
+    for (; size; --size) hash = (hash ^ hash >> 29 ^ *at++) * prime;
     return hash ^ hash >> 32;
 }
 

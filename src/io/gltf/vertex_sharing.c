@@ -236,20 +236,10 @@ static int is_wanted_vertex(const void *context, uint32_t number) {
            memcmp(w->codes + number * w->size, w->code, w->size) == 0;
 }
 
-/* Of codes of four bytes or a multiple. */
-static uint64_t hash_vertex_code(const wanted_vertex *w) {
-    const unsigned char *code = w->code;
-    uint64_t hash = (uint64_t)w->vertex + 1;
-    for (size_t k = 0; k < w->size; k += 4) {
-        uint32_t word;
-        memcpy(&word, code + k, sizeof word);
-        hash = (hash ^ hash >> 29 ^ word) * UINT64_C(0x9E3779B97F4A7C15);
-    }
-    return hash ^ hash >> 32;
-}
-
 static uint32_t *look_for_vertex(uint32_t *table, size_t table_size, const wanted_vertex *w) {
-    return norma_core_table_find(table, table_size, hash_vertex_code(w), is_wanted_vertex, w);
+    const uint64_t hash =
+        norma_core_hash(w->code, w->size) ^ w->vertex * UINT64_C(0xD6E8FEB86659FD93) >> 20;
+    return norma_core_table_find(table, table_size, hash, is_wanted_vertex, w);
 }
 
 static int grow_vertex_table(gltf_set *set, const unsigned char *codes, size_t size) {

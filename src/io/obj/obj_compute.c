@@ -1,5 +1,6 @@
 /* obj_compute.c: new normals for the corners that need one; an OBJ under a matrix. */
 #include "io/obj/obj.h"
+#include "core/call/table.h"
 #include "io/file/file.h"
 #include "io/format/format.h"
 #include "io/stream/stream.h"
@@ -26,16 +27,12 @@ typedef struct numberer {
     int *failed;     /* of each share */
 } numberer;
 
-static uint64_t hash_normal(const float *n) {
-    uint32_t bits[3];
-    memcpy(bits, n, sizeof bits);
-    uint64_t hash = (bits[0] | (uint64_t)bits[1] << 32) * UINT64_C(0x9e3779b97f4a7c15);
-    hash = (hash ^ hash >> 29 ^ bits[2]) * UINT64_C(0xbf58476d1ce4e5b9);
-    return hash ^ hash >> 32;
-}
-
 static const float *normal_at(const obj_numbering *n, size_t place) {
     return n->normals + 3 * (n->order ? n->order[place] : place);
+}
+
+static uint64_t hash_normal(const obj_numbering *n, size_t place) {
+    return norma_core_hash(normal_at(n, place), 3 * sizeof *n->normals);
 }
 
 static size_t obj_share_of(uint64_t hash) { return (size_t)(hash >> 56); }
@@ -49,7 +46,7 @@ static void count_shares(void *context, size_t slice) {
     uint32_t *counts = w->counts + slice * SHARES;
     const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
     for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
-        ++counts[obj_share_of(hash_normal(normal_at(w->n, i)))];
+        ++counts[obj_share_of(hash_normal(w->n, i))];
 }
 
 static void place_shares(numberer *w) {
@@ -70,7 +67,7 @@ static void obj_deal(void *context, size_t slice) {
     uint32_t *next = w->counts + slice * SHARES;
     const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
     for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i) {
-        const uint64_t hash = hash_normal(normal_at(w->n, i));
+        const uint64_t hash = hash_normal(w->n, i);
         w->dealt[next[obj_share_of(hash)]++] = obj_tag_of(hash) | i;
     }
 }
