@@ -19,7 +19,7 @@
 enum {
     BLOCK = 16,       /* vertices whose normals are computed side by side */
     CHUNK = 4096,     /* vertices of one task */
-    LARGEST_SUM = 16, /* doubles that hold any sum of products of two floats exactly */
+    LARGEST_SUM = 16, /* doubles of a sum that has not been rounded: see join_parts */
     TANGENT_BYTES = 4 * sizeof(float)
 };
 
@@ -360,9 +360,27 @@ typedef struct long_sum {
     int count;
 } long_sum;
 
-/* Adds a number and keeps what each addition rounds off; parts of zero are dropped. */
+/* Makes the parts as few as they can be: each is what the ones above it leave, rounded once
+ * (Shewchuk 1997, Compress, its first pass). So they lie at least 52 bits apart, and sums of
+ * products of floats, from 2^-298 to 2^262, have at most eleven. */
+static void join_parts(long_sum *s) {
+    double joined[LARGEST_SUM], rest = 0.0;
+    int first = LARGEST_SUM;
+    for (int i = s->count; i-- > 0;) {
+        const double sum = rest + s->part[i], left = s->part[i] - (sum - rest);
+        if (left != 0.0) joined[--first] = sum;
+        rest = left != 0.0 ? left : sum;
+    }
+    if (rest != 0.0) joined[--first] = rest;
+    s->count = LARGEST_SUM - first;
+    memcpy(s->part, joined + first, (size_t)s->count * sizeof *joined);
+}
+
+/* Adds a number and keeps what each addition rounds off; parts of zero are dropped. Small parts may
+ * stay beside each other, as many as there were additions: they are joined where room ends. */
 static void add_exactly(long_sum *s, double number) {
     int kept = 0;
+    if (s->count == LARGEST_SUM) join_parts(s);
     for (int i = 0; i < s->count; i++) {
         const double sum = number + s->part[i], other = sum - number;
         const double rest = (number - (sum - other)) + (s->part[i] - other);
@@ -382,6 +400,7 @@ static void blend_exactly(const skin_stream *s, size_t vertex, long_sum b[9]) {
         for (int i = 0; i < 9; i++) /* the product of two floats is exact in a double */
             if (weight != 0.0) add_exactly(&b[i], weight * j->entry[i]);
     }
+    for (int i = 0; i < 9; i++) join_parts(&b[i]);
 }
 
 /* Adds a b c, or takes it away. */

@@ -156,6 +156,37 @@ static void what_is_left_of_a_difference(void **state) {
     free(m);
 }
 
+/* Sums of 64 products whose rounding leaves up to fifty doubles one after the other, none of which
+ * overlap: found by a search. Each is a power of two, its exponent plus 300, with the sign of the
+ * product; all but 2^-35 of it cancels, so that doubles do not decide. */
+static void sums_of_many_parts(void **state) {
+    (void)state;
+    static const int TERMS[MOST] = {540, 505, 157, -62, -437, 121, -70, -144, -98, 108, 362, -113,
+        -67, -60, -68, -307, -82, 117, -79, 170, -80, -114, 125, 198, -187, 122, 133, -221, -135,
+        245, -165, 231, -274, -167, 174, 261, 180, -354, -267, 411, -296, 210, -473, -322, -223,
+        -318, -324, 233, -287, 432, 347, 376, 276, -341, 369, 395, -375, -389, -420, -425, -435,
+        448, 455, -540};
+    float matrices[MOST][16] = {{0}}, weights[MOST], normal[3] = {1, 2, -2}, out[3];
+    uint16_t joints[MOST];
+    for (int k = 0; k < MOST; k++) {
+        const int exponent = abs(TERMS[k]) - 300, half = exponent / 2;
+        joints[k] = (uint16_t)k;
+        weights[k] = (float)ldexp(TERMS[k] < 0 ? -1 : 1, exponent - half);
+        for (int i = 0; i < 3; i++) matrices[k][5 * i] = (float)ldexp(1, half);
+    }
+    const norma_skin skin = {.matrices = matrices[0],
+        .joint_count = MOST,
+        .joints = joints,
+        .weights = weights,
+        .influences = MOST,
+        .vertex_count = 1};
+    const norma_vec3_view in = {.data = normal, .count = 1};
+    norma_report report;
+    assert_ok(norma_skin_normals(&skin, in, NULL, out, 1, &report));
+    assert_int_equal(report.cancelled.count, 0);
+    for (int i = 0; i < 3; i++) assert_true(fabs((double)out[i] - (double)normal[i] / 3) < 1e-7);
+}
+
 /* One joint is one matrix. */
 static void one_joint_is_a_matrix(void **state) {
     (void)state;
@@ -327,7 +358,8 @@ static void refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(whole_numbers),
-        cmocka_unit_test(what_is_left_of_a_difference), cmocka_unit_test(one_joint_is_a_matrix),
-        cmocka_unit_test(half_a_screw), cmocka_unit_test(same_bits), cmocka_unit_test(refused)};
+        cmocka_unit_test(what_is_left_of_a_difference), cmocka_unit_test(sums_of_many_parts),
+        cmocka_unit_test(one_joint_is_a_matrix), cmocka_unit_test(half_a_screw),
+        cmocka_unit_test(same_bits), cmocka_unit_test(refused)};
     return cmocka_run_group_tests_name("skin", tests, NULL, NULL);
 }
