@@ -182,6 +182,10 @@ norma_document *scene_reopen(const unsigned char *bytes, size_t size, const char
     return document;
 }
 
+norma_document *scene_of_obj(const char *text) {
+    return scene_reopen((const unsigned char *)text, strlen(text), "a.obj");
+}
+
 double scene_largest(const drawn_scene *scene) {
     double largest = 0;
     for (size_t i = 0; i < scene->count; i++)

@@ -27,6 +27,7 @@ void scene_free(drawn_scene *scene);
 unsigned char *scene_output(norma_document *document, size_t *size);
 norma_document *scene_open(const char *path);
 norma_document *scene_reopen(const unsigned char *bytes, size_t size, const char *name);
+norma_document *scene_of_obj(const char *text);
 
 double scene_largest(const drawn_scene *scene); /* coordinate, in absolute value */
 void scene_facet_normal(const scene_triangle *triangle, double normal[3]); /* unit, or zeros */

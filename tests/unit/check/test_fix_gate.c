@@ -53,13 +53,9 @@ static const char polygons[] =
     "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nv 6 0 0\nv 8 0 0\nv 8 2 .5\nv 6 2 0\n"
     "f 5 1 2 3 4\nf 1 2 4\nf 6 7 8 9\n";
 
-static norma_document *open_polygons(void) {
-    return scene_reopen((const unsigned char *)polygons, strlen(polygons), "a.obj");
-}
-
 static void only_the_fix_that_harms_is_left_out(void **state) {
     (void)state;
-    norma_document *document = open_polygons();
+    norma_document *document = scene_of_obj(polygons);
     assert_int_equal(count_of(document, "N404"), 1);
     assert_true(count_of(document, "N405") > 0);
     norma_fix_summary summary = fix(document, "N404,N405");
@@ -79,7 +75,7 @@ static void only_the_fix_that_harms_is_left_out(void **state) {
 static void a_rule_that_is_not_selected_counts(void **state) {
     (void)state;
     size_t size;
-    norma_document *document = open_polygons();
+    norma_document *document = scene_of_obj(polygons);
     const norma_fix_summary summary = fix(document, "N404");
     assert_int_equal(summary.changed, 0);
     assert_int_equal(summary.left_out, 1);
@@ -94,9 +90,9 @@ static void a_rule_that_is_not_selected_counts(void **state) {
 static void a_count_may_not_grow(void **state) {
     (void)state;
     char text[400];
-    const size_t size = (size_t)snprintf(
+    snprintf(
         text, sizeof text, "%sv 20 0 0\nv 21 0 0\nv 20 1 0\nf 10 11 12\nf 10 11 12\n", polygons);
-    norma_document *document = scene_reopen((const unsigned char *)text, size, "a.obj");
+    norma_document *document = scene_of_obj(text);
     assert_int_equal(count_of(document, "N305"), 1);
     const norma_fix_summary summary = fix(document, "N404");
     assert_int_equal(summary.changed, 0);
@@ -108,7 +104,7 @@ static void a_count_may_not_grow(void **state) {
 static void what_does_no_harm_is_done(void **state) {
     (void)state;
     static const char text[] = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nf 5 1 2 3 4\n";
-    norma_document *document = scene_reopen((const unsigned char *)text, strlen(text), "a.obj");
+    norma_document *document = scene_of_obj(text);
     const norma_fix_summary summary = fix(document, "N404");
     assert_int_equal(summary.changed, 1);
     assert_int_equal(summary.left_out, 0);
@@ -193,7 +189,7 @@ static void degenerate_faces_that_are_kept_are_named(void **state) {
     static const char text[] =
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nv .5 0 1\n"
         "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 9 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 5 9 6\nf 1 2 2\n";
-    norma_document *document = scene_reopen((const unsigned char *)text, strlen(text), "a.obj");
+    norma_document *document = scene_of_obj(text);
     assert_int_equal(count_of(document, "N401"), 2);
     norma_fix_summary summary = fix(document, "N401");
     assert_int_equal(summary.changed, 1);
@@ -233,7 +229,7 @@ static void progress_never_falls(void **state) {
     (void)state;
     uint8_t mask[128];
     double last = 0;
-    norma_document *document = open_polygons();
+    norma_document *document = scene_of_obj(polygons);
     norma_check_options options = select("N404,N405", mask);
     options.progress = never_falls;
     options.progress_user = &last;
@@ -242,15 +238,15 @@ static void progress_never_falls(void **state) {
     norma_document_close(document);
 }
 
+#define THREE_SQUARES                                                                              \
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 -1 0\nv 0 -1 0\nv 0 0 1e-7\nv 1 0 1e-7\nv 1 0 1\n"    \
+    "v 0 0 1\nf 1 2 3 4\nf 2 1 6 5\nf 7 8 9 10\n"
+
 /* Two squares at an edge, and a third one almost at it: joined to them, it would be the edge's
  * third face, which is no more than an information. */
 static void no_edge_gets_a_third_face(void **state) {
     (void)state;
-    static const char squares[] =
-        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 -1 0\nv 0 -1 0\nv 0 0 1e-7\nv 1 0 1e-7\nv 1 0 1\n"
-        "v 0 0 1\nf 1 2 3 4\nf 2 1 6 5\nf 7 8 9 10\n";
-    norma_document *document =
-        scene_reopen((const unsigned char *)squares, strlen(squares), "a.obj");
+    norma_document *document = scene_of_obj(THREE_SQUARES);
     assert_int_equal(count_of(document, "N503"), 4);
     const norma_fix_summary summary = fix(document, "N503");
     assert_int_equal(summary.changed, 0);
@@ -263,12 +259,9 @@ static void no_edge_gets_a_third_face(void **state) {
  * face from their edge, which is no leave for the first edge to get one. */
 static void no_edge_gets_a_third_face_for_another(void **state) {
     (void)state;
-    static const char squares[] =
-        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 -1 0\nv 0 -1 0\nv 0 0 1e-7\nv 1 0 1e-7\nv 1 0 1\n"
-        "v 0 0 1\nv 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nv 6 -1 0\nv 5 -1 0\n"
-        "f 1 2 3 4\nf 2 1 6 5\nf 7 8 9 10\nf 11 12 13 14\nf 12 11 16 15\nf 11 12 13 14\n";
     norma_document *document =
-        scene_reopen((const unsigned char *)squares, strlen(squares), "a.obj");
+        scene_of_obj(THREE_SQUARES "v 5 0 0\nv 6 0 0\nv 6 1 0\nv 5 1 0\nv 6 -1 0\nv 5 -1 0\n"
+                                   "f 11 12 13 14\nf 12 11 16 15\nf 11 12 13 14\n");
     assert_int_equal(count_of(document, "N305"), 1);
     const norma_fix_summary summary = fix(document, "N305,N503");
     assert_int_equal(summary.changed, 1);
@@ -290,7 +283,7 @@ static void no_face_gets_behind_its_normals_for_another(void **state) {
         "f 1//1 2//1 3//1 4//1\nf 5//1 6//1 7//1 8//1\nf 1//3 2//3 6//3 5//3\n"
         "f 2//4 3//4 7//4 6//4\nf 3//5 4//5 8//5 7//5\nf 4//6 1//6 5//6 8//6\n"
         "f 9//2 10//2 11//2 12//2\nf 9//2 10//2 11//2 12//2\n";
-    norma_document *document = scene_reopen((const unsigned char *)cube, strlen(cube), "a.obj");
+    norma_document *document = scene_of_obj(cube);
     assert_int_equal(count_of(document, "N201"), 2);
     assert_int_equal(fix(document, "N301,N305").changed, 1);
     assert_int_equal(count_of(document, "N305"), 0);
@@ -321,7 +314,7 @@ static const norma_finding *finding_of(const norma_findings *findings, const cha
  * not offered says why. */
 static void an_offer_keeps_its_promise(void **state) {
     (void)state;
-    norma_document *document = open_polygons();
+    norma_document *document = scene_of_obj(polygons);
     norma_findings *findings = tried(document, NORMA_SEVERITY_INFO);
     const norma_finding *folded = finding_of(findings, "N404");
     size_t size, offers = 0;
@@ -332,7 +325,7 @@ static void an_offer_keeps_its_promise(void **state) {
     for (size_t i = 0; i < norma_findings_count(findings); i++) {
         const norma_finding *finding = norma_findings_get(findings, i);
         if (finding->fix == NORMA_FIX_NONE) continue;
-        norma_document *other = open_polygons();
+        norma_document *other = scene_of_obj(polygons);
         assert_int_equal(fix(other, finding->rule->id).changed, 1);
         assert_int_equal(count_of(other, finding->rule->id), 0);
         norma_document_close(other);
@@ -357,7 +350,7 @@ static void informations_are_left(void **state) {
     (void)state;
     static const char bent[] = "v 6 0 0\nv 8 0 0\nv 8 2 .5\nv 6 2 0\nf 1 2 3 4\n";
     for (int from = NORMA_SEVERITY_NONE; from <= NORMA_SEVERITY_WARNING; from++) {
-        norma_document *document = scene_reopen((const unsigned char *)bent, strlen(bent), "a.obj");
+        norma_document *document = scene_of_obj(bent);
         norma_fix_summary summary;
         const norma_check_options options = {
             .struct_size = sizeof options, .fix_from = (norma_severity)from};

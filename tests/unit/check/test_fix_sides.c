@@ -99,7 +99,7 @@ static void most_faces_may_be_wrong(void **state) {
 
 static void stays(const char *text, const char *rules) {
     size_t size;
-    norma_document *document = scene_reopen((const unsigned char *)text, strlen(text), "a.obj");
+    norma_document *document = scene_of_obj(text);
     assert_int_equal(fix(document, rules), 0);
     assert_true(says_undecided(document));
     unsigned char *bytes = scene_output(document, &size);
@@ -133,7 +133,7 @@ static void what_rays_call_right_stays(void **state) {
                       after[] = BOX_OVER_BOWL(
                           "f 1 4 3 2\nf 5 6 7 8\nf 5 1 2 6\nf 6 2 3 7\nf 7 3 4 8\nf 8 4 1 5\n");
     size_t size;
-    norma_document *document = scene_reopen((const unsigned char *)before, strlen(before), "a.obj");
+    norma_document *document = scene_of_obj(before);
     assert_int_equal(fix(document, "N301"), 1);
     unsigned char *bytes = scene_output(document, &size);
     assert_int_equal(size, strlen(after));
