@@ -6,6 +6,7 @@
  *     f CORNER[!] ... [: GROUP]       !: the edge from here on is hard */
 #include "oracle/made_case.h"
 #include <inttypes.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -131,56 +132,32 @@ static void drop_position(made_case *c, size_t position) {
     for (size_t i = 0; i < c->corner_count; ++i) c->corners[i] -= c->corners[i] > position;
 }
 
+/* What is simpler where it is zero. */
+#define FIELD(name)                                                                                \
+    { offsetof(made_case, name), sizeof((made_case *)NULL)->name }
+static const struct field {
+    size_t at, size;
+} fields[] = {FIELD(position_gap), FIELD(normal_gap), FIELD(corner_size), FIELD(soup),
+    FIELD(has_groups), FIELD(has_hard), FIELD(backwards), FIELD(options.isa), FIELD(options.weight),
+    FIELD(options.weld), FIELD(options.non_manifold), FIELD(options.fallback)};
+enum {
+    FIELDS = sizeof fields / sizeof *fields,
+    THREADS = FIELDS,
+    FORMAT,
+    CREASE,
+    NUMBERS,
+    SIMPLER
+};
+
 static void simplify(made_case *c, int what) {
-    static const norma_options plain = {.struct_size = sizeof plain};
-    norma_options *o = &c->options;
-    switch (what) {
-    case 0:
-        c->position_gap = c->normal_gap = 0;
-        return;
-    case 1:
-        c->corner_size = 4;
-        return;
-    case 2:
-        c->soup = 0;
-        return;
-    case 3:
-        c->has_groups = 0;
-        return;
-    case 4:
-        c->has_hard = 0;
-        return;
-    case 5:
-        o->threads = 1;
-        c->backwards = 0;
-        return;
-    case 6:
-        o->isa = plain.isa;
-        return;
-    case 7:
-        o->weight = plain.weight;
-        return;
-    case 8:
-        o->weld = plain.weld;
-        return;
-    case 9:
-        o->non_manifold = plain.non_manifold;
-        return;
-    case 10:
-        o->fallback = plain.fallback;
-        return;
-    case 11:
-        c->format = NORMA_FORMAT_DOUBLE;
-        return;
-    case 12:
-        c->crease = 3.14159274F;
-        return;
-    default:
-        for (size_t v = 0; v < c->position_count; ++v)
-            for (int k = 0; k < 3; ++k)
-                if (c->positions[v][k] == c->positions[v][k])
-                    c->positions[v][k] = (double)(float)c->positions[v][k];
-    }
+    if (what < FIELDS) memset((char *)c + fields[what].at, 0, fields[what].size);
+    if (what == THREADS) c->options.threads = 1;
+    if (what == FORMAT) c->format = NORMA_FORMAT_DOUBLE;
+    if (what == CREASE) c->crease = 3.14159274F;
+    for (size_t v = 0; v < c->position_count && what == NUMBERS; ++v)
+        for (int k = 0; k < 3; ++k)
+            if (c->positions[v][k] == c->positions[v][k])
+                c->positions[v][k] = (double)(float)c->positions[v][k];
 }
 
 enum { DROP_FACE, DROP_CORNER, DROP_POSITION, SIMPLIFY, CHANGES };
@@ -189,7 +166,7 @@ static size_t count_of(const made_case *c, int change) {
     return change == DROP_FACE       ? c->face_count
            : change == DROP_CORNER   ? (c->soup ? 0 : c->corner_count)
            : change == DROP_POSITION ? (c->soup ? 0 : c->position_count)
-                                     : 14;
+                                     : SIMPLER;
 }
 
 void made_case_shrink(made_case *c, int fails(const made_case *)) {
