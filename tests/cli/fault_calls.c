@@ -1,19 +1,22 @@
 /* fault_calls.c: a program run again and again, each time with one fault at its n-th system call,
  * and the folders that it leaves behind, gathered for a script to judge. Linux's ptrace sees every
- * call of every thread, whatever library makes it. fault_calls kill     FROM WORK STATES --
- * command...      stopped for good (SIGKILL) before its n-th call fault_calls fail     FROM WORK
- * STATES -- command...      its n-th call fails, once for each error that the call may have
- *   fault_calls short    FROM WORK STATES -- command...      its n-th read or write moves fewer
- * bytes fault_calls shrink=F FROM WORK STATES -- command...      file F of WORK is emptied before
- * the n-th call; grow=, scribble=, halve= likewise fault_calls memory=S FROM WORK STATES --
- * command...      its n-th allocation fails, by the library S (tests/cli/faults/fail_allocation.c),
- * which is preloaded fault_calls trace    FROM WORK STATES -- command...      no fault; what it did
- * to files, in order For each n, the folder FROM is copied to WORK, where the command runs; calls
- * count from its first rt_sigaction, with which our tool's main begins. Each different outcome of
- * WORK is kept as STATES/1, /2, ...; temporary files count as one more outcome, whatever is in
- * them. A line for each run: n call error | exit status, or the signal that ended it, negative |
- * state | temporary files | a number for what it printed | first line of stderr and a last one,
- * "runs N states M". FAULT_ONLY_WRITING=1: from the first call on that makes a file or a folder. */
+ * call of every thread and of every process that it forks, whatever library makes it.
+ *
+ *     fault_calls MODE FROM WORK STATES -- command...
+ *
+ * - kill: stopped for good (SIGKILL) before its n-th call;
+ * - fail: its n-th call fails, once for each error that the call may have;
+ * - short: its n-th read or write moves fewer bytes;
+ * - shrink=F, grow=F, scribble=F, halve=F: file F of WORK is changed so before the n-th call;
+ * - memory=S: its n-th allocation fails, by the preloaded library S (faults/fail_allocation.c);
+ * - trace: no fault; what it did to files, in order.
+ *
+ * For each n, the folder FROM is copied to WORK, where the command runs; calls count from its first
+ * rt_sigaction, with which our tool's main begins. Each different outcome of WORK is kept as
+ * STATES/1, /2, ...; temporary files count as one more outcome, whatever is in them. A line for
+ * each run: n call error | exit status, or the signal that ended it, negative | state | temporary
+ * files | a number for what it printed | first line of stderr; and a last one, "runs N states M".
+ * FAULT_ONLY_WRITING=1: from the first call on that makes a file or a folder. */
 #define _GNU_SOURCE
 #include <stdio.h>
 #if !defined(__linux__) || !(defined(__x86_64__) || defined(__aarch64__))
@@ -387,7 +390,7 @@ static void hit(run *r, thread *t) {
     r->call = kind ? kind->name : unknown;
     r->hit = 1;
     if (r->mode == KILL) {
-        kill(r->child, SIGKILL);
+        kill(t->id, SIGKILL); /* its process: the tool, or its worker */
     } else if (r->mode == CHANGE) {
         r->change(r->file);
     } else if (r->mode == SHORT) {
@@ -397,7 +400,8 @@ static void hit(run *r, thread *t) {
         t->error = r->error = kind->errors[r->error_index];
         r->more_errors = r->error_index + 1 < (int)(sizeof kind->errors / sizeof *kind->errors) &&
                          kind->errors[r->error_index + 1];
-        set_registers(t->id, -1, 0, 0, 0);
+        /* A close that fails has closed all the same, as on Linux. */
+        if (number != SYS_close) set_registers(t->id, -1, 0, 0, 0);
     }
 }
 
@@ -463,7 +467,8 @@ static void follow(run *r) {
     if (waitpid(r->child, &status, __WALL) != r->child || !WIFSTOPPED(status))
         die("the command did not start");
     ptrace(PTRACE_SETOPTIONS, r->child, NULL,
-        PTRACE_O_EXITKILL | PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACECLONE | PTRACE_O_TRACEEXEC);
+        PTRACE_O_EXITKILL | PTRACE_O_TRACESYSGOOD | PTRACE_O_TRACECLONE | PTRACE_O_TRACEFORK |
+            PTRACE_O_TRACEVFORK | PTRACE_O_TRACEEXEC);
     ptrace(PTRACE_SYSCALL, r->child, NULL, NULL);
     for (;;) {
         const pid_t id = waitpid(-1, &status, __WALL);

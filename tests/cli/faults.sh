@@ -90,6 +90,10 @@ one() {
         why=""
         case $kind:$status in
         kill:-9) left=$((left + temporary)); [ "$state" = "$new" ] && written=$((written + 1)) || refused=$((refused + 1)) ;;
+        kill:3) # its worker was killed: what that leaves is what a killed tool leaves, and it is said
+            left=$((left + temporary)) refused=$((refused + 1)); [[ $said == 'norma: '*' ended by signal 9 (Killed)'* ]] || why="nothing is said" ;;
+        kill:0 | kill:1) # check does the file of a killed worker again
+            left=$((left + temporary)) written=$((written + 1)); [ "$state" = "$new" ] || why="all is said to be well, and the outcome is another one" ;;
         *:0 | *:1) written=$((written + 1)); [ "$state" = "$new" ] || why="all is said to be well, and the outcome is another one"; [ "$temporary" = 0 ] || why="a temporary file stays" ;;
         *:3 | *:2) refused=$((refused + 1)); [[ $said == 'norma'*': '* ]] || reports_unreadable "$place/states/$state" || why="nothing is said"; [ "$temporary" = 0 ] || why="a temporary file stays" ;;
         *) why="ends so" ;;

@@ -430,10 +430,11 @@ static int check_in_workers(check_collector *all, check_configs *configs) {
         if (side == 0) check_in_worker(all, configs, &worker, next, count);
         status = cli_worse(status, listen_to(all, &worker, &next));
         if (cli_worker_wait(&worker, why)) break;
-        if (next == all->told) { /* by none of the files */
+        if (next == count && all->told == count) { /* all is known: its end was no file's fault */
             cli_error("%s", why);
             return CLI_FILE;
         }
+        if (next == all->told) ++next; /* it ended between two files: the next one is done alone */
         status = cli_worse(status, check_again(all, configs, next));
     }
     return status;
