@@ -5,6 +5,9 @@
 cd "${1:-$(dirname "$0")/../src}" || exit 1
 find . -name '*.[ch]' -printf '%P\n' | LC_ALL=C sort | xargs awk '
     # Declarations may run over several lines: up to the first { ; or =.
+    # The name of a table of an unnamed struct comes after its members.
+    /^} / && unnamed { $0 = "static " substr($0, 3) }
+    /^}/ { unnamed = 0 }
     /^(static|CORE_INLINE)[ \t]/ { text = ""; open = 1 }
     open {
         text = text " " $0
@@ -17,6 +20,7 @@ find . -name '*.[ch]' -printf '%P\n' | LC_ALL=C sort | xargs awk '
             # a function: the name before its first parenthesis; else the last name, sizes aside
             if (text ~ /\(/) sub(/\(.*/, "", text); else { gsub(/\[[^]]*\]/, "", text); sub(/,.*/, "", text) }
             sub(/[ \t]+$/, "", text); sub(/.*[^A-Za-z0-9_]/, "", text)
+            if (text == "struct") { unnamed = 1; next }
             if (text != "" && !seen[text, FILENAME]++) { files[text] = files[text] " " FILENAME; count[text]++ }
         }
     }

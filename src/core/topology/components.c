@@ -288,7 +288,7 @@ static void measure_faces_of_block(const measuring *m, size_t part, size_t block
 }
 
 /* Relative to the sum of the terms' sizes: as little is no volume. */
-static const double ROUNDING = 1e-12;
+static const double VOLUME_ROUNDING = 1e-12;
 
 static void finish_part(core_component *component, const extent_sum *sum, uint8_t not_closed) {
     for (int k = 0; k < 3; k++) {
@@ -296,7 +296,8 @@ static void finish_part(core_component *component, const extent_sum *sum, uint8_
         component->high[k] = sum->box.high[k];
     }
     component->volume = !(component->flags & not_closed) &&
-                                fabs(sum->volume) > ROUNDING * sum->terms && sum->terms < INFINITY
+                                fabs(sum->volume) > VOLUME_ROUNDING * sum->terms &&
+                                sum->terms < INFINITY
                             ? sum->volume
                             : 0;
 }

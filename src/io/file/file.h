@@ -175,17 +175,11 @@ int norma_folder_make(const char *path, int *made);
  * where it cannot be read. */
 int norma_folder_visit(const char *path, int (*visit)(void *user, const char *name), void *user);
 void norma_folder_remove(const char *path); /* where it is empty; else it stays */
-/* What a file_writer needs, not on Windows: to have names in a folder on the disk. A folder that
- * may not be read cannot be flushed, and some file systems flush none: no reason to call a file
- * unwritten. The descriptor is -1 then. */
 
-/* ---- Stamps from what the system says of a file, and what a file keeps that is replaced. */
+/* ---- Stamps from what the system says of a file. */
 
 struct stat;
 file_stamp norma_file_stamp_of(const struct stat *status);
-/* What the file called from, of which the system says old, has of owner, permissions, access lists
- * and attributes, for the open file that will take its place. Returns 0, errno, or FILE_ATTRIBUTES
- * where one of them cannot be kept. */
 
 /* ---- A file read piece by piece, for those that are larger than memory. */
 

@@ -2,9 +2,6 @@
  * of the files that they replace. */
 #define _POSIX_C_SOURCE 200809L
 #if defined(__linux__)
-#define _GNU_SOURCE
-#endif
-#if defined(__linux__)
 #define _GNU_SOURCE /* O_TMPFILE */
 #endif
 #define _DEFAULT_SOURCE /* flock */
@@ -21,8 +18,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- The folders that files go to: opened and flushed, so that names in them survive a
- * crash, made where they are missing, and taken away again. */
+/* ---- The folders that files go to: opened and flushed, so that names in them survive a crash,
+ * made where they are missing, and taken away again. A folder that may not be read cannot be
+ * flushed, and some file systems flush none: no reason to call a file unwritten. The descriptor is
+ * -1 then. */
 
 static int folder_open(const char *path, int *descriptor) {
     do *descriptor = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -143,7 +143,7 @@ const char *norma_system_text(int error) {
     return NULL;
 }
 
-/* ---- See watch.h. */
+/* ---- Whether the caller still waits: see file.h. */
 
 void norma_watch_begin(norma_watch *watch, norma_progress *progress, void *user) {
     watch->progress = progress;

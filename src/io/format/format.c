@@ -139,18 +139,18 @@ int norma_document_load_file(const norma_document *document, const char *path, f
 static const struct {
     norma_file_format format;
     const char *name; /* and the extension */
-} formats[] = {
+} FORMAT_NAMES[] = {
     {NORMA_FILE_OBJ, "obj"},
     {NORMA_FILE_PLY, "ply"},
     {NORMA_FILE_STL, "stl"},
     {NORMA_FILE_GLTF, "gltf"},
     {NORMA_FILE_GLB, "glb"},
 };
-enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
+enum { FORMAT_COUNT = sizeof FORMAT_NAMES / sizeof FORMAT_NAMES[0] };
 
 const char *norma_file_format_name(norma_file_format format) {
     for (size_t i = 0; i < FORMAT_COUNT; ++i)
-        if (formats[i].format == format) return formats[i].name;
+        if (FORMAT_NAMES[i].format == format) return FORMAT_NAMES[i].name;
     return "";
 }
 
@@ -169,7 +169,7 @@ norma_file_format norma_file_format_of_path(const char *path) {
     const char *name = slash ? slash + 1 : path;
     const char *dot = name ? strrchr(name, '.') : NULL;
     for (size_t i = 0; dot && i < FORMAT_COUNT; ++i)
-        if (equal_case_aside(dot + 1, formats[i].name)) return formats[i].format;
+        if (equal_case_aside(dot + 1, FORMAT_NAMES[i].name)) return FORMAT_NAMES[i].format;
     return NORMA_FILE_UNKNOWN;
 }
 

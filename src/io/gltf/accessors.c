@@ -10,9 +10,9 @@
 static const struct {
     const char *name;
     uint32_t width;
-} types[] = {
+} ELEMENT_TYPES[] = {
     {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}};
-enum { TYPE_COUNT = sizeof types / sizeof types[0], TYPE_MAT2 = 4 };
+enum { TYPE_COUNT = sizeof ELEMENT_TYPES / sizeof ELEMENT_TYPES[0], TYPE_MAT2 = 4 };
 
 size_t norma_gltf_component_size(int component) {
     switch (component) {
@@ -45,7 +45,7 @@ void norma_gltf_write_index(unsigned char *at, int component, uint32_t value) {
 
 /* Columns of small matrices begin at multiples of four bytes (glTF 2.0, 3.6.2.4). */
 static size_t element_size(size_t type, size_t component_size) {
-    size_t width = types[type].width;
+    size_t width = ELEMENT_TYPES[type].width;
     if (type < TYPE_MAT2) return width * component_size;
     size_t rows = type == TYPE_MAT2 ? 2 : type == TYPE_MAT2 + 1 ? 3 : 4;
     return rows * ((rows * component_size + 3) / 4 * 4);
@@ -90,12 +90,12 @@ static norma_document_result read_accessor(gltf *g, gltf_accessor *a, norma_docu
         return norma_gltf_malformed(g, error, a->token,
             "a count from 1, and byteOffset and componentType as whole numbers");
     size_t t = 0;
-    while (t < TYPE_COUNT && !norma_json_equals(j, type, types[t].name)) ++t;
+    while (t < TYPE_COUNT && !norma_json_equals(j, type, ELEMENT_TYPES[t].name)) ++t;
     size_t size = component > GLTF_FLOAT ? 0 : norma_gltf_component_size((int)component);
     if (t == TYPE_COUNT || size == 0)
         return norma_gltf_malformed(g, error, a->token, "a componentType and type that glTF has");
     a->component = (int)component;
-    a->width = types[t].width;
+    a->width = ELEMENT_TYPES[t].width;
     a->element_size = element_size(t, size);
     a->normalized = norma_json_is(j, norma_json_member(j, a->token, "normalized"), JSON_TRUE);
     return sparse == JSON_NONE ? NORMA_DOCUMENT_OK : read_sparse(g, a, sparse, error);

@@ -434,7 +434,7 @@ int norma_large_need(const char *path, norma_file_format format, uint64_t *bytes
     return possible;
 }
 
-/* ---- Files larger than memory, part by part: PLY as walk_ply.c, STL as it comes. */
+/* ---- Files larger than memory, part by part: PLY by walk_ply, STL as it comes. */
 
 struct large_walk {
     large_file file;

@@ -12,12 +12,6 @@
 #include "io/text/text.h"
 #include <norma/norma.h>
 
-/* ---- What an OBJ file holds: positions, polygons, normals and smoothing groups as arrays. The
- * text itself stays the file's bytes: nothing is remembered of where a statement stands, but for vn
- * lines; a writer walks over the same statements again, in the same order. Internal to obj_*.c.
- *
- * The text is cut into stretches of whole statements, which threads read and write side by side. */
-
 /* A corner's normal is a number, or one of these. */
 #define OBJ_NO_NORMAL  UINT32_MAX       /* it names none */
 #define OBJ_BAD_NORMAL (UINT32_MAX - 1) /* it names one that is not there */
@@ -35,7 +29,7 @@ typedef struct obj_stretch {
     size_t offset, position, normal, face, other;
 } obj_stretch;
 
-typedef struct obj_vertices obj_vertices; /* vertex_lines.h */
+typedef struct obj_vertices obj_vertices; /* v lines that go and come, below */
 
 typedef struct obj_state {
     obj_stretch *stretches; /* one more, at the end of all */
@@ -97,19 +91,19 @@ static inline size_t norma_obj_normal_offset(const obj_state *state, size_t norm
     return normal < state->offset_count ? state->normal_offsets[normal] : SIZE_MAX;
 }
 
-/* read_parallel.c */
+/* obj_read.c */
 norma_document_result norma_obj_read(norma_document *document, norma_document_error *error);
 
-/* obj_state.c. Flushing makes the changes the document's bytes, which are read again. */
+/* obj_read.c. Flushing makes the changes the document's bytes, which are read again. */
 extern const edited_format norma_obj_edited;
 /* The core's view of positions and faces, without groups. */
 norma_mesh norma_obj_mesh(const obj_state *state);
 
-/* smoothing_groups.c: sets group_masks, and hard_edges where masks do not suffice, such that faces
+/* Sets group_masks, and hard_edges where masks do not suffice, such that faces
  * of one group other than 0 share edges, and others do not. */
 norma_result norma_obj_groups(obj_state *state, const norma_options *options);
 
-/* obj_compute.c, obj_transform.c, obj_write.c: as format_functions has them. */
+/* obj_compute.c, obj_write.c: as format_functions has them. */
 norma_document_result norma_obj_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error);
@@ -144,7 +138,7 @@ static inline int norma_obj_is_blank(char c) {
     return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0';
 }
 
-/* statements.c. All text lies in [p, end). */
+/* obj_text.c. All text lies in [p, end). */
 
 const char *norma_obj_skip_joined(const char *p, const char *end);
 int norma_obj_is_joined(const char *p, const char *end);
@@ -257,7 +251,7 @@ static inline uint32_t norma_obj_resolve(int64_t index, size_t count) {
 }
 
 /* ---- What one stretch of an OBJ's text holds, counted from its own beginning.
- * read_stretch.c reads one, read_parallel.c puts them together. */
+ * obj_read.c reads the stretches and puts them together. */
 
 typedef enum obj_list { OBJ_OF_CORNER, OBJ_OF_CORNER_NORMAL, OBJ_OF_OTHER_NORMAL } obj_list;
 
@@ -336,8 +330,7 @@ norma_document_result norma_obj_equal_vertices(
 norma_document_result norma_obj_edit_vertices(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error);
 
-/* ---- Equal normals are one, numbered in the order of their first use. Internal
- * to obj_compute.c and deduplicate_normals.c. */
+/* ---- Equal normals are one, numbered in the order of their first use. */
 
 typedef struct obj_numbering {
     const float *normals; /* of elements, three each */

@@ -88,7 +88,7 @@ static size_t ply_kept(const norma_mesh_edit *edit) {
     return kept;
 }
 
-/* vertex_rows.c: the edit's list of vertices as a change; how many of them, from the first on, are
+/* The edit's list of vertices as a change; how many of them, from the first on, are
  * old rows that stay in their order */
 static norma_document_result ply_edit_vertices(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {

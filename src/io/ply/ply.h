@@ -127,7 +127,7 @@ typedef struct ply_state {
                                            where the first of these values stands */
 } ply_state;
 
-/* header.c */
+/* ply_header.c */
 norma_document_result norma_ply_read_header(norma_document *document, norma_document_error *error);
 int norma_ply_span_is(const ply_state *state, ply_span span, const char *text);
 static inline int norma_ply_is_list(const ply_property *property) {
@@ -141,7 +141,7 @@ static inline const ply_element *norma_ply_element(const ply_header *header, int
     return index == PLY_NONE ? NULL : &header->elements[index];
 }
 
-/* row_value.c: types, single values, and the size of binary rows */
+/* ply_header.c: types, single values, and the size of binary rows */
 size_t norma_ply_type_size(ply_type type);
 const char *norma_ply_type_name(ply_type type, int with_bits); /* "float", or "float32" */
 double norma_ply_get(const unsigned char *at, ply_type type, ply_encoding encoding);
@@ -170,10 +170,10 @@ void norma_ply_narrow(double *values, size_t count);
 uint32_t norma_ply_copy_triangles(
     const unsigned char *at, size_t row_size, size_t count, uint32_t *corners);
 
-/* locate_rows.c: where each element's rows lie. Fails where the file is too short. */
+/* ply_rows.c: where each element's rows lie. Fails where the file is too short. */
 norma_document_result norma_ply_locate(norma_document *document, norma_document_error *error);
 
-/* ply_error.c: the line of an offset, from 1; an error at an offset. */
+/* ply_header.c: the line of an offset, from 1; an error at an offset. */
 size_t norma_ply_line_of(const ply_state *state, size_t offset);
 norma_document_result norma_ply_fail_at(const norma_document *document, norma_document_error *error,
     size_t offset, const char *format, ...);
@@ -185,7 +185,7 @@ norma_document_result norma_ply_fail_index(const norma_document *document,
     norma_document_error *error, size_t offset, const char *of, uint64_t row, int64_t index,
     size_t vertices);
 
-/* ascii_read.c: rows of text */
+/* ply_text.c: rows of text */
 void norma_ply_surplus_text(const ply_state *state, char text[120]); /* of its surplus rows */
 static inline int norma_ply_ends_line(unsigned char byte) { return byte >= '\n' && byte <= '\r'; }
 norma_document_result norma_ply_locate_text(norma_document *document, norma_document_error *error);
@@ -215,13 +215,13 @@ norma_document_result norma_ply_read_columns(norma_document *document, const ply
 /* The core's mesh; valid as long as the state's is. */
 norma_mesh norma_ply_core_mesh(const ply_state *state);
 
-/* triangle_strips.c: triangle strips with restarts (-1) */
+/* Triangle strips with restarts (-1) */
 size_t norma_ply_strip_triangles(
     const int64_t *items, size_t count, uint32_t *corners); /* corners may be NULL, to count */
 /* Triangles as one list of strips; -1 between them; out: room for 4 * triangles. */
 size_t norma_ply_strip_encode(const uint32_t *corners, size_t triangles, int64_t *out);
 
-/* ply_compute.c, ply_transform.c */
+/* ply_compute.c */
 norma_document_result norma_ply_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error);
@@ -229,7 +229,6 @@ norma_document_result norma_ply_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);
 
-/* normal_codes.c */
 /* What stored codes are divided by: 127, 32767, or 1. */
 double norma_ply_normal_scale(
     const ply_header *header, const ply_element *element, const int properties[3]);
@@ -246,7 +245,7 @@ void norma_ply_normal_types(const ply_header *header, const ply_element *element
 norma_document_result norma_ply_encode_normals(norma_document *document, const ply_type types[3],
     float *normals, size_t count, norma_document_error *error);
 
-/* ply_write.c, binary_rows.c, ascii_rows.c */
+/* ply_write.c, ply_rows.c, ply_text.c */
 norma_document_result norma_ply_write(norma_document *document, const char *path,
     norma_write *write, void *user, norma_document_error *error);
 /* With normals as the only change: the header alone; the rows of the vertices that the state is
@@ -304,6 +303,6 @@ static inline int norma_ply_is_cut(const ply_plan *plan, size_t row) {
 norma_document_result norma_ply_row_spans(norma_document *document, const ply_element *element,
     ply_span **spans, norma_document_error *error);
 
-/* ply_state.c. Flushing makes the changes the document's bytes, which are read again. */
+/* ply.c. Flushing makes the changes the document's bytes, which are read again. */
 extern const edited_format norma_ply_edited;
 #endif

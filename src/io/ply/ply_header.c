@@ -12,7 +12,7 @@
 static const struct {
     const char *name, *bits_name;
     size_t size;
-} types[] = {
+} TYPES[] = {
     [PLY_INT8] = {"char", "int8", 1},
     [PLY_UINT8] = {"uchar", "uint8", 1},
     [PLY_INT16] = {"short", "int16", 2},
@@ -24,9 +24,9 @@ static const struct {
     [PLY_NO_TYPE] = {"", "", 0},
 };
 
-size_t norma_ply_type_size(ply_type type) { return types[type].size; }
+size_t norma_ply_type_size(ply_type type) { return TYPES[type].size; }
 const char *norma_ply_type_name(ply_type type, int with_bits) {
-    return with_bits ? types[type].bits_name : types[type].name;
+    return with_bits ? TYPES[type].bits_name : TYPES[type].name;
 }
 
 int norma_ply_is_native(ply_encoding encoding) {

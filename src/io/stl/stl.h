@@ -20,7 +20,7 @@ typedef struct stl_state {
     double *vertices; /* nine for each facet */
 } stl_state;
 
-/* ascii_facets.c: told the three words of each normal (part 0) and vertex (parts 1 to 3). Nonzero
+/* stl_facets.c: is given the three words of each normal (part 0) and vertex (parts 1 to 3). Nonzero
  * stops: the rest of the text is not wanted, and the result is fine. */
 typedef struct stl_word {
     const char *text, *end;
@@ -35,7 +35,6 @@ norma_document_result norma_stl_decode_text(norma_document *document, norma_docu
 norma_document_result norma_stl_write_text(
     norma_document *document, norma_sink *sink, norma_document_error *error);
 
-/* binary_facets.c */
 int norma_stl_is_binary(const stl_state *state);
 norma_document_result norma_stl_read_binary(norma_document *document, norma_document_error *error);
 norma_document_result norma_stl_decode_binary(
@@ -48,6 +47,6 @@ int norma_stl_replace_normals(
 norma_document_result norma_stl_write_binary(
     norma_document *document, norma_sink *sink, norma_document_error *error);
 
-/* stl_state.c. Flushing makes the changes the document's bytes, which are read again. */
+/* stl.c. Flushing makes the changes the document's bytes, which are read again. */
 extern const edited_format norma_stl_edited;
 #endif

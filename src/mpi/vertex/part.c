@@ -15,19 +15,19 @@ static int ascend(const uint64_t *ids, size_t count) {
     return 1;
 }
 
-static size_t digit_of(uint64_t id, int shift) { return (size_t)(id >> shift) & (DIGITS - 1); }
+static size_t radix_digit(uint64_t id, int shift) { return (size_t)(id >> shift) & (DIGITS - 1); }
 
 /* Equal digits keep their order. */
 static void sort_by_digit(
     const uint64_t *ids, size_t count, int shift, const uint32_t *from, uint32_t *to) {
     uint32_t starts[DIGITS] = {0}, sum = 0;
-    for (size_t i = 0; i < count; i++) starts[digit_of(ids[i], shift)]++;
+    for (size_t i = 0; i < count; i++) starts[radix_digit(ids[i], shift)]++;
     for (size_t d = 0; d < DIGITS; d++) {
         const uint32_t here = starts[d];
         starts[d] = sum;
         sum += here;
     }
-    for (size_t i = 0; i < count; i++) to[starts[digit_of(ids[from[i]], shift)]++] = from[i];
+    for (size_t i = 0; i < count; i++) to[starts[radix_digit(ids[from[i]], shift)]++] = from[i];
 }
 
 /* Returns the array that holds the result. */
@@ -40,7 +40,7 @@ static uint32_t *sort_places(
     }
     for (int shift = 0; shift < 64 && differ >> shift; shift += DIGIT_BITS) {
         uint32_t *const from = places;
-        if (!digit_of(differ, shift)) continue;
+        if (!radix_digit(differ, shift)) continue;
         sort_by_digit(ids, count, shift, from, others);
         places = others;
         others = from;
@@ -176,7 +176,7 @@ static uint64_t mpi_bits_of(double number) {
     return bits;
 }
 
-static int same_options(const mpi_call *call) {
+static int ranks_agree_on_options(const mpi_call *call) {
     const norma_options *o = &call->core->options;
     uint64_t numbers[] = {(uint64_t)o->weight, (uint64_t)o->weld, (uint64_t)o->non_manifold,
         (uint64_t)o->fallback, 0, 0, 0, 0};
@@ -314,7 +314,7 @@ norma_result norma_mpi_open_part(
     if (begun == NORMA_OK) begun = mpi_check_shape(call, input, &mesh, &part->output);
     const norma_result result = norma_mpi_agree(call, begun);
     if (result != NORMA_OK) return result;
-    const int same = same_options(call);
+    const int same = ranks_agree_on_options(call);
     if (!same_numbering(call, &mesh, input->face_ids) || !same) return NORMA_ERROR_ARGUMENT;
     part->positions = mesh.positions.count;
     part->budget = mesh.corner_count / 3 * BUDGET_OF_TRIANGLE;

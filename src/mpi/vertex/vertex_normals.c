@@ -9,7 +9,7 @@
 
 enum { MISSING_SIZE = sizeof(uint64_t) + 1 };
 
-static norma_result list_missing(
+static norma_result list_vertices_without_normal(
     const mpi_call *call, const mpi_part *part, const uint8_t *reasons, mpi_lists *out) {
     const size_t ranks = (size_t)call->ranks;
     uint64_t *room = norma_core_allocate(call->core, ranks, sizeof *room);
@@ -55,8 +55,8 @@ static norma_result mpi_count_missing(
     uint64_t any = 0;
     for (size_t v = 0; v < part->positions; v++) any |= reasons[v];
     if (!norma_mpi_largest(call, any)) return NORMA_OK;
-    const norma_result result =
-        norma_mpi_exchange(call, list_missing(call, part, reasons, &out), &out, &in);
+    const norma_result result = norma_mpi_exchange(
+        call, list_vertices_without_normal(call, part, reasons, &out), &out, &in);
     if (result == NORMA_OK) count_numbers(call, &in, tally);
     norma_mpi_lists_close(call, &out);
     norma_mpi_lists_close(call, &in);

@@ -13,7 +13,7 @@ typedef struct support {
     int count;
 } support;
 
-static double squared_distance(const double a[3], const double b[3]) {
+static double distance_squared(const double a[3], const double b[3]) {
     const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
     return x * x + y * y + z * z;
 }
@@ -53,7 +53,7 @@ static int ball_through(const support *s, unsigned chosen, render_ball *ball) {
         }
         if (size == 3) return 0;
         for (int k = 0; k < 3; ++k) edges[size][k] = s->points[i][k] - origin[k];
-        scale = fmax(scale, squared_distance(s->points[i], origin));
+        scale = fmax(scale, distance_squared(s->points[i], origin));
         ++size;
     }
     if (!origin || (size > 0 && !(scale > 0))) return 0;
@@ -66,13 +66,13 @@ static int ball_through(const support *s, unsigned chosen, render_ball *ball) {
     memcpy(ball->centre, origin, sizeof ball->centre);
     for (int i = 0; i < size; ++i)
         for (int k = 0; k < 3; ++k) ball->centre[k] += system[i][3] / system[i][i] * edges[i][k];
-    ball->radius = sqrt(squared_distance(ball->centre, origin));
+    ball->radius = sqrt(distance_squared(ball->centre, origin));
     return 1;
 }
 
 static int holds_all(const render_ball *ball, const support *s) {
     for (int i = 0; i < s->count; ++i)
-        if (sqrt(squared_distance(ball->centre, s->points[i])) > ball->radius * (1 + 1e-9))
+        if (sqrt(distance_squared(ball->centre, s->points[i])) > ball->radius * (1 + 1e-9))
             return 0;
     return 1;
 }
@@ -95,7 +95,7 @@ static void tighten(support *s, render_ball *ball) {
     *ball = best;
 }
 
-static double farthest(
+static double farthest_point(
     const render_cloud *clouds, size_t count, const double centre[3], double point[3]) {
     double most = -1;
     for (size_t c = 0; c < count; ++c)
@@ -104,7 +104,7 @@ static double farthest(
             const double local[3] = {(double)at[0], (double)at[1], (double)at[2]};
             double world[3], squared;
             render_point(clouds[c].matrix, local, world);
-            squared = squared_distance(world, centre);
+            squared = distance_squared(world, centre);
             if (squared > most) {
                 most = squared;
                 memcpy(point, world, sizeof world);
@@ -127,7 +127,7 @@ render_ball render_smallest_ball(const render_cloud *clouds, size_t count) {
         }
     for (int round = 0; round < most_rounds && s.count > 0; ++round) {
         double point[3];
-        far = farthest(clouds, count, ball.centre, point);
+        far = farthest_point(clouds, count, ball.centre, point);
         if (far <= ball.radius * (1 + 1e-7)) break;
         if (s.count > MOST_SUPPORT) break;
         memcpy(s.points[s.count++], point, sizeof point);
@@ -203,7 +203,7 @@ void render_local_to_world(const double node[16], const double given[16], double
 }
 
 /* Quarter turns are exact: a view from the side is a view from the side. */
-static void sine_cosine(double degrees, double *sine, double *cosine) {
+static void exact_sine_cosine(double degrees, double *sine, double *cosine) {
     static const double exact[4][2] = {{0, 1}, {1, 0}, {0, -1}, {-1, 0}};
     const double turned = fmod(degrees, 360), quarters = turned / 90;
     if (quarters == floor(quarters)) {
@@ -218,8 +218,8 @@ static void sine_cosine(double degrees, double *sine, double *cosine) {
 void render_camera_axes(
     const render_camera *camera, double right[3], double up[3], double back[3]) {
     double sa, ca, se, ce;
-    sine_cosine(camera->azimuth_deg, &sa, &ca);
-    sine_cosine(camera->elevation_deg, &se, &ce);
+    exact_sine_cosine(camera->azimuth_deg, &sa, &ca);
+    exact_sine_cosine(camera->elevation_deg, &se, &ce);
     const double axes[3][3] = {{ca, 0, -sa}, {-sa * se, ce, -ca * se}, {sa * ce, se, ca * ce}};
     double *const out[3] = {right, up, back};
     for (int i = 0; i < 3; ++i) {

@@ -37,7 +37,7 @@ static void find_bounds(evidence *e, double p[3][3]) {
 }
 
 /* A foot's faces may be wound either way, but have nothing below them. */
-static void weigh(evidence *e, double p[3][3]) {
+static void weigh_face(evidence *e, double p[3][3]) {
     double v[3];
     const double area = area_vector(p, v);
     e->area += area;
@@ -84,7 +84,7 @@ enum render_up render_guess_up(const render_surface *surfaces, size_t count, enu
     static const double clearly = 0.15; /* of the floor */
     evidence e = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
     visit(surfaces, count, find_bounds, &e);
-    visit(surfaces, count, weigh, &e);
+    visit(surfaces, count, weigh_face, &e);
     if (is_ground(&e, 1) != is_ground(&e, 2)) return is_ground(&e, 1) ? RENDER_UP_Y : RENDER_UP_Z;
     const double y = foot_of(&e, 1), z = foot_of(&e, 2);
     return y > z + clearly ? RENDER_UP_Y : z > y + clearly ? RENDER_UP_Z : usual;

@@ -282,7 +282,8 @@ static void send_texture(
     set_sampler(gl, texture);
 }
 
-static int is_same(const render_texture_upload *upload, const render_texture *texture, int colour) {
+static int is_upload_of(
+    const render_texture_upload *upload, const render_texture *texture, int colour) {
     return upload->texture.picture == texture->picture && upload->is_colour == colour &&
            upload->texture.wrap_s == texture->wrap_s && upload->texture.wrap_t == texture->wrap_t &&
            upload->texture.mag_filter == texture->mag_filter &&
@@ -295,7 +296,7 @@ enum render_result render_texture_bind(render_device *device, const render_textu
     GLint most = 0;
     gl->ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
     for (size_t i = 0; i < device->texture_count; ++i)
-        if (is_same(&device->textures[i], texture, is_colour)) {
+        if (is_upload_of(&device->textures[i], texture, is_colour)) {
             gl->BindTexture(GL_TEXTURE_2D, device->textures[i].name);
             return RENDER_OK;
         }
@@ -382,8 +383,8 @@ enum render_result render_target_begin(
 
 /* One pixel of samples * samples. Samples that nothing covers have no say in its colour; a partly
  * covered one's colour is multiplied by its alpha in the framebuffer. */
-static void resolve(const render_srgb *srgb, const uint8_t *samples, size_t stride, size_t each_way,
-    uint8_t pixel[4]) {
+static void resolve_pixel(const render_srgb *srgb, const uint8_t *samples, size_t stride,
+    size_t each_way, uint8_t pixel[4]) {
     uint64_t light[3] = {0}, alpha = 0;
     for (size_t y = 0; y < each_way; ++y)
         for (size_t x = 0; x < each_way; ++x) {
@@ -413,7 +414,7 @@ enum render_result render_target_read(render_device *device, int samples, render
         GL_UNSIGNED_BYTE, all);
     for (size_t row = 0; row < height; ++row) /* the framebuffer's rows run upwards */
         for (size_t column = 0; column < width; ++column)
-            resolve(&device->srgb,
+            resolve_pixel(&device->srgb,
                 all + (height - 1 - row) * each_way * stride + 4 * column * each_way, stride,
                 each_way, picture->pixels + 4 * ((y + row) * picture->width + x + column));
     free(all);

@@ -188,7 +188,7 @@ enum render_result render_upload_of(render_device *device, const render_surface 
 enum render_result render_lines_of(render_device *device, const render_surface *surface,
     unsigned kind, const render_look *look, const render_line_upload **lines, render_error *error);
 
-/* textures.c: an image with its sampler on a unit, sent when it is first used; colours are sRGB. */
+/* An image with its sampler on a unit, sent when it is first used; colours are sRGB. */
 enum render_result render_texture_bind(render_device *device, const render_texture *texture,
     int is_colour, int unit, render_error *error);
 

@@ -11,7 +11,7 @@
 
 /* ---- The images of materials as pictures: RGBA, eight bits each. */
 
-static int begin(void *user, size_t width, size_t height) {
+static int allocate_pixels(void *user, size_t width, size_t height) {
     render_picture *picture = user;
     picture->width = width;
     picture->height = height;
@@ -27,7 +27,7 @@ static void copy_row(void *user, size_t y, const uint8_t *pixels) {
 enum render_result render_image_decode(
     const uint8_t *bytes, size_t size, render_picture *picture, render_error *error) {
     *picture = (render_picture){0};
-    const image_sink sink = {4, begin, copy_row, picture};
+    const image_sink sink = {4, allocate_pixels, copy_row, picture};
     const image_result result = norma_image_read(bytes, size, &sink);
     if (!result) return RENDER_OK;
     render_picture_free(picture);
@@ -166,7 +166,7 @@ static int is_opaque(const render_picture *picture) {
     return 1;
 }
 
-static void write_picture(png_structp png, png_infop info, const void *job) {
+static void write_png_rows(png_structp png, png_infop info, const void *job) {
     const render_picture *picture = job;
     const int opaque = is_opaque(picture);
     png_set_IHDR(png, info, (png_uint_32)picture->width, (png_uint_32)picture->height, 8,
@@ -185,7 +185,7 @@ static void write_picture(png_structp png, png_infop info, const void *job) {
 enum render_result render_png_encode(
     const render_picture *picture, render_png *out, render_error *error) {
     growing_bytes bytes = {0};
-    const int failed = norma_png_write(&bytes, write_picture, picture) != IMAGE_OK;
+    const int failed = norma_png_write(&bytes, write_png_rows, picture) != IMAGE_OK;
     if (failed) {
         free(bytes.data);
         bytes = (growing_bytes){0};

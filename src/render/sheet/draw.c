@@ -54,7 +54,7 @@ static void set_eye(painter *p) {
     }
 }
 
-static void set_camera(const painter *p, const render_uniforms *at, const double to_world[16]) {
+static void set_matrices(const painter *p, const render_uniforms *at, const double to_world[16]) {
     float world[16];
     to_floats(to_world, world, 16);
     p->gl->UniformMatrix4fv(at->local_to_world, 1, GL_FALSE, world);
@@ -104,7 +104,7 @@ static enum render_program program_of(const render_panel *panel) {
 
 /* What a fragment does with images and alpha: surface.frag. A mask's cutoff is that of the image.
  */
-static enum render_result set_maps(const painter *p, const render_uniforms *at,
+static enum render_result bind_maps(const painter *p, const render_uniforms *at,
     const render_surface *surface, render_error *error) {
     const render_panel *panel = p->stage->panel;
     const int lit = panel->show == RENDER_SHOW_LIT,
@@ -143,15 +143,15 @@ static void set_material(
     (!surface->two_sided && !either ? p->gl->Enable : p->gl->Disable)(GL_CULL_FACE);
 }
 
-static enum render_result draw_one(
+static enum render_result draw_surface(
     const painter *p, const render_uniforms *at, const render_placed *placed, render_error *error) {
     const render_vertices *v = &placed->upload->vertices;
     int mirrored;
-    set_camera(p, at, placed->to_world);
+    set_matrices(p, at, placed->to_world);
     set_normal_matrix(
         p, at, placed->to_world, p->stage->panel->space == RENDER_SPACE_VIEW, &mirrored);
     set_material(p, at, placed->surface);
-    enum render_result result = set_maps(p, at, placed->surface, error);
+    enum render_result result = bind_maps(p, at, placed->surface, error);
     if (result) return result;
     p->gl->FrontFace(mirrored ? GL_CW : GL_CCW);
     p->gl->VertexAttrib4f(2, 1, 1, 1, 1);
@@ -201,7 +201,8 @@ static enum render_result draw_blended(
     p->gl->Enable(GL_BLEND);
     p->gl->BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     p->gl->DepthMask(GL_FALSE);
-    for (size_t i = 0; i < count && !result; ++i) result = draw_one(p, at, list[i].placed, error);
+    for (size_t i = 0; i < count && !result; ++i)
+        result = draw_surface(p, at, list[i].placed, error);
     p->gl->DepthMask(GL_TRUE);
     p->gl->Disable(GL_BLEND);
     free(list);
@@ -222,7 +223,7 @@ static enum render_result draw_surfaces(const painter *p, render_error *error) {
     p->gl->Uniform3fv(at->light_colour, RENDER_MOST_LIGHTS, p->light_colours);
     p->gl->Uniform1f(at->scale_top, (float)(stage->error_top_deg > 0 ? stage->error_top_deg : 1));
     for (size_t i = 0; i < stage->placed_count && !result; ++i)
-        if (!blends(p, &stage->placed[i])) result = draw_one(p, at, &stage->placed[i], error);
+        if (!blends(p, &stage->placed[i])) result = draw_surface(p, at, &stage->placed[i], error);
     if (!result) result = draw_blended(p, at, error);
     p->gl->Disable(GL_CULL_FACE);
     return result;
@@ -268,7 +269,7 @@ static enum render_result draw_lines(const painter *p, unsigned kind, const rend
     for (int column = 0; column < 3; ++column)
         for (int row = 0; row < 3; ++row)
             sum += placed->to_world[4 * column + row] * placed->to_world[4 * column + row];
-    set_camera(p, &program->at, placed->to_world);
+    set_matrices(p, &program->at, placed->to_world);
     if (hedgehog) set_normal_matrix(p, &program->at, placed->to_world, 0, &mirrored);
     p->gl->Uniform1f(program->at.reach_scale, (float)sqrt(sum / 3));
     p->gl->Uniform1f(program->at.width, width);

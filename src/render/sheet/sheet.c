@@ -62,7 +62,7 @@ typedef struct layout {
         left_out; /* heights of strips: of each row, then under all */
 } layout;
 
-static size_t lines_left_out(const render_sheet *sheet) {
+static size_t sum_lines_left_out(const render_sheet *sheet) {
     size_t lines = 0;
     for (size_t i = 0; i < sheet->panel_count; ++i) lines += sheet->panels[i].lines_left_out;
     return lines;
@@ -89,7 +89,7 @@ static size_t taller(size_t height, const render_look *look, const char *words, 
 
 static void left_out_words(const render_sheet *sheet, char *words, size_t room) {
     char of_hedgehog[80] = "";
-    const size_t count = lines_left_out(sheet);
+    const size_t count = sum_lines_left_out(sheet);
     if (count)
         snprintf(of_hedgehog, sizeof of_hedgehog, "%s%zu lines of the hedgehog",
             sheet->left_out ? "; " : "", count);
@@ -112,7 +112,7 @@ static layout lay_out(const render_look *look, render_sheet *sheet) {
     l.footer = footer_height(look, sheet, width);
     l.keys = sheet->key_count ? strip : 0;
     left_out_words(sheet, words, sizeof words);
-    if (sheet->left_out || lines_left_out(sheet)) l.left_out = strip_height(look, words, width);
+    if (sheet->left_out || sum_lines_left_out(sheet)) l.left_out = strip_height(look, words, width);
     for (size_t i = 0; i < sheet->panel_count; ++i) {
         sheet->panel_x[i] = i % l.columns * look->width;
         sheet->panel_y[i] = i / l.columns * (l.above + look->height + l.below) + l.above;
@@ -140,7 +140,7 @@ static enum render_result make_picture(
 /* ---- words */
 
 /* Centred. */
-static void write_words(const render_look *look, render_picture *picture, const char *words,
+static void draw_centred(const render_look *look, render_picture *picture, const char *words,
     size_t x, size_t width, size_t y, size_t height) {
     const render_text_lines l = break_words(words, text_size(look), width);
     double base = (double)y + ((double)height + l.size - (double)(l.count - 1) * 1.5 * l.size) / 2;
@@ -159,7 +159,7 @@ static void write_left_out(
     const render_look *look, const render_sheet *sheet, const layout *l, render_picture *picture) {
     char words[640];
     left_out_words(sheet, words, sizeof words);
-    write_words(
+    draw_centred(
         look, picture, words, 0, picture->width, picture->height - l->left_out, l->left_out);
 }
 
@@ -168,14 +168,14 @@ static void write_all_words(
     for (size_t i = 0; i < sheet->panel_count; ++i) {
         const render_panel *panel = &sheet->panels[i];
         if (panel->above && l->above)
-            write_words(look, picture, panel->above, sheet->panel_x[i], look->width,
+            draw_centred(look, picture, panel->above, sheet->panel_x[i], look->width,
                 sheet->panel_y[i] - l->above, l->above);
         if (panel->below && l->below)
-            write_words(look, picture, panel->below, sheet->panel_x[i], look->width,
+            draw_centred(look, picture, panel->below, sheet->panel_x[i], look->width,
                 sheet->panel_y[i] + look->height, l->below);
     }
     if (sheet->below && l->footer)
-        write_words(look, picture, sheet->below, 0, picture->width,
+        draw_centred(look, picture, sheet->below, 0, picture->width,
             picture->height - l->left_out - l->footer, l->footer);
     if (l->left_out) write_left_out(look, sheet, l, picture);
 }

@@ -7,7 +7,7 @@
 
 #define DEGREE 0.017453292519943295
 
-static enum render_kind kind_of(const render_panel *panel, const render_surface *surface) {
+static enum render_kind vertices_for(const render_panel *panel, const render_surface *surface) {
     const int flat = panel->show == RENDER_SHOW_LIT && panel->shading == RENDER_FLAT,
               mapped = surface->base_map.picture || surface->normal_map.picture;
     if (panel->show == RENDER_SHOW_TANGENTS) return RENDER_MAPPED;
@@ -27,12 +27,12 @@ static void box_to_world(
     render_multiply(local_to_world, unbox, matrix);
 }
 
-static enum render_result place(render_device *device, render_stage *stage, const render_draw *draw,
-    render_placed *placed, render_error *error) {
+static enum render_result place_surface(render_device *device, render_stage *stage,
+    const render_draw *draw, render_placed *placed, render_error *error) {
     render_panel *panel = stage->panel;
     placed->surface = &panel->scene->surfaces[draw->surface];
     enum render_result result = render_upload_of(
-        device, placed->surface, kind_of(panel, placed->surface), &placed->upload, error);
+        device, placed->surface, vertices_for(panel, placed->surface), &placed->upload, error);
     for (unsigned k = 0; k < RENDER_LINE_KINDS && !result; ++k)
         if (panel->lines & 1U << k) {
             result = render_lines_of(
@@ -71,7 +71,7 @@ void render_normal_matrices(
     *mirrored = info.mirrored;
 }
 
-static void carry(const float m[9], const float n[3], double out[3]) {
+static void multiply_normal(const float m[9], const float n[3], double out[3]) {
     for (int row = 0; row < 3; ++row)
         out[row] = (double)m[row] * (double)n[0] + (double)m[3 + row] * (double)n[1] +
                    (double)m[6 + row] * (double)n[2];
@@ -80,8 +80,8 @@ static void carry(const float m[9], const float n[3], double out[3]) {
 /* The angle between M n and the right normal; below 0: one of them is zero. */
 static double error_of(const float right[9], const float plain[9], const float n[3]) {
     double a[3], b[3];
-    carry(right, n, a);
-    carry(plain, n, b);
+    multiply_normal(right, n, a);
+    multiply_normal(plain, n, b);
     const double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
         a[0] * b[1] - a[1] * b[0]},
                  dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -90,7 +90,7 @@ static double error_of(const float right[9], const float plain[9], const float n
     return atan2(sqrt(across), dot);
 }
 
-static void measure(render_stage *stage) {
+static void measure_worst_plain(render_stage *stage) {
     render_panel *panel = stage->panel;
     panel->worst_plain_rad = 0;
     for (size_t i = 0; i < stage->placed_count; ++i) {
@@ -143,10 +143,10 @@ enum render_result render_stage_make(render_device *device, const render_look *l
     panel->most_errors_rad = 0;
     panel->triangles = panel->lines_left_out = 0;
     for (size_t i = 0; i < scene->draw_count && !result; ++i)
-        result = place(device, stage, &scene->draws[i], &stage->placed[i], error);
+        result = place_surface(device, stage, &scene->draws[i], &stage->placed[i], error);
     if (!result) {
         stage->ball = render_smallest_ball(clouds, clouds_of(stage, clouds));
-        if (panel->measured) measure(stage);
+        if (panel->measured) measure_worst_plain(stage);
     }
     free(clouds);
     if (result) render_stage_free(stage);
@@ -181,7 +181,7 @@ static void add_tip(
                  scale = reach_scale(placed->to_world);
     double start[3], direction[3], length;
     render_point(placed->to_world, from, start);
-    carry(matrix, line + 3, direction);
+    multiply_normal(matrix, line + 3, direction);
     length = sqrt(
         direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
     for (int k = 0; k < 3; ++k)

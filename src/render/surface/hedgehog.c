@@ -19,7 +19,7 @@ typedef struct liner {
     render_line_set *set;
 } liner;
 
-static int reserve(liner *l, size_t candidates, size_t most) {
+static int make_room_for_lines(liner *l, size_t candidates, size_t most) {
     l->step = most > 0 ? (candidates + most - 1) / most : 1;
     l->step = l->step > 0 ? l->step : 1;
     size_t kept = (candidates + l->step - 1) / l->step;
@@ -28,7 +28,7 @@ static int reserve(liner *l, size_t candidates, size_t most) {
     return l->set->floats != NULL;
 }
 
-static void add(liner *l, const double from[3], const float to[3], double reach) {
+static void add_direction_line(liner *l, const double from[3], const float to[3], double reach) {
     float *out = l->set->floats + RENDER_LINE_FLOATS * l->set->count++;
     for (int k = 0; k < 3; ++k) out[k] = (float)from[k];
     memcpy(out + 3, to, 12);
@@ -42,7 +42,7 @@ static int boxed(const liner *l, uint32_t position, double p[3]) {
     return 1;
 }
 
-static double distance(const double a[3], const double b[3]) {
+static double length_between(const double a[3], const double b[3]) {
     double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
@@ -77,7 +77,7 @@ static void add_length(
     edge_lengths *lengths = user;
     const uint32_t ends[2] = {lengths->split->corners[corner], lengths->split->corners[next]};
     for (int k = 0; k < 2; ++k) {
-        lengths->sums[ends[k]] += distance(a, b);
+        lengths->sums[ends[k]] += length_between(a, b);
         ++lengths->counts[ends[k]];
     }
 }
@@ -85,12 +85,12 @@ static void add_length(
 static int vertex_lines(liner *l, const render_split *split, size_t most) {
     edge_lengths lengths = {split, calloc(split->count + 1, sizeof(double)),
         calloc(split->count + 1, sizeof(uint32_t))};
-    const int ready = lengths.sums && lengths.counts && reserve(l, split->count, most);
+    const int ready = lengths.sums && lengths.counts && make_room_for_lines(l, split->count, most);
     if (ready) each_edge(l, add_length, &lengths);
     for (size_t i = 0; ready && i < split->count; i += l->step) {
         double p[3];
         if (lengths.counts[i] && boxed(l, split->sources ? split->sources[i] : (uint32_t)i, p))
-            add(l, p, split->normals + 3 * i, lengths.sums[i] / lengths.counts[i]);
+            add_direction_line(l, p, split->normals + 3 * i, lengths.sums[i] / lengths.counts[i]);
     }
     free(lengths.sums);
     free(lengths.counts);
@@ -106,19 +106,19 @@ static void face_line(liner *l, size_t face, const float normal[3]) {
     for (size_t i = 0; i <= count && count > 0; ++i) {
         double p[3];
         if (!boxed(l, norma_mesh_corner(l->mesh, first + i % count), p)) return;
-        around += i > 0 ? distance(p, last) : 0;
+        around += i > 0 ? length_between(p, last) : 0;
         for (int k = 0; k < 3 && i < count; ++k) middle[k] += p[k] / (double)count;
         memcpy(last, p, sizeof last);
     }
     if (count > 2 && (normal[0] != 0 || normal[1] != 0 || normal[2] != 0))
-        add(l, middle, normal, around / (double)count);
+        add_direction_line(l, middle, normal, around / (double)count);
 }
 
 static int face_lines(liner *l, size_t most) {
     const size_t faces = render_face_count(l->mesh);
     const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
     float *normals = malloc((3 * faces + 1) * sizeof *normals);
-    const int ready = normals && reserve(l, faces, most) &&
+    const int ready = normals && make_room_for_lines(l, faces, most) &&
                       norma_face_normals(l->mesh, &options, normals, faces, NULL) == NORMA_OK;
     for (size_t face = 0; ready && face < faces; face += l->step)
         face_line(l, face, normals + 3 * face);
@@ -152,7 +152,7 @@ static void add_interpolated(
         double p[3];
         norma_interpolate_normal(from, to, to, weights, normal);
         for (int k = 0; k < 3; ++k) p[k] = a[k] + (double)t * (b[k] - a[k]);
-        add(along->l, p, normal, distance(a, b));
+        add_direction_line(along->l, p, normal, length_between(a, b));
     }
 }
 
@@ -203,7 +203,7 @@ static void add_edges_of(liner *l, uint32_t position, uint32_t *others, size_t c
             !boxed(l, others[i], b))
             continue;
         for (int k = 0; k < 3; ++k) to[k] = (float)b[k];
-        add(l, a, to, 0);
+        add_direction_line(l, a, to, 0);
     }
 }
 
@@ -211,7 +211,7 @@ static int wireframe(liner *l) {
     const size_t positions = l->mesh->positions.count, corners = l->mesh->corner_count;
     edge_table table = {
         l, calloc(positions + 2, sizeof(uint32_t)), malloc((corners + 1) * sizeof(uint32_t)), 0};
-    const int ready = table.starts && table.others && reserve(l, corners, 0);
+    const int ready = table.starts && table.others && make_room_for_lines(l, corners, 0);
     if (ready) {
         each_edge(l, note_edge, &table);
         for (size_t i = 0; i < positions; ++i) table.starts[i + 1] += table.starts[i];
@@ -233,7 +233,7 @@ static int wireframe(liner *l) {
 static int dots(liner *l) {
     const render_surface *surface = l->surface;
     l->set->colours = malloc((4 * surface->dot_count + 1) * sizeof(float));
-    if (!l->set->colours || !reserve(l, surface->dot_count, 0)) return 0;
+    if (!l->set->colours || !make_room_for_lines(l, surface->dot_count, 0)) return 0;
     for (size_t i = 0; i < surface->dot_count; ++i) {
         const render_dot *dot = &surface->dots[i];
         float at[3], *colour = l->set->colours + 4 * i;
@@ -244,7 +244,7 @@ static int dots(liner *l) {
             colour[k] = render_linear(dot->colour >> (16 - 8 * k) & 0xFF);
         }
         colour[3] = 1;
-        add(l, from, at, 0);
+        add_direction_line(l, from, at, 0);
     }
     return 1;
 }

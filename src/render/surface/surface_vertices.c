@@ -204,7 +204,7 @@ static int compute_for_errors(const render_surface *surface, float *normals) {
     return good;
 }
 
-static int is_zero(const float n[3]) { return n[0] == 0 && n[1] == 0 && n[2] == 0; }
+static int has_no_direction(const float n[3]) { return n[0] == 0 && n[1] == 0 && n[2] == 0; }
 
 enum { TENTHS = 1800 };
 
@@ -238,7 +238,7 @@ float *render_errors(const render_surface *surface, double *worst_rad, double *m
     *worst_rad = 0;
     for (size_t i = 0; i < count; ++i) {
         const float *stored = split.normals + (size_t)3 * split.corners[i];
-        if (is_zero(stored) || is_zero(expected + 3 * i)) continue;
+        if (has_no_direction(stored) || has_no_direction(expected + 3 * i)) continue;
         degrees[i] = (float)angle_deg(stored, expected + 3 * i);
         *worst_rad = fmax(*worst_rad, (double)degrees[i] / 57.29577951308232);
         ++histogram[(size_t)fmin(10 * (double)degrees[i], TENTHS)];
@@ -308,7 +308,7 @@ void render_into_box(const render_box *box, const double p[3], float out[3]) {
 /* ---- A mesh of polygons as triangles for the graphics processor: fans where they do,
  * and cut by the core where a polygon is concave. */
 
-static uint32_t *add(uint32_t *out, size_t first, size_t a, size_t b, size_t c) {
+static uint32_t *add_triangle_of(uint32_t *out, size_t first, size_t a, size_t b, size_t c) {
     *out++ = (uint32_t)(first + a);
     *out++ = (uint32_t)(first + b);
     *out++ = (uint32_t)(first + c);
@@ -320,7 +320,7 @@ static uint32_t *cut_face(
     for (size_t i = 0; i < count; ++i)
         render_position(mesh, norma_mesh_corner(mesh, first + i), cutter->points[i]);
     if (norma_core_polygon_fans(cutter, count)) {
-        for (size_t i = 1; i + 1 < count; ++i) out = add(out, first, 0, i, i + 1);
+        for (size_t i = 1; i + 1 < count; ++i) out = add_triangle_of(out, first, 0, i, i + 1);
         return out;
     }
     (void)norma_core_cut_polygon(cutter, count, out);
@@ -375,7 +375,7 @@ static void copy_stored(const render_surface *surface, float *tangents) {
 }
 
 /* Without tangents, zeros: the shader then takes derivatives. */
-static void compute(const render_surface *surface, const float *normals, float *tangents) {
+static void compute_mikk(const render_surface *surface, const float *normals, float *tangents) {
     const size_t corners = surface->mesh.corner_count;
     const norma_attribute normal = {.data = normals, .count = corners, .of = NORMA_PER_CORNER},
                           texcoord = {.data = surface->normal_map.texcoords,
@@ -397,7 +397,7 @@ static float *find_tangents(const render_surface *surface, const float *normals)
     if (surface->tangents)
         copy_stored(surface, tangents);
     else
-        compute(surface, normals, tangents);
+        compute_mikk(surface, normals, tangents);
     return tangents;
 }
 
@@ -418,7 +418,7 @@ static void free_body(body *b) {
     free(b->normals);
 }
 
-static int make_room(const render_surface *surfaces, size_t count, body *b) {
+static int allocate_body(const render_surface *surfaces, size_t count, body *b) {
     size_t positions = 0, corners = 0, faces = 0;
     for (size_t i = 0; i < count; ++i) {
         positions += surfaces[i].mesh.positions.count;
@@ -433,7 +433,7 @@ static int make_room(const render_surface *surfaces, size_t count, body *b) {
     return b->positions && b->corners && b->starts && b->normals;
 }
 
-static void append(body *b, const norma_mesh *mesh) {
+static void append_to_body(body *b, const norma_mesh *mesh) {
     const size_t base = b->position_count;
     for (size_t i = 0; i < mesh->positions.count; ++i)
         render_position(mesh, (uint32_t)i, b->positions + 3 * b->position_count++);
@@ -479,9 +479,9 @@ static int hand_out(const render_surface *surfaces, size_t count, const body *b,
 enum render_result render_expect(
     const render_surface *surfaces, size_t count, float **expected, render_error *error) {
     body b = {0};
-    norma_result result = make_room(surfaces, count, &b) ? NORMA_OK : NORMA_ERROR_MEMORY;
+    norma_result result = allocate_body(surfaces, count, &b) ? NORMA_OK : NORMA_ERROR_MEMORY;
     for (size_t i = 0; i < count; ++i) expected[i] = NULL;
-    for (size_t i = 0; i < count && !result; ++i) append(&b, &surfaces[i].mesh);
+    for (size_t i = 0; i < count && !result; ++i) append_to_body(&b, &surfaces[i].mesh);
     if (!result) result = compute_body_normals(&surfaces[0], &b);
     if (!result && !hand_out(surfaces, count, &b, expected)) result = NORMA_ERROR_MEMORY;
     free_body(&b);
@@ -523,7 +523,7 @@ static uint32_t triangle_corner(const maker *m, size_t k) {
     return m->triangles ? m->triangles[k] : (uint32_t)k;
 }
 
-static int reserve(maker *m, size_t vertices, int with_indices) {
+static int allocate_vertices(maker *m, size_t vertices, int with_indices) {
     render_vertices *out = m->out;
     out->positions = malloc((3 * vertices + 1) * sizeof *out->positions);
     out->normals = malloc((3 * vertices + 1) * sizeof *out->normals);
@@ -537,7 +537,7 @@ static int reserve(maker *m, size_t vertices, int with_indices) {
 
 /* The part of a vertex that its position decides. A position that is not finite is left at the
  * origin; no triangle uses it. */
-static void place(const maker *m, uint32_t position, size_t vertex) {
+static void place_vertex(const maker *m, uint32_t position, size_t vertex) {
     double p[3];
     float *out = m->out->positions + 3 * vertex;
     out[0] = out[1] = out[2] = 0;
@@ -569,11 +569,11 @@ static int all_finite(const norma_mesh *mesh) {
 
 static enum render_result make_smooth(maker *m, render_error *error) {
     render_vertices *out = m->out;
-    if (!reserve(m, m->split.count, 1)) return render_fail_memory(error);
+    if (!allocate_vertices(m, m->split.count, 1)) return render_fail_memory(error);
     const int finite = all_finite(m->mesh);
     out->count = m->split.count;
     for (size_t i = 0; i < out->count; ++i)
-        place(m, m->split.sources ? m->split.sources[i] : (uint32_t)i, i);
+        place_vertex(m, m->split.sources ? m->split.sources[i] : (uint32_t)i, i);
     memcpy(out->normals, m->split.normals, 3 * out->count * sizeof *out->normals);
     for (size_t t = 0; t < m->triangle_count; ++t) {
         if (!finite && !triangle_is_finite(m, t)) continue;
@@ -610,7 +610,7 @@ static void add_faceted(
     out->indices[out->index_count++] = bearer;
 }
 
-static void add_faces(maker *m, uint32_t *owner, const float *normals) {
+static void make_faceted_triangles(maker *m, uint32_t *owner, const float *normals) {
     const int finite = all_finite(m->mesh);
     size_t t = 0;
     for (size_t face = 0; face < render_face_count(m->mesh); ++face) {
@@ -632,14 +632,14 @@ static enum render_result make_faceted(maker *m, render_error *error) {
     const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
     uint32_t *owner = calloc(most + 1, sizeof *owner);
     float *normals = malloc((3 * faces + 1) * sizeof *normals);
-    const int ready = reserve(m, most, 1) && owner && normals;
+    const int ready = allocate_vertices(m, most, 1) && owner && normals;
     norma_result result =
         ready ? norma_face_normals(m->mesh, &options, normals, faces, NULL) : NORMA_ERROR_MEMORY;
     if (!result) {
         m->out->count = positions;
-        for (size_t i = 0; i < positions; ++i) place(m, (uint32_t)i, i);
+        for (size_t i = 0; i < positions; ++i) place_vertex(m, (uint32_t)i, i);
         memset(m->out->normals, 0, 3 * positions * sizeof *m->out->normals);
-        add_faces(m, owner, normals);
+        make_faceted_triangles(m, owner, normals);
     }
     free(owner);
     free(normals);
@@ -672,7 +672,7 @@ static void unroll(maker *m, const float *values) {
             for (size_t k = 0; k < 3; ++k) {
                 const uint32_t corner = triangle_corner(m, 3 * t + k);
                 const size_t vertex = out->count++;
-                place(m, norma_mesh_corner(m->mesh, corner), vertex);
+                place_vertex(m, norma_mesh_corner(m->mesh, corner), vertex);
                 memcpy(out->normals + 3 * vertex,
                     m->split.normals + (size_t)3 * m->split.corners[corner], 12);
                 if (values)
@@ -722,7 +722,7 @@ static void unroll_mapped(maker *m, const float *normals, const float *tangents)
             const uint32_t corner = triangle_corner(m, 3 * t + k),
                            position = norma_mesh_corner(m->mesh, corner);
             const size_t vertex = out->count++;
-            place(m, position, vertex);
+            place_vertex(m, position, vertex);
             memcpy(out->normals + 3 * vertex, normals + (size_t)3 * corner, 12);
             copy_texcoords(&m->surface->base_map, position, out->texcoords + 4 * vertex);
             copy_texcoords(&m->surface->normal_map, position, out->texcoords + 4 * vertex + 2);
@@ -736,7 +736,7 @@ static enum render_result make_mapped(maker *m, int flat, render_error *error) {
     const size_t vertices = 3 * m->triangle_count;
     const int maps_normals = m->surface->normal_map.texcoords || m->surface->tangents;
     float *normals = malloc((3 * m->mesh->corner_count + 1) * sizeof *normals);
-    int ready = normals && reserve(m, vertices, 0) && corner_normals(m, flat, normals);
+    int ready = normals && allocate_vertices(m, vertices, 0) && corner_normals(m, flat, normals);
     float *tangents = ready && maps_normals ? find_tangents(m->surface, normals) : NULL;
     out->texcoords = malloc((4 * vertices + 1) * sizeof *out->texcoords);
     if (maps_normals) out->tangents = malloc((4 * vertices + 1) * sizeof *out->tangents);
@@ -750,7 +750,7 @@ static enum render_result make_mapped(maker *m, int flat, render_error *error) {
 static enum render_result make_unrolled(maker *m, enum render_kind kind, render_error *error) {
     render_vertices *out = m->out;
     float *values = NULL;
-    int ready = reserve(m, 3 * m->triangle_count, 0);
+    int ready = allocate_vertices(m, 3 * m->triangle_count, 0);
     if (kind == RENDER_ERRORS) {
         values = render_errors(m->surface->stored_surface ? m->surface->stored_surface : m->surface,
             &out->worst_error_rad, &out->most_errors_rad);
