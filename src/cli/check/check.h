@@ -177,12 +177,16 @@ void check_write_file(
 
 size_t check_rule_number(const norma_rule *rule); /* in norma_rules */
 const char *check_profile_name(norma_check_profile profile);
+int check_find_profile(const char *name, norma_check_profile *profile); /* 0: none is called so */
 /* In reports for people: information is only counted, unless it was asked for or fails the check.
  */
 int check_is_listed(const check_report *report, const check_item *item);
 /* Checked, and without errors, warnings and whatever fails the check. */
 int check_is_clean(const check_report *report);
 int check_fails(const check_report *report); /* whether a finding is at or above --fail-on */
+int check_is_same(const check_item *item, const check_item *other); /* rule and severity */
+int check_is_first(const check_report *report, size_t index);       /* of those that are the same */
+size_t check_places(const check_report *report, const check_item *item); /* how many are the same */
 /* Whether note i of a document differs from those before it, from the first on. */
 int check_is_new_note(const norma_document *document, size_t first, size_t i);
 /* Names from the root of the scene to the first node that draws the mesh of a finding, or to the
@@ -237,7 +241,6 @@ struct json_t *check_load_json(const char *path, const char *expected);
 
 /* ---- words */
 
-const char *check_severity_name(norma_severity severity); /* "error" */
 /* The same for the same finding from run to run, whatever its count: 16 hexadecimal digits. */
 void check_fingerprint(
     const char *path, const char *rule, const char *where, norma_severity severity, char text[17]);

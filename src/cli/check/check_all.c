@@ -14,7 +14,7 @@
  * given, have its hash, so that each job can say it of a file that it alone has. And the order of
  * files in reports, which is the same however a set was shared. */
 
-static int read_number(const char *text, size_t length, size_t *number) {
+static int read_shard_number(const char *text, size_t length, size_t *number) {
     *number = 0;
     if (length == 0 || length > 9) return 0;
     for (size_t i = 0; i < length; ++i) {
@@ -26,13 +26,13 @@ static int read_number(const char *text, size_t length, size_t *number) {
 
 const char *check_read_shard(const char *text, size_t *number, size_t *count) {
     const size_t length = strcspn(text, "/");
-    const int fine = text[length] == '/' && read_number(text, length, number) &&
-                     read_number(text + length + 1, strlen(text + length + 1), count);
+    const int fine = text[length] == '/' && read_shard_number(text, length, number) &&
+                     read_shard_number(text + length + 1, strlen(text + length + 1), count);
     return fine && *number >= 1 && *number <= *count ? NULL : "I/N, such as 2/8: I from 1 to N";
 }
 
 /* FNV-1a (Fowler, Noll, Vo), 64 bits; its upper half is mixed into the lower one. */
-static uint64_t hash_of(const char *path) {
+static uint64_t hash_path(const char *path) {
     uint64_t hash = 14695981039346656037u;
     for (; *path; ++path) hash = (hash ^ (unsigned char)*path) * 1099511628211u;
     return hash ^ hash >> 32;
@@ -53,7 +53,7 @@ static void move_input(cli_inputs *inputs, size_t to, const cli_inputs *from, si
 void check_keep_shard(cli_inputs *inputs, size_t number, size_t count) {
     size_t kept = 0;
     for (size_t i = 0; i < inputs->count; ++i) {
-        if (hash_of(plain(inputs->paths[i] + inputs->within[i])) % count == number - 1)
+        if (hash_path(plain(inputs->paths[i] + inputs->within[i])) % count == number - 1)
             move_input(inputs, kept++, inputs, i);
         else
             free(inputs->paths[i]);
@@ -148,7 +148,7 @@ static void add_totals(check_totals *sum, const check_totals *more) {
     sum->unreported |= more->unreported;
 }
 
-static void write_part(check_collector *all, const file_part *part) {
+static void write_file_part(check_collector *all, const file_part *part) {
     if (all->results) {
         if (check_results_add(all->results, part->bytes, part->size)) return;
         all->totals.status = cli_out_of_memory();
@@ -164,7 +164,7 @@ static void tell_what_is_next(check_collector *all) {
     cli_progress_hide(&all->progress); /* a report may go to the same terminal */
     while (all->told < all->inputs->count && all->parts[all->told % WINDOW].done) {
         file_part *part = &all->parts[all->told % WINDOW];
-        write_part(all, part);
+        write_file_part(all, part);
         free(part->bytes);
         *part = (file_part){0};
         ++all->told;
@@ -172,7 +172,7 @@ static void tell_what_is_next(check_collector *all) {
 }
 
 /* Takes over the bytes and the baseline. */
-static void collect(check_collector *all, const checked_file *checked) {
+static void collect_checked(check_collector *all, const checked_file *checked) {
     file_part *part = &all->parts[checked->file % WINDOW];
     part->bytes = checked->bytes;
     part->size = checked->size;
@@ -265,7 +265,7 @@ static void deliver(check_pool *pool, const checked_file *checked) {
     if (pool->worker)
         send_checked(pool, checked);
     else
-        collect(pool->all, checked);
+        collect_checked(pool->all, checked);
     pool->done[checked->file % WINDOW] = 1;
     for (; pool->done[pool->told % WINDOW]; ++pool->told) pool->done[pool->told % WINDOW] = 0;
     pthread_cond_broadcast(&pool->moved);
@@ -273,7 +273,7 @@ static void deliver(check_pool *pool, const checked_file *checked) {
 }
 
 /* Its part of the report, in memory. */
-static checked_file gather(const check_settings *asked, const check_collector *all,
+static checked_file check_into_memory(const check_settings *asked, const check_collector *all,
     const check_config *config, size_t file) {
     checked_file checked = {.file = file};
     check_settings settings = *asked;
@@ -298,7 +298,7 @@ static void *work(void *user) {
     check_pool *pool = user;
     size_t file;
     for (const check_config *config; (config = take(pool, &file)) != NULL;) {
-        const checked_file checked = gather(&pool->settings, pool->all, config, file);
+        const checked_file checked = check_into_memory(&pool->settings, pool->all, config, file);
         deliver(pool, &checked);
     }
     pthread_mutex_lock(&pool->lock);
@@ -366,7 +366,7 @@ static int receive_checked(
                check_baseline_receive(checked.baseline, message->known, worker) &&
                cli_guard_receive(all->settings->files->guard, worker);
     if (fine) {
-        collect(all, &checked);
+        collect_checked(all, &checked);
         return 1;
     }
     free(checked.bytes);
@@ -387,13 +387,13 @@ static int listen_to(check_collector *all, const cli_worker *worker, size_t *nex
     return status;
 }
 
-static void report_lost(
+static void report_lost_check(
     check_collector *all, check_configs *configs, size_t file, const char *why) {
     check_settings settings = *all->settings;
     settings.lost = why;
     const check_config *config = check_config_of(configs, all->inputs->paths[file]);
-    const checked_file checked = gather(&settings, all, config, file);
-    collect(all, &checked);
+    const checked_file checked = check_into_memory(&settings, all, config, file);
+    collect_checked(all, &checked);
 }
 
 /* One of the files that were being checked when a worker ended: alone, so that it is known which.
@@ -407,7 +407,7 @@ static int check_alone(check_collector *all, check_configs *configs, size_t file
     if (side == 0) check_in_worker(all, configs, &worker, file, file + 1);
     const int status = listen_to(all, &worker, &next);
     if (!cli_worker_wait(&worker, why) && !all->parts[file % WINDOW].done && all->told <= file)
-        report_lost(all, configs, file, why);
+        report_lost_check(all, configs, file, why);
     return status;
 }
 

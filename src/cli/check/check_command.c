@@ -28,7 +28,7 @@ const check_format *check_format_of_name(const char *path) {
     return strcmp(ending, ".txt") == 0 ? &check_format_text : check_find_format(ending + 1);
 }
 
-static const char help[] =
+static const char check_help[] =
     "norma check IN...: checks normals, winding, texture seams and transforms, and can fix them\n"
     "\n"
     "Examples\n"
@@ -128,7 +128,7 @@ static const char *set_rules(check_work *work, const char *value, uint8_t *mask)
     return work->expected;
 }
 
-static const char *set_select(void *settings, const char *value) {
+static const char *set_check_select(void *settings, const char *value) {
     check_work *work = settings;
     work->settings.has_select = 1;
     return set_rules(work, value, work->settings.select);
@@ -139,16 +139,9 @@ static const char *set_ignore(void *settings, const char *value) {
 }
 
 static const char *set_profile(void *settings, const char *value) {
-    check_settings *check = &((check_work *)settings)->settings;
-    if (strcmp(value, "render") == 0)
-        check->profile = NORMA_CHECK_PROFILE_RENDER;
-    else if (strcmp(value, "print") == 0)
-        check->profile = NORMA_CHECK_PROFILE_PRINT;
-    else if (strcmp(value, "generated") == 0)
-        check->profile = NORMA_CHECK_PROFILE_GENERATED;
-    else
-        return "render, print or generated";
-    return NULL;
+    return check_find_profile(value, &((check_work *)settings)->settings.profile)
+               ? NULL
+               : "render, print or generated";
 }
 
 static const char *set_strict(void *settings, const char *value) {
@@ -184,7 +177,7 @@ static const char *set_new_baseline(void *settings, const char *value) {
     return value[0] ? NULL : "the name of a file";
 }
 
-static const char *set_format(void *settings, const char *value) {
+static const char *set_check_format(void *settings, const char *value) {
     ((check_work *)settings)->format = check_find_format(value);
     return ((check_work *)settings)->format ? NULL : CHECK_FORMAT_NAMES;
 }
@@ -199,7 +192,7 @@ static const char *set_exit(void *settings, const char *value) {
     return strcmp(value, "job") && strcmp(value, "findings") ? "findings or job" : NULL;
 }
 
-static const char *set_info(void *settings, const char *value) {
+static const char *set_check_info(void *settings, const char *value) {
     (void)value;
     ((check_work *)settings)->settings.list_infos = 1;
     return NULL;
@@ -216,14 +209,9 @@ static const char *set_color(void *settings, const char *value) {
 }
 
 static const char *set_fail_on(void *settings, const char *value) {
-    check_settings *check = &((check_work *)settings)->settings;
-    for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
-        if (strcmp(value, check_severity_name((norma_severity)severity)) == 0) {
-            check->fail_on = severity;
-            return NULL;
-        }
-    check->fail_on = CHECK_FAIL_NEVER;
-    return strcmp(value, "never") ? "error, warning, info or never" : NULL;
+    const norma_severity severity = cli_find_severity(value);
+    ((check_work *)settings)->settings.fail_on = severity ? (int)severity : CHECK_FAIL_NEVER;
+    return severity || strcmp(value, "never") == 0 ? NULL : "error, warning, info or never";
 }
 
 static const char *set_max_samples(void *settings, const char *value) {
@@ -265,8 +253,8 @@ static const char *set_files_from(void *settings, const char *value) {
     return value[0] ? NULL : "the name of a file, or -";
 }
 
-static const cli_option options[] = {
-    {"select", 0, 1, set_select},
+static const cli_option check_command_options[] = {
+    {"select", 0, 1, set_check_select},
     {"ignore", 0, 1, set_ignore},
     {"profile", 0, 1, set_profile},
     {"strict", 0, 0, set_strict},
@@ -275,8 +263,8 @@ static const cli_option options[] = {
     {"trust-config", 0, 0, set_trust_config},
     {"baseline", 0, 1, set_baseline},
     {"write-baseline", 0, 1, set_new_baseline},
-    {"format", 0, 1, set_format},
-    {"info", 0, 0, set_info},
+    {"format", 0, 1, set_check_format},
+    {"info", 0, 0, set_check_info},
     {"color", 0, 1, set_color},
     {"fix", 0, 0, set_fix},
     {"fix-unsafe", 0, 0, set_fix_unsafe},
@@ -348,7 +336,7 @@ static int write_shard_options(check_work *work) {
 static int read_options(
     const cli_subcommand *command, check_work *work, int count, char **arguments, int *wants_help) {
     const cli_table tables[] = {
-        {options, CLI_COUNT(options), work},
+        {check_command_options, CLI_COUNT(check_command_options), work},
         {cli_output_options, cli_output_option_count, &work->files},
         {cli_input_options, cli_input_option_count, &work->files},
         {cli_common_options, cli_common_option_count, &work->common},
@@ -468,7 +456,7 @@ static int open_baseline(check_work *work) {
 }
 
 /* Where mended files are to go: of all inputs that words, folders and lists named. */
-static int check_places(const cli_subcommand *command, check_work *work) {
+static int check_fix_places(const cli_subcommand *command, check_work *work) {
     const cli_common common = {.json = 0};
     const char *output = work->files.output;
     if (output && strcmp(output, "-") == 0 && strcmp(work->format->name, "text") != 0)
@@ -496,7 +484,7 @@ static int check_all(const cli_subcommand *command, check_work *work) {
     const size_t inputs = work->settings.file_count;
     int placed = CLI_OK;
     if (status != CLI_USAGE && inputs && work->settings.fix && !work->settings.dry_run)
-        placed = check_places(command, work);
+        placed = check_fix_places(command, work);
     if (!placed && configs && status != CLI_USAGE && (!status || inputs))
         status = check_files(work, configs, status);
     status = cli_worse(status, placed);
@@ -508,7 +496,7 @@ static int check_all(const cli_subcommand *command, check_work *work) {
     return status;
 }
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int check_run(const cli_subcommand *command, int count, char **arguments) {
     check_work work = {.settings = {.fail_on = -1}, .common.threads = NORMA_ALL_THREADS};
     int wants_help = 0, status;
     if (!cli_files_begin(command, &work.files, count)) return CLI_FILE;
@@ -523,5 +511,6 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
     return status;
 }
 
-const cli_subcommand cli_subcommand_check = {
-    "check", "checks normals, winding, texture seams and transforms, and can fix them", help, run};
+const cli_subcommand cli_subcommand_check = {"check",
+    "checks normals, winding, texture seams and transforms, and can fix them", check_help,
+    check_run};

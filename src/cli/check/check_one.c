@@ -10,11 +10,9 @@
 
 /* ---- A document mended, judged again, and written where it was asked for. */
 
-static int is_standard_output(const char *output) { return strcmp(output, "-") == 0; }
-
 /* ---- the table */
 
-static size_t count_of(const norma_findings *findings, const norma_rule *rule) {
+static size_t count_places(const norma_findings *findings, const norma_rule *rule) {
     size_t sum = 0;
     for (size_t i = 0; i < norma_findings_count(findings); ++i)
         if (norma_findings_get(findings, i)->rule == rule)
@@ -29,7 +27,7 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
     if (!cli_memory_open(&table)) return NULL;
     fprintf(table.out, "    %-32s %10s %10s\n", "rule", "before", "after");
     for (size_t i = 0; i < count; ++i) {
-        size_t old = count_of(before, &rules[i]), left = count_of(now, &rules[i]);
+        size_t old = count_places(before, &rules[i]), left = count_places(now, &rules[i]);
         if (old || left)
             fprintf(table.out, "    %s %-27s %10zu %10zu\n", rules[i].id, rules[i].name, old, left);
     }
@@ -55,10 +53,10 @@ static norma_document_result save(const check_settings *settings, const char *ou
         .in_place = settings->files->in_place,
         .progress = settings->progress,
         .progress_user = settings->progress_user};
-    if (!is_standard_output(output) && cli_make_folders(settings->files, output))
+    if (!cli_is_standard(output) && cli_make_folders(settings->files, output))
         return cli_reported(error);
     norma_document_result result;
-    if (is_standard_output(output)) {
+    if (cli_is_standard(output)) {
         result = cli_write_standard(mended->document, error);
     } else {
         cli_writing_begin();
@@ -136,7 +134,7 @@ static norma_check_profile choose_profile(const file_check *check) {
     return check->settings->profile ? check->settings->profile : check->config->profile;
 }
 
-static void choose_rules(const file_check *check, uint8_t mask[CHECK_RULES]) {
+static void choose_checked_rules(const file_check *check, uint8_t mask[CHECK_RULES]) {
     const check_settings *settings = check->settings;
     const check_config *config = check->config;
     for (size_t rule = 0; rule < CHECK_RULES; ++rule) {
@@ -307,7 +305,7 @@ static norma_document_result judge_whole(file_check *check, const norma_check_op
 static norma_document_result open_and_judge(file_check *check) {
     uint8_t rules[CHECK_RULES];
     uint64_t need = 0;
-    choose_rules(check, rules);
+    choose_checked_rules(check, rules);
     const norma_check_options options = choose_options(check, rules);
     const int possible = cli_can_take_passes(check->settings->files, check->path, &need);
     need *= format_of(check) == NORMA_FILE_STL ? STL_NEED : PLY_NEED;
@@ -330,7 +328,7 @@ static norma_document_result try_offers(file_check *check, const check_format *f
     if (settings->quiet || format == &check_format_line || !document_of(check))
         return NORMA_DOCUMENT_OK;
     for (size_t rule = 0; rule < CHECK_RULES; ++rule) changes |= config->severity[rule] != 0;
-    choose_rules(check, rules);
+    choose_checked_rules(check, rules);
     const norma_check_options options = choose_options(check, rules);
     return norma_document_try_fixes(document_of(check), &options,
         is_text && !settings->list_infos && !changes ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,

@@ -13,7 +13,7 @@ static const char *fix_name(norma_fix fix) {
     return fix == NORMA_FIX_SAFE ? "safe" : fix == NORMA_FIX_UNSAFE ? "unsafe" : NULL;
 }
 
-static void write_number(cli_json *json, const char *key, size_t number) {
+static void write_json_index(cli_json *json, const char *key, size_t number) {
     if (number == SIZE_MAX)
         cli_json_null(json, key);
     else
@@ -30,17 +30,17 @@ static void write_position(cli_json *json, const norma_sample *sample) {
     cli_json_close(json, ']');
 }
 
-static void write_worst(cli_json *json, const norma_finding *finding) {
+static void write_json_worst(cli_json *json, const norma_finding *finding) {
     cli_json_open(json, "worst", '{');
     cli_json_number(json, "value", finding->worst_value);
     cli_json_string(json, "unit", finding->unit);
-    write_number(json, "vertex", finding->worst.vertex);
-    write_number(json, "face", finding->worst.face);
+    write_json_index(json, "vertex", finding->worst.vertex);
+    write_json_index(json, "face", finding->worst.face);
     write_position(json, &finding->worst);
     cli_json_close(json, '}');
 }
 
-static void write_sample(cli_json *json, const norma_sample *sample) {
+static void write_json_sample(cli_json *json, const norma_sample *sample) {
     cli_json_open(json, NULL, '{');
     if (sample->vertex != SIZE_MAX) cli_json_size(json, "vertex", sample->vertex);
     if (sample->face != SIZE_MAX) cli_json_size(json, "face", sample->face);
@@ -77,12 +77,13 @@ static void write_json_item(cli_json *json, const check_item *item) {
     cli_json_open(json, NULL, '{');
     cli_json_string(json, "rule", finding->rule->id);
     cli_json_string(json, "name", finding->rule->name);
-    cli_json_string(json, "severity", check_severity_name(item->severity));
+    cli_json_string(json, "severity", cli_severity_name(item->severity));
     cli_json_string(json, "where", finding->where);
     cli_json_size(json, "count", finding->count);
-    write_worst(json, finding);
+    write_json_worst(json, finding);
     cli_json_open(json, "samples", '[');
-    for (size_t i = 0; i < finding->sample_count; ++i) write_sample(json, &finding->samples[i]);
+    for (size_t i = 0; i < finding->sample_count; ++i)
+        write_json_sample(json, &finding->samples[i]);
     cli_json_close(json, ']');
     cli_json_string(json, "fix", fix_name(finding->fix));
     cli_json_string(json, "command", item->command);
@@ -92,7 +93,7 @@ static void write_json_item(cli_json *json, const check_item *item) {
 }
 
 /* Why fixes were left out. Without --fix there is no such key. */
-static void write_reasons(cli_json *json, const check_report *report) {
+static void write_json_reasons(cli_json *json, const check_report *report) {
     if (!report->document || report->first_note == SIZE_MAX) return;
     cli_json_open(json, "not_fixed", '[');
     for (size_t i = report->first_note; i < norma_document_note_count(report->document); ++i)
@@ -121,13 +122,13 @@ static void write_json_file(FILE *out, const check_report *report) {
         cli_json_string(&json, "fail_on",
             report->fail_on == CHECK_FAIL_NEVER
                 ? "never"
-                : check_severity_name((norma_severity)report->fail_on));
+                : cli_severity_name((norma_severity)report->fail_on));
     cli_json_string(&json, "profile", check_profile_name(report->profile));
     cli_json_string(&json, "status", report->status);
     cli_json_open(&json, "findings", '[');
     for (size_t i = 0; i < report->count; ++i) write_json_item(&json, &report->items[i]);
     cli_json_close(&json, ']');
-    write_reasons(&json, report);
+    write_json_reasons(&json, report);
     if (report->by_rays + report->undecided) {
         cli_json_open(&json, "open_by_rays", '{');
         cli_json_size(&json, "decided", report->by_rays);
@@ -167,19 +168,19 @@ static const char *level_of(norma_severity severity) {
                                                 : "note";
 }
 
-static void write_text(cli_json *json, const char *key, const char *text) {
+static void write_sarif_text(cli_json *json, const char *key, const char *text) {
     cli_json_open(json, key, '{');
     cli_json_string(json, "text", text);
     cli_json_close(json, '}');
 }
 
-static void write_rule(cli_json *json, const norma_rule *rule) {
+static void write_sarif_rule(cli_json *json, const norma_rule *rule) {
     cli_json_open(json, NULL, '{');
     cli_json_string(json, "id", rule->id);
     cli_json_string(json, "name", rule->name);
-    write_text(json, "shortDescription", rule->what);
-    write_text(json, "fullDescription", rule->why);
-    write_text(json, "help", rule->how);
+    write_sarif_text(json, "shortDescription", rule->what);
+    write_sarif_text(json, "fullDescription", rule->why);
+    write_sarif_text(json, "help", rule->how);
     cli_json_open(json, "defaultConfiguration", '{');
     cli_json_string(json, "level", level_of(rule->render));
     cli_json_close(json, '}');
@@ -196,7 +197,7 @@ static void begin_sarif(FILE *out, const check_settings *settings) {
     json.needs_comma = 1;
     cli_json_string(&json, "semanticVersion", norma_version());
     cli_json_open(&json, "rules", '[');
-    for (size_t i = 0; i < count; ++i) write_rule(&json, &rules[i]);
+    for (size_t i = 0; i < count; ++i) write_sarif_rule(&json, &rules[i]);
     cli_json_close(&json, ']');
     fputs("}}, \"columnKind\": \"unicodeCodePoints\", ", out);
     if (settings->shards || settings->missing) {
@@ -254,7 +255,7 @@ static void write_result(cli_json *json, const check_report *report, const check
     cli_json_string(json, "ruleId", finding->rule->id);
     cli_json_size(json, "ruleIndex", check_rule_number(finding->rule));
     cli_json_string(json, "level", level_of(item->severity));
-    write_text(json, "message", finding->message);
+    write_sarif_text(json, "message", finding->message);
     write_location(json, report, finding);
     cli_json_open(json, "partialFingerprints", '{');
     cli_json_string(json, "norma/v1", fingerprint);
@@ -385,7 +386,7 @@ void check_results_write(const check_results *results, FILE *out, check_totals *
 static void write_notification(cli_json *json, const char *text) {
     cli_json_open(json, NULL, '{');
     cli_json_string(json, "level", "warning");
-    write_text(json, "message", text);
+    write_sarif_text(json, "message", text);
     cli_json_close(json, '}');
 }
 

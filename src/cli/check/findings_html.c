@@ -32,7 +32,7 @@ typedef struct picture {
 
 /* ---- reading the mesh */
 
-static size_t face_count(const norma_mesh *mesh) {
+static size_t count_faces(const norma_mesh *mesh) {
     return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
 }
 static size_t face_begin(const norma_mesh *mesh, size_t face) {
@@ -66,7 +66,7 @@ static int normalise(double v[3]) {
 }
 
 /* The vector area of a face relative to its first corner; 0: it has none. */
-static int face_normal(const norma_mesh *mesh, size_t face, double normal[3]) {
+static int direction_of_face(const norma_mesh *mesh, size_t face, double normal[3]) {
     size_t begin = face_begin(mesh, face), end = face_end(mesh, face);
     double first[3], a[3], b[3], part[3];
     memset(normal, 0, 3 * sizeof *normal);
@@ -97,7 +97,7 @@ static int is_sampled_vertex(const norma_finding *finding, size_t vertex) {
     return finding->worst.vertex == vertex;
 }
 
-static int is_meant(const picture *drawn, size_t face) {
+static int is_named_face(const picture *drawn, size_t face) {
     const norma_mesh *mesh = &drawn->data->mesh;
     if (is_sampled_face(drawn->finding, face)) return 1;
     if (drawn->finding->worst.face != SIZE_MAX) return 0;
@@ -139,11 +139,11 @@ static double distance_of(const picture *drawn, size_t face) {
 
 /* The nearest MOST_FACES, kept as a heap would: the list is cut back whenever it is twice as long.
  */
-static int gather(picture *drawn) {
+static int find_nearest_faces(picture *drawn) {
     const norma_mesh *mesh = &drawn->data->mesh;
     drawn->faces = malloc(2 * MOST_FACES * sizeof *drawn->faces);
     if (!drawn->faces) return 0;
-    for (size_t face = 0; face < face_count(mesh); ++face) {
+    for (size_t face = 0; face < count_faces(mesh); ++face) {
         double distance = distance_of(drawn, face);
         if (!isfinite(distance)) continue;
         drawn->faces[drawn->count++] = (near_face){face, distance};
@@ -165,8 +165,8 @@ static void sum_normals(const picture *drawn, int meant_only, double sum[3]) {
     double normal[3];
     for (size_t i = 0; i < drawn->count; ++i) {
         const size_t face = drawn->faces[i].face;
-        if (meant_only && !is_meant(drawn, face)) continue;
-        if (!face_normal(&drawn->data->mesh, face, normal)) continue;
+        if (meant_only && !is_named_face(drawn, face)) continue;
+        if (!direction_of_face(&drawn->data->mesh, face, normal)) continue;
         for (int axis = 0; axis < 3; ++axis) sum[axis] += normal[axis] / (1.0 + (double)i);
     }
 }
@@ -267,7 +267,7 @@ static void draw_face(FILE *out, const picture *drawn, size_t face) {
     static const char digits[] = "0123456789abcdef";
     double normal[3] = {0, 0, 0};
     const double slope =
-        face_normal(&drawn->data->mesh, face, normal) ? fabs(dot(normal, drawn->view)) : 1;
+        direction_of_face(&drawn->data->mesh, face, normal) ? fabs(dot(normal, drawn->view)) : 1;
     const char grey = digits[(int)(6 + 8.9 * fmin(slope, 1))];
     fprintf(out, "<path fill='#%c%c%c' d='", grey, grey, grey);
     draw_outline(out, drawn, face);
@@ -279,7 +279,7 @@ static void draw_meant(FILE *out, const picture *drawn) {
     double least[2] = {INFINITY, INFINITY}, most[2] = {-INFINITY, -INFINITY}, at[3], x, y, depth;
     for (size_t i = 0; i < drawn->count; ++i) {
         const size_t face = drawn->faces[i].face;
-        if (!is_meant(drawn, face)) continue;
+        if (!is_named_face(drawn, face)) continue;
         fputs("<path class='m' d='", out);
         draw_outline(out, drawn, face);
         for (size_t corner = face_begin(mesh, face); corner < face_end(mesh, face); ++corner)
@@ -327,7 +327,7 @@ void check_draw_finding(FILE *out, norma_document *document, const norma_finding
     norma_mesh_data data;
     picture drawn = {.data = &data, .finding = finding};
     if (document && find_place(&drawn) && find_mesh(document, finding->where, &data) &&
-        gather(&drawn)) {
+        find_nearest_faces(&drawn)) {
         look(&drawn);
         choose_radius(&drawn);
         if (drawn.radius > 0 && isfinite(drawn.radius)) {
@@ -421,7 +421,7 @@ static const char script[] =
     "addEventListener('submit',e=>e.preventDefault());show();\n"
     "</script>\n";
 
-static void begin(FILE *out, const check_settings *settings) {
+static void begin_html(FILE *out, const check_settings *settings) {
     (void)settings;
     fputs(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
@@ -434,7 +434,7 @@ static void begin(FILE *out, const check_settings *settings) {
 
 /* ---- one rule in one file */
 
-static void write_worst(FILE *out, const check_report *report, const norma_finding *finding) {
+static void write_html_worst(FILE *out, const check_report *report, const norma_finding *finding) {
     const norma_sample *worst = &finding->worst;
     if (worst->vertex == SIZE_MAX && worst->face == SIZE_MAX && !worst->has_position) return;
     fputs(" <span class=\"place\">Worst: ", out);
@@ -478,25 +478,17 @@ static void write_place(FILE *out, const check_report *report, const check_item 
     cli_write_outside_html(out, finding->message);
     const size_t length = strlen(finding->message);
     if (length && !strchr(".!?", finding->message[length - 1])) fputc('.', out);
-    write_worst(out, report, finding);
+    write_html_worst(out, report, finding);
     fputs("</li>\n", out);
-}
-
-static int is_same(const check_item *item, const check_item *other) {
-    return item->finding->rule == other->finding->rule && item->severity == other->severity;
-}
-
-static size_t places_of(const check_report *report, const check_item *item) {
-    return report->places[check_rule_number(item->finding->rule)][item->severity];
 }
 
 static void write_places(FILE *out, const check_report *report, const check_item *first) {
     const size_t most = first->severity == NORMA_SEVERITY_INFO ? PLACES_OF_INFO : PLACES_OF_PROBLEM;
-    const size_t places = places_of(report, first);
+    const size_t places = check_places(report, first);
     size_t written = 0;
     fputs("<ul>\n", out);
     for (const check_item *item = first; written < places && written < most; ++item) {
-        if (!is_same(first, item)) continue;
+        if (!check_is_same(first, item)) continue;
         write_place(out, report, item);
         ++written;
     }
@@ -505,7 +497,7 @@ static void write_places(FILE *out, const check_report *report, const check_item
 }
 
 /* A picture that does not fit in what is left of the file's budget is left out. */
-static void write_picture(
+static void write_finding_picture(
     FILE *out, const check_report *report, const check_item *item, size_t *budget) {
     cli_memory_stream drawing;
     if (*budget == 0) return;
@@ -518,11 +510,11 @@ static void write_picture(
     free(drawing.text);
 }
 
-static void write_rule(
+static void write_html_rule(
     FILE *out, const check_report *report, const check_item *item, size_t *budget) {
     const norma_rule *rule = item->finding->rule;
-    const char *severity = check_severity_name(item->severity);
-    const size_t places = places_of(report, item);
+    const char *severity = cli_severity_name(item->severity);
+    const size_t places = check_places(report, item);
     fprintf(out,
         "<section class=\"rule is-%s\" data-severity=\"%d\"><h3><span class=\"severity "
         "%s\">%s</span> "
@@ -537,30 +529,24 @@ static void write_rule(
         cli_write_outside_html(out, item->command);
         fputs("</code></p>\n", out);
     }
-    write_picture(out, report, item, budget);
+    write_finding_picture(out, report, item, budget);
     fputs("</section>\n", out);
 }
 
 /* ---- one file */
 
-static int is_first(const check_report *report, size_t index) {
-    for (size_t i = 0; i < index; ++i)
-        if (is_same(&report->items[i], &report->items[index])) return 0;
-    return 1;
-}
-
 static size_t write_rules(
     FILE *out, const check_report *report, norma_severity severity, size_t *budget) {
     size_t written = 0;
     for (size_t i = 0; i < report->count; ++i)
-        if (report->items[i].severity == severity && is_first(report, i)) {
-            write_rule(out, report, &report->items[i], budget);
+        if (report->items[i].severity == severity && check_is_first(report, i)) {
+            write_html_rule(out, report, &report->items[i], budget);
             ++written;
         }
     return written;
 }
 
-static size_t count_of(const check_report *report, norma_severity severity) {
+static size_t items_of(const check_report *report, norma_severity severity) {
     size_t count = 0;
     for (size_t i = 0; i < report->count; ++i) count += report->items[i].severity == severity;
     return count;
@@ -573,7 +559,7 @@ static size_t budget_of(const check_report *report) {
 }
 
 static void write_infos(FILE *out, const check_report *report, size_t *budget) {
-    const size_t infos = count_of(report, NORMA_SEVERITY_INFO);
+    const size_t infos = items_of(report, NORMA_SEVERITY_INFO);
     if (!infos) return;
     fputs("<details class=\"infos\"", out);
     if (report->settings->list_infos) fputs(" open", out);
@@ -590,9 +576,9 @@ static void write_counts(FILE *out, const check_report *report) {
     if (check_is_clean(report)) {
         fputs("No problems found", out);
     } else {
-        cli_counted(out, count_of(report, NORMA_SEVERITY_ERROR), "error", "errors");
+        cli_counted(out, items_of(report, NORMA_SEVERITY_ERROR), "error", "errors");
         fputs(", ", out);
-        cli_counted(out, count_of(report, NORMA_SEVERITY_WARNING), "warning", "warnings");
+        cli_counted(out, items_of(report, NORMA_SEVERITY_WARNING), "warning", "warnings");
     }
     fprintf(out, ". Profile %s", check_profile_name(report->profile));
     if (strcmp(report->status, "checked") != 0)
@@ -602,7 +588,7 @@ static void write_counts(FILE *out, const check_report *report) {
 }
 
 /* What could not be fixed, and why. */
-static void write_reasons(FILE *out, const check_report *report) {
+static void write_html_reasons(FILE *out, const check_report *report) {
     if (!report->document) return;
     for (size_t i = report->first_note; i < norma_document_note_count(report->document); ++i) {
         if (!check_is_new_note(report->document, report->first_note, i)) continue;
@@ -612,7 +598,7 @@ static void write_reasons(FILE *out, const check_report *report) {
     }
 }
 
-static void write_file(FILE *out, const check_report *report) {
+static void write_html_file(FILE *out, const check_report *report) {
     size_t budget = budget_of(report);
     fputs(CHECK_HTML_FILE, out);
     check_write_bytes(out, report->path);
@@ -626,7 +612,7 @@ static void write_file(FILE *out, const check_report *report) {
         fputs(report->mended, out);
         fputs("</pre>\n", out);
     }
-    write_reasons(out, report);
+    write_html_reasons(out, report);
     write_rules(out, report, NORMA_SEVERITY_ERROR, &budget);
     write_rules(out, report, NORMA_SEVERITY_WARNING, &budget);
     write_infos(out, report, &budget);
@@ -635,9 +621,9 @@ static void write_file(FILE *out, const check_report *report) {
 
 /* ---- the summary, and the rules */
 
-static void write_total(
+static void write_html_total(
     FILE *out, const norma_rule *rule, norma_severity severity, const check_rule_total *total) {
-    const char *name = check_severity_name(severity);
+    const char *name = cli_severity_name(severity);
     fprintf(out,
         "<tr><td><span class=\"severity %s\">%s</span></td><td><a href=\"#%s\">%s <span "
         "class=\"wide\">%s</span></a></td><td class=\"number\">%zu</td><td "
@@ -652,7 +638,7 @@ static size_t rules_of(const check_totals *totals, norma_severity severity) {
     return found;
 }
 
-static void write_totals(
+static void write_html_totals(
     FILE *out, const check_totals *totals, norma_severity gravest, norma_severity least) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
@@ -663,21 +649,21 @@ static void write_totals(
     for (norma_severity severity = gravest; severity >= least; --severity)
         for (size_t rule = 0; rule < count; ++rule)
             if (totals->by_rule[rule][severity].places)
-                write_total(out, &rules[rule], severity, &totals->by_rule[rule][severity]);
+                write_html_total(out, &rules[rule], severity, &totals->by_rule[rule][severity]);
     fputs("</tbody></table>\n", out);
 }
 
 static void write_all_totals(FILE *out, const check_totals *totals) {
     const size_t infos = rules_of(totals, NORMA_SEVERITY_INFO);
     if (totals->errors + totals->warnings)
-        write_totals(out, totals, NORMA_SEVERITY_ERROR, NORMA_SEVERITY_WARNING);
+        write_html_totals(out, totals, NORMA_SEVERITY_ERROR, NORMA_SEVERITY_WARNING);
     if (!infos) return;
     fputs("<details><summary>", out);
     cli_counted(out, totals->infos, "info", "infos");
     fputs(" of ", out);
     cli_counted(out, infos, "rule", "rules");
     fputs("</summary>\n", out);
-    write_totals(out, totals, NORMA_SEVERITY_INFO, NORMA_SEVERITY_INFO);
+    write_html_totals(out, totals, NORMA_SEVERITY_INFO, NORMA_SEVERITY_INFO);
     fputs("</details>\n", out);
 }
 
@@ -722,7 +708,7 @@ static void write_machine_totals(
             if (!totals->by_rule[rule][severity].places) continue;
             cli_json_open(&json, NULL, '{');
             cli_json_string(&json, "rule", rules[rule].id);
-            cli_json_string(&json, "severity", check_severity_name((norma_severity)severity));
+            cli_json_string(&json, "severity", cli_severity_name((norma_severity)severity));
             cli_json_size(&json, "places", totals->by_rule[rule][severity].places);
             cli_json_size(&json, "files", totals->by_rule[rule][severity].files);
             cli_json_close(&json, '}');
@@ -732,7 +718,7 @@ static void write_machine_totals(
     fputs("</script>\n", out);
 }
 
-static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
+static void end_html(FILE *out, const check_totals *totals, const check_settings *settings) {
     write_explanations(out, totals);
     fputs("<section id=\"summary\" aria-label=\"Summary\"><p class=\"verdict\">", out);
     if (totals->errors + totals->warnings + totals->not_checked == 0)
@@ -751,4 +737,4 @@ static void end(FILE *out, const check_totals *totals, const check_settings *set
     fputs("</body></html>\n", out);
 }
 
-const check_format check_format_html = {"html", begin, write_file, "", end};
+const check_format check_format_html = {"html", begin_html, write_html_file, "", end_html};

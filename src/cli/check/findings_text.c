@@ -17,6 +17,15 @@ const char *check_profile_name(norma_check_profile profile) {
                                                       : "render";
 }
 
+int check_find_profile(const char *name, norma_check_profile *profile) {
+    for (int i = NORMA_CHECK_PROFILE_RENDER; i <= NORMA_CHECK_PROFILE_GENERATED; ++i)
+        if (name && strcmp(check_profile_name((norma_check_profile)i), name) == 0) {
+            *profile = (norma_check_profile)i;
+            return 1;
+        }
+    return 0;
+}
+
 static int is_problem(const check_report *report, const check_item *item) {
     return item->severity != NORMA_SEVERITY_INFO || (int)item->severity >= report->fail_on;
 }
@@ -35,6 +44,20 @@ int check_fails(const check_report *report) {
     for (size_t i = 0; i < report->count; ++i)
         if ((int)report->items[i].severity >= report->fail_on) return 1;
     return 0;
+}
+
+int check_is_same(const check_item *item, const check_item *other) {
+    return item->finding->rule == other->finding->rule && item->severity == other->severity;
+}
+
+int check_is_first(const check_report *report, size_t index) {
+    for (size_t i = 0; i < index; ++i)
+        if (check_is_same(&report->items[i], &report->items[index])) return 0;
+    return 1;
+}
+
+size_t check_places(const check_report *report, const check_item *item) {
+    return report->places[check_rule_number(item->finding->rule)][item->severity];
 }
 
 int check_is_new_note(const norma_document *document, size_t first, size_t i) {
@@ -149,7 +172,7 @@ static const char *color_of(norma_severity severity) {
 }
 
 static void write_severity(FILE *out, const check_settings *settings, norma_severity severity) {
-    const char *name = check_severity_name(severity);
+    const char *name = cli_severity_name(severity);
     if (settings->style.color)
         fprintf(out, "%s%s\033[0m", color_of(severity), name);
     else
@@ -158,7 +181,7 @@ static void write_severity(FILE *out, const check_settings *settings, norma_seve
 
 /* ---- one finding */
 
-static void write_sample(FILE *out, const norma_sample *sample) {
+static void write_text_sample(FILE *out, const norma_sample *sample) {
     if (sample->vertex != SIZE_MAX)
         fprintf(out, "vertex %zu", sample->vertex);
     else if (sample->face != SIZE_MAX)
@@ -184,11 +207,11 @@ static void write_sentence(FILE *line, const char *message) {
     if (length && !strchr(".!?", message[length - 1])) fputc('.', line);
 }
 
-static void write_worst(FILE *line, const check_report *report, const norma_finding *finding) {
+static void write_text_worst(FILE *line, const check_report *report, const norma_finding *finding) {
     const norma_sample *worst = &finding->worst;
     if (worst->vertex == SIZE_MAX && worst->face == SIZE_MAX && !worst->has_position) return;
     fputs(" worst: ", line);
-    write_sample(line, worst);
+    write_text_sample(line, worst);
     const char *node = check_node_path(report->document, finding->where);
     if (node) cli_say(line, " in node %s", node);
     fputc('.', line);
@@ -198,18 +221,10 @@ static void write_single(FILE *line, const check_report *report, const check_ite
     write_head(line, report, item);
     if (item->finding->label[0]) cli_say(line, "%s: ", item->finding->label);
     write_sentence(line, item->finding->message);
-    write_worst(line, report, item->finding);
+    write_text_worst(line, report, item->finding);
 }
 
 /* ---- a rule that many places share */
-
-static int is_same(const check_item *item, const check_item *other) {
-    return item->finding->rule == other->finding->rule && item->severity == other->severity;
-}
-
-static size_t places_of(const check_report *report, const check_item *item) {
-    return report->places[check_rule_number(item->finding->rule)][item->severity];
-}
 
 static void write_label(FILE *line, const norma_finding *finding) {
     if (finding->label[0])
@@ -220,12 +235,12 @@ static void write_label(FILE *line, const norma_finding *finding) {
 
 /* item is the first of them. */
 static void write_shared(FILE *line, const check_report *report, const check_item *item) {
-    const size_t places = places_of(report, item);
+    const size_t places = check_places(report, item);
     size_t named = 0;
     write_head(line, report, item);
     fprintf(line, "%zu places: ", places);
     for (const check_item *at = item; named < PLACES_NAMED; ++at) {
-        if (!is_same(item, at)) continue;
+        if (!check_is_same(item, at)) continue;
         fputs(named++ ? ", " : "", line);
         write_label(line, at->finding);
     }
@@ -240,7 +255,7 @@ static void write_shared(FILE *line, const check_report *report, const check_ite
 static void write_item(FILE *out, const check_report *report, const check_item *item) {
     const size_t width = report->settings->style.width;
     void (*write)(FILE *, const check_report *, const check_item *) =
-        places_of(report, item) > MOST_PLACES ? write_shared : write_single;
+        check_places(report, item) > MOST_PLACES ? write_shared : write_single;
     cli_memory_stream line;
     if (cli_memory_open(&line)) write(line.out, report, item);
     if (cli_memory_close(&line))
@@ -253,17 +268,11 @@ static void write_item(FILE *out, const check_report *report, const check_item *
     fputc('\n', out);
 }
 
-static int is_told_before(const check_report *report, size_t index) {
-    for (size_t i = 0; i < index; ++i)
-        if (is_same(&report->items[i], &report->items[index])) return 1;
-    return 0;
-}
-
 static void write_items(FILE *out, const check_report *report) {
     for (size_t i = 0; i < report->count; ++i) {
         const check_item *item = &report->items[i];
         if (!check_is_listed(report, item)) continue;
-        if (places_of(report, item) > MOST_PLACES && is_told_before(report, i)) continue;
+        if (check_places(report, item) > MOST_PLACES && !check_is_first(report, i)) continue;
         write_item(out, report, item);
     }
 }
@@ -295,7 +304,7 @@ static void write_unchanged(FILE *out, const check_report *report) {
     fputc('\n', out);
 }
 
-static void write_file(FILE *out, const check_report *report) {
+static void write_text_file(FILE *out, const check_report *report) {
     const int is_shown = !check_is_clean(report) || report->settings->file_count <= MOST_CLEAN;
     if (report->is_unchanged && is_shown) write_unchanged(out, report);
     if (report->mended) {
@@ -314,27 +323,28 @@ static void write_file(FILE *out, const check_report *report) {
 /* ---- the end */
 
 /* "    warning  N602 mirrored                         3 in 2 files" */
-static void write_total(FILE *out, const check_settings *settings, const norma_rule *rule,
+static void write_text_total(FILE *out, const check_settings *settings, const norma_rule *rule,
     norma_severity severity, const check_rule_total *total) {
     fprintf(out, "%*s", INDENT, "");
     write_severity(out, settings, severity);
     fprintf(out, "%*s %s %-25s %6zu in %zu %s\n",
-        (int)(strlen("warning") - strlen(check_severity_name(severity))), "", rule->id, rule->name,
+        (int)(strlen("warning") - strlen(cli_severity_name(severity))), "", rule->id, rule->name,
         total->places, total->files, total->files == 1 ? "file" : "files");
 }
 
-static void write_totals(FILE *out, const check_totals *totals, const check_settings *settings) {
+static void write_text_totals(
+    FILE *out, const check_totals *totals, const check_settings *settings) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
     fputs("Totals by rule:\n", out);
     for (int severity = NORMA_SEVERITY_ERROR; severity >= NORMA_SEVERITY_INFO; --severity)
         for (size_t rule = 0; rule < count; ++rule)
             if (totals->by_rule[rule][severity].places)
-                write_total(out, settings, &rules[rule], (norma_severity)severity,
+                write_text_total(out, settings, &rules[rule], (norma_severity)severity,
                     &totals->by_rule[rule][severity]);
 }
 
-static void begin(FILE *out, const check_settings *settings) {
+static void begin_text(FILE *out, const check_settings *settings) {
     (void)out;
     (void)settings;
 }
@@ -354,14 +364,14 @@ static void end_quietly(FILE *out, const check_totals *totals, const check_setti
     fputc('\n', out);
 }
 
-static void end(FILE *out, const check_totals *totals, const check_settings *settings) {
+static void end_text(FILE *out, const check_totals *totals, const check_settings *settings) {
     const size_t all = totals->errors + totals->warnings + totals->infos;
     if (totals->clean && settings->file_count > MOST_CLEAN) {
         fputs("No problems found in ", out);
         cli_counted(out, totals->clean, "file", "files");
         fputc('\n', out);
     }
-    if (totals->hidden || all > 1) write_totals(out, totals, settings);
+    if (totals->hidden || all > 1) write_text_totals(out, totals, settings);
     if (totals->hidden) {
         cli_counted(out, totals->hidden, "info", "infos");
         fprintf(out, " not listed; --info lists %s\n", totals->hidden == 1 ? "it" : "them");
@@ -374,9 +384,9 @@ static void write_nothing(FILE *out, const check_report *report) {
     (void)report;
 }
 
-const check_format check_format_text = {"text", begin, write_file, "", end};
+const check_format check_format_text = {"text", begin_text, write_text_file, "", end_text};
 const check_format check_format_quiet = {
-    "text", begin, write_nothing, "", end_quietly}; /* the verdict alone */
+    "text", begin_text, write_nothing, "", end_quietly}; /* the verdict alone */
 
 /* ---- Findings for grep and editors, one on each line and nothing else:
  *   path: severity rule place: message
@@ -393,7 +403,7 @@ static void write_lines(FILE *out, const check_report *report) {
         if (!check_is_listed(report, item)) continue;
         const char *where = item->finding->where;
         cli_say(out, "%s: %s %s %s: %s", cli_input_name(report->path),
-            check_severity_name(item->severity), item->finding->rule->id, where[0] ? where : "/",
+            cli_severity_name(item->severity), item->finding->rule->id, where[0] ? where : "/",
             item->finding->message);
         fputc('\n', out);
     }

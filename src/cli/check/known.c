@@ -105,7 +105,7 @@ struct check_configs {
 
 /* ---- reading */
 
-static int fail(const check_config *config, const char *where, const char *expected) {
+static int fail_config(const check_config *config, const char *where, const char *expected) {
     cli_error("%s: %s: expected %s", config->path, where, expected);
     return 0;
 }
@@ -114,14 +114,15 @@ static int fail(const check_config *config, const char *where, const char *expec
 static int fail_word(
     const check_config *config, const char *where, const char *word, const char *expected) {
     char meant[CLI_LONGEST_WORD + 1];
-    if (!word || !cli_suggest_listed(word, expected, meant)) return fail(config, where, expected);
+    if (!word || !cli_suggest_listed(word, expected, meant))
+        return fail_config(config, where, expected);
     cli_error("%s: %s: expected %s; did you mean %s?", config->path, where, expected, meant);
     return 0;
 }
 
 static int fail_rule(const check_config *config, const char *where, const char *unknown) {
     const char *meant = cli_suggest_rule(unknown);
-    if (!meant) return fail(config, where, "ids of rules, their beginnings or names");
+    if (!meant) return fail_config(config, where, "ids of rules, their beginnings or names");
     cli_error(
         "%s: %s: no rule is called '%s'; did you mean %s?", config->path, where, unknown, meant);
     return 0;
@@ -133,7 +134,8 @@ static int read_rules(
     json_t *word;
     char unknown[64] = "";
     if (!json_is_array(list))
-        return fail(config, where, "a list of rules, such as [\"N301\", \"N5\", \"sliver-face\"]");
+        return fail_config(
+            config, where, "a list of rules, such as [\"N301\", \"N5\", \"sliver-face\"]");
     json_array_foreach(list, i, word) {
         uint8_t some[CHECK_RULES] = {0};
         if (!json_is_string(word) ||
@@ -144,29 +146,20 @@ static int read_rules(
     return 1;
 }
 
-static int read_severity_name(const char *name) {
-    static const char *const names[] = {"info", "warning", "error"};
-    static const int severities[] = {
-        NORMA_SEVERITY_INFO, NORMA_SEVERITY_WARNING, NORMA_SEVERITY_ERROR};
-    for (size_t i = 0; name && i < CLI_COUNT(names); ++i)
-        if (strcmp(name, names[i]) == 0) return severities[i];
-    return -1;
-}
-
 static int read_severities(
     const check_config *config, const char *where, json_t *table, uint8_t *severity) {
     const char *key;
     json_t *value;
     char unknown[64] = "";
     if (!json_is_object(table))
-        return fail(
+        return fail_config(
             config, where, "an object of rules and \"off\", \"info\", \"warning\" or \"error\"");
     json_object_foreach(table, key, value) {
         uint8_t mask[CHECK_RULES] = {0};
         const char *word = json_string_value(value);
-        int number =
-            word && strcmp(word, "off") == 0 ? CHECK_SEVERITY_OFF : read_severity_name(word);
-        if (number < 0)
+        const int number =
+            word && strcmp(word, "off") == 0 ? CHECK_SEVERITY_OFF : (int)cli_find_severity(word);
+        if (!number)
             return fail_word(config, where, word, "\"off\", \"info\", \"warning\" or \"error\"");
         if (norma_rules_select(key, mask, unknown) != NORMA_OK)
             return fail_rule(config, where, unknown);
@@ -185,15 +178,16 @@ static int read_patterns(
     const check_config *config, const char *where, const json_t *list, char ***patterns) {
     size_t i;
     json_t *word;
-    if (!json_is_array(list)) return fail(config, where, "a list of patterns, such as [\"leaf*\"]");
+    if (!json_is_array(list))
+        return fail_config(config, where, "a list of patterns, such as [\"leaf*\"]");
     free_words(*patterns);
     *patterns = calloc(json_array_size(list) + 1, sizeof **patterns);
-    if (!*patterns) return fail(config, where, "memory for it");
+    if (!*patterns) return fail_config(config, where, "memory for it");
     json_array_foreach(list, i, word) {
         if (!json_is_string(word))
-            return fail(config, where, "a list of patterns, such as [\"leaf*\"]");
+            return fail_config(config, where, "a list of patterns, such as [\"leaf*\"]");
         (*patterns)[i] = strdup(json_string_value(word));
-        if (!(*patterns)[i]) return fail(config, where, "memory for it");
+        if (!(*patterns)[i]) return fail_config(config, where, "memory for it");
     }
     return 1;
 }
@@ -206,7 +200,7 @@ static void turn_off(const uint8_t *mask, uint8_t *severity) {
 static int read_override(const check_config *config, json_t *table, check_override *override) {
     const char *key;
     json_t *value;
-    if (!json_is_object(table)) return fail(config, "overrides", "a list of objects");
+    if (!json_is_object(table)) return fail_config(config, "overrides", "a list of objects");
     json_object_foreach(table, key, value) {
         uint8_t ignore[CHECK_RULES] = {0};
         int fine = 0;
@@ -231,10 +225,10 @@ static int read_override(const check_config *config, json_t *table, check_overri
 static int read_overrides(check_config *config, const json_t *list) {
     size_t i;
     json_t *table;
-    if (!json_is_array(list)) return fail(config, "overrides", "a list of objects");
-    if (config->overrides) return fail(config, "overrides", "them once");
+    if (!json_is_array(list)) return fail_config(config, "overrides", "a list of objects");
+    if (config->overrides) return fail_config(config, "overrides", "them once");
     config->overrides = calloc(json_array_size(list) + 1, sizeof *config->overrides);
-    if (!config->overrides) return fail(config, "overrides", "memory for them");
+    if (!config->overrides) return fail_config(config, "overrides", "memory for them");
     json_array_foreach(list, i, table) {
         config->override_count = i + 1;
         if (!read_override(config, table, &config->overrides[i])) return 0;
@@ -242,33 +236,26 @@ static int read_overrides(check_config *config, const json_t *list) {
     return 1;
 }
 
-static int read_profile(check_config *config, const json_t *value) {
+static int read_config_profile(check_config *config, const json_t *value) {
     const char *word = json_string_value(value);
-    if (word && strcmp(word, "render") == 0)
-        config->profile = NORMA_CHECK_PROFILE_RENDER;
-    else if (word && strcmp(word, "print") == 0)
-        config->profile = NORMA_CHECK_PROFILE_PRINT;
-    else if (word && strcmp(word, "generated") == 0)
-        config->profile = NORMA_CHECK_PROFILE_GENERATED;
-    else
-        return fail_word(config, "profile", word, "\"render\", \"print\" or \"generated\"");
-    return 1;
+    return check_find_profile(word, &config->profile) ||
+           fail_word(config, "profile", word, "\"render\", \"print\" or \"generated\"");
 }
 
 static int read_fail_on(check_config *config, const json_t *value) {
     const char *word = json_string_value(value);
     config->fail_on =
-        word && strcmp(word, "never") == 0 ? CHECK_FAIL_NEVER : read_severity_name(word);
+        word && strcmp(word, "never") == 0 ? CHECK_FAIL_NEVER : (int)cli_find_severity(word);
     return config->fail_on > 0 ||
            fail_word(config, "fail-on", word, "\"error\", \"warning\", \"info\" or \"never\"");
 }
 
 static int read_key(check_config *config, const char *key, json_t *value) {
-    if (strcmp(key, "profile") == 0) return read_profile(config, value);
+    if (strcmp(key, "profile") == 0) return read_config_profile(config, value);
     if (strcmp(key, "fail-on") == 0) return read_fail_on(config, value);
     if (strcmp(key, "strict") == 0) {
         config->strict = json_is_true(value);
-        return json_is_boolean(value) || fail(config, key, "true or false");
+        return json_is_boolean(value) || fail_config(config, key, "true or false");
     }
     if (strcmp(key, "select") == 0) {
         config->has_select = 1;
@@ -294,13 +281,13 @@ static void free_config(check_config *config) {
     free(config);
 }
 
-static char *folder_of(const char *path) {
+static char *folder_with_slash(const char *path) {
     const char *slash = strrchr(path, '/');
     return strndup(path, slash ? (size_t)(slash - path) + 1 : 0);
 }
 
 static char *absolute_folder_of(const char *path) {
-    char *folder = folder_of(path),
+    char *folder = folder_with_slash(path),
          *absolute = folder ? realpath(folder[0] ? folder : ".", NULL) : NULL;
     free(folder);
     return absolute;
@@ -325,7 +312,7 @@ static check_config *read_config(const char *path) {
     if (root && (!config->path || !config->folder))
         without_memory();
     else if (root && !json_is_object(root))
-        fine = fail(config, "the file", "an object");
+        fine = fail_config(config, "the file", "an object");
     if (fine) json_object_foreach(root, key, value) fine = fine && read_key(config, key, value);
     json_decref(root);
     if (fine) return config;
@@ -465,7 +452,7 @@ static const check_config *remember(check_configs *configs, char *folder, check_
 const check_config *check_config_of(check_configs *configs, const char *path) {
     if (configs->trust == CHECK_CONFIG_NONE) return &configs->empty;
     if (configs->named) return add_config(configs, configs->named);
-    char *folder = folder_of(path);
+    char *folder = folder_with_slash(path);
     if (!folder) return without_memory();
     /* Files of one folder follow each other. */
     for (size_t i = configs->entry_count; i-- > 0;)
@@ -499,24 +486,10 @@ struct check_baseline {
     size_t count, capacity;
 };
 
-const char *check_severity_name(norma_severity severity) {
-    switch (severity) {
-    case NORMA_SEVERITY_ERROR:
-        return "error";
-    case NORMA_SEVERITY_WARNING:
-        return "warning";
-    case NORMA_SEVERITY_INFO:
-        return "info";
-    case NORMA_SEVERITY_NONE:
-        break;
-    }
-    return "none";
-}
-
 /* FNV-1a (Fowler, Noll, Vo), 64 bits, over the parts and a zero after each. */
 void check_fingerprint(
     const char *path, const char *rule, const char *where, norma_severity severity, char text[17]) {
-    const char *parts[] = {path, rule, where, check_severity_name(severity)};
+    const char *parts[] = {path, rule, where, cli_severity_name(severity)};
     uint64_t hash = 14695981039346656037u;
     for (size_t i = 0; i < CLI_COUNT(parts); ++i)
         for (const char *at = parts[i];; ++at) {
@@ -582,7 +555,7 @@ static size_t shared_length(const char *a, const char *b) {
 /* A file as the baseline names it: from its own folder, with ../ where it lies elsewhere. The file
  * may be a link, or missing: only its folder is looked up. The caller's to free; NULL: memory is
  * out. */
-static char *place_of(const check_baseline *baseline, const char *path) {
+static char *place_in_baseline(const check_baseline *baseline, const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     errno = 0;
     char *folder = strcmp(path, "-") == 0 || !baseline->folder ? NULL : real_folder_of(path);
@@ -683,13 +656,6 @@ void check_baseline_free(check_baseline *baseline) {
 
 int check_baseline_is_new(const check_baseline *baseline) { return baseline->is_new; }
 
-static norma_severity severity_called(const char *name) {
-    for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
-        if (name && strcmp(name, check_severity_name((norma_severity)severity)) == 0)
-            return (norma_severity)severity;
-    return NORMA_SEVERITY_NONE;
-}
-
 static int read_known(check_baseline *baseline, const json_t *root) {
     const json_t *list = json_object_get(root, "findings"),
                  *schema = json_object_get(root, "schema");
@@ -703,7 +669,7 @@ static int read_known(check_baseline *baseline, const json_t *root) {
                    *rule = json_string_value(json_object_get(entry, "rule"));
         const char *where = json_string_value(json_object_get(entry, "where"));
         norma_severity severity =
-            severity_called(json_string_value(json_object_get(entry, "severity")));
+            cli_find_severity(json_string_value(json_object_get(entry, "severity")));
         json_int_t count = json_integer_value(json_object_get(entry, "count"));
         if (!path || !rule || !where || !severity || count < 0 ||
             !add_known(baseline, path, rule, where, severity, (size_t)count))
@@ -737,7 +703,7 @@ check_baseline *check_baseline_read(const char *path) {
 int check_baseline_knows(const check_baseline *baseline, const char *path,
     const norma_finding *finding, norma_severity severity, int *knows) {
     known_finding key;
-    char *place = place_of(baseline, path);
+    char *place = place_in_baseline(baseline, path);
     if (!place) return 0;
     check_fingerprint(place, finding->rule->id, finding->where, severity, key.fingerprint);
     free(place);
@@ -750,7 +716,7 @@ int check_baseline_knows(const check_baseline *baseline, const char *path,
 
 int check_baseline_add(check_baseline *baseline, const char *path, const norma_finding *finding,
     norma_severity severity) {
-    char *place = place_of(baseline, path);
+    char *place = place_in_baseline(baseline, path);
     const int fine = place && add_known(baseline, place, finding->rule->id, finding->where,
                                   severity, finding->count);
     baseline->incomplete |= !fine;
@@ -777,7 +743,7 @@ static void write_known(FILE *out, const check_baseline *baseline) {
         cli_json_string(&json, "path", known->path);
         cli_json_string(&json, "rule", known->rule);
         cli_json_string(&json, "where", known->where);
-        cli_json_string(&json, "severity", check_severity_name(known->severity));
+        cli_json_string(&json, "severity", cli_severity_name(known->severity));
         cli_json_size(&json, "count", known->count);
         cli_json_close(&json, '}');
     }

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
+static const char compute_help[] =
     "norma compute IN -o OUT: computes normals and writes them into a copy of IN\n"
     "\n"
     "Examples\n"
@@ -79,11 +79,11 @@ static const char help[] =
 
 /* ---- options */
 
-static const char *set_weight(void *settings, const char *value) {
+static const char *set_compute_weight(void *settings, const char *value) {
     return cli_find_weight(value, &((compute_work *)settings)->options.weight);
 }
 
-static const char *set_crease(void *settings, const char *value) {
+static const char *set_compute_crease(void *settings, const char *value) {
     compute_work *work = settings;
     double degrees;
     if (!cli_number(value, &degrees) || degrees < 0 || degrees > 180)
@@ -123,7 +123,7 @@ static const char *set_weld(void *settings, const char *value) {
 }
 
 /* One of the words, in the order of their enum. */
-static int choose(const char *value, const char *const *words, int count) {
+static int choose_word(const char *value, const char *const *words, int count) {
     for (int i = 0; i < count; ++i)
         if (strcmp(value, words[i]) == 0) return i;
     return -1;
@@ -131,7 +131,7 @@ static int choose(const char *value, const char *const *words, int count) {
 
 static const char *set_groups(void *settings, const char *value) {
     static const char *const words[] = {"auto", "ignore"};
-    int choice = choose(value, words, 2);
+    int choice = choose_word(value, words, 2);
     ((compute_work *)settings)->options.groups =
         choice == 1 ? NORMA_GROUPS_IGNORE : NORMA_GROUPS_AUTO;
     return choice < 0 ? "auto or ignore" : NULL;
@@ -139,13 +139,13 @@ static const char *set_groups(void *settings, const char *value) {
 
 static const char *set_non_manifold(void *settings, const char *value) {
     static const char *const words[] = {"hard", "smooth"};
-    int choice = choose(value, words, 2);
+    int choice = choose_word(value, words, 2);
     ((compute_work *)settings)->options.non_manifold =
         choice == 1 ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD;
     return choice < 0 ? "hard or smooth" : NULL;
 }
 
-static const char *set_only(void *settings, const char *value) {
+static const char *set_compute_only(void *settings, const char *value) {
     return cli_find_only(value, &((compute_work *)settings)->options.only);
 }
 
@@ -157,22 +157,22 @@ static const char *set_morphs(void *settings, const char *value) {
 
 static const char *set_tangents(void *settings, const char *value) {
     static const char *const words[] = {"orthogonalise", "keep", "regenerate"};
-    const int choice = choose(value, words, 3);
+    const int choice = choose_word(value, words, 3);
     ((compute_work *)settings)->options.tangents =
         choice < 0 ? NORMA_STORED_TANGENTS_ORTHOGONALISE : (norma_stored_tangents)choice;
     ((compute_work *)settings)->tangents_changed = choice != 1;
     return choice < 0 ? "keep, orthogonalise or regenerate" : NULL;
 }
 
-static const cli_option options[] = {
-    {"weight", 0, 1, set_weight},
-    {"crease", 0, 1, set_crease},
+static const cli_option compute_options[] = {
+    {"weight", 0, 1, set_compute_weight},
+    {"crease", 0, 1, set_compute_crease},
     {"smooth", 0, 0, set_smooth},
     {"flat", 0, 0, set_flat},
     {"groups", 0, 1, set_groups},
     {"weld", 0, 1, set_weld},
     {"non-manifold", 0, 1, set_non_manifold},
-    {"only", 0, 1, set_only},
+    {"only", 0, 1, set_compute_only},
     {"morphs", 0, 0, set_morphs},
     {"tangents", 0, 1, set_tangents},
 };
@@ -188,8 +188,8 @@ static norma_document_result refuse_tangents(
     return error->result = NORMA_DOCUMENT_ERROR_ARGUMENT;
 }
 
-static norma_document_result change(void *user, norma_document *document, norma_progress *progress,
-    void *progress_user, norma_document_error *error) {
+static norma_document_result compute_change(void *user, norma_document *document,
+    norma_progress *progress, void *progress_user, norma_document_error *error) {
     compute_work *work = user;
     work->options.progress = progress;
     work->options.progress_user = progress_user;
@@ -235,7 +235,7 @@ static const char *shading_name(norma_shading shading) {
     return "default";
 }
 
-static void write_json(const void *user, cli_json *json) {
+static void write_computed_json(const void *user, cli_json *json) {
     const compute_work *work = user;
     const norma_compute_summary *summary = &work->summary;
     const norma_report *counts = &summary->report;
@@ -369,7 +369,7 @@ static void write_tangents(const norma_compute_summary *summary, FILE *out) {
     write_fate(out, &written, summary->tangents_regenerated, "computed anew");
 }
 
-static void write_text(const void *user, const norma_document *document, FILE *out) {
+static void write_computed_text(const void *user, const norma_document *document, FILE *out) {
     const compute_work *work = user;
     (void)document;
     const norma_compute_summary *summary = &work->summary;
@@ -400,7 +400,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
 
 /* ---- the command */
 
-static int prepare(const cli_subcommand *command, void *user, uint32_t threads) {
+static int compute_prepare(const cli_subcommand *command, void *user, uint32_t threads) {
     compute_work *work = user;
     work->options.threads = threads;
     if (work->crease_given + work->smooth_given + work->flat_given > 1)
@@ -410,16 +410,16 @@ static int prepare(const cli_subcommand *command, void *user, uint32_t threads) 
 
 static int takes_all(const void *work) { return ((const compute_work *)work)->together; }
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int compute_run(const cli_subcommand *command, int count, char **arguments) {
     compute_work work = {.options = {.struct_size = sizeof work.options}};
-    const cli_table tables[] = {{options, CLI_COUNT(options), &work},
+    const cli_table tables[] = {{compute_options, CLI_COUNT(compute_options), &work},
         {compute_together_options, compute_together_option_count, &work}};
     const cli_changer changer = {.work = &work,
-        .change = change,
-        .write_json = write_json,
-        .write_text = write_text,
+        .change = compute_change,
+        .write_json = write_computed_json,
+        .write_text = write_computed_text,
         .in_passes = in_passes,
-        .prepare = prepare,
+        .prepare = compute_prepare,
         .all = compute_all_together,
         .takes_all = takes_all};
     const int status =
@@ -429,4 +429,4 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
 }
 
 const cli_subcommand cli_subcommand_compute = {
-    "compute", "computes normals and writes them into a copy of a file", help, run};
+    "compute", "computes normals and writes them into a copy of a file", compute_help, compute_run};

@@ -135,7 +135,7 @@ static void compare_name(joint_run *run, const char *name) {
     }
 }
 
-static void compare_names(joint_run *run, const norma_document *given) {
+static void compare_document_names(joint_run *run, const norma_document *given) {
     norma_document *document = (norma_document *)(uintptr_t)given;
     norma_mesh_info mesh;
     norma_material_info material;
@@ -157,14 +157,14 @@ static void report_locks(const joint_run *run) {
 
 static void note_done(void *user, size_t file, const norma_document *document) {
     joint_run *run = user;
-    if (run->work->lock_count) compare_names(run, document);
+    if (run->work->lock_count) compare_document_names(run, document);
     run->before[file] = 1e6 * cli_megabytes(run->files[file].input);
     cli_progress_hide(&run->progress);
     if (!run->all->common->quiet && !run->all->common->json)
         cli_print_notes(run->files[file].input, document);
 }
 
-static norma_document_result compute(
+static norma_document_result compute_files(
     joint_run *run, const compute_work *work, norma_document_error *error) {
     norma_compute_options options = work->options;
     const uint64_t allowed = cli_memory_for_data();
@@ -212,7 +212,7 @@ static int run_all(joint_run *run, compute_work *work) {
     int status = check_names(run);
     if (!status) status = make_folders(run);
     if (status) return status;
-    error.result = compute(run, work, &error);
+    error.result = compute_files(run, work, &error);
     if (error.result) {
         cli_name_error(&error, "");
         report_failure(run, &error);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
+static const char explain_help[] =
     "norma explain RULE...: explains a rule of norma check: what it measures, why, and what to do\n"
     "\n"
     "Examples\n"
@@ -22,18 +22,13 @@ static const char help[] =
     "  -o, --output FILE     writes an HTML page with a wrong and a right picture for each rule\n"
     "Exit status: 0 fine, 2 unknown rule.\n";
 
-static const char *severity_name(norma_severity severity) {
-    static const char *const names[] = {"none", "info", "warning", "error"};
-    return names[severity];
-}
-
 /* The severity for models to render, and where it is another for prints or generated models. */
 static void write_severities(const norma_rule *rule) {
     const norma_severity generated = norma_rule_severity(rule, NORMA_CHECK_PROFILE_GENERATED);
-    fputs(severity_name(rule->render), stdout);
+    fputs(cli_severity_name(rule->render), stdout);
     if (rule->render == rule->print && generated == rule->print) return;
-    printf(" (render), %s (print)", severity_name(rule->print));
-    if (generated != rule->print) printf(", %s (generated)", severity_name(generated));
+    printf(" (render), %s (print)", cli_severity_name(rule->print));
+    if (generated != rule->print) printf(", %s (generated)", cli_severity_name(generated));
 }
 
 static void write_fix(const norma_rule *rule) {
@@ -45,7 +40,7 @@ static void write_fix(const norma_rule *rule) {
 }
 
 /* At most 100 columns. */
-static void write_paragraph(const char *text) {
+static void print_paragraph(const char *text) {
     size_t column = 0;
     while (*text) {
         size_t length = strcspn(text, " ");
@@ -59,15 +54,15 @@ static void write_paragraph(const char *text) {
     putchar('\n');
 }
 
-static void write_rule(const norma_rule *rule) {
+static void print_rule(const norma_rule *rule) {
     printf("%s %s: ", rule->id, rule->name);
     write_severities(rule);
     fputs("\n\n", stdout);
-    write_paragraph(rule->what);
+    print_paragraph(rule->what);
     putchar('\n');
-    write_paragraph(rule->why);
+    print_paragraph(rule->why);
     putchar('\n');
-    write_paragraph(rule->how);
+    print_paragraph(rule->how);
     write_fix(rule);
     printf("Found by the glTF validator: %s\n", rule->validator);
 }
@@ -77,10 +72,10 @@ static void write_rule_json(const norma_rule *rule) {
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "id", rule->id);
     cli_json_string(&json, "name", rule->name);
-    cli_json_string(&json, "render", severity_name(rule->render));
-    cli_json_string(&json, "print", severity_name(rule->print));
+    cli_json_string(&json, "render", cli_severity_name(rule->render));
+    cli_json_string(&json, "print", cli_severity_name(rule->print));
     cli_json_string(&json, "generated",
-        severity_name(norma_rule_severity(rule, NORMA_CHECK_PROFILE_GENERATED)));
+        cli_severity_name(norma_rule_severity(rule, NORMA_CHECK_PROFILE_GENERATED)));
     cli_json_string(&json, "fix",
         rule->fix == NORMA_FIX_SAFE     ? "safe"
         : rule->fix == NORMA_FIX_UNSAFE ? "unsafe"
@@ -107,7 +102,7 @@ static int fail_unknown(const cli_subcommand *command, const char *word) {
 }
 
 /* The rules that words name; without any all. calloc'd, NULL: *status says why. */
-static uint8_t *choose_rules(
+static uint8_t *choose_named_rules(
     const cli_subcommand *command, const cli_words *words, size_t count, int *status) {
     uint8_t *mask = calloc(count + 1, 1);
     if (!mask) *status = cli_out_of_memory();
@@ -120,7 +115,7 @@ static uint8_t *choose_rules(
     return mask;
 }
 
-static void write_text(const uint8_t *mask, int is_list, int json) {
+static void print_rules(const uint8_t *mask, int is_list, int json) {
     size_t count, told = 0;
     const norma_rule *rules = norma_rules(&count);
     for (size_t i = 0; i < count; ++i) {
@@ -131,12 +126,12 @@ static void write_text(const uint8_t *mask, int is_list, int json) {
             list_rule(&rules[i]);
         else {
             fputs(told++ ? "\n\n" : "", stdout);
-            write_rule(&rules[i]);
+            print_rule(&rules[i]);
         }
     }
 }
 
-static int write_page(const uint8_t *mask, const char *path) {
+static int write_rules_page(const uint8_t *mask, const char *path) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
     cli_output output;
@@ -163,33 +158,33 @@ typedef struct explain_work {
     const char *output;
 } explain_work;
 
-static const char *set_output(void *settings, const char *value) {
+static const char *set_page_output(void *settings, const char *value) {
     ((explain_work *)settings)->output = value;
     return value[0] ? NULL : "the name of a file, or -";
 }
 
-static const cli_option options[] = {{"output", 'o', 1, set_output}};
+static const cli_option explain_options[] = {{"output", 'o', 1, set_page_output}};
 
 static int explain(
     const cli_subcommand *command, const cli_words *words, const char *output, int json) {
     size_t count;
     (void)norma_rules(&count);
     int status = CLI_OK;
-    uint8_t *mask = choose_rules(command, words, count, &status);
+    uint8_t *mask = choose_named_rules(command, words, count, &status);
     if (!status && output)
         status = json ? cli_usage(command, "--json and -o exclude each other")
-                      : write_page(mask, output);
+                      : write_rules_page(mask, output);
     else if (!status)
-        write_text(mask, words->count == 0, json);
+        print_rules(mask, words->count == 0, json);
     free(mask);
     return status;
 }
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int explain_run(const cli_subcommand *command, int count, char **arguments) {
     cli_common common = {0};
     explain_work work = {0};
     cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
-    const cli_table tables[] = {{options, CLI_COUNT(options), &work},
+    const cli_table tables[] = {{explain_options, CLI_COUNT(explain_options), &work},
         {cli_common_options, cli_common_option_count, &common}};
     int wants_help = 0, status = words.words ? cli_parse(command, tables, CLI_COUNT(tables), count,
                                                    arguments, &words, &wants_help)
@@ -202,5 +197,6 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
     return cli_finish(status);
 }
 
-const cli_subcommand cli_subcommand_explain = {
-    "explain", "explains a rule of norma check: what it measures, why, and what to do", help, run};
+const cli_subcommand cli_subcommand_explain = {"explain",
+    "explains a rule of norma check: what it measures, why, and what to do", explain_help,
+    explain_run};

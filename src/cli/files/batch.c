@@ -13,7 +13,7 @@
 /* ---- The files of a batch, one after the other. The worker says of each what became of it; the
  * one that it says nothing of has ended it. */
 
-static int run_here(const cli_each *each, size_t first) {
+static int run_each_here(const cli_each *each, size_t first) {
     int status = CLI_OK;
     for (size_t file = first; file < each->count; ++file)
         status = cli_worse(status, each->one(each->user, file));
@@ -38,7 +38,7 @@ int cli_run_each(const cli_each *each) {
     for (size_t next = 0; next < each->count;) {
         cli_worker worker;
         const int side = each->count > 1 ? cli_worker_start(&worker) : -1;
-        if (side < 0) return cli_worse(status, run_here(each, next));
+        if (side < 0) return cli_worse(status, run_each_here(each, next));
         if (side == 0) run_in_worker(&worker, each, next);
         for (; cli_worker_receive(&worker, &one, sizeof one); ++next) {
             status = cli_worse(status, one);
@@ -223,14 +223,14 @@ int cli_try_formats(const cli_files *files, const cli_changer *changer) {
 
 /* ---- where outputs go */
 
-static const char *set_output(void *settings, const char *value) {
+static const char *set_output_file(void *settings, const char *value) {
     cli_files *files = settings;
     if (files->output) return "to be given once";
     files->output = value;
     return value[0] ? NULL : "a name, or - for standard output";
 }
 
-static const char *set_folder(void *settings, const char *value) {
+static const char *set_out_dir(void *settings, const char *value) {
     cli_files *files = settings;
     if (files->folder) return "to be given once";
     files->folder = value;
@@ -244,18 +244,11 @@ static const char *set_in_place(void *settings, const char *value) {
 }
 
 const cli_option cli_output_options[] = {
-    {"output", 'o', 1, set_output},
-    {"out-dir", 0, 1, set_folder},
+    {"output", 'o', 1, set_output_file},
+    {"out-dir", 0, 1, set_out_dir},
     {"in-place", 0, 0, set_in_place},
 };
 const size_t cli_output_option_count = CLI_COUNT(cli_output_options);
-
-static int is_standard(const char *name) { return strcmp(name, "-") == 0; }
-
-static const char *base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
 
 static int same_file(const char *a, const char *b) {
     struct stat of_a, of_b;
@@ -268,25 +261,20 @@ static int is_folder(const char *path) {
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
-static int is_stream(const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
-}
-
 /* What the library would say after the work, said before it. */
 static int check_output(const cli_subcommand *command, const cli_files *files, const char *input) {
-    const char *output = files->output, *dot = strrchr(base_name(output), '.'),
-               *input_dot = strrchr(base_name(input), '.');
+    const char *output = files->output, *dot = strrchr(cli_base_name(output), '.'),
+               *input_dot = strrchr(cli_base_name(input), '.');
     norma_file_format format = files->format ? files->format : norma_file_format_of_path(input),
                       named = norma_file_format_of_path(output);
-    if (is_standard(output)) return CLI_OK;
+    if (cli_is_standard(output)) return CLI_OK;
     if (is_folder(output))
         return cli_usage(
             command, "-o %s is a folder; expected a file, or --out-dir %s", output, output);
-    if (!is_standard(input) && same_file(input, output))
+    if (!cli_is_standard(input) && same_file(input, output))
         return cli_usage(
             command, "-o names the input %s; expected another name, or --in-place", input);
-    if (!format || named == format || is_stream(output) ||
+    if (!format || named == format || cli_is_stream(output) ||
         (!named && dot && input_dot && !strcmp(dot, input_dot)))
         return CLI_OK;
     const char *name = norma_file_format_name(format);
@@ -298,7 +286,7 @@ static int check_output(const cli_subcommand *command, const cli_files *files, c
 int cli_check_outputs(const cli_subcommand *command, const cli_common *common, cli_files *files) {
     int ways = (files->output != NULL) + (files->folder != NULL) + files->in_place, standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i)
-        standard |= is_standard(files->inputs.paths[i]);
+        standard |= cli_is_standard(files->inputs.paths[i]);
     if (ways == 0)
         return cli_usage(
             command, "no output was given; expected -o OUT, --out-dir FOLDER or --in-place");
@@ -306,7 +294,7 @@ int cli_check_outputs(const cli_subcommand *command, const cli_common *common, c
     if (files->output && files->inputs.count > 1)
         return cli_usage(command, "one -o for %zu inputs; expected --out-dir FOLDER or --in-place",
             files->inputs.count);
-    if (files->output && is_standard(files->output) && common->json)
+    if (files->output && cli_is_standard(files->output) && common->json)
         return cli_usage(command, "-o - and --json would both write to standard output");
     if (!files->output && standard)
         return cli_usage(command, "standard input has no name to write to; expected -o OUT");
@@ -353,7 +341,7 @@ norma_document_result cli_write_standard(norma_document *document, norma_documen
 
 static norma_document_result write_output(
     file_job *job, norma_document *document, cli_progress *progress, norma_document_error *error) {
-    if (!is_standard(job->output)) {
+    if (!cli_is_standard(job->output)) {
         if (cli_make_folders(job->files, job->output)) return cli_reported(error);
         const norma_save_options options = {.struct_size = sizeof options,
             .in_place = job->files->in_place,
@@ -384,7 +372,7 @@ static norma_document_result change_document(
     return result;
 }
 
-static norma_document_result open_input(
+static norma_document_result open_changed(
     const file_job *job, norma_document **document, void **memory, norma_document_error *error) {
     cli_progress progress;
     cli_progress_start(
@@ -412,7 +400,7 @@ static int add_size(void *user, const char *path) {
 /* Of the input and, for a .gltf, of the files that it names. */
 static norma_document_result measure_input(
     file_job *job, norma_document *document, norma_document_error *error) {
-    if (is_standard(job->input)) return NORMA_DOCUMENT_OK;
+    if (cli_is_standard(job->input)) return NORMA_DOCUMENT_OK;
     add_size(&job->before, job->input);
     return norma_document_format(document) == NORMA_FILE_GLTF
                ? norma_document_visit_files(document, add_size, &job->before, error)
@@ -437,7 +425,7 @@ static void write_growth(const file_job *job, FILE *out) {
     write_size(out, after);
 }
 
-static void report_json(
+static void report_change_json(
     const file_job *job, const norma_document *document, const norma_document_error *error) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
@@ -453,12 +441,12 @@ static void report_json(
     fputc('\n', stdout);
 }
 
-static void report(
+static void report_change(
     const file_job *job, const norma_document *document, const norma_document_error *error) {
     if (error->result) {
         cli_print_error(error);
     } else if (!job->common->quiet && !job->common->json) {
-        int to_stdout = is_standard(job->output);
+        int to_stdout = cli_is_standard(job->output);
         FILE *out = to_stdout ? stderr : stdout;
         fflush(stdout);
         cli_say(out, "%s -> %s: ", cli_input_name(job->input),
@@ -469,7 +457,7 @@ static void report(
         fflush(out);
         cli_print_notes(job->input, document);
     }
-    if (job->common->json) report_json(job, document, error);
+    if (job->common->json) report_change_json(job, document, error);
 }
 
 static file_job job_of(const cli_all_files *all, const char *input, const char *output) {
@@ -486,13 +474,13 @@ void cli_report_grown(
     file_job job = job_of(all, input, output);
     job.before = before;
     job.after = (uint64_t)after;
-    report(&job, NULL, &none);
+    report_change(&job, NULL, &none);
 }
 
 void cli_report_changed(const cli_all_files *all, const char *input, const char *output,
     const norma_document_error *error) {
     const file_job job = job_of(all, input, output);
-    report_json(&job, NULL, error);
+    report_change_json(&job, NULL, error);
 }
 
 static int guard_output(const cli_files *files, const char *input, const char *output) {
@@ -525,23 +513,23 @@ static int run_in_passes(file_job *job) {
     error.result = cli_change_in_passes(
         job->changer, job->common, job->files, job->input, job->output, &job->after, &error);
     cli_name_error(&error, job->input);
-    report(job, NULL, &error);
+    report_change(job, NULL, &error);
     return cli_status_of(error.result);
 }
 
-static int run_job(file_job *job) {
+static int run_file_job(file_job *job) {
     if (job->changer->in_passes && cli_needs_passes(job->files, job->input))
         return run_in_passes(job);
     norma_document *document;
     void *memory;
     norma_document_error error = {0};
-    norma_document_result result = open_input(job, &document, &memory, &error);
+    norma_document_result result = open_changed(job, &document, &memory, &error);
     const int refused = result ? CLI_OK : guard_output(job->files, job->input, job->output);
     if (!result && !refused) result = measure_input(job, document, &error);
     if (!result && !refused) result = change_document(job, document, &error);
     error.result = result;
     cli_name_error(&error, job->input);
-    if (!refused) report(job, document, &error);
+    if (!refused) report_change(job, document, &error);
     norma_document_close(document);
     free(memory);
     return refused ? refused : cli_status_of(result);
@@ -553,18 +541,18 @@ static int change_one(void *user, size_t file) {
     if (!output) return cli_out_of_memory();
     job.input = job.files->inputs.paths[file];
     job.output = output;
-    const int status = run_job(&job);
+    const int status = run_file_job(&job);
     free(output);
     return status;
 }
 
-static void report_lost(void *user, size_t file, const char *why) {
+static void report_lost_change(void *user, size_t file, const char *why) {
     file_job job = *(const file_job *)user;
     norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_FILE};
     job.input = job.files->inputs.paths[file];
     snprintf(error.message, sizeof error.message, ": %s", why);
     cli_name_error(&error, job.input);
-    report(&job, NULL, &error);
+    report_change(&job, NULL, &error);
 }
 
 static int change_files(const cli_subcommand *command, const cli_common *common, cli_files *files,
@@ -579,7 +567,7 @@ static int change_files(const cli_subcommand *command, const cli_common *common,
         return cli_finish(cli_worse(status, status ? CLI_OK : changer->all(&all, changer)));
     }
     file_job job = {.common = common, .files = files, .changer = changer};
-    const cli_each each = {files->inputs.count, change_one, report_lost, &job, files->guard};
+    const cli_each each = {files->inputs.count, change_one, report_lost_change, &job, files->guard};
     return cli_finish(cli_worse(status, cli_run_each(&each)));
 }
 

@@ -60,7 +60,7 @@ static int is_one(const struct stat *a, const struct stat *b) {
 }
 
 /* The length of path's folder, its last slash included. */
-static size_t folder_of(const char *path, struct stat *status) {
+static size_t find_folder(const char *path, struct stat *status) {
     const char *slash = strrchr(path, '/');
     const size_t length = slash ? (size_t)(slash - path) + 1 : 0;
     char *folder = length ? strndup(path, length) : strdup(".");
@@ -75,7 +75,8 @@ int cli_is_same_output(const char *a, const char *b) {
     if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0) return 0;
     if (stat(a, &of_a) == 0 && stat(b, &of_b) == 0)
         return S_ISREG(of_a.st_mode) && is_one(&of_a, &of_b);
-    return strcmp(a + folder_of(a, &of_a), b + folder_of(b, &of_b)) == 0 && is_one(&of_a, &of_b);
+    return strcmp(a + find_folder(a, &of_a), b + find_folder(b, &of_b)) == 0 &&
+           is_one(&of_a, &of_b);
 }
 
 static const source *find(const cli_guard *guard, const struct stat *status) {
@@ -185,7 +186,7 @@ int cli_guard_receive(cli_guard *guard, const cli_worker *worker) {
     return fine;
 }
 
-static int refuse(const cli_guard *guard, const char *output, const source *found) {
+static int refuse_source(const cli_guard *guard, const char *output, const source *found) {
     const char *name = strcmp(output, "-") == 0 ? "standard output" : output;
     if (found->named_by)
         return cli_usage(guard->command,
@@ -206,7 +207,7 @@ int cli_guard_output(cli_guard *guard, const char *output, const char *own) {
     guard->watches = 1;
     const source *found = find(guard, &status);
     const int incomplete = guard->incomplete;
-    const int result = found ? refuse(guard, output, found) : CLI_OK;
+    const int result = found ? refuse_source(guard, output, found) : CLI_OK;
     pthread_mutex_unlock(&guard->lock);
     return !result && incomplete ? cli_out_of_memory() : result;
 }
@@ -250,7 +251,7 @@ double cli_megabytes(const char *input) {
                : 0;
 }
 
-static norma_document_result fail_input(norma_document_error *error, norma_document_result result,
+static norma_document_result fail_reading(norma_document_error *error, norma_document_result result,
     const char *input, const char *what) {
     error->result = result;
     snprintf(error->message, sizeof error->message, "%.800s: %s", cli_input_name(input), what);
@@ -279,7 +280,7 @@ static norma_document_result read_pipe(
             const char *endless = why_endless(descriptor, capacity);
             if (endless) {
                 free(bytes);
-                return fail_input(error, NORMA_DOCUMENT_ERROR_REFUSED, input, endless);
+                return fail_reading(error, NORMA_DOCUMENT_ERROR_REFUSED, input, endless);
             }
             unsigned char *larger = capacity <= SIZE_MAX / 2 ? realloc(bytes, capacity * 2) : NULL;
             if (!larger) break;
@@ -290,7 +291,7 @@ static norma_document_result read_pipe(
         const char *why = got < 0 && errno != EINTR ? strerror(errno) : NULL;
         if (why) {
             free(bytes);
-            return fail_input(error, NORMA_DOCUMENT_ERROR_FILE, input, why);
+            return fail_reading(error, NORMA_DOCUMENT_ERROR_FILE, input, why);
         }
         if (got == 0) {
             *memory = bytes;
@@ -299,13 +300,14 @@ static norma_document_result read_pipe(
         *size += got > 0 ? (size_t)got : 0;
     }
     free(bytes);
-    return fail_input(error, NORMA_DOCUMENT_ERROR_MEMORY, input, "out of memory");
+    return fail_reading(error, NORMA_DOCUMENT_ERROR_MEMORY, input, "out of memory");
 }
 
 static norma_document_result read_named_pipe(
     const char *path, void **memory, size_t *size, norma_document_error *error) {
     int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0) return fail_input(error, NORMA_DOCUMENT_ERROR_FILE, path, strerror(errno));
+    if (descriptor < 0)
+        return fail_reading(error, NORMA_DOCUMENT_ERROR_FILE, path, strerror(errno));
     norma_document_result result = read_pipe(descriptor, path, memory, size, error);
     close(descriptor);
     return result;
@@ -435,7 +437,7 @@ char *cli_join(const char *folder, const char *name) {
 
 static int is_visible(const struct dirent *entry) { return entry->d_name[0] != '.'; }
 
-static int compare_names(const struct dirent **a, const struct dirent **b) {
+static int compare_entries(const struct dirent **a, const struct dirent **b) {
     return strcmp((*a)->d_name, (*b)->d_name);
 }
 
@@ -479,7 +481,7 @@ static int add_entry(folder_walk *walk, char *path) {
 
 static int walk_one(folder_walk *walk, const char *folder) {
     struct dirent **entries;
-    int count = scandir(folder[0] ? folder : ".", &entries, is_visible, compare_names),
+    int count = scandir(folder[0] ? folder : ".", &entries, is_visible, compare_entries),
         status = CLI_OK;
     if (count < 0) {
         cli_error("%s: cannot be read: %s", folder[0] ? folder : ".", strerror(errno));

@@ -12,14 +12,25 @@
  * in that folder; if two files would meet, all keep their place below the folder that they share.
  */
 
+const char *cli_base_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+int cli_is_standard(const char *name) { return strcmp(name, "-") == 0; }
+
+int cli_is_stream(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+}
+
 static size_t stem_length(const char *name) {
-    const char *slash = strrchr(name, '/'), *base = slash ? slash + 1 : name,
-               *dot = strrchr(base, '.');
+    const char *base = cli_base_name(name), *dot = strrchr(base, '.');
     return dot && dot > base ? (size_t)(dot - name) : strlen(name);
 }
 
 /* Without "./" and doubled slashes, so that two spellings of a name are one. */
-static void simplify(char *path) {
+static void simplify_path(char *path) {
     char *to = path;
     for (const char *at = path; *at;) {
         const size_t length = strcspn(at, "/"), part = length + (at[length] == '/');
@@ -42,7 +53,7 @@ char *cli_output_of(const cli_files *files, size_t index, const char *ending) {
     char *changed = malloc(size);
     if (!changed) return NULL;
     snprintf(changed, size, "%.*s%s", (int)kept, name, ending ? ending : "");
-    simplify(changed);
+    simplify_path(changed);
     char *path = cli_join(files->folder, changed);
     free(changed);
     return path;
@@ -129,7 +140,7 @@ int cli_place_outputs(const cli_subcommand *command, cli_files *files, const cha
 
 /* ---- folders */
 
-static int fail(const char *folder) {
+static int fail_folder(const char *folder) {
     cli_error("%s: cannot be made: %s", folder, strerror(errno));
     return CLI_FILE;
 }
@@ -159,7 +170,7 @@ int cli_make_folders(const cli_files *files, const char *output) {
     int result = refuse_links(files, path);
     for (char *slash = strchr(path + 1, '/'); slash && !result; slash = strchr(slash + 1, '/')) {
         *slash = '\0';
-        if (mkdir(path, 0777) && errno != EEXIST && stat(path, &status)) result = fail(path);
+        if (mkdir(path, 0777) && errno != EEXIST && stat(path, &status)) result = fail_folder(path);
         *slash = '/';
     }
     free(path);
@@ -169,7 +180,7 @@ int cli_make_folders(const cli_files *files, const char *output) {
 int cli_make_out_dir(const cli_subcommand *command, const cli_files *files) {
     struct stat status;
     if (!files->folder) return CLI_OK;
-    if (mkdir(files->folder, 0777) && errno != EEXIST) return fail(files->folder);
+    if (mkdir(files->folder, 0777) && errno != EEXIST) return fail_folder(files->folder);
     if (stat(files->folder, &status) || !S_ISDIR(status.st_mode))
         return cli_usage(command, "--out-dir %s is not a folder", files->folder);
     return CLI_OK;
@@ -200,15 +211,10 @@ static FILE *open_stream(norma_saving *saving) {
 
 /* ---- the output */
 
-static int is_stream(const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
-}
-
 /* The temporary file is made before the work, so what would fail in the end is said at once. */
 static int begin_file(cli_output *output) {
     norma_document_error error;
-    output->passes_on = is_stream(output->path);
+    output->passes_on = cli_is_stream(output->path);
     if (norma_save_begin(output->path, &output->saving, &error)) {
         cli_print_error(&error);
         return CLI_FILE;

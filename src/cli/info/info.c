@@ -207,7 +207,7 @@ static norma_document_result info_describe_large(const char *path, norma_file_fo
 /* ---- Norma info: what is in a file: meshes, counts, normals, the kinds of the
  * transforms. */
 
-static const char help[] =
+static const char info_help[] =
     "norma info IN...: lists what is in a file: meshes, counts, normals and transforms\n"
     "\n"
     "Examples\n"
@@ -267,7 +267,7 @@ static const char *set_deep(void *settings, const char *value) {
     return NULL;
 }
 
-static const cli_option options[] = {{"deep", 0, 0, set_deep}};
+static const cli_option info_options[] = {{"deep", 0, 0, set_deep}};
 
 /* ---- meshes: the primitives of one glTF mesh follow each other */
 
@@ -354,7 +354,7 @@ static void write_explained_tangents(cli_json *json, const cli_explained_tangent
     cli_json_close(json, '}');
 }
 
-static void write_part(cli_json *json, const mesh_part *part) {
+static void write_info_part(cli_json *json, const mesh_part *part) {
     const norma_mesh_info *info = &part->info;
     cli_json_open(json, NULL, '{');
     cli_json_string(json, "where", info->where);
@@ -389,7 +389,7 @@ static void write_mesh(cli_json *json, const contents *found, size_t first, size
     cli_json_string(json, "normals", storage_name(storage));
     cli_json_string(json, "encoding", encoding);
     cli_json_open(json, "primitives", '[');
-    for (size_t i = first; i < end; ++i) write_part(json, &found->parts[i]);
+    for (size_t i = first; i < end; ++i) write_info_part(json, &found->parts[i]);
     cli_json_close(json, ']');
     cli_json_close(json, '}');
 }
@@ -428,7 +428,7 @@ static void write_bounds(cli_json *json, const info_bounds *bounds) {
     cli_json_close(json, ']');
 }
 
-static void write_json(const contents *found) {
+static void write_info_json(const contents *found) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", found->path);
@@ -573,7 +573,7 @@ static void print_bounds(const info_bounds *bounds) {
     printf("  from (%s, %s, %s) to (%s, %s, %s)\n", from[0], from[1], from[2], to[0], to[1], to[2]);
 }
 
-static void print_text(const contents *found) {
+static void print_contents(const contents *found) {
     size_t meshes = 0;
     cli_say(stdout, "%s: %s", cli_input_name(found->path), norma_file_format_name(found->format));
     if (found->part_count == 1 && !found->parts[0].info.where[0]) {
@@ -628,8 +628,8 @@ static norma_document_result find_open_parts(
     return result;
 }
 
-static norma_document_result collect(const info_work *work, int whole, norma_document *document,
-    contents *found, norma_document_error *error) {
+static norma_document_result read_contents(const info_work *work, int whole,
+    norma_document *document, contents *found, norma_document_error *error) {
     found->document = document;
     found->format = norma_document_format(document);
     found->part_count = norma_document_mesh_count(document);
@@ -684,9 +684,9 @@ static int finish_file(const info_work *work, const contents *found, norma_docum
         cli_print_error(error);
         if (work->common.json) write_failure(found->path, error);
     } else if (work->common.json) {
-        write_json(found);
+        write_info_json(found);
     } else {
-        print_text(found);
+        print_contents(found);
         fflush(stdout);
         if (!work->common.quiet) cli_print_notes(found->path, found->document);
     }
@@ -708,7 +708,7 @@ static int run_large_file(const info_work *work, const char *path) {
     return finish_file(work, &found, &error);
 }
 
-static int run_file(const info_work *work, const char *path) {
+static int info_file(const info_work *work, const char *path) {
     if (!work->deep && cli_needs_passes(&work->files, path)) return run_large_file(work, path);
     cli_progress progress;
     norma_document *document;
@@ -725,14 +725,15 @@ static int run_file(const info_work *work, const char *path) {
     norma_document_result result =
         cli_open(&work->files, path, &opening, &document, &memory, &error);
     if (!result)
-        result = collect(work, opening.depth == NORMA_DOCUMENT_WHOLE, document, &found, &error);
+        result =
+            read_contents(work, opening.depth == NORMA_DOCUMENT_WHOLE, document, &found, &error);
     const int again = result && result != NORMA_DOCUMENT_ERROR_MEMORY && !work->deep &&
                       opening.depth == NORMA_DOCUMENT_WHOLE && strcmp(path, "-") != 0;
     if (again) { /* of a file whose body is at fault, the head may still be read */
         forget(&found, &document, &memory);
         opening.depth = NORMA_DOCUMENT_SUMMARY;
         result = cli_open(&work->files, path, &opening, &document, &memory, &error);
-        if (!result) result = collect(work, 0, document, &found, &error);
+        if (!result) result = read_contents(work, 0, document, &found, &error);
     }
     cli_progress_stop(&progress);
     error.result = result;
@@ -743,10 +744,10 @@ static int run_file(const info_work *work, const char *path) {
 
 static int run_one(void *user, size_t file) {
     const info_work *work = user;
-    return run_file(work, work->files.inputs.paths[file]);
+    return info_file(work, work->files.inputs.paths[file]);
 }
 
-static void report_lost(void *user, size_t file, const char *why) {
+static void report_lost_info(void *user, size_t file, const char *why) {
     const info_work *work = user;
     contents none = {.path = work->files.inputs.paths[file]};
     norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_FILE};
@@ -756,10 +757,10 @@ static void report_lost(void *user, size_t file, const char *why) {
 
 /* ---- the command */
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int info_run(const cli_subcommand *command, int count, char **arguments) {
     info_work work = {.common = {.threads = NORMA_ALL_THREADS}};
     const cli_table tables[] = {
-        {options, CLI_COUNT(options), &work},
+        {info_options, CLI_COUNT(info_options), &work},
         {cli_input_options, cli_input_option_count, &work.files},
         {cli_common_options, cli_common_option_count, &work.common},
     };
@@ -768,14 +769,15 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
     status = cli_parse(
         command, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
     if (wants_help)
-        fputs(help, stdout);
+        fputs(info_help, stdout);
     else if (!status)
         status = cli_find_inputs(command, &work.files);
-    const cli_each each = {work.files.inputs.count, run_one, report_lost, &work, work.files.guard};
+    const cli_each each = {
+        work.files.inputs.count, run_one, report_lost_info, &work, work.files.guard};
     if (!wants_help && status != CLI_USAGE) status = cli_worse(status, cli_run_each(&each));
     cli_files_end(&work.files);
     return cli_finish(status);
 }
 
 const cli_subcommand cli_subcommand_info = {
-    "info", "lists what is in a file: meshes, counts, normals and transforms", help, run};
+    "info", "lists what is in a file: meshes, counts, normals and transforms", info_help, info_run};

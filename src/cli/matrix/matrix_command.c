@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char help[] =
+static const char matrix_help[] =
     "norma matrix MATRIX: shows what a matrix does to normals, and which matrix is correct for "
     "them\n"
     "\n"
@@ -68,7 +68,7 @@ static void write_rows(cli_json *json, const char *key, const double columns[9])
     cli_json_close(json, ']');
 }
 
-static void write_json(const matrix_answer *found) {
+static void write_matrix_json(const matrix_answer *found) {
     const norma_matrix_info *info = &found->info;
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
@@ -213,7 +213,7 @@ static void print_shortcut(matrix_answer *found) {
         print_rows(found->axis_scale, 3);
 }
 
-static void print_text(matrix_answer *found) {
+static void print_matrix(matrix_answer *found) {
     const norma_matrix_info *info = &found->info;
     printf("M, row by row\n");
     print_rows(found->model, 4);
@@ -247,7 +247,7 @@ static void print_text(matrix_answer *found) {
 
 /* ---- the command */
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int matrix_run(const cli_subcommand *command, int count, char **arguments) {
     cli_matrix matrix = cli_matrix_identity;
     cli_common common = {0};
     cli_words words = {0};
@@ -260,7 +260,7 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
                         command, tables, CLI_COUNT(tables), count, arguments, &words, &wants_help);
     if (status) return status;
     if (wants_help) {
-        fputs(help, stdout);
+        fputs(matrix_help, stdout);
         return cli_finish(CLI_OK);
     }
     if (!matrix.given)
@@ -269,11 +269,11 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
     status = answer(command, matrix.matrix, &found);
     if (status) return status;
     if (common.json)
-        write_json(&found);
+        write_matrix_json(&found);
     else
-        print_text(&found);
+        print_matrix(&found);
     return cli_finish(CLI_OK);
 }
 
-const cli_subcommand cli_subcommand_matrix = {
-    "matrix", "shows what a matrix does to normals, and which matrix is correct", help, run};
+const cli_subcommand cli_subcommand_matrix = {"matrix",
+    "shows what a matrix does to normals, and which matrix is correct", matrix_help, matrix_run};

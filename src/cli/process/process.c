@@ -61,11 +61,11 @@ static const char *plain_reason(norma_document_result result) {
     }
 }
 
-static const char reported[] = "reported already";
+static const char reported_already[] = "reported already";
 
 norma_document_result cli_reported(norma_document_error *error) {
     error->result = NORMA_DOCUMENT_ERROR_FILE;
-    snprintf(error->message, sizeof error->message, "%s", reported);
+    snprintf(error->message, sizeof error->message, "%s", reported_already);
     return error->result;
 }
 
@@ -95,7 +95,7 @@ void cli_name_error(norma_document_error *error, const char *input) {
 }
 
 void cli_print_error(const norma_document_error *error) {
-    if (strcmp(error->message, reported) != 0) cli_error("%s", error->message);
+    if (strcmp(error->message, reported_already) != 0) cli_error("%s", error->message);
 }
 
 void cli_print_notes(const char *input, const norma_document *document) {
@@ -449,7 +449,7 @@ static void find_mapped(uintptr_t address, char *name, size_t room) {
     name[found ? length : 0] = '\0';
 }
 
-static size_t append(char *text, size_t used, size_t room, const char *more) {
+static size_t append_words(char *text, size_t used, size_t room, const char *more) {
     for (; *more && used < room; ++more) text[used++] = *more;
     return used;
 }
@@ -465,9 +465,9 @@ static void catch_lost_bytes(int number, siginfo_t *info, void *context) {
         return;
     }
     char text[sizeof name + 128]; /* in one piece: other threads may say the same */
-    size_t used = append(text, 0, sizeof text, "norma: ");
-    used = append(text, used, sizeof text, name);
-    used = append(
+    size_t used = append_words(text, 0, sizeof text, "norma: ");
+    used = append_words(text, used, sizeof text, name);
+    used = append_words(
         text, used, sizeof text, ": cannot be read: another program truncated it meanwhile\n");
     const ssize_t written = write(STDERR_FILENO, text, used);
     (void)written;

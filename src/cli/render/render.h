@@ -62,8 +62,6 @@ extern const size_t render_option_count;
 void render_settings_default(render_settings *settings);
 /* What contradicts itself: CLI_USAGE, said already. */
 int render_settings_check(const cli_subcommand *command, render_settings *settings);
-const char *render_base_name(const char *path);
-int render_is_standard(const char *name); /* "-" */
 /* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the
  * caller; NULL: out of memory. */
 /* Whether no picture that is to be written is a source, as far as it is known. A status. */

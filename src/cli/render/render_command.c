@@ -44,7 +44,7 @@ void render_watch_driver(void) {}
 
 /* ---- Norma render: pictures of meshes, drawn without a display. */
 
-static const char help[] =
+static const char render_help[] =
     "norma render IN -o OUT.png: draws a picture of a mesh, without a display\n"
     "\n"
     "Examples\n"
@@ -151,7 +151,7 @@ static int fail_drawing(picture_job *job, const render_error *error) {
     return error->result == RENDER_ERROR_ARGUMENT ? CLI_USAGE : CLI_FILE;
 }
 
-static int write_picture(picture_job *job, const render_picture *picture) {
+static int write_png(picture_job *job, const render_picture *picture) {
     cli_output output;
     render_png png;
     render_error error = {.result = RENDER_OK};
@@ -190,7 +190,7 @@ static int draw_picture(picture_job *job) {
     if (failed) return fail_drawing(job, &error);
     job->width = picture.width;
     job->height = picture.height;
-    int status = write_picture(job, &picture);
+    int status = write_png(job, &picture);
     render_picture_free(&picture);
     return status;
 }
@@ -210,7 +210,7 @@ static double worst_error(const picture_job *job) {
 }
 
 /* In the picture: of a sheet those of all files, each counted once. */
-static size_t count_triangles(const picture_job *job) {
+static size_t triangles_drawn(const picture_job *job) {
     const render_plan *plan = &job->plan;
     size_t triangles = plan->panels[0].triangles;
     for (size_t i = 1; i < plan->count && job->settings->sheet; ++i)
@@ -250,7 +250,7 @@ static void notes_json(cli_json *json, const picture_job *job) {
     cli_json_close(json, ']');
 }
 
-static void report_json(const picture_job *job, int pictures) {
+static void report_picture_json(const picture_job *job, int pictures) {
     const render_scene_file *file = job->drawn[0];
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
@@ -266,7 +266,7 @@ static void report_json(const picture_job *job, int pictures) {
     cli_json_size(&json, "width", job->width);
     cli_json_size(&json, "height", job->height);
     cli_json_size(&json, "panels", job->plan.count);
-    cli_json_size(&json, "triangles", count_triangles(job));
+    cli_json_size(&json, "triangles", triangles_drawn(job));
     cli_json_string(&json, "renderer", render_device_name(job->device));
     cli_json_number(&json, "worst_error_deg", worst_error(job));
     if (job->plan.difference >= 0)
@@ -303,14 +303,14 @@ static void print_notes(const render_scene_file *file) {
 }
 
 static void report_text(const picture_job *job, int pictures) {
-    FILE *out = render_is_standard(job->output) ? stderr : stdout;
+    FILE *out = cli_is_standard(job->output) ? stderr : stdout;
     const double worst = worst_error(job);
     char number[32];
     for (size_t i = 0; i + 1 < job->drawn_count; ++i)
         cli_say(out, "%s, ", cli_input_name(job->drawn[i]->input));
     cli_say(out, "%s -> %s: ", cli_input_name(job->drawn[job->drawn_count - 1]->input),
-        render_is_standard(job->output) ? "standard output" : job->output);
-    cli_counted(out, count_triangles(job), "triangle", "triangles");
+        cli_is_standard(job->output) ? "standard output" : job->output);
+    cli_counted(out, triangles_drawn(job), "triangle", "triangles");
     if (pictures > 1)
         fprintf(out, ", %d pictures of %zux%zu", pictures, job->width, job->height);
     else
@@ -336,16 +336,16 @@ static void report_text(const picture_job *job, int pictures) {
     for (size_t i = 0; i < job->drawn_count; ++i) print_notes(job->drawn[i]);
 }
 
-static void report(const picture_job *job, int pictures) {
+static void report_picture(const picture_job *job, int pictures) {
     if (job->settings->common.json)
-        report_json(job, pictures);
+        report_picture_json(job, pictures);
     else if (!job->settings->common.quiet)
         report_text(job, pictures);
 }
 
 /* ---- files */
 
-static int fail_input(
+static int fail_picture(
     const render_settings *settings, const char *input, norma_document_error *error) {
     cli_name_error(error, input);
     cli_print_error(error);
@@ -375,7 +375,7 @@ static int draw_pictures(picture_job *job) {
             job->plan.panels[i].azimuth_deg = azimuths[i] + 360.0 * turn / pictures;
         status = job->output ? draw_picture(job) : cli_out_of_memory();
     }
-    if (!status) report(job, pictures);
+    if (!status) report_picture(job, pictures);
     return status;
 }
 
@@ -389,10 +389,10 @@ static int draw_file(picture_job *job) {
     job->drawn_count = 1;
     int status = CLI_OK;
     if (render_file_open(settings, job->input, &file, &error))
-        status = fail_input(settings, job->input, &error);
+        status = fail_picture(settings, job->input, &error);
     if (!status) {
         status = render_plan_add(job->command, &job->plan, &file, NULL, &error);
-        if (status && error.result) status = fail_input(settings, job->input, &error);
+        if (status && error.result) status = fail_picture(settings, job->input, &error);
     }
     if (!status) status = render_guard_outputs(settings);
     if (!status) status = draw_pictures(job);
@@ -405,7 +405,7 @@ static int draw_file(picture_job *job) {
 
 /* The name of an input as a title: without folder and extension. */
 static void title_of(const char *input, char *title, size_t room) {
-    const char *name = render_base_name(input), *dot = strrchr(name, '.');
+    const char *name = cli_base_name(input), *dot = strrchr(name, '.');
     snprintf(title, room, "%.*s", dot && dot > name ? (int)(dot - name) : (int)strlen(name), name);
 }
 
@@ -430,7 +430,7 @@ static int open_sheet(picture_job *job, render_scene_file *files) {
                          : render_plan_add(job->command, &job->plan, &files[i], title, &error);
         if (!failed) continue;
         if (!error.result) return failed;
-        status = cli_worse(status, fail_input(job->settings, inputs->paths[i], &error));
+        status = cli_worse(status, fail_picture(job->settings, inputs->paths[i], &error));
         if (error.result == NORMA_DOCUMENT_CANCELLED) return status;
         job->plan.files = i + 1;
         leave_file(job, files, i + 1);
@@ -506,11 +506,11 @@ static int draw_one(void *user, size_t file) {
     return status ? status : draw_file(job);
 }
 
-static void report_lost(void *user, size_t file, const char *why) {
+static void report_lost_picture(void *user, size_t file, const char *why) {
     const picture_job *job = user;
     norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_FILE};
     snprintf(error.message, sizeof error.message, ": %s", why);
-    fail_input(job->settings, job->settings->files.inputs.paths[file], &error);
+    fail_picture(job->settings, job->settings->files.inputs.paths[file], &error);
 }
 
 static int draw_all(const cli_subcommand *command, const render_settings *settings) {
@@ -519,7 +519,7 @@ static int draw_all(const cli_subcommand *command, const render_settings *settin
     job->command = command;
     job->settings = settings;
     const cli_each each = {
-        settings->files.inputs.count, draw_one, report_lost, job, settings->files.guard};
+        settings->files.inputs.count, draw_one, report_lost_picture, job, settings->files.guard};
     int status = settings->sheet ? open_device(job) : cli_run_each(&each);
     if (settings->sheet && !status) status = draw_sheet(job);
     render_device_close(job->device);
@@ -534,7 +534,7 @@ static int draw_inputs(const cli_subcommand *command, render_settings *settings)
     return refused ? refused : cli_finish(cli_worse(found, draw_all(command, settings)));
 }
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int render_run(const cli_subcommand *command, int count, char **arguments) {
     render_settings settings;
     render_settings_default(&settings);
     if (!cli_files_begin(command, &settings.files, count)) return CLI_FILE;
@@ -555,5 +555,5 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
     return status;
 }
 
-const cli_subcommand cli_subcommand_render = {
-    "render", "draws a picture of a mesh, its normals, their errors or findings", help, run};
+const cli_subcommand cli_subcommand_render = {"render",
+    "draws a picture of a mesh, its normals, their errors or findings", render_help, render_run};

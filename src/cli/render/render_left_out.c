@@ -4,17 +4,17 @@
 #include "cli/process/process.h"
 #include <string.h>
 
-static const char help[] =
+static const char no_render_help[] =
     "norma render IN -o OUT.png: not in this build of norma\n"
     "\n"
     "It was built without libpng, libjpeg or the headers of EGL and OpenGL ES 3. Install them\n"
     "(Debian: libpng-dev libjpeg-dev libegl-dev libgles-dev) and build again.\n";
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int run_left_out(const cli_subcommand *command, int count, char **arguments) {
     (void)command;
     for (int i = 0; i < count; ++i)
         if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0) {
-            fputs(help, stdout);
+            fputs(no_render_help, stdout);
             return cli_finish(CLI_OK);
         }
     fputs("norma: render is not in this build; it needs libpng, libjpeg and the headers of EGL and "
@@ -25,4 +25,4 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
 }
 
 const cli_subcommand cli_subcommand_render = {
-    "render", "draws a picture (not in this build)", help, run};
+    "render", "draws a picture (not in this build)", no_render_help, run_left_out};

@@ -8,7 +8,7 @@
 /* ---- Options that have no effect: refused if the command line shows it, otherwise noted
  * once the file is open. */
 
-static int refuse(const cli_subcommand *command, const char *option, const char *needed) {
+static int refuse_idle(const cli_subcommand *command, const char *option, const char *needed) {
     return cli_usage(command, "%s applies only to %s with it", option, needed);
 }
 
@@ -17,13 +17,13 @@ int render_check_idle(const cli_subcommand *command, const render_settings *sett
     const int hedgehog = (settings->lines & ~(unsigned)RENDER_WIREFRAME) != 0,
               errors = settings->show == RENDER_SHOW_ERROR;
     if (given & RENDER_GIVEN_LENGTH && !hedgehog)
-        return refuse(command, "--line-length", "a hedgehog; expected --show hedgehog");
+        return refuse_idle(command, "--line-length", "a hedgehog; expected --show hedgehog");
     if (given & RENDER_GIVEN_MOST && !hedgehog)
-        return refuse(command, "--most-lines", "a hedgehog; expected --show hedgehog");
+        return refuse_idle(command, "--most-lines", "a hedgehog; expected --show hedgehog");
     if (given & RENDER_GIVEN_WIDTH && !settings->lines && settings->show != RENDER_SHOW_MARKS)
-        return refuse(command, "--line-width", "lines; expected --show hedgehog or wireframe");
+        return refuse_idle(command, "--line-width", "lines; expected --show hedgehog or wireframe");
     if (settings->look.error_top_deg > 0 && !errors)
-        return refuse(command, "--error-top", "errors; expected --show error");
+        return refuse_idle(command, "--error-top", "errors; expected --show error");
     if (settings->compute && errors)
         return cli_usage(command, "--show error compares stored normals with computed ones; "
                                   "--normals computed leaves none to compare");
@@ -135,7 +135,7 @@ static const char compare_help[] =
     "(angle, area, ...) or creases in degrees, separated by commas";
 
 /* The next word of a list with commas; 0: it is too long or empty. */
-static int next_word(const char **list, char *word, size_t room) {
+static int next_in_list(const char **list, char *word, size_t room) {
     size_t length = strcspn(*list, ",");
     if (length == 0 || length >= room) return 0;
     memcpy(word, *list, length);
@@ -150,7 +150,7 @@ static size_t read_sides(const render_settings *settings, side sides[RENDER_MOST
     size_t count = 0;
     char word[32];
     while (*list && count < RENDER_MOST_PANELS) {
-        if (!next_word(&list, word, sizeof word) || !read_side(word, &sides[count])) return 0;
+        if (!next_in_list(&list, word, sizeof word) || !read_side(word, &sides[count])) return 0;
         ++count;
     }
     return *list ? 0 : count;
@@ -189,7 +189,7 @@ static size_t read_views(const render_settings *settings, view views[RENDER_MOST
         return count;
     }
     while (*list && count < RENDER_MOST_PANELS) {
-        if (!next_word(&list, word, sizeof word) || !read_view(word, &views[count])) return 0;
+        if (!next_in_list(&list, word, sizeof word) || !read_view(word, &views[count])) return 0;
         ++count;
     }
     return *list ? 0 : count;

@@ -356,12 +356,12 @@ typedef struct marks {
     size_t dot_count, dot_room;
 } marks;
 
-static size_t face_count(const norma_mesh *mesh) {
+static size_t marked_faces(const norma_mesh *mesh) {
     return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
 }
 
 /* A counting sort of corners by position. */
-static void sort_corners(marks *m) {
+static void sort_marked_corners(marks *m) {
     const norma_mesh *mesh = &m->surface->mesh;
     for (size_t i = 0; i < m->corners; ++i) ++m->vertex_starts[norma_mesh_corner(mesh, i) + 1];
     for (size_t i = 0; i < mesh->positions.count; ++i)
@@ -376,9 +376,9 @@ static void sort_corners(marks *m) {
     m->vertex_starts[mesh->positions.count] = (uint32_t)m->corners;
 }
 
-static int begin(marks *m, const render_surface *surface) {
+static int begin_marks(marks *m, const render_surface *surface) {
     *m = (marks){.surface = surface,
-        .faces = face_count(&surface->mesh),
+        .faces = marked_faces(&surface->mesh),
         .corners = surface->mesh.corner_count};
     m->face_severity = calloc(m->faces + 1, 1);
     m->corner_severity = calloc(m->corners + 1, 1);
@@ -386,11 +386,11 @@ static int begin(marks *m, const render_surface *surface) {
     m->vertex_starts = calloc(surface->mesh.positions.count + 2, sizeof *m->vertex_starts);
     if (!m->face_severity || !m->corner_severity || !m->vertex_corners || !m->vertex_starts)
         return 0;
-    sort_corners(m);
+    sort_marked_corners(m);
     return 1;
 }
 
-static void end(marks *m) {
+static void end_marks(marks *m) {
     free(m->face_severity);
     free(m->corner_severity);
     free(m->vertex_corners);
@@ -457,7 +457,7 @@ static uint32_t *coloured(render_scene_file *file, const uint8_t *severities, si
 static int mark_surface(render_scene_file *file, const norma_findings *findings, const char *where,
     render_surface *surface) {
     marks m;
-    int good = begin(&m, surface);
+    int good = begin_marks(&m, surface);
     /* Errors last, so that their dots lie above. */
     for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
         for (size_t i = 0; good && i < norma_findings_count(findings); ++i) {
@@ -476,7 +476,7 @@ static int mark_surface(render_scene_file *file, const norma_findings *findings,
         good = render_file_keep(file, m.dots);
         m.dots = NULL;
     }
-    end(&m);
+    end_marks(&m);
     return good;
 }
 
@@ -646,7 +646,7 @@ static norma_document_result draw_node(const render_settings *settings, render_s
 }
 
 /* Room for all draws, and for the surfaces that may move. */
-static norma_document_result make_room(
+static norma_document_result make_draw_room(
     render_scene_file *file, scene_maker *m, norma_document_error *error) {
     norma_document *document = file->document;
     size_t draws = 0, moved = 0;
@@ -679,7 +679,7 @@ norma_document_result render_file_draws(const render_settings *settings, render_
     scene_maker *m, norma_document_error *error) {
     const size_t base_count = m->surface_count;
     file->not_shown = 0;
-    norma_document_result result = make_room(file, m, error);
+    norma_document_result result = make_draw_room(file, m, error);
     for (size_t i = 0; i < norma_document_node_count(file->document) && !result; ++i) {
         norma_node_info node;
         node_draws draws = {.node = i};
@@ -788,7 +788,8 @@ static void draw_each_once(scene_maker *m) {
 
 /* Why nothing can be drawn: the first mesh that could not be read, or what the file holds instead
  * of faces. */
-static norma_document_result fail_empty(render_scene_file *file, norma_document_error *error) {
+static norma_document_result fail_nothing_drawn(
+    render_scene_file *file, norma_document_error *error) {
     char reason[400] = "it holds no mesh";
     for (size_t i = norma_document_mesh_count(file->document); i-- > 0;) {
         norma_mesh_info info;
@@ -835,7 +836,7 @@ static norma_document_result make_scene(const render_settings *settings, render_
             : render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
     free(m.mesh_of);
     *scene = (render_scene){m.surfaces, m.surface_count, m.draws, m.draw_count};
-    if (!result && m.draw_count == 0) result = fail_empty(file, error);
+    if (!result && m.draw_count == 0) result = fail_nothing_drawn(file, error);
     if (!result && settings->show == RENDER_SHOW_TANGENTS && !file->with_tangents &&
         !file->with_texcoords)
         result = render_file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input,

@@ -38,7 +38,7 @@ void render_settings_default(render_settings *settings) {
 }
 
 /* The number of word in a list of names; -1: none of them. */
-static int number_of(const char *word, size_t length, const char *const *names, size_t count) {
+static int number_of_name(const char *word, size_t length, const char *const *names, size_t count) {
     for (size_t i = 0; i < count; ++i)
         if (strlen(names[i]) == length && memcmp(names[i], word, length) == 0) return (int)i;
     return -1;
@@ -48,7 +48,7 @@ static int number_of(const char *word, size_t length, const char *const *names, 
 
 static const char *set_shading(void *settings, const char *value) {
     static const char *const names[] = {"flat", "gouraud", "phong"};
-    int number = number_of(value, strlen(value), names, CLI_COUNT(names));
+    int number = number_of_name(value, strlen(value), names, CLI_COUNT(names));
     if (number < 0) return "flat, gouraud or phong";
     ((render_settings *)settings)->shading = (enum render_shading)number;
     ((render_settings *)settings)->given |= RENDER_GIVEN_SHADING;
@@ -65,7 +65,7 @@ static const char *set_show(void *user, const char *value) {
     int bases = 0;
     for (const char *word = value;; ++word) {
         size_t length = strcspn(word, ",");
-        int number = number_of(word, length, names, CLI_COUNT(names));
+        int number = number_of_name(word, length, names, CLI_COUNT(names));
         if (number < 0) return expected;
         if (number == 8)
             settings->lines |= RENDER_VERTEX_LINES | RENDER_FACE_LINES;
@@ -86,7 +86,7 @@ static const char *set_lines(void *user, const char *value) {
     settings->hedgehog = 0;
     for (const char *word = value;; ++word) {
         size_t length = strcspn(word, ",");
-        int number = number_of(word, length, names, CLI_COUNT(names));
+        int number = number_of_name(word, length, names, CLI_COUNT(names));
         if (number < 0) return "vertices, faces, edges, or several of them, separated by commas";
         settings->hedgehog |= 1U << number;
         word += length;
@@ -122,7 +122,7 @@ static const char *set_most_lines(void *settings, const char *value) {
 
 static const char *set_space(void *settings, const char *value) {
     static const char *const names[] = {"world", "view"};
-    int number = number_of(value, strlen(value), names, CLI_COUNT(names));
+    int number = number_of_name(value, strlen(value), names, CLI_COUNT(names));
     if (number < 0) return "world or view";
     ((render_settings *)settings)->space = (enum render_space)number;
     return NULL;
@@ -186,7 +186,7 @@ static const char *set_clay(void *settings, const char *value) {
     return NULL;
 }
 
-static const char *set_select(void *user, const char *value) {
+static const char *set_shown_rules(void *user, const char *value) {
     render_settings *settings = user;
     size_t rules;
     norma_rules(&rules);
@@ -204,12 +204,12 @@ static const char *set_normals(void *settings, const char *value) {
     return NULL;
 }
 
-static const char *set_weight(void *settings, const char *value) {
+static const char *set_picture_weight(void *settings, const char *value) {
     ((render_settings *)settings)->given |= RENDER_GIVEN_WEIGHT;
     return cli_find_weight(value, &((render_settings *)settings)->weight);
 }
 
-static const char *set_crease(void *user, const char *value) {
+static const char *set_picture_crease(void *user, const char *value) {
     render_settings *settings = user;
     double degrees;
     if (!cli_number(value, &degrees) || degrees < 0 || degrees > 180)
@@ -243,7 +243,7 @@ static const char *set_fov(void *settings, const char *value) {
 static const char *set_up(void *user, const char *value) {
     static const char *const names[] = {"y", "z", "x", "-y", "-z", "-x"};
     render_settings *settings = user;
-    const int number = number_of(value, strlen(value), names, CLI_COUNT(names));
+    const int number = number_of_name(value, strlen(value), names, CLI_COUNT(names));
     if (number < 0) return "x, y or z, or -x, -y or -z";
     settings->up = (enum render_up)number;
     settings->up_given = 1;
@@ -344,14 +344,14 @@ static const char *set_renderer(void *settings, const char *value) {
     return NULL;
 }
 
-static const char *set_output(void *settings, const char *value) {
+static const char *set_picture_output(void *settings, const char *value) {
     cli_files *files = &((render_settings *)settings)->files;
     if (files->output) return "to be given once";
     files->output = value;
     return value[0] ? NULL : "a name that ends in .png, or - for standard output";
 }
 
-static const char *set_folder(void *settings, const char *value) {
+static const char *set_picture_folder(void *settings, const char *value) {
     cli_files *files = &((render_settings *)settings)->files;
     if (files->folder) return "to be given once";
     files->folder = value;
@@ -359,8 +359,8 @@ static const char *set_folder(void *settings, const char *value) {
 }
 
 const cli_option render_options[] = {
-    {"output", 'o', CLI_VALUE, set_output},
-    {"out-dir", 0, CLI_VALUE, set_folder},
+    {"output", 'o', CLI_VALUE, set_picture_output},
+    {"out-dir", 0, CLI_VALUE, set_picture_folder},
     {"shading", 0, CLI_VALUE, set_shading},
     {"show", 0, CLI_VALUE, set_show},
     {"compare", 0, CLI_MAYBE_VALUE, set_compare},
@@ -371,15 +371,15 @@ const cli_option render_options[] = {
     {"sheet", 0, CLI_NO_VALUE, set_sheet},
     {"label", 0, CLI_VALUE, set_label},
     {"clay", 0, CLI_MAYBE_VALUE, set_clay},
-    {"select", 0, CLI_VALUE, set_select},
+    {"select", 0, CLI_VALUE, set_shown_rules},
     {"lines", 0, CLI_VALUE, set_lines},
     {"line-length", 0, CLI_VALUE, set_line_length},
     {"line-width", 0, CLI_VALUE, set_line_width},
     {"most-lines", 0, CLI_VALUE, set_most_lines},
     {"error-top", 0, CLI_VALUE, set_error_top},
     {"normals", 0, CLI_VALUE, set_normals},
-    {"weight", 0, CLI_VALUE, set_weight},
-    {"crease", 0, CLI_VALUE, set_crease},
+    {"weight", 0, CLI_VALUE, set_picture_weight},
+    {"crease", 0, CLI_VALUE, set_picture_crease},
     {"camera", 0, CLI_VALUE, set_camera},
     {"fov", 0, CLI_VALUE, set_fov},
     {"up", 0, CLI_VALUE, set_up},
@@ -395,22 +395,10 @@ const size_t render_option_count = CLI_COUNT(render_options);
 /* ---- Where the pictures of norma render go, and which options contradict each other:
  * said before anything is drawn. */
 
-const char *render_base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 static int ends_in_png(const char *path) {
-    const char *name = render_base_name(path), *dot = strrchr(name, '.');
+    const char *name = cli_base_name(path), *dot = strrchr(name, '.');
     return dot && dot > name && strlen(dot) == 4 && (dot[1] | 32) == 'p' && (dot[2] | 32) == 'n' &&
            (dot[3] | 32) == 'g';
-}
-
-int render_is_standard(const char *name) { return strcmp(name, "-") == 0; }
-
-static int is_stream(const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
 }
 
 char *render_output_of(const render_settings *settings, size_t index, int turn) {
@@ -418,8 +406,8 @@ char *render_output_of(const render_settings *settings, size_t index, int turn) 
     char ending[16] = ".png";
     if (turn >= 0) snprintf(ending, sizeof ending, "-%03d.png", turn);
     if (turn < 0 || !files->output) return cli_output_of(files, index, ending);
-    const char *name = files->output, *dot = strrchr(render_base_name(name), '.');
-    const int stem = dot && dot > render_base_name(name) ? (int)(dot - name) : (int)strlen(name);
+    const char *name = files->output, *dot = strrchr(cli_base_name(name), '.');
+    const int stem = dot && dot > cli_base_name(name) ? (int)(dot - name) : (int)strlen(name);
     const size_t size = strlen(name) + sizeof ending;
     char *path = malloc(size);
     if (path) snprintf(path, size, "%.*s%s", stem, name, ending);
@@ -430,7 +418,7 @@ static int check_outputs(const cli_subcommand *command, render_settings *setting
     cli_files *files = &settings->files;
     int standard = 0;
     for (size_t i = 0; i < files->inputs.count; ++i)
-        standard |= render_is_standard(files->inputs.paths[i]);
+        standard |= cli_is_standard(files->inputs.paths[i]);
     if (!files->output && !files->folder)
         return cli_usage(command, "no output was given; expected -o OUT.png or --out-dir FOLDER");
     if (files->output && files->folder)
@@ -444,16 +432,16 @@ static int check_outputs(const cli_subcommand *command, render_settings *setting
     if (files->folder && standard)
         return cli_usage(command, "standard input has no name to write to; expected -o OUT.png");
     if (files->folder) return cli_place_outputs(command, files, ".png");
-    if (render_is_standard(files->output) && settings->common.json)
+    if (cli_is_standard(files->output) && settings->common.json)
         return cli_usage(command, "-o - and --json would both write to standard output");
-    if (render_is_standard(files->output) && settings->turns)
+    if (cli_is_standard(files->output) && settings->turns)
         return cli_usage(command, "--turntable makes several files; expected -o OUT.png");
-    if (render_is_standard(files->output) && isatty(STDOUT_FILENO))
+    if (cli_is_standard(files->output) && isatty(STDOUT_FILENO))
         return cli_usage(command,
             "standard output is a terminal, which shows no picture; expected -o "
             "OUT.png, or a pipe");
-    if (!render_is_standard(files->output) && !ends_in_png(files->output) &&
-        !is_stream(files->output))
+    if (!cli_is_standard(files->output) && !ends_in_png(files->output) &&
+        !cli_is_stream(files->output))
         return cli_usage(
             command, "-o %s: pictures are PNG; expected a name that ends in .png", files->output);
     return CLI_OK;

@@ -23,7 +23,7 @@ typedef struct report_scan {
     int run_fits, run_fault;
 } report_scan;
 
-static int refuse(const report_scan *scan, const char *why) {
+static int refuse_report(const report_scan *scan, const char *why) {
     cli_error("%s: %s", scan->text->files->paths[scan->text->report], why);
     return CLI_FILE;
 }
@@ -202,7 +202,7 @@ static int extends_last(const report_scan *scan, const char *path) {
            strcmp(last->path, path) == 0;
 }
 
-static int add_part(report_scan *scan, const char *path) {
+static int note_entry(report_scan *scan, const char *path) {
     const char *text = scan->merged->entry;
     if (scan->has_runs && extends_last(scan, path)) {
         report_part *last = &scan->merged->parts[scan->merged->part_count - 1];
@@ -227,7 +227,7 @@ static int add_encoded(report_scan *scan, const char *text) {
         return 0;
     }
     report_decode(path);
-    const int added = add_part(scan, path);
+    const int added = note_entry(scan, path);
     free(path);
     return added;
 }
@@ -251,7 +251,7 @@ static int note_file(report_scan *scan, const json_t *file) {
     count_file(file, &scan->merged->totals);
     scan->merged->status = cli_worse(scan->merged->status, status_of(file));
     return bytes ? add_encoded(scan, bytes)
-                 : add_part(scan, json_string_value(json_object_get(file, "path")));
+                 : note_entry(scan, json_string_value(json_object_get(file, "path")));
 }
 
 /* A fault is reported in the end: an error in the JSON goes before it. */
@@ -374,20 +374,22 @@ static int refuse_text(const report_scan *scan) {
     if (!report) return CLI_FILE;
     const int is_array = json_is_array(report);
     json_decref(report);
-    return refuse(scan, is_array ? no_report : "changed while it was read");
+    return refuse_report(scan, is_array ? no_report : "changed while it was read");
 }
 
 static int note_report(report_scan *scan) {
     if (scan->has_runs) {
         scan->merged->kind = REPORT_SARIF;
         if (scan->run_fault)
-            return refuse(scan, "was not written by this version of norma check, so its rules may "
-                                "have other numbers");
+            return refuse_report(scan,
+                "was not written by this version of norma check, so its rules may "
+                "have other numbers");
         return CLI_OK;
     }
-    if (!scan->has_files || !scan->is_norma) return refuse(scan, no_report);
+    if (!scan->has_files || !scan->is_norma) return refuse_report(scan, no_report);
     scan->merged->kind = REPORT_JSON;
-    if (scan->has_fault) return refuse(scan, "expected a path, a status and findings in each file");
+    if (scan->has_fault)
+        return refuse_report(scan, "expected a path, a status and findings in each file");
     return CLI_OK;
 }
 
@@ -418,7 +420,7 @@ static int refuse_page(const report_text *text) {
 
 /* ---- totals */
 
-static size_t number_of(const json_t *object, const char *key) {
+static size_t count_in(const json_t *object, const char *key) {
     const json_int_t number = json_integer_value(json_object_get(object, key));
     return number > 0 ? (size_t)number : 0;
 }
@@ -430,21 +432,21 @@ static void add_rule(const json_t *entry, check_totals *totals) {
     const norma_severity severity = report_severity(entry);
     for (size_t rule = 0; rule < count && id && severity; ++rule)
         if (strcmp(rules[rule].id, id) == 0) {
-            totals->by_rule[rule][severity].places += number_of(entry, "places");
-            totals->by_rule[rule][severity].files += number_of(entry, "files");
+            totals->by_rule[rule][severity].places += count_in(entry, "places");
+            totals->by_rule[rule][severity].files += count_in(entry, "files");
         }
 }
 
-static void add_totals(const json_t *page, check_totals *totals) {
+static void add_page_totals(const json_t *page, check_totals *totals) {
     size_t i;
     json_t *entry;
-    totals->errors += number_of(page, "errors");
-    totals->warnings += number_of(page, "warnings");
-    totals->infos += number_of(page, "infos");
-    totals->files += number_of(page, "files");
-    totals->files_with_trouble += number_of(page, "files_with_trouble");
-    totals->not_checked += number_of(page, "not_checked");
-    totals->known += number_of(page, "known");
+    totals->errors += count_in(page, "errors");
+    totals->warnings += count_in(page, "warnings");
+    totals->infos += count_in(page, "infos");
+    totals->files += count_in(page, "files");
+    totals->files_with_trouble += count_in(page, "files_with_trouble");
+    totals->not_checked += count_in(page, "not_checked");
+    totals->known += count_in(page, "known");
     totals->incomplete |= json_is_false(json_object_get(page, "complete"));
     json_array_foreach(json_object_get(page, "rules"), i, entry) add_rule(entry, totals);
 }
@@ -468,7 +470,7 @@ static int read_totals(report_merge *merged, report_text *text) {
     if (!read_between(merged, text, at, last)) return CLI_FILE;
     json_t *page = json_loadb(merged->entry, (size_t)(last - at), 0, &error);
     if (!page) return refuse_page(text);
-    add_totals(page, &merged->totals);
+    add_page_totals(page, &merged->totals);
     report_note_shard(merged, text->report, page);
     if (merged->totals.incomplete) merged->status = CLI_FILE;
     json_decref(page);

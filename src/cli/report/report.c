@@ -111,12 +111,9 @@ static int read_finding(const json_t *object, norma_finding *finding) {
 }
 
 static norma_check_profile read_profile(const json_t *file) {
-    const char *name = text_of(file, "profile");
-    for (int profile = NORMA_CHECK_PROFILE_RENDER; profile <= NORMA_CHECK_PROFILE_GENERATED;
-         ++profile)
-        if (strcmp(check_profile_name((norma_check_profile)profile), name) == 0)
-            return (norma_check_profile)profile;
-    return NORMA_CHECK_PROFILE_RENDER;
+    norma_check_profile profile = NORMA_CHECK_PROFILE_RENDER;
+    check_find_profile(text_of(file, "profile"), &profile);
+    return profile;
 }
 
 /* A status. */
@@ -178,7 +175,7 @@ int report_write_as(
 /* ---- Norma report --merge: the reports of norma check on parts of a set of files,
  * put together as the report on the whole set. What each report is, its content says. */
 
-static const char help[] =
+static const char report_help[] =
     "norma report --merge REPORT... -o OUT: joins reports of norma check into one\n"
     "\n"
     "Examples\n"
@@ -221,28 +218,28 @@ static const char *set_partial(void *settings, const char *value) {
     return NULL;
 }
 
-static const char *set_output(void *settings, const char *value) {
+static const char *set_merged_output(void *settings, const char *value) {
     ((report_work *)settings)->output = value;
     return value[0] ? NULL : "the name of a file, or -";
 }
 
-static const char *set_format(void *settings, const char *value) {
+static const char *set_merged_format(void *settings, const char *value) {
     ((report_work *)settings)->format = check_find_format(value);
     return ((report_work *)settings)->format ? NULL : CHECK_FORMAT_NAMES;
 }
 
-static const char *set_info(void *settings, const char *value) {
+static const char *set_merged_info(void *settings, const char *value) {
     (void)value;
     ((report_work *)settings)->merged.settings.list_infos = 1;
     return NULL;
 }
 
-static const cli_option options[] = {
+static const cli_option report_options[] = {
     {"merge", 0, 0, set_merge},
     {"partial", 0, 0, set_partial},
-    {"output", 'o', 1, set_output},
-    {"format", 0, 1, set_format},
-    {"info", 0, 0, set_info},
+    {"output", 'o', 1, set_merged_output},
+    {"format", 0, 1, set_merged_format},
+    {"info", 0, 0, set_merged_info},
 };
 
 /* ---- reading */
@@ -327,7 +324,7 @@ static int write_merged(report_work *work, cli_guard *guard) {
     return cli_worse(cli_worse(work->merged.status, totals.status), cli_output_end(&output));
 }
 
-static int merge(const cli_subcommand *command, report_work *work, const cli_words *words) {
+static int merge_reports(const cli_subcommand *command, report_work *work, const cli_words *words) {
     if (!work->merge) return cli_usage(command, "nothing to do was given; expected --merge");
     if (!words->count) return cli_usage(command, "no report was given");
     cli_guard *guard = cli_guard_new(command);
@@ -348,10 +345,10 @@ static int merge(const cli_subcommand *command, report_work *work, const cli_wor
     return status;
 }
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int report_run(const cli_subcommand *command, int count, char **arguments) {
     report_work work = {.output = "-"};
     cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
-    const cli_table tables[] = {{options, CLI_COUNT(options), &work}};
+    const cli_table tables[] = {{report_options, CLI_COUNT(report_options), &work}};
     int wants_help = 0;
     int status = words.words ? cli_parse(command, tables, CLI_COUNT(tables), count, arguments,
                                    &words, &wants_help)
@@ -360,7 +357,7 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
         fputs(command->help, stdout);
         status = cli_finish(status);
     } else if (!status)
-        status = merge(command, &work, &words);
+        status = merge_reports(command, &work, &words);
     report_merge_free(&work.merged);
     free(work.missing);
     free(words.words);
@@ -368,4 +365,4 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
 }
 
 const cli_subcommand cli_subcommand_report = {
-    "report", "joins reports of norma check into one", help, run};
+    "report", "joins reports of norma check into one", report_help, report_run};

@@ -194,20 +194,13 @@ void report_merge_free(report_merge *merged) {
     free(merged->entry);
 }
 
-static norma_severity severity_of(const char *name) {
-    for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; ++severity)
-        if (name && strcmp(name, check_severity_name((norma_severity)severity)) == 0)
-            return (norma_severity)severity;
-    return NORMA_SEVERITY_NONE;
-}
-
 norma_severity report_severity(const json_t *finding) {
-    return severity_of(json_string_value(json_object_get(finding, "severity")));
+    return cli_find_severity(json_string_value(json_object_get(finding, "severity")));
 }
 
 int report_fail_on(const json_t *file) {
     const char *name = json_string_value(json_object_get(file, "fail_on"));
-    const int severity = (int)severity_of(name ? name : "error");
+    const int severity = (int)cli_find_severity(name ? name : "error");
     return severity ? severity : CHECK_FAIL_NEVER;
 }
 

@@ -5,7 +5,7 @@
 #include "cli/text/text.h"
 #include <string.h>
 
-static const char help[] =
+static const char tangents_help[] =
     "norma tangents IN -o OUT: computes tangents and writes them into a copy of a glTF\n"
     "\n"
     "Examples\n"
@@ -69,26 +69,26 @@ static const char *set_texcoord(void *settings, const char *value) {
     return NULL;
 }
 
-static const char *set_weight(void *settings, const char *value) {
+static const char *set_tangents_weight(void *settings, const char *value) {
     ((tangents_work *)settings)->weight_given = 1;
     return cli_find_weight(value, &((tangents_work *)settings)->options.weight);
 }
 
-static const char *set_only(void *settings, const char *value) {
+static const char *set_tangents_only(void *settings, const char *value) {
     return cli_find_only(value, &((tangents_work *)settings)->options.only);
 }
 
-static const cli_option options[] = {
+static const cli_option tangents_options[] = {
     {"mode", 0, 1, set_mode},
     {"texcoord", 0, 1, set_texcoord},
-    {"weight", 0, 1, set_weight},
-    {"only", 0, 1, set_only},
+    {"weight", 0, 1, set_tangents_weight},
+    {"only", 0, 1, set_tangents_only},
 };
 
 /* ---- one file */
 
-static norma_document_result change(void *user, norma_document *document, norma_progress *progress,
-    void *progress_user, norma_document_error *error) {
+static norma_document_result tangents_change(void *user, norma_document *document,
+    norma_progress *progress, void *progress_user, norma_document_error *error) {
     tangents_work *work = user;
     work->options.progress = progress;
     work->options.progress_user = progress_user;
@@ -99,7 +99,7 @@ static const char *mode_name(const tangents_work *work) {
     return work->options.mode == NORMA_TANGENTS_MIKK ? "mikk" : "steady";
 }
 
-static void write_json(const void *user, cli_json *json) {
+static void write_tangents_json(const void *user, cli_json *json) {
     const tangents_work *work = user;
     const norma_tangent_summary *summary = &work->summary;
     cli_json_string(json, "mode", mode_name(work));
@@ -121,7 +121,7 @@ static void write_json(const void *user, cli_json *json) {
     cli_json_bool(json, "changed", summary->changed);
 }
 
-static void write_cause(FILE *out, int *written, size_t count, const char *cause) {
+static void write_tangent_cause(FILE *out, int *written, size_t count, const char *cause) {
     if (!count) return;
     fputs(*written ? ", " : " (", out);
     cli_count(out, count);
@@ -130,20 +130,20 @@ static void write_cause(FILE *out, int *written, size_t count, const char *cause
 }
 
 /* Corners that have no tangent of their own, and why. */
-static void write_reasons(const norma_tangent_summary *summary, FILE *out) {
+static void write_tangent_reasons(const norma_tangent_summary *summary, FILE *out) {
     int written = 0;
     const size_t count = summary->degenerate + summary->non_finite + summary->cancelled;
     if (!count) return;
     fputs("; ", out);
     cli_counted(out, count, "corner", "corners");
     fputs(" had no tangent", out);
-    write_cause(out, &written, summary->degenerate, "without texture area");
-    write_cause(out, &written, summary->non_finite, "not finite");
-    write_cause(out, &written, summary->cancelled, "cancelled");
+    write_tangent_cause(out, &written, summary->degenerate, "without texture area");
+    write_tangent_cause(out, &written, summary->non_finite, "not finite");
+    write_tangent_cause(out, &written, summary->cancelled, "cancelled");
     fputs(") and got one perpendicular to the normal", out);
 }
 
-static void write_text(const void *user, const norma_document *document, FILE *out) {
+static void write_tangents_text(const void *user, const norma_document *document, FILE *out) {
     const tangents_work *work = user;
     const norma_tangent_summary *summary = &work->summary;
     (void)document;
@@ -163,7 +163,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         cli_count(out, summary->vertices_after);
         fputs(", split where corners have different tangents", out);
     }
-    write_reasons(summary, out);
+    write_tangent_reasons(summary, out);
     if (summary->left_out) {
         fputs("; left out: ", out);
         cli_counted(out, summary->left_out, "primitive", "primitives");
@@ -173,7 +173,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
 
 /* ---- the command */
 
-static int prepare(const cli_subcommand *command, void *user, uint32_t threads) {
+static int tangents_prepare(const cli_subcommand *command, void *user, uint32_t threads) {
     tangents_work *work = user;
     work->options.threads = threads;
     if (work->weight_given && work->options.mode == NORMA_TANGENTS_MIKK)
@@ -181,17 +181,17 @@ static int prepare(const cli_subcommand *command, void *user, uint32_t threads) 
     return CLI_OK;
 }
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int tangents_run(const cli_subcommand *command, int count, char **arguments) {
     tangents_work work = {
         .options = {.struct_size = sizeof work.options, .mode = NORMA_TANGENTS_MIKK}};
-    const cli_table table = {options, CLI_COUNT(options), &work};
+    const cli_table table = {tangents_options, CLI_COUNT(tangents_options), &work};
     const cli_changer changer = {.work = &work,
-        .change = change,
-        .write_json = write_json,
-        .write_text = write_text,
-        .prepare = prepare};
+        .change = tangents_change,
+        .write_json = write_tangents_json,
+        .write_text = write_tangents_text,
+        .prepare = tangents_prepare};
     return cli_run_changer(command, &changer, &table, 1, count, arguments);
 }
 
-const cli_subcommand cli_subcommand_tangents = {
-    "tangents", "computes tangents and writes them into a copy of a glTF", help, run};
+const cli_subcommand cli_subcommand_tangents = {"tangents",
+    "computes tangents and writes them into a copy of a glTF", tangents_help, tangents_run};

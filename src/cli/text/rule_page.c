@@ -83,7 +83,7 @@ static void write_pictures(FILE *out, const norma_rule *rule) {
     }
 }
 
-static void write_paragraph(FILE *out, const char *text) {
+static void write_html_paragraph(FILE *out, const char *text) {
     fputs("<p>", out);
     cli_write_outside_html(out, text);
     fputs("</p>\n", out);
@@ -93,8 +93,8 @@ void cli_write_rule_html(FILE *out, const norma_rule *rule, int level) {
     fprintf(out, "<article class=\"meaning\" id=\"%s\"><h%d>%s %s</h%d>\n", rule->id, level,
         rule->id, rule->name, level);
     write_pictures(out, rule);
-    write_paragraph(out, rule->what);
-    write_paragraph(out, rule->why);
-    write_paragraph(out, rule->how);
+    write_html_paragraph(out, rule->what);
+    write_html_paragraph(out, rule->why);
+    write_html_paragraph(out, rule->how);
     fputs("</article>\n", out);
 }

@@ -328,6 +328,16 @@ const char *cli_find_only(const char *word, norma_only *out) {
     return "all, missing or broken";
 }
 
+static const char *const severity_names[] = {"none", "info", "warning", "error"};
+
+const char *cli_severity_name(norma_severity severity) { return severity_names[severity]; }
+
+norma_severity cli_find_severity(const char *name) {
+    int severity = NORMA_SEVERITY_ERROR;
+    while (severity && !(name && strcmp(name, severity_names[severity]) == 0)) --severity;
+    return (norma_severity)severity;
+}
+
 const char *cli_kind_name(norma_kind kind) {
     switch (kind) {
     case NORMA_KIND_IDENTITY:

@@ -79,6 +79,8 @@ char *cli_decimals(char text[32], double number, int digits);
 const char *cli_find_weight(const char *word, norma_weight *out);
 const char *cli_find_only(const char *word, norma_only *out);
 const char *cli_kind_name(norma_kind kind);
+const char *cli_severity_name(norma_severity severity); /* "error" */
+norma_severity cli_find_severity(const char *name);     /* NONE: none is called so */
 double cli_radians(double degrees);
 double cli_to_degrees(double radians);
 double cli_given_degrees(double radians); /* 60 where 60 was given: rounded to 1e-9 */

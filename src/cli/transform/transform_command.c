@@ -5,7 +5,7 @@
 #include "cli/text/text.h"
 #include <string.h>
 
-static const char help[] =
+static const char transform_help[] =
     "norma transform IN -o OUT MATRIX: applies one matrix to positions, normals, tangents and "
     "winding\n"
     "\n"
@@ -45,17 +45,17 @@ static const char *set_bake(void *settings, const char *value) {
     return NULL;
 }
 
-static const cli_option options[] = {{"bake", 0, 0, set_bake}};
+static const cli_option transform_options[] = {{"bake", 0, 0, set_bake}};
 
-static norma_document_result change(void *user, norma_document *document, norma_progress *progress,
-    void *progress_user, norma_document_error *error) {
+static norma_document_result transform_change(void *user, norma_document *document,
+    norma_progress *progress, void *progress_user, norma_document_error *error) {
     transform_work *work = user;
     work->options.progress = progress;
     work->options.progress_user = progress_user;
     return norma_document_transform(document, &work->options, &work->summary, error);
 }
 
-static void write_json(const void *user, cli_json *json) {
+static void write_transformed_json(const void *user, cli_json *json) {
     const transform_work *work = user;
     cli_json_size(json, "vertices", work->summary.vertices);
     cli_json_bool(json, "mirrored", work->summary.mirrored);
@@ -77,7 +77,7 @@ static const char *what_flattening_does(const transform_work *work) {
     return "; flattened to a point (rank 0): no face keeps a direction, so no normal is right";
 }
 
-static void write_text(const void *user, const norma_document *document, FILE *out) {
+static void write_transformed_text(const void *user, const norma_document *document, FILE *out) {
     const transform_work *work = user;
     const norma_transform_summary *summary = &work->summary;
     const int on_a_node = norma_document_format(document) >= NORMA_FILE_GLTF && !work->options.bake;
@@ -114,7 +114,7 @@ static void write_text(const void *user, const norma_document *document, FILE *o
         fputs(what_flattening_does(work), out);
 }
 
-static int prepare(const cli_subcommand *command, void *user, uint32_t threads) {
+static int transform_prepare(const cli_subcommand *command, void *user, uint32_t threads) {
     transform_work *work = user;
     double normal_matrix[9];
     const double *m = work->matrix.matrix;
@@ -133,18 +133,18 @@ static int prepare(const cli_subcommand *command, void *user, uint32_t threads) 
     return CLI_OK;
 }
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int transform_run(const cli_subcommand *command, int count, char **arguments) {
     transform_work work = {
         .options = {.struct_size = sizeof work.options}, .matrix = cli_matrix_identity};
-    const cli_table tables[] = {{options, CLI_COUNT(options), &work},
+    const cli_table tables[] = {{transform_options, CLI_COUNT(transform_options), &work},
         {cli_matrix_options, cli_matrix_option_count, &work.matrix}};
     const cli_changer changer = {.work = &work,
-        .change = change,
-        .write_json = write_json,
-        .write_text = write_text,
-        .prepare = prepare};
+        .change = transform_change,
+        .write_json = write_transformed_json,
+        .write_text = write_transformed_text,
+        .prepare = transform_prepare};
     return cli_run_changer(command, &changer, tables, CLI_COUNT(tables), count, arguments);
 }
 
-const cli_subcommand cli_subcommand_transform = {
-    "transform", "moves, turns, scales or mirrors a file, normals included", help, run};
+const cli_subcommand cli_subcommand_transform = {"transform",
+    "moves, turns, scales or mirrors a file, normals included", transform_help, transform_run};

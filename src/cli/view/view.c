@@ -31,7 +31,7 @@ static void free_shared(shared_mesh *s) {
     free(s->corners);
 }
 
-static int make_room(shared_mesh *s, const norma_mesh *mesh) {
+static int make_shared_room(shared_mesh *s, const norma_mesh *mesh) {
     s->vertex_count = mesh->positions.count;
     s->corner_count = mesh->corner_count;
     s->positions = calloc(3 * s->vertex_count + 1, sizeof *s->positions);
@@ -65,7 +65,7 @@ static int share(shared_mesh *s, const norma_mesh *mesh) {
     return 1;
 }
 
-static int simplify(shared_mesh *s, size_t most_triangles) {
+static int simplify_mesh(shared_mesh *s, size_t most_triangles) {
     uint32_t *fewer = malloc(4 * s->corner_count + 1);
     if (!fewer) return 0;
     size_t count = meshopt_simplify(fewer, s->corners, s->corner_count, s->positions, s->unique, 12,
@@ -101,8 +101,9 @@ static int keep_used(shared_mesh *s, view_decimated *decimated) {
 static int view_decimate(const norma_mesh *mesh, size_t most_triangles, view_decimated *decimated) {
     shared_mesh s = {0};
     if (mesh->corner_count <= 3 * most_triangles) return 1;
-    int good = make_room(&s, mesh);
-    if (good && share(&s, mesh)) good = simplify(&s, most_triangles) && keep_used(&s, decimated);
+    int good = make_shared_room(&s, mesh);
+    if (good && share(&s, mesh))
+        good = simplify_mesh(&s, most_triangles) && keep_used(&s, decimated);
     free_shared(&s);
     return good;
 }
@@ -116,7 +117,7 @@ int view_decimate(const norma_mesh *mesh, size_t most_triangles, view_decimated 
 /* ---- Norma view: one HTML file with the page and the model in it. The page is the
  * playground that `make web` leaves; the model is packed by model_pack.c. */
 
-static const char help[] =
+static const char view_help[] =
     "norma view IN -o OUT.html: writes one HTML page that shows the model offline in any browser\n"
     "\n"
     "Examples\n"
@@ -187,7 +188,7 @@ static const char *find_mark(const char *from, const char *end, const char *mark
     return end;
 }
 
-static void write_page(FILE *out, const char *name, const view_pack *pack) {
+static void write_view_page(FILE *out, const char *name, const view_pack *pack) {
     size_t size;
     const char *page = view_page(&size), *end = page + size;
     const char *name_mark = find_mark(page, end, VIEW_PAGE_NAME),
@@ -226,12 +227,7 @@ static norma_document_result read_pack(const view_work *work, const char *input,
     return result;
 }
 
-static const char *base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
-static size_t count_triangles(const norma_document *document) {
+static size_t document_triangles(const norma_document *document) {
     size_t triangles = 0;
     norma_mesh_info info;
     for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
@@ -254,9 +250,9 @@ static size_t count_decimated(const view_pack *pack, size_t *all) {
     return decimated;
 }
 
-static void report(const view_work *work, const char *input, const char *to,
+static void report_page(const view_work *work, const char *input, const char *to,
     const norma_document *document, const view_pack *pack) {
-    const size_t triangles = count_triangles(document),
+    const size_t triangles = document_triangles(document),
                  meshes = norma_document_mesh_count(document);
     size_t shown;
     const int decimated = count_decimated(pack, &shown) > 0;
@@ -286,7 +282,7 @@ static void report(const view_work *work, const char *input, const char *to,
 }
 
 /* Why a page of it would be empty: the first mesh that could not be read, or what it holds. */
-static norma_document_result fail_empty(
+static norma_document_result fail_nothing_shown(
     const char *input, const norma_document *document, norma_document_error *error) {
     norma_mesh_info info;
     size_t vertices = 0;
@@ -310,17 +306,19 @@ static int write_to(
     int status = cli_make_folders(&work->files, to);
     if (!status) status = cli_output_begin(&output, to, work->files.guard);
     if (status) return status;
-    write_page(output.out, strcmp(input, "-") == 0 ? "standard input" : base_name(input), pack);
+    write_view_page(
+        output.out, strcmp(input, "-") == 0 ? "standard input" : cli_base_name(input), pack);
     return cli_output_end(&output);
 }
 
-static int run_file(const view_work *work, const char *input, const char *to) {
+static int view_file(const view_work *work, const char *input, const char *to) {
     norma_document *document = NULL;
     norma_document_error error = {0};
     void *memory = NULL;
     view_pack pack = {0};
     norma_document_result result = read_pack(work, input, &document, &memory, &pack, &error);
-    if (!result && count_triangles(document) == 0) result = fail_empty(input, document, &error);
+    if (!result && document_triangles(document) == 0)
+        result = fail_nothing_shown(input, document, &error);
     int status = cli_status_of(result);
     if (result) {
         error.result = result;
@@ -328,7 +326,7 @@ static int run_file(const view_work *work, const char *input, const char *to) {
         cli_print_error(&error);
     } else {
         status = write_to(work, input, to, &pack);
-        if (!status) report(work, input, to, document, &pack);
+        if (!status) report_page(work, input, to, document, &pack);
     }
     free(pack.bytes);
     norma_document_close(document);
@@ -393,7 +391,7 @@ static int run_page(void *user, size_t file) {
     return status;
 }
 
-static void report_lost(void *user, size_t file, const char *why) {
+static void report_lost_page(void *user, size_t file, const char *why) {
     const page_run *run = user;
     cli_error("%s: %s", cli_input_name(run->work->files.inputs.paths[file]), why);
 }
@@ -406,9 +404,9 @@ static int guard_pages(const view_work *work) {
 }
 
 static int write_pages(const view_work *work) {
-    page_run run = {work, run_file};
+    page_run run = {work, view_file};
     const cli_each each = {
-        work->files.inputs.count, run_page, report_lost, &run, work->files.guard};
+        work->files.inputs.count, run_page, report_lost_page, &run, work->files.guard};
     return cli_run_each(&each);
 }
 
@@ -425,7 +423,7 @@ static int make_pages(const cli_subcommand *command, view_work *work) {
     return status ? status : cli_worse(found, write_pages(work));
 }
 
-static int run(const cli_subcommand *command, int count, char **arguments) {
+static int view_run(const cli_subcommand *command, int count, char **arguments) {
     view_work work = {.common = {.threads = NORMA_ALL_THREADS}};
     const cli_table tables[] = {
         {cli_output_options, cli_output_option_count, &work.files},
@@ -437,7 +435,7 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
     int status = cli_parse(
         command, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
     if (wants_help)
-        fputs(help, stdout);
+        fputs(view_help, stdout);
     else if (!status)
         status = make_pages(command, &work);
     cli_files_end(&work.files);
@@ -445,4 +443,4 @@ static int run(const cli_subcommand *command, int count, char **arguments) {
 }
 
 const cli_subcommand cli_subcommand_view = {
-    "view", "writes one HTML page that shows a model in any browser", help, run};
+    "view", "writes one HTML page that shows a model in any browser", view_help, view_run};
