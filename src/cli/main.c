@@ -63,6 +63,13 @@ static int help_about(int count, char **names) {
     return cli_finish(CLI_OK);
 }
 
+/* Among the words before "--". */
+static int asks_for_help(int count, char **arguments) {
+    for (int i = 0; i < count && strcmp(arguments[i], "--") != 0; ++i)
+        if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0) return 1;
+    return 0;
+}
+
 int main(int count, char **arguments) {
     (void)setlocale(LC_ALL, "C"); /* whatever was preloaded may have chosen another */
     cli_startup_checks();
@@ -72,7 +79,7 @@ int main(int count, char **arguments) {
         return CLI_USAGE;
     }
     const char *word = arguments[1];
-    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) return help_about(0, NULL);
+    if (asks_for_help(1, arguments + 1)) return help_about(0, NULL);
     if (strcmp(word, "help") == 0) return help_about(count - 2, arguments + 2);
     if (strcmp(word, "--version") == 0) {
         printf("norma %s\n", norma_version());
@@ -80,5 +87,6 @@ int main(int count, char **arguments) {
     }
     if (word[0] == '-') return cli_usage(NULL, "unknown option '%s'; a command comes first", word);
     const cli_subcommand *command = find_subcommand(word);
+    if (command && asks_for_help(count - 2, arguments + 2)) return help_about(1, arguments + 1);
     return command ? command->run(command, count - 2, arguments + 2) : unknown_subcommand(word);
 }

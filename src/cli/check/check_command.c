@@ -138,45 +138,6 @@ static const char *set_ignore(void *settings, const char *value) {
     return set_rules(settings, value, ((check_work *)settings)->settings.ignore);
 }
 
-static const char *set_profile(void *settings, const char *value) {
-    return check_find_profile(value, &((check_work *)settings)->settings.profile)
-               ? NULL
-               : "render, print or generated";
-}
-
-static const char *set_strict(void *settings, const char *value) {
-    (void)value;
-    ((check_work *)settings)->settings.strict = 1;
-    return NULL;
-}
-
-static const char *set_config(void *settings, const char *value) {
-    ((check_work *)settings)->config = value;
-    return value[0] ? NULL : "the name of a file";
-}
-
-static const char *set_no_config(void *settings, const char *value) {
-    (void)value;
-    ((check_work *)settings)->trust = CHECK_CONFIG_NONE;
-    return NULL;
-}
-
-static const char *set_trust_config(void *settings, const char *value) {
-    (void)value;
-    ((check_work *)settings)->trust = CHECK_CONFIG_ANY;
-    return NULL;
-}
-
-static const char *set_baseline(void *settings, const char *value) {
-    ((check_work *)settings)->baseline = value;
-    return value[0] ? NULL : "the name of a file";
-}
-
-static const char *set_new_baseline(void *settings, const char *value) {
-    ((check_work *)settings)->new_baseline = value;
-    return value[0] ? NULL : "the name of a file";
-}
-
 static const char *set_check_format(void *settings, const char *value) {
     ((check_work *)settings)->format = check_find_format(value);
     return ((check_work *)settings)->format ? NULL : CHECK_FORMAT_NAMES;
@@ -187,63 +148,16 @@ static const char *set_shard(void *settings, const char *value) {
     return check_read_shard(value, &work->settings.shard, &work->settings.shards);
 }
 
-static const char *set_exit(void *settings, const char *value) {
-    ((check_work *)settings)->exits_job = strcmp(value, "job") == 0;
-    return strcmp(value, "job") && strcmp(value, "findings") ? "findings or job" : NULL;
-}
-
-static const char *set_check_info(void *settings, const char *value) {
-    (void)value;
-    ((check_work *)settings)->settings.list_infos = 1;
-    return NULL;
-}
-
-static const char *set_color(void *settings, const char *value) {
-    static const char *const modes[] = {"auto", "always", "never"};
-    for (size_t i = 0; i < CLI_COUNT(modes); ++i)
-        if (strcmp(value, modes[i]) == 0) {
-            ((check_work *)settings)->color = (cli_color_mode)i;
-            return NULL;
-        }
-    return "auto, always or never";
-}
-
 static const char *set_fail_on(void *settings, const char *value) {
     const norma_severity severity = cli_find_severity(value);
     ((check_work *)settings)->settings.fail_on = severity ? (int)severity : CHECK_FAIL_NEVER;
     return severity || strcmp(value, "never") == 0 ? NULL : "error, warning, info or never";
 }
 
-static const char *set_max_samples(void *settings, const char *value) {
-    double number;
-    if (!cli_number(value, &number) || number < 1 || number > 1e9 || number != floor(number))
-        return "a whole number from 1 up";
-    ((check_work *)settings)->settings.max_samples = (size_t)number;
-    return NULL;
-}
-
 static const char *set_fix(void *settings, const char *value) {
     check_settings *check = &((check_work *)settings)->settings;
     (void)value;
     check->fix = check->fix ? check->fix : CHECK_FIX_SAFE;
-    return NULL;
-}
-
-static const char *set_fix_unsafe(void *settings, const char *value) {
-    (void)value;
-    ((check_work *)settings)->settings.fix = CHECK_FIX_UNSAFE;
-    return NULL;
-}
-
-static const char *set_dry_run(void *settings, const char *value) {
-    (void)value;
-    ((check_work *)settings)->settings.dry_run = 1;
-    return NULL;
-}
-
-static const char *set_open_by_rays(void *settings, const char *value) {
-    (void)value;
-    ((check_work *)settings)->settings.open_by_rays = 1;
     return NULL;
 }
 
@@ -254,27 +168,33 @@ static const char *set_files_from(void *settings, const char *value) {
 }
 
 static const cli_option check_command_options[] = {
-    {"select", 0, 1, set_check_select},
-    {"ignore", 0, 1, set_ignore},
-    {"profile", 0, 1, set_profile},
-    {"strict", 0, 0, set_strict},
-    {"config", 0, 1, set_config},
-    {"no-config", 0, 0, set_no_config},
-    {"trust-config", 0, 0, set_trust_config},
-    {"baseline", 0, 1, set_baseline},
-    {"write-baseline", 0, 1, set_new_baseline},
-    {"format", 0, 1, set_check_format},
-    {"info", 0, 0, set_check_info},
-    {"color", 0, 1, set_color},
-    {"fix", 0, 0, set_fix},
-    {"fix-unsafe", 0, 0, set_fix_unsafe},
-    {"dry-run", 0, 0, set_dry_run},
-    {"open-by-rays", 0, 0, set_open_by_rays},
-    {"fail-on", 0, 1, set_fail_on},
-    {"max-samples", 0, 1, set_max_samples},
-    {"files-from", 0, 1, set_files_from},
-    {"shard", 0, 1, set_shard},
-    {"exit", 0, 1, set_exit},
+    {"select", CLI_SET(set_check_select)},
+    {"ignore", CLI_SET(set_ignore)},
+    {"profile", CLI_TO(CLI_CHOICE, check_work, settings.profile),
+        .number = NORMA_CHECK_PROFILE_RENDER, .words = "render,print,generated",
+        .expected = "render, print or generated"},
+    {"strict", CLI_SETS(check_work, settings.strict, 1)},
+    {"config", CLI_TO(CLI_TEXT, check_work, config), .expected = "the name of a file"},
+    {"no-config", CLI_SETS(check_work, trust, CHECK_CONFIG_NONE)},
+    {"trust-config", CLI_SETS(check_work, trust, CHECK_CONFIG_ANY)},
+    {"baseline", CLI_TO(CLI_TEXT, check_work, baseline), .expected = "the name of a file"},
+    {"write-baseline", CLI_TO(CLI_TEXT, check_work, new_baseline),
+        .expected = "the name of a file"},
+    {"format", CLI_SET(set_check_format)},
+    {"info", CLI_SETS(check_work, settings.list_infos, 1)},
+    {"color", CLI_TO(CLI_CHOICE, check_work, color), .words = "auto,always,never",
+        .expected = "auto, always or never"},
+    {"fix", .set = set_fix},
+    {"fix-unsafe", CLI_SETS(check_work, settings.fix, CHECK_FIX_UNSAFE)},
+    {"dry-run", CLI_SETS(check_work, settings.dry_run, 1)},
+    {"open-by-rays", CLI_SETS(check_work, settings.open_by_rays, 1)},
+    {"fail-on", CLI_SET(set_fail_on)},
+    {"max-samples", CLI_TO(CLI_SIZE, check_work, settings.max_samples), .least = 1, .most = 1e9,
+        .expected = CLI_WHOLE_FROM_1},
+    {"files-from", CLI_SET(set_files_from)},
+    {"shard", CLI_SET(set_shard)},
+    {"exit", CLI_TO(CLI_CHOICE, check_work, exits_job), .words = "findings,job",
+        .expected = "findings or job"},
 };
 
 /* ---- the command */
@@ -333,17 +253,7 @@ static int write_shard_options(check_work *work) {
     return CLI_OK;
 }
 
-static int read_options(
-    const cli_subcommand *command, check_work *work, int count, char **arguments, int *wants_help) {
-    const cli_table tables[] = {
-        {check_command_options, CLI_COUNT(check_command_options), work},
-        {cli_output_options, cli_output_option_count, &work->files},
-        {cli_input_options, cli_input_option_count, &work->files},
-        {cli_common_options, cli_common_option_count, &work->common},
-    };
-    int status = cli_parse(
-        command, tables, CLI_COUNT(tables), count, arguments, &work->files.words, wants_help);
-    if (status || *wants_help) return status;
+static int check_words(const cli_subcommand *command, check_work *work) {
     if (work->common.json && work->format && work->format != &check_format_json)
         return cli_usage(command, "--json and --format %s exclude each other", work->format->name);
     if (work->common.json) work->format = &check_format_json;
@@ -498,14 +408,16 @@ static int check_all(const cli_subcommand *command, check_work *work) {
 
 static int check_run(const cli_subcommand *command, int count, char **arguments) {
     check_work work = {.settings = {.fail_on = -1}, .common.threads = NORMA_ALL_THREADS};
-    int wants_help = 0, status;
-    if (!cli_files_begin(command, &work.files, count)) return CLI_FILE;
-    status = read_options(command, &work, count, arguments, &wants_help);
-    if (wants_help) {
-        fputs(command->help, stdout);
-        status = cli_finish(status);
-    } else if (!status)
-        status = check_all(command, &work);
+    const cli_table tables[] = {
+        {check_command_options, CLI_COUNT(check_command_options), &work},
+        {cli_output_options, cli_output_option_count, &work.files},
+        {cli_input_options, cli_input_option_count, &work.files},
+        {cli_common_options, cli_common_option_count, &work.common},
+    };
+    int status = cli_read_files(command, &work.files, tables, CLI_COUNT(tables), count, arguments);
+    if (status) return status;
+    status = check_words(command, &work);
+    if (!status) status = check_all(command, &work);
     free(work.shard_options);
     cli_files_end(&work.files);
     return status;

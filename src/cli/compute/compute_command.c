@@ -79,35 +79,6 @@ static const char compute_help[] =
 
 /* ---- options */
 
-static const char *set_compute_weight(void *settings, const char *value) {
-    return cli_find_weight(value, &((compute_work *)settings)->options.weight);
-}
-
-static const char *set_compute_crease(void *settings, const char *value) {
-    compute_work *work = settings;
-    double degrees;
-    if (!cli_number(value, &degrees) || degrees < 0 || degrees > 180)
-        return "degrees from 0 to 180";
-    work->crease_given = 1;
-    work->options.shading = NORMA_SHADING_CREASE;
-    work->options.crease_angle_rad = cli_radians(degrees);
-    return NULL;
-}
-
-static const char *set_smooth(void *settings, const char *value) {
-    (void)value;
-    ((compute_work *)settings)->smooth_given = 1;
-    ((compute_work *)settings)->options.shading = NORMA_SHADING_SMOOTH;
-    return NULL;
-}
-
-static const char *set_flat(void *settings, const char *value) {
-    (void)value;
-    ((compute_work *)settings)->flat_given = 1;
-    ((compute_work *)settings)->options.shading = NORMA_SHADING_FLAT;
-    return NULL;
-}
-
 static const char *set_weld(void *settings, const char *value) {
     norma_compute_options *options = &((compute_work *)settings)->options;
     double distance = 0;
@@ -122,59 +93,22 @@ static const char *set_weld(void *settings, const char *value) {
     return NULL;
 }
 
-/* One of the words, in the order of their enum. */
-static int choose_word(const char *value, const char *const *words, int count) {
-    for (int i = 0; i < count; ++i)
-        if (strcmp(value, words[i]) == 0) return i;
-    return -1;
-}
-
-static const char *set_groups(void *settings, const char *value) {
-    static const char *const words[] = {"auto", "ignore"};
-    int choice = choose_word(value, words, 2);
-    ((compute_work *)settings)->options.groups =
-        choice == 1 ? NORMA_GROUPS_IGNORE : NORMA_GROUPS_AUTO;
-    return choice < 0 ? "auto or ignore" : NULL;
-}
-
-static const char *set_non_manifold(void *settings, const char *value) {
-    static const char *const words[] = {"hard", "smooth"};
-    int choice = choose_word(value, words, 2);
-    ((compute_work *)settings)->options.non_manifold =
-        choice == 1 ? NORMA_NON_MANIFOLD_SMOOTH : NORMA_NON_MANIFOLD_HARD;
-    return choice < 0 ? "hard or smooth" : NULL;
-}
-
-static const char *set_compute_only(void *settings, const char *value) {
-    return cli_find_only(value, &((compute_work *)settings)->options.only);
-}
-
-static const char *set_morphs(void *settings, const char *value) {
-    (void)value;
-    ((compute_work *)settings)->options.morphs = 1;
-    return NULL;
-}
-
-static const char *set_tangents(void *settings, const char *value) {
-    static const char *const words[] = {"orthogonalise", "keep", "regenerate"};
-    const int choice = choose_word(value, words, 3);
-    ((compute_work *)settings)->options.tangents =
-        choice < 0 ? NORMA_STORED_TANGENTS_ORTHOGONALISE : (norma_stored_tangents)choice;
-    ((compute_work *)settings)->tangents_changed = choice != 1;
-    return choice < 0 ? "keep, orthogonalise or regenerate" : NULL;
-}
-
 static const cli_option compute_options[] = {
-    {"weight", 0, 1, set_compute_weight},
-    {"crease", 0, 1, set_compute_crease},
-    {"smooth", 0, 0, set_smooth},
-    {"flat", 0, 0, set_flat},
-    {"groups", 0, 1, set_groups},
-    {"weld", 0, 1, set_weld},
-    {"non-manifold", 0, 1, set_non_manifold},
-    {"only", 0, 1, set_compute_only},
-    {"morphs", 0, 0, set_morphs},
-    {"tangents", 0, 1, set_tangents},
+    {"weight", CLI_TO(CLI_WEIGHT, compute_work, options.weight)},
+    {"crease", CLI_CREASE(compute_work, options.crease_angle_rad),
+        CLI_GIVEN(compute_work, crease_given, 1)},
+    {"smooth", CLI_SETS(compute_work, smooth_given, 1)},
+    {"flat", CLI_SETS(compute_work, flat_given, 1)},
+    {"groups", CLI_TO(CLI_CHOICE, compute_work, options.groups), .words = "auto,ignore",
+        .expected = "auto or ignore"},
+    {"weld", CLI_SET(set_weld)},
+    {"non-manifold", CLI_TO(CLI_CHOICE, compute_work, options.non_manifold), .words = "hard,smooth",
+        .expected = "hard or smooth"},
+    {"only", CLI_ONLY(compute_work, options.only)},
+    {"morphs", CLI_SETS(compute_work, options.morphs, 1)},
+    {"tangents", CLI_TO(CLI_CHOICE, compute_work, options.tangents),
+        .words = "orthogonalise,keep,regenerate", .expected = "keep, orthogonalise or regenerate",
+        CLI_GIVEN(compute_work, tangents_given, 1)},
 };
 
 /* ---- one file */
@@ -182,7 +116,9 @@ static const cli_option compute_options[] = {
 /* As norma tangents does: an option that this format cannot follow is no silent success. */
 static norma_document_result refuse_tangents(
     const compute_work *work, norma_document_error *error) {
-    if (!work->tangents_changed || work->format >= NORMA_FILE_GLTF) return NORMA_DOCUMENT_OK;
+    if (!work->tangents_given || work->options.tangents == NORMA_STORED_TANGENTS_KEEP ||
+        work->format >= NORMA_FILE_GLTF)
+        return NORMA_DOCUMENT_OK;
     snprintf(error->message, sizeof error->message,
         ": --tangents: this format cannot store tangents; glTF can");
     return error->result = NORMA_DOCUMENT_ERROR_ARGUMENT;
@@ -405,6 +341,10 @@ static int compute_prepare(const cli_subcommand *command, void *user, uint32_t t
     work->options.threads = threads;
     if (work->crease_given + work->smooth_given + work->flat_given > 1)
         return cli_usage(command, "--crease, --smooth and --flat exclude each other");
+    work->options.shading = work->crease_given   ? NORMA_SHADING_CREASE
+                            : work->smooth_given ? NORMA_SHADING_SMOOTH
+                            : work->flat_given   ? NORMA_SHADING_FLAT
+                                                 : NORMA_SHADING_DEFAULT;
     return compute_check_together(command, work);
 }
 

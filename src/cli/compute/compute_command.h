@@ -8,7 +8,7 @@ typedef struct compute_work {
     norma_compute_options options;
     norma_compute_summary summary;
     int crease_given, smooth_given, flat_given;
-    int tangents_changed;     /* --tangents with anything but keep */
+    int tangents_given;
     norma_file_format format; /* of the file at hand */
     size_t passes;            /* over it; 0: it fits into memory */
     int together, levels;

@@ -9,18 +9,6 @@
 
 /* ---- options */
 
-static const char *set_together(void *settings, const char *value) {
-    (void)value;
-    ((compute_work *)settings)->together = 1;
-    return NULL;
-}
-
-static const char *set_levels(void *settings, const char *value) {
-    (void)value;
-    ((compute_work *)settings)->levels = 1;
-    return NULL;
-}
-
 static const char *add_lock(void *settings, const char *value) {
     compute_work *work = settings;
     if (!value[0]) return "a pattern of names";
@@ -36,9 +24,9 @@ static const char *add_lock(void *settings, const char *value) {
 }
 
 const cli_option compute_together_options[] = {
-    {"together", 0, 0, set_together},
-    {"lock", 0, 1, add_lock},
-    {"levels", 0, 0, set_levels},
+    {"together", CLI_SETS(compute_work, together, 1)},
+    {"lock", CLI_SET(add_lock)},
+    {"levels", CLI_SETS(compute_work, levels, 1)},
 };
 const size_t compute_together_option_count = CLI_COUNT(compute_together_options);
 

@@ -155,15 +155,13 @@ static int write_rules_page(const uint8_t *mask, const char *path) {
 }
 
 typedef struct explain_work {
+    cli_common common;
+    cli_files files; /* its words */
     const char *output;
 } explain_work;
 
-static const char *set_page_output(void *settings, const char *value) {
-    ((explain_work *)settings)->output = value;
-    return value[0] ? NULL : "the name of a file, or -";
-}
-
-static const cli_option explain_options[] = {{"output", 'o', 1, set_page_output}};
+static const cli_option explain_options[] = {{"output", 'o', CLI_TO(CLI_TEXT, explain_work, output),
+    .expected = "the name of a file, or -"}};
 
 static int explain(
     const cli_subcommand *command, const cli_words *words, const char *output, int json) {
@@ -181,19 +179,13 @@ static int explain(
 }
 
 static int explain_run(const cli_subcommand *command, int count, char **arguments) {
-    cli_common common = {0};
     explain_work work = {0};
-    cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {{explain_options, CLI_COUNT(explain_options), &work},
-        {cli_common_options, cli_common_option_count, &common}};
-    int wants_help = 0, status = words.words ? cli_parse(command, tables, CLI_COUNT(tables), count,
-                                                   arguments, &words, &wants_help)
-                                             : cli_out_of_memory();
-    if (wants_help)
-        fputs(command->help, stdout);
-    else if (!status)
-        status = explain(command, &words, work.output, common.json);
-    free(words.words);
+        {cli_common_options, cli_common_option_count, &work.common}};
+    int status = cli_read_files(command, &work.files, tables, CLI_COUNT(tables), count, arguments);
+    if (status) return status;
+    status = explain(command, &work.files.words, work.output, work.common.json);
+    cli_files_end(&work.files);
     return cli_finish(status);
 }
 

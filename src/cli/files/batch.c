@@ -223,30 +223,11 @@ int cli_try_formats(const cli_files *files, const cli_changer *changer) {
 
 /* ---- where outputs go */
 
-static const char *set_output_file(void *settings, const char *value) {
-    cli_files *files = settings;
-    if (files->output) return "to be given once";
-    files->output = value;
-    return value[0] ? NULL : "a name, or - for standard output";
-}
-
-static const char *set_out_dir(void *settings, const char *value) {
-    cli_files *files = settings;
-    if (files->folder) return "to be given once";
-    files->folder = value;
-    return value[0] ? NULL : "the name of a folder";
-}
-
-static const char *set_in_place(void *settings, const char *value) {
-    (void)value;
-    ((cli_files *)settings)->in_place = 1;
-    return NULL;
-}
-
 const cli_option cli_output_options[] = {
-    {"output", 'o', 1, set_output_file},
-    {"out-dir", 0, 1, set_out_dir},
-    {"in-place", 0, 0, set_in_place},
+    {"output", 'o', CLI_TO(CLI_ONCE, cli_files, output),
+        .expected = "a name, or - for standard output"},
+    {"out-dir", CLI_TO(CLI_ONCE, cli_files, folder), .expected = "the name of a folder"},
+    {"in-place", CLI_SETS(cli_files, in_place, 1)},
 };
 const size_t cli_output_option_count = CLI_COUNT(cli_output_options);
 
@@ -581,18 +562,14 @@ int cli_run_changer(const cli_subcommand *command, const cli_changer *changer, c
         {cli_common_options, cli_common_option_count, &common},
     };
     cli_table tables[CLI_OWN_TABLES + CLI_COUNT(shared)];
-    int wants_help;
-    if (!cli_files_begin(command, &files, count)) return CLI_FILE;
     own_count = own_count < CLI_OWN_TABLES ? own_count : CLI_OWN_TABLES;
     memcpy(tables, own, own_count * sizeof *own);
     memcpy(tables + own_count, shared, sizeof shared);
-    int status = cli_parse(command, tables, own_count + CLI_COUNT(shared), count, arguments,
-        &files.words, &wants_help);
-    if (wants_help)
-        fputs(command->help, stdout), status = cli_finish(status);
-    else if (!status)
-        status = changer->prepare(command, changer->work, common.threads);
-    if (!status && !wants_help) status = change_files(command, &common, &files, changer);
+    int status =
+        cli_read_files(command, &files, tables, own_count + CLI_COUNT(shared), count, arguments);
+    if (status) return status;
+    status = changer->prepare(command, changer->work, common.threads);
+    if (!status) status = change_files(command, &common, &files, changer);
     cli_files_end(&files);
     return status;
 }

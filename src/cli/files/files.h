@@ -15,8 +15,6 @@
 
 struct cli_subcommand;
 typedef struct cli_guard cli_guard;
-cli_guard *cli_guard_new(const struct cli_subcommand *command); /* NULL: out of memory, reported */
-void cli_guard_free(cli_guard *guard);
 
 /* A file that is read; "-" is standard input. Safe in any thread, as are all of these. */
 void cli_guard_read(cli_guard *guard, const char *path);
@@ -59,8 +57,9 @@ typedef struct cli_files {
 extern const cli_option cli_input_options[]; /* --input-format */
 extern const size_t cli_input_option_count;
 
-/* Makes room for count words and the guard. 0: out of memory, reported. */
-int cli_files_begin(const cli_subcommand *command, cli_files *files, int count);
+/* Reads a command line, whose words name files. A status; not CLI_OK: files hold nothing. */
+int cli_read_files(const cli_subcommand *command, cli_files *files, const cli_table *tables,
+    size_t table_count, int count, char **arguments);
 void cli_files_end(cli_files *files);
 
 /* Opens "-" or a path. *memory is what standard input held; freed after the document. */

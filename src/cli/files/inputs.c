@@ -30,7 +30,7 @@ struct cli_guard {
     int incomplete; /* memory was out: nothing that exists may be written any more */
 };
 
-cli_guard *cli_guard_new(const cli_subcommand *command) {
+static cli_guard *cli_guard_new(const cli_subcommand *command) {
     cli_guard *guard = calloc(1, sizeof *guard);
     if (!guard) {
         cli_out_of_memory();
@@ -41,7 +41,7 @@ cli_guard *cli_guard_new(const cli_subcommand *command) {
     return guard;
 }
 
-void cli_guard_free(cli_guard *guard) {
+static void cli_guard_free(cli_guard *guard) {
     if (!guard) return;
     for (size_t i = 0; i < guard->count; ++i) free(guard->sources[i].named_by);
     free(guard->sources);
@@ -214,26 +214,23 @@ int cli_guard_output(cli_guard *guard, const char *output, const char *own) {
 
 /* ---- Opens the files that the command line names, standard input included. */
 
-static const char *set_input_format(void *settings, const char *value) {
-    for (int format = NORMA_FILE_OBJ; format <= NORMA_FILE_GLB; ++format)
-        if (strcmp(value, norma_file_format_name((norma_file_format)format)) == 0) {
-            ((cli_files *)settings)->format = (norma_file_format)format;
-            return NULL;
-        }
-    return "obj, ply, stl, gltf or glb";
-}
-
-const cli_option cli_input_options[] = {{"input-format", 0, 1, set_input_format}};
+const cli_option cli_input_options[] = {
+    {"input-format", CLI_TO(CLI_CHOICE, cli_files, format), .number = NORMA_FILE_OBJ,
+        .words = "obj,ply,stl,gltf,glb", .expected = "obj, ply, stl, gltf or glb"}};
 const size_t cli_input_option_count = CLI_COUNT(cli_input_options);
 
-int cli_files_begin(const cli_subcommand *command, cli_files *files, int count) {
+int cli_read_files(const cli_subcommand *command, cli_files *files, const cli_table *tables,
+    size_t table_count, int count, char **arguments) {
     files->words.words = calloc((size_t)count + 1, sizeof(char *));
     files->lists.words = calloc((size_t)count + 1, sizeof(char *));
     files->guard = cli_guard_new(command);
-    if (files->words.words && files->lists.words && files->guard) return 1;
-    if (files->guard) cli_out_of_memory();
-    cli_files_end(files);
-    return 0;
+    int status = CLI_FILE;
+    if (files->words.words && files->lists.words && files->guard)
+        status = cli_parse(command, tables, table_count, count, arguments, &files->words);
+    else if (files->guard)
+        cli_out_of_memory();
+    if (status) cli_files_end(files);
+    return status;
 }
 
 void cli_files_end(cli_files *files) {

@@ -261,13 +261,7 @@ typedef struct info_work {
     int deep;
 } info_work;
 
-static const char *set_deep(void *settings, const char *value) {
-    (void)value;
-    ((info_work *)settings)->deep = 1;
-    return NULL;
-}
-
-static const cli_option info_options[] = {{"deep", 0, 0, set_deep}};
+static const cli_option info_options[] = {{"deep", CLI_SETS(info_work, deep, 1)}};
 
 /* ---- meshes: the primitives of one glTF mesh follow each other */
 
@@ -764,17 +758,12 @@ static int info_run(const cli_subcommand *command, int count, char **arguments) 
         {cli_input_options, cli_input_option_count, &work.files},
         {cli_common_options, cli_common_option_count, &work.common},
     };
-    int wants_help, status;
-    if (!cli_files_begin(command, &work.files, count)) return CLI_FILE;
-    status = cli_parse(
-        command, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
-    if (wants_help)
-        fputs(info_help, stdout);
-    else if (!status)
-        status = cli_find_inputs(command, &work.files);
+    int status = cli_read_files(command, &work.files, tables, CLI_COUNT(tables), count, arguments);
+    if (status) return status;
+    status = cli_find_inputs(command, &work.files);
     const cli_each each = {
         work.files.inputs.count, run_one, report_lost_info, &work, work.files.guard};
-    if (!wants_help && status != CLI_USAGE) status = cli_worse(status, cli_run_each(&each));
+    if (status != CLI_USAGE) status = cli_worse(status, cli_run_each(&each));
     cli_files_end(&work.files);
     return cli_finish(status);
 }

@@ -256,13 +256,8 @@ static int matrix_run(const cli_subcommand *command, int count, char **arguments
         {cli_common_options, cli_common_option_count, &common},
     };
     matrix_answer found;
-    int wants_help, status = cli_parse(
-                        command, tables, CLI_COUNT(tables), count, arguments, &words, &wants_help);
+    int status = cli_parse(command, tables, CLI_COUNT(tables), count, arguments, &words);
     if (status) return status;
-    if (wants_help) {
-        fputs(matrix_help, stdout);
-        return cli_finish(CLI_OK);
-    }
     if (!matrix.given)
         return cli_usage(command, "no matrix was given; expected --scale, --rotate, --translate or "
                                   "--matrix, as in: norma matrix --scale 2,0.5,1");

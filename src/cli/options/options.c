@@ -101,6 +101,72 @@ int cli_usage(const cli_subcommand *command, const char *format, ...) {
     return CLI_USAGE;
 }
 
+/* ---- what becomes of an option */
+
+static const char *choose_word(const cli_option *option, const char *value, void *to) {
+    int number = option->number;
+    for (const char *word = option->words;; ++number) {
+        const size_t length = strcspn(word, ",");
+        if (strlen(value) == length && memcmp(word, value, length) == 0) {
+            memcpy(to, &number, sizeof number);
+            return NULL;
+        }
+        if (!word[length]) return option->expected;
+        word += length + 1;
+    }
+}
+
+static const char *set_number(const cli_option *option, const char *value, void *to) {
+    const int is_whole = option->kind == CLI_INT || option->kind == CLI_SIZE;
+    double number;
+    if (!cli_number(value, &number) || number < option->least || number > option->most ||
+        (is_whole && number != floor(number)))
+        return option->expected;
+    if (option->kind == CLI_INT)
+        *(int *)to = (int)number;
+    else if (option->kind == CLI_SIZE)
+        *(size_t *)to = (size_t)number;
+    else
+        *(double *)to = option->kind == CLI_RADIANS ? cli_radians(number) : number;
+    return NULL;
+}
+
+static const char *fill_setting(const cli_option *option, const char *value, void *to) {
+    switch (option->kind) {
+    case CLI_FLAG:
+        *(int *)to = option->number;
+        return NULL;
+    case CLI_ONCE:
+        if (*(const char **)to) return "to be given once";
+        /* fall through */
+    case CLI_TEXT:
+        *(const char **)to = value;
+        return option->expected && !value[0] ? option->expected : NULL;
+    case CLI_CHOICE:
+        return choose_word(option, value, to);
+    case CLI_WEIGHT:
+        return cli_find_weight(value, to);
+    default:
+        return set_number(option, value, to);
+    }
+}
+
+/* NULL, or what was expected. */
+static const char *set_option(const cli_option *option, void *settings, const char *value) {
+    char *base = settings;
+    if (option->kind == CLI_CALLS) return option->set(settings, value);
+    void *given = base + option->given;
+    const char *expected = fill_setting(option, value, base + option->at);
+    if (option->bit) *(int *)given |= option->bit;
+    return expected;
+}
+
+static int wants_value(const cli_option *option) {
+    return option->kind == CLI_CALLS  ? option->takes_value
+           : option->kind == CLI_FLAG ? CLI_NO_VALUE
+                                      : CLI_VALUE;
+}
+
 /* ---- parsing */
 
 static const cli_option *find_option(const cli_table *tables, size_t table_count, const char *name,
@@ -157,16 +223,16 @@ static int read_option(const cli_subcommand *command, const cli_table *tables, s
         option = find_option(tables, table_count, NULL, 0, argument[1], &table);
         if (argument[2]) value = argument + 2;
     }
-    if (!option || (argument[1] != '-' && value && !option->takes_value))
+    if (!option || (argument[1] != '-' && value && !wants_value(option)))
         return unknown_option(command, tables, table_count, argument);
-    if (value && !option->takes_value)
+    if (value && !wants_value(option))
         return cli_usage(command, "--%s takes no value", option->name);
-    if (!value && option->takes_value == CLI_VALUE) {
+    if (!value && wants_value(option) == CLI_VALUE) {
         if (*at + 1 >= count || is_option(tables, table_count, arguments[*at + 1]))
             return cli_usage(command, "%s needs a value", argument);
         value = arguments[++*at];
     }
-    const char *expected = option->set(table->settings, value);
+    const char *expected = set_option(option, table->settings, value);
     char meant[CLI_LONGEST_WORD + 1];
     if (!expected) return CLI_OK;
     if (value && cli_suggest_listed(value, expected, meant))
@@ -177,16 +243,8 @@ static int read_option(const cli_subcommand *command, const cli_table *tables, s
 }
 
 int cli_parse(const cli_subcommand *command, const cli_table *tables, size_t table_count, int count,
-    char **arguments, cli_words *words, int *help) {
+    char **arguments, cli_words *words) {
     int only_words = 0;
-    *help = 0;
-    for (int i = 0; i < count; ++i) {
-        if (strcmp(arguments[i], "--") == 0) break;
-        if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0) {
-            *help = 1;
-            return CLI_OK;
-        }
-    }
     for (int i = 0; i < count; ++i) {
         const char *argument = arguments[i];
         if (only_words || argument[0] != '-' || argument[1] == '\0') {
@@ -241,36 +299,17 @@ size_t cli_numbers(const char *text, double *numbers, size_t room) {
 
 /* ---- options of every command */
 
-static const char *set_json(void *settings, const char *value) {
-    (void)value;
-    ((cli_common *)settings)->json = 1;
-    return NULL;
-}
-
-static const char *set_quiet(void *settings, const char *value) {
-    (void)value;
-    ((cli_common *)settings)->quiet = 1;
-    return NULL;
-}
-
-static const char *set_threads(void *settings, const char *value) {
-    double threads;
-    if (!cli_number(value, &threads) || threads < 1 || threads > 65536 || threads != floor(threads))
-        return "a whole number from 1 up";
-    ((cli_common *)settings)->threads = (uint32_t)threads;
-    return NULL;
-}
-
 static const char *set_max_memory(void *settings, const char *value) {
     (void)settings; /* it is the process's */
     return cli_limit_memory(value);
 }
 
 const cli_option cli_common_options[] = {
-    {"json", 0, 0, set_json},
-    {"max-memory", 0, 1, set_max_memory},
-    {"quiet", 0, 0, set_quiet},
-    {"threads", 0, 1, set_threads},
+    {"json", CLI_SETS(cli_common, json, 1)},
+    {"max-memory", CLI_SET(set_max_memory)},
+    {"quiet", CLI_SETS(cli_common, quiet, 1)},
+    {"threads", CLI_TO(CLI_INT, cli_common, threads), .least = 1, .most = 65536,
+        .expected = CLI_WHOLE_FROM_1},
 };
 const size_t cli_common_option_count = CLI_COUNT(cli_common_options);
 
@@ -369,9 +408,9 @@ static const char *set_matrix(void *settings, const char *value) {
 }
 
 const cli_option cli_matrix_options[] = {
-    {"scale", 0, 1, set_scale},
-    {"rotate", 0, 1, set_rotate},
-    {"translate", 0, 1, set_translate},
-    {"matrix", 0, 1, set_matrix},
+    {"scale", CLI_SET(set_scale)},
+    {"rotate", CLI_SET(set_rotate)},
+    {"translate", CLI_SET(set_translate)},
+    {"matrix", CLI_SET(set_matrix)},
 };
 const size_t cli_matrix_option_count = CLI_COUNT(cli_matrix_options);

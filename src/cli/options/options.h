@@ -32,12 +32,44 @@ enum {
     CLI_MAYBE_VALUE = 2 /* only as --name=value; else the value is NULL */
 };
 
+/* What becomes of an option: a function is called, or its value goes to a place in the settings. */
+enum cli_kind {
+    CLI_CALLS,  /* set */
+    CLI_FLAG,   /* an int or an enum becomes number */
+    CLI_TEXT,   /* a const char *, which is not empty where expected says what it is */
+    CLI_ONCE,   /* the same, refused when it is given again */
+    CLI_CHOICE, /* an int or an enum: number for the first of words, and so on */
+    CLI_WEIGHT, /* a norma_weight */
+    CLI_INT,    /* whole numbers from least to most: an int, a uint32_t */
+    CLI_SIZE,   /* a size_t */
+    CLI_DOUBLE, /* any number from least to most */
+    CLI_RADIANS /* of degrees */
+};
+
 typedef struct cli_option {
-    const char *name; /* without its dashes */
-    char letter;      /* 'o' for -o, or 0 */
-    int takes_value;
+    const char *name;                                      /* without its dashes */
+    char letter;                                           /* 'o' for -o, or 0 */
+    int takes_value;                                       /* where a function is called */
     const char *(*set)(void *settings, const char *value); /* NULL, or what was expected */
+    enum cli_kind kind;
+    size_t at; /* of the place, in the settings */
+    int number;
+    const char *words, *expected; /* words: "a,b,c" */
+    double least, most;
+    size_t given; /* of an int that gets the bit when the option is given; bit 0: none does */
+    int bit;
 } cli_option;
+/* The parts of an entry behind its name. */
+#define CLI_SET(function)                 .takes_value = CLI_VALUE, .set = (function)
+#define CLI_TO(what, settings, member)    .kind = (what), .at = offsetof(settings, member)
+#define CLI_GIVEN(settings, member, set)  .given = offsetof(settings, member), .bit = (set)
+#define CLI_SETS(settings, member, value) CLI_TO(CLI_FLAG, settings, member), .number = (value)
+#define CLI_WHOLE_FROM_1                  "a whole number from 1 up"
+#define CLI_ONLY(settings, member)                                                                 \
+    CLI_TO(CLI_CHOICE, settings, member), .words = "all,missing,broken",                           \
+                                          .expected = "all, missing or broken"
+#define CLI_CREASE(settings, member)                                                               \
+    CLI_TO(CLI_RADIANS, settings, member), .most = 180, .expected = "degrees from 0 to 180"
 
 typedef struct cli_table {
     const cli_option *options;
@@ -51,10 +83,10 @@ typedef struct cli_words {
     size_t count;
 } cli_words;
 
-/* Tries each table in turn. Returns CLI_OK or CLI_USAGE, said already; *help: --help was given,
- * nothing else counts. words->words has room for count words; NULL: a usage error. */
+/* Tries each table in turn. Returns CLI_OK or CLI_USAGE, said already. words->words has room for
+ * count words; NULL: a usage error. */
 int cli_parse(const cli_subcommand *command, const cli_table *tables, size_t table_count, int count,
-    char **arguments, cli_words *words, int *help);
+    char **arguments, cli_words *words);
 
 /* Reads the whole text as C spells numbers. Returns 0 if it is not a finite number. */
 int cli_number(const char *text, double *number);

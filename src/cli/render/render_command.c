@@ -537,20 +537,16 @@ static int draw_inputs(const cli_subcommand *command, render_settings *settings)
 static int render_run(const cli_subcommand *command, int count, char **arguments) {
     render_settings settings;
     render_settings_default(&settings);
-    if (!cli_files_begin(command, &settings.files, count)) return CLI_FILE;
     const cli_table tables[] = {
         {render_options, render_option_count, &settings},
         {cli_matrix_options, cli_matrix_option_count, &settings.matrix},
         {cli_input_options, cli_input_option_count, &settings.files},
         {cli_common_options, cli_common_option_count, &settings.common},
     };
-    int wants_help;
-    int status = cli_parse(
-        command, tables, CLI_COUNT(tables), count, arguments, &settings.files.words, &wants_help);
-    if (wants_help)
-        fputs(command->help, stdout), status = cli_finish(status);
-    else if (!status)
-        status = draw_inputs(command, &settings);
+    int status =
+        cli_read_files(command, &settings.files, tables, CLI_COUNT(tables), count, arguments);
+    if (status) return status;
+    status = draw_inputs(command, &settings);
     cli_files_end(&settings.files);
     return status;
 }

@@ -2,7 +2,6 @@
  * EGL and OpenGL ES: says so and fails. */
 #include "cli/options/options.h"
 #include "cli/process/process.h"
-#include <string.h>
 
 static const char no_render_help[] =
     "norma render IN -o OUT.png: not in this build of norma\n"
@@ -11,16 +10,9 @@ static const char no_render_help[] =
     "(Debian: libpng-dev libjpeg-dev libegl-dev libgles-dev) and build again.\n";
 
 static int run_left_out(const cli_subcommand *command, int count, char **arguments) {
-    (void)command;
-    for (int i = 0; i < count; ++i)
-        if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0) {
-            fputs(no_render_help, stdout);
-            return cli_finish(CLI_OK);
-        }
-    fputs("norma: render is not in this build; it needs libpng, libjpeg and the headers of EGL and "
-          "OpenGL "
-          "ES 3\n",
-        stderr);
+    (void)command, (void)count, (void)arguments;
+    cli_error("render is not in this build; it needs libpng, libjpeg and the headers of EGL and "
+              "OpenGL ES 3");
     return CLI_FILE;
 }
 

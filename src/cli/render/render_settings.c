@@ -4,6 +4,7 @@
 #include "cli/text/text.h"
 #include "cli/files/files.h"
 #include "cli/process/process.h"
+#include <float.h>
 #include <math.h>
 #include <norma/check.h>
 #include <stdlib.h>
@@ -46,15 +47,6 @@ static int number_of_name(const char *word, size_t length, const char *const *na
 
 /* ---- what is drawn */
 
-static const char *set_shading(void *settings, const char *value) {
-    static const char *const names[] = {"flat", "gouraud", "phong"};
-    int number = number_of_name(value, strlen(value), names, CLI_COUNT(names));
-    if (number < 0) return "flat, gouraud or phong";
-    ((render_settings *)settings)->shading = (enum render_shading)number;
-    ((render_settings *)settings)->given |= RENDER_GIVEN_SHADING;
-    return NULL;
-}
-
 static const char *set_show(void *user, const char *value) {
     static const char expected[] =
         "normals, winding, error, findings, matcap, zebra or tangents, with hedgehog or "
@@ -94,40 +86,6 @@ static const char *set_lines(void *user, const char *value) {
     }
 }
 
-static const char *set_line_length(void *settings, const char *value) {
-    double length;
-    if (!cli_number(value, &length) || length <= 0 || length > 1000)
-        return "a number above 0, which multiplies the length of nearby edges";
-    ((render_settings *)settings)->look.reach = length;
-    ((render_settings *)settings)->given |= RENDER_GIVEN_LENGTH;
-    return NULL;
-}
-
-static const char *set_line_width(void *settings, const char *value) {
-    double width;
-    if (!cli_number(value, &width) || width <= 0 || width > 100) return "pixels, above 0";
-    ((render_settings *)settings)->look.line_pixels = width;
-    ((render_settings *)settings)->given |= RENDER_GIVEN_WIDTH;
-    return NULL;
-}
-
-static const char *set_most_lines(void *settings, const char *value) {
-    double most;
-    if (!cli_number(value, &most) || most < 1 || most > 1e7 || most != floor(most))
-        return "a whole number from 1 up";
-    ((render_settings *)settings)->look.most_lines = (size_t)most;
-    ((render_settings *)settings)->given |= RENDER_GIVEN_MOST;
-    return NULL;
-}
-
-static const char *set_space(void *settings, const char *value) {
-    static const char *const names[] = {"world", "view"};
-    int number = number_of_name(value, strlen(value), names, CLI_COUNT(names));
-    if (number < 0) return "world or view";
-    ((render_settings *)settings)->space = (enum render_space)number;
-    return NULL;
-}
-
 static const char *set_compare(void *user, const char *value) {
     render_settings *settings = user;
     settings->compare = value ? 2 : 1;
@@ -135,47 +93,10 @@ static const char *set_compare(void *user, const char *value) {
     return NULL;
 }
 
-static const char *set_views(void *settings, const char *value) {
-    ((render_settings *)settings)->views = value;
-    return NULL;
-}
-
-static const char *set_columns(void *settings, const char *value) {
-    double columns;
-    if (!cli_number(value, &columns) || columns < 1 || columns > RENDER_MOST_PANELS ||
-        columns != floor(columns))
-        return "a whole number from 1 to 64";
-    ((render_settings *)settings)->columns = (size_t)columns;
-    return NULL;
-}
-
-static const char *set_turntable(void *settings, const char *value) {
-    double turns;
-    if (!cli_number(value, &turns) || turns < 1 || turns > RENDER_MOST_TURNS ||
-        turns != floor(turns))
-        return "a number of pictures, 1 to 3600";
-    ((render_settings *)settings)->turns = (int)turns;
-    return NULL;
-}
-
-static const char *set_sheet(void *settings, const char *value) {
-    (void)value;
-    ((render_settings *)settings)->sheet = 1;
-    return NULL;
-}
-
 static const char *set_label(void *user, const char *value) {
     render_settings *settings = user;
     if (settings->label_count == RENDER_MOST_WORDS) return "at most 64 of these";
     settings->labels[settings->label_count++] = value;
-    return NULL;
-}
-
-static const char *set_error_top(void *settings, const char *value) {
-    double degrees;
-    if (!cli_number(value, &degrees) || degrees <= 0 || degrees > 180)
-        return "degrees, above 0 and at most 180";
-    ((render_settings *)settings)->look.error_top_deg = degrees;
     return NULL;
 }
 
@@ -198,27 +119,6 @@ static const char *set_shown_rules(void *user, const char *value) {
 
 /* ---- normals */
 
-static const char *set_normals(void *settings, const char *value) {
-    if (strcmp(value, "stored") != 0 && strcmp(value, "computed") != 0) return "stored or computed";
-    ((render_settings *)settings)->compute = value[0] == 'c';
-    return NULL;
-}
-
-static const char *set_picture_weight(void *settings, const char *value) {
-    ((render_settings *)settings)->given |= RENDER_GIVEN_WEIGHT;
-    return cli_find_weight(value, &((render_settings *)settings)->weight);
-}
-
-static const char *set_picture_crease(void *user, const char *value) {
-    render_settings *settings = user;
-    double degrees;
-    if (!cli_number(value, &degrees) || degrees < 0 || degrees > 180)
-        return "degrees from 0 to 180";
-    settings->crease_given = 1;
-    settings->crease_rad = cli_radians(degrees);
-    return NULL;
-}
-
 /* ---- camera and light */
 
 static const char *set_camera(void *user, const char *value) {
@@ -237,16 +137,6 @@ static const char *set_fov(void *settings, const char *value) {
         (degrees > 0 && degrees < 0.1))
         return "degrees, 0.1 to 150, or 0 for an orthographic camera";
     ((render_settings *)settings)->look.field_of_view_deg = degrees;
-    return NULL;
-}
-
-static const char *set_up(void *user, const char *value) {
-    static const char *const names[] = {"y", "z", "x", "-y", "-z", "-x"};
-    render_settings *settings = user;
-    const int number = number_of_name(value, strlen(value), names, CLI_COUNT(names));
-    if (number < 0) return "x, y or z, or -x, -y or -z";
-    settings->up = (enum render_up)number;
-    settings->up_given = 1;
     return NULL;
 }
 
@@ -299,15 +189,6 @@ static const char *set_size(void *user, const char *value) {
     return NULL;
 }
 
-static const char *set_samples(void *settings, const char *value) {
-    double samples;
-    if (!cli_number(value, &samples) || samples < 1 || samples > RENDER_MOST_SAMPLES ||
-        samples != floor(samples))
-        return "1 to 4 samples in each direction of a pixel";
-    ((render_settings *)settings)->look.samples = (int)samples;
-    return NULL;
-}
-
 static int hexadecimal(const char *digits, uint8_t colour[3]) {
     if (strlen(digits) != 6 || strspn(digits, "0123456789abcdefABCDEF") != 6) return 0;
     unsigned long all = strtoul(digits, NULL, 16);
@@ -338,57 +219,56 @@ static const char *set_background(void *user, const char *value) {
     return NULL;
 }
 
-static const char *set_renderer(void *settings, const char *value) {
-    if (strcmp(value, "auto") != 0 && strcmp(value, "software") != 0) return "auto or software";
-    ((render_settings *)settings)->software = value[0] == 's';
-    return NULL;
-}
-
-static const char *set_picture_output(void *settings, const char *value) {
-    cli_files *files = &((render_settings *)settings)->files;
-    if (files->output) return "to be given once";
-    files->output = value;
-    return value[0] ? NULL : "a name that ends in .png, or - for standard output";
-}
-
-static const char *set_picture_folder(void *settings, const char *value) {
-    cli_files *files = &((render_settings *)settings)->files;
-    if (files->folder) return "to be given once";
-    files->folder = value;
-    return value[0] ? NULL : "the name of a folder";
-}
-
 const cli_option render_options[] = {
-    {"output", 'o', CLI_VALUE, set_picture_output},
-    {"out-dir", 0, CLI_VALUE, set_picture_folder},
-    {"shading", 0, CLI_VALUE, set_shading},
-    {"show", 0, CLI_VALUE, set_show},
-    {"compare", 0, CLI_MAYBE_VALUE, set_compare},
-    {"space", 0, CLI_VALUE, set_space},
-    {"views", 0, CLI_VALUE, set_views},
-    {"columns", 0, CLI_VALUE, set_columns},
-    {"turntable", 0, CLI_VALUE, set_turntable},
-    {"sheet", 0, CLI_NO_VALUE, set_sheet},
-    {"label", 0, CLI_VALUE, set_label},
-    {"clay", 0, CLI_MAYBE_VALUE, set_clay},
-    {"select", 0, CLI_VALUE, set_shown_rules},
-    {"lines", 0, CLI_VALUE, set_lines},
-    {"line-length", 0, CLI_VALUE, set_line_length},
-    {"line-width", 0, CLI_VALUE, set_line_width},
-    {"most-lines", 0, CLI_VALUE, set_most_lines},
-    {"error-top", 0, CLI_VALUE, set_error_top},
-    {"normals", 0, CLI_VALUE, set_normals},
-    {"weight", 0, CLI_VALUE, set_picture_weight},
-    {"crease", 0, CLI_VALUE, set_picture_crease},
-    {"camera", 0, CLI_VALUE, set_camera},
-    {"fov", 0, CLI_VALUE, set_fov},
-    {"up", 0, CLI_VALUE, set_up},
-    {"light", 0, CLI_VALUE, set_light},
-    {"phong", 0, CLI_VALUE, set_phong},
-    {"size", 0, CLI_VALUE, set_size},
-    {"samples", 0, CLI_VALUE, set_samples},
-    {"background", 0, CLI_VALUE, set_background},
-    {"renderer", 0, CLI_VALUE, set_renderer},
+    {"output", 'o', CLI_TO(CLI_ONCE, render_settings, files.output),
+        .expected = "a name that ends in .png, or - for standard output"},
+    {"out-dir", CLI_TO(CLI_ONCE, render_settings, files.folder),
+        .expected = "the name of a folder"},
+    {"shading", CLI_TO(CLI_CHOICE, render_settings, shading), .words = "flat,gouraud,phong",
+        .expected = "flat, gouraud or phong",
+        CLI_GIVEN(render_settings, given, RENDER_GIVEN_SHADING)},
+    {"show", CLI_SET(set_show)},
+    {"compare", .takes_value = CLI_MAYBE_VALUE, .set = set_compare},
+    {"space", CLI_TO(CLI_CHOICE, render_settings, space), .words = "world,view",
+        .expected = "world or view"},
+    {"views", CLI_TO(CLI_TEXT, render_settings, views)},
+    {"columns", CLI_TO(CLI_SIZE, render_settings, columns), .least = 1, .most = RENDER_MOST_PANELS,
+        .expected = "a whole number from 1 to 64"},
+    {"turntable", CLI_TO(CLI_INT, render_settings, turns), .least = 1, .most = RENDER_MOST_TURNS,
+        .expected = "a number of pictures, 1 to 3600"},
+    {"sheet", CLI_SETS(render_settings, sheet, 1)},
+    {"label", CLI_SET(set_label)},
+    {"clay", .takes_value = CLI_MAYBE_VALUE, .set = set_clay},
+    {"select", CLI_SET(set_shown_rules)},
+    {"lines", CLI_SET(set_lines)},
+    {"line-length", CLI_TO(CLI_DOUBLE, render_settings, look.reach), .least = DBL_TRUE_MIN,
+        .most = 1000, .expected = "a number above 0, which multiplies the length of nearby edges",
+        CLI_GIVEN(render_settings, given, RENDER_GIVEN_LENGTH)},
+    {"line-width", CLI_TO(CLI_DOUBLE, render_settings, look.line_pixels), .least = DBL_TRUE_MIN,
+        .most = 100, .expected = "pixels, above 0",
+        CLI_GIVEN(render_settings, given, RENDER_GIVEN_WIDTH)},
+    {"most-lines", CLI_TO(CLI_SIZE, render_settings, look.most_lines), .least = 1, .most = 1e7,
+        .expected = CLI_WHOLE_FROM_1, CLI_GIVEN(render_settings, given, RENDER_GIVEN_MOST)},
+    {"error-top", CLI_TO(CLI_DOUBLE, render_settings, look.error_top_deg), .least = DBL_TRUE_MIN,
+        .most = 180, .expected = "degrees, above 0 and at most 180"},
+    {"normals", CLI_TO(CLI_CHOICE, render_settings, compute), .words = "stored,computed",
+        .expected = "stored or computed"},
+    {"weight", CLI_TO(CLI_WEIGHT, render_settings, weight),
+        CLI_GIVEN(render_settings, given, RENDER_GIVEN_WEIGHT)},
+    {"crease", CLI_CREASE(render_settings, crease_rad),
+        CLI_GIVEN(render_settings, crease_given, 1)},
+    {"camera", CLI_SET(set_camera)},
+    {"fov", CLI_SET(set_fov)},
+    {"up", CLI_TO(CLI_CHOICE, render_settings, up), .words = "y,z,x,-y,-z,-x",
+        .expected = "x, y or z, or -x, -y or -z", CLI_GIVEN(render_settings, up_given, 1)},
+    {"light", CLI_SET(set_light)},
+    {"phong", CLI_SET(set_phong)},
+    {"size", CLI_SET(set_size)},
+    {"samples", CLI_TO(CLI_INT, render_settings, look.samples), .least = 1,
+        .most = RENDER_MOST_SAMPLES, .expected = "1 to 4 samples in each direction of a pixel"},
+    {"background", CLI_SET(set_background)},
+    {"renderer", CLI_TO(CLI_CHOICE, render_settings, software), .words = "auto,software",
+        .expected = "auto or software"},
 };
 const size_t render_option_count = CLI_COUNT(render_options);
 

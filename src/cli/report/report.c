@@ -199,6 +199,7 @@ static const char report_help[] =
     "could not be read or written, or a set of shards is not whole.\n";
 
 typedef struct report_work {
+    cli_files files; /* its words: the reports */
     int merge, partial;
     char *missing;
     const char *output;
@@ -206,40 +207,17 @@ typedef struct report_work {
     report_merge merged;
 } report_work;
 
-static const char *set_merge(void *settings, const char *value) {
-    (void)value;
-    ((report_work *)settings)->merge = 1;
-    return NULL;
-}
-
-static const char *set_partial(void *settings, const char *value) {
-    (void)value;
-    ((report_work *)settings)->partial = 1;
-    return NULL;
-}
-
-static const char *set_merged_output(void *settings, const char *value) {
-    ((report_work *)settings)->output = value;
-    return value[0] ? NULL : "the name of a file, or -";
-}
-
 static const char *set_merged_format(void *settings, const char *value) {
     ((report_work *)settings)->format = check_find_format(value);
     return ((report_work *)settings)->format ? NULL : CHECK_FORMAT_NAMES;
 }
 
-static const char *set_merged_info(void *settings, const char *value) {
-    (void)value;
-    ((report_work *)settings)->merged.settings.list_infos = 1;
-    return NULL;
-}
-
 static const cli_option report_options[] = {
-    {"merge", 0, 0, set_merge},
-    {"partial", 0, 0, set_partial},
-    {"output", 'o', 1, set_merged_output},
-    {"format", 0, 1, set_merged_format},
-    {"info", 0, 0, set_merged_info},
+    {"merge", CLI_SETS(report_work, merge, 1)},
+    {"partial", CLI_SETS(report_work, partial, 1)},
+    {"output", 'o', CLI_TO(CLI_TEXT, report_work, output), .expected = "the name of a file, or -"},
+    {"format", CLI_SET(set_merged_format)},
+    {"info", CLI_SETS(report_work, merged.settings.list_infos, 1)},
 };
 
 /* ---- reading */
@@ -260,8 +238,7 @@ static const char *kind_name(report_kind kind) {
 }
 
 static int read_reports(report_merge *merged, const cli_words *words, cli_guard *guard) {
-    int status = CLI_OK;
-    if (!status) status = report_merge_begin(merged, words->words, words->count);
+    int status = report_merge_begin(merged, words->words, words->count);
     for (size_t i = 0; i < words->count && !status; ++i) {
         const report_kind before = merged->kind;
         cli_guard_read(guard, words->words[i]);
@@ -310,10 +287,10 @@ static int write_parts(report_work *work, FILE *out, check_totals *totals) {
     }
 }
 
-static int write_merged(report_work *work, cli_guard *guard) {
+static int write_merged(report_work *work) {
     cli_output output;
     check_totals totals = {0};
-    int status = cli_output_begin(&output, work->output, guard);
+    int status = cli_output_begin(&output, work->output, work->files.guard);
     if (status) return status;
     if (output.passes_on) status = look_again(&work->merged);
     if (!status) status = write_parts(work, output.out, &totals);
@@ -324,14 +301,13 @@ static int write_merged(report_work *work, cli_guard *guard) {
     return cli_worse(cli_worse(work->merged.status, totals.status), cli_output_end(&output));
 }
 
-static int merge_reports(const cli_subcommand *command, report_work *work, const cli_words *words) {
+static int merge_reports(const cli_subcommand *command, report_work *work) {
+    const cli_words *words = &work->files.words;
     if (!work->merge) return cli_usage(command, "nothing to do was given; expected --merge");
     if (!words->count) return cli_usage(command, "no report was given");
-    cli_guard *guard = cli_guard_new(command);
-    if (!guard) return CLI_FILE;
     if (!work->format) work->format = check_format_of_name(work->output);
     work->merged.changes_form = work->format && work->format != &check_format_json;
-    int status = read_reports(&work->merged, words, guard);
+    int status = read_reports(&work->merged, words, work->files.guard);
     if (!status)
         status = report_check_shards(&work->merged, words->count, work->partial, &work->missing);
     work->merged.settings.missing = work->missing;
@@ -339,28 +315,20 @@ static int merge_reports(const cli_subcommand *command, report_work *work, const
     if (!status) {
         work->merged.settings.file_count = work->merged.part_count;
         report_sort(&work->merged);
-        status = write_merged(work, guard);
+        status = write_merged(work);
     }
-    cli_guard_free(guard);
     return status;
 }
 
 static int report_run(const cli_subcommand *command, int count, char **arguments) {
     report_work work = {.output = "-"};
-    cli_words words = {.words = calloc((size_t)count + 1, sizeof(char *))};
     const cli_table tables[] = {{report_options, CLI_COUNT(report_options), &work}};
-    int wants_help = 0;
-    int status = words.words ? cli_parse(command, tables, CLI_COUNT(tables), count, arguments,
-                                   &words, &wants_help)
-                             : cli_out_of_memory();
-    if (wants_help) {
-        fputs(command->help, stdout);
-        status = cli_finish(status);
-    } else if (!status)
-        status = merge_reports(command, &work, &words);
+    int status = cli_read_files(command, &work.files, tables, CLI_COUNT(tables), count, arguments);
+    if (status) return status;
+    status = merge_reports(command, &work);
     report_merge_free(&work.merged);
     free(work.missing);
-    free(words.words);
+    cli_files_end(&work.files);
     return status;
 }
 

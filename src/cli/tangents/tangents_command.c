@@ -51,38 +51,15 @@ typedef struct tangents_work {
 
 /* ---- options */
 
-static const char *set_mode(void *settings, const char *value) {
-    tangents_work *work = settings;
-    if (strcmp(value, "mikk") != 0 && strcmp(value, "steady") != 0) return "mikk or steady";
-    work->options.mode = value[0] == 'm' ? NORMA_TANGENTS_MIKK : NORMA_TANGENTS_STEADY;
-    return NULL;
-}
-
-static const char *set_texcoord(void *settings, const char *value) {
-    tangents_work *work = settings;
-    double number;
-    if (!cli_number(value, &number) || !(number >= 0 && number <= 65535) ||
-        number != (double)(uint32_t)number)
-        return "the number of a set of texture coordinates, 0, 1, ...";
-    work->options.texcoord_given = 1;
-    work->options.texcoord = (uint32_t)number;
-    return NULL;
-}
-
-static const char *set_tangents_weight(void *settings, const char *value) {
-    ((tangents_work *)settings)->weight_given = 1;
-    return cli_find_weight(value, &((tangents_work *)settings)->options.weight);
-}
-
-static const char *set_tangents_only(void *settings, const char *value) {
-    return cli_find_only(value, &((tangents_work *)settings)->options.only);
-}
-
 static const cli_option tangents_options[] = {
-    {"mode", 0, 1, set_mode},
-    {"texcoord", 0, 1, set_texcoord},
-    {"weight", 0, 1, set_tangents_weight},
-    {"only", 0, 1, set_tangents_only},
+    {"mode", CLI_TO(CLI_CHOICE, tangents_work, options.mode), .words = "steady,mikk",
+        .expected = "mikk or steady"},
+    {"texcoord", CLI_TO(CLI_INT, tangents_work, options.texcoord), .most = 65535,
+        .expected = "the number of a set of texture coordinates, 0, 1, ...",
+        CLI_GIVEN(tangents_work, options.texcoord_given, 1)},
+    {"weight", CLI_TO(CLI_WEIGHT, tangents_work, options.weight),
+        CLI_GIVEN(tangents_work, weight_given, 1)},
+    {"only", CLI_ONLY(tangents_work, options.only)},
 };
 
 /* ---- one file */

@@ -318,16 +318,6 @@ const char *cli_find_weight(const char *word, norma_weight *out) {
     return "angle, area, uniform, max, angle-area, visible or angle-lengths";
 }
 
-const char *cli_find_only(const char *word, norma_only *out) {
-    static const char *const words[] = {"all", "missing", "broken"};
-    for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
-        if (strcmp(word, words[i]) == 0) {
-            *out = (norma_only)i;
-            return NULL;
-        }
-    return "all, missing or broken";
-}
-
 static const char *const severity_names[] = {"none", "info", "warning", "error"};
 
 const char *cli_severity_name(norma_severity severity) { return severity_names[severity]; }

@@ -77,7 +77,6 @@ void cli_counted(FILE *out, size_t count, const char *one, const char *many);
 char *cli_decimals(char text[32], double number, int digits);
 /* NULL, or what was expected instead. */
 const char *cli_find_weight(const char *word, norma_weight *out);
-const char *cli_find_only(const char *word, norma_only *out);
 const char *cli_kind_name(norma_kind kind);
 const char *cli_severity_name(norma_severity severity); /* "error" */
 norma_severity cli_find_severity(const char *name);     /* NONE: none is called so */

@@ -39,13 +39,7 @@ typedef struct transform_work {
     int leaves_normals;     /* its normal matrix is not zero */
 } transform_work;
 
-static const char *set_bake(void *settings, const char *value) {
-    (void)value;
-    ((transform_work *)settings)->options.bake = 1;
-    return NULL;
-}
-
-static const cli_option transform_options[] = {{"bake", 0, 0, set_bake}};
+static const cli_option transform_options[] = {{"bake", CLI_SETS(transform_work, options.bake, 1)}};
 
 static norma_document_result transform_change(void *user, norma_document *document,
     norma_progress *progress, void *progress_user, norma_document_error *error) {

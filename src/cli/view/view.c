@@ -341,7 +341,7 @@ static int ends_in(const char *name, const char *ending) {
     return length > size && strcmp(name + length - size, ending) == 0;
 }
 
-static int check_words(const cli_subcommand *command, view_work *work) {
+static int check_pages(const cli_subcommand *command, view_work *work) {
     const char *output = work->files.output;
     if (work->files.in_place)
         return cli_usage(command, "a page cannot replace its input; expected -o or --out-dir");
@@ -413,7 +413,7 @@ static int write_pages(const view_work *work) {
 static int make_pages(const cli_subcommand *command, view_work *work) {
     const int found = cli_find_inputs(command, &work->files);
     if (found == CLI_USAGE || work->files.inputs.count == 0) return found;
-    int status = check_words(command, work);
+    int status = check_pages(command, work);
     if (!status) status = guard_pages(work);
     if (!status) {
         cli_guard_look_ahead(work->files.guard, &work->files.inputs, work->files.format);
@@ -430,14 +430,9 @@ static int view_run(const cli_subcommand *command, int count, char **arguments) 
         {cli_input_options, cli_input_option_count, &work.files},
         {cli_common_options, cli_common_option_count, &work.common},
     };
-    int wants_help;
-    if (!cli_files_begin(command, &work.files, count)) return CLI_FILE;
-    int status = cli_parse(
-        command, tables, CLI_COUNT(tables), count, arguments, &work.files.words, &wants_help);
-    if (wants_help)
-        fputs(view_help, stdout);
-    else if (!status)
-        status = make_pages(command, &work);
+    int status = cli_read_files(command, &work.files, tables, CLI_COUNT(tables), count, arguments);
+    if (status) return status;
+    status = make_pages(command, &work);
     cli_files_end(&work.files);
     return cli_finish(status);
 }
