@@ -272,7 +272,7 @@ void norma_core_tally_add(core_tally *sum, const core_tally *part) {
     norma_core_count_add(&sum->degenerate, &part->degenerate);
 }
 
-static norma_count reported(const norma_count *count) {
+static norma_count reported_count(const norma_count *count) {
     return count && count->count ? *count : (norma_count){0, SIZE_MAX};
 }
 
@@ -280,12 +280,12 @@ void norma_core_write_report(norma_report *report, const core_tally *tally,
     const norma_count *non_manifold, const norma_count *conflicts) {
     if (!report) return;
     *report = (norma_report){
-        .degenerate_faces = reported(&tally->degenerate),
-        .non_finite = reported(&tally->non_finite),
-        .unreferenced = reported(&tally->unreferenced),
-        .cancelled = reported(&tally->cancelled),
-        .non_manifold_edges = reported(non_manifold),
-        .winding_conflicts = reported(conflicts),
+        .degenerate_faces = reported_count(&tally->degenerate),
+        .non_finite = reported_count(&tally->non_finite),
+        .unreferenced = reported_count(&tally->unreferenced),
+        .cancelled = reported_count(&tally->cancelled),
+        .non_manifold_edges = reported_count(non_manifold),
+        .winding_conflicts = reported_count(conflicts),
     };
 }
 

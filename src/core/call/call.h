@@ -329,6 +329,11 @@ static inline void norma_core_write_normals(
 void norma_core_write_element(
     const core_output *output, size_t index, int reason, const float normal[3], core_tally *tally);
 
+/* Elements below count are written, so many in a chunk; sum: what all chunks counted is added. */
+typedef void core_write_chunk(const void *context, size_t begin, size_t end, core_tally *tally);
+norma_result norma_core_write_chunks(core_call *call, size_t count, size_t in_chunk,
+    core_write_chunk *write, const void *context, core_tally *sum);
+
 /* Of any scale, to a unit vector of floats, never -0. */
 void norma_core_direction(const double direction[3], float normal[3]);
 /* What is left of a sum must be more than rounding: 2^-20 of the weights that were put in. */

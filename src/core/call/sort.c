@@ -10,7 +10,7 @@ typedef struct heap {
 
 static unsigned char *item(const heap *h, size_t index) { return h->items + index * h->size; }
 
-static void swap(const heap *h, size_t a, size_t b) {
+static void swap_items(const heap *h, size_t a, size_t b) {
     unsigned char held[SORT_MOST_BYTES];
     memcpy(held, item(h, a), h->size);
     memcpy(item(h, a), item(h, b), h->size);
@@ -21,7 +21,7 @@ static void sift(const heap *h, size_t at, size_t count) {
     for (size_t child; (child = 2 * at + 1) < count; at = child) {
         if (child + 1 < count && h->less(item(h, child), item(h, child + 1))) child++;
         if (!h->less(item(h, at), item(h, child))) return;
-        swap(h, at, child);
+        swap_items(h, at, child);
     }
 }
 
@@ -30,7 +30,7 @@ void norma_core_sort(
     const heap h = {items, size, less};
     for (size_t i = count / 2; i-- > 0;) sift(&h, i, count);
     for (size_t end = count; end > 1; end--) {
-        swap(&h, 0, end - 1);
+        swap_items(&h, 0, end - 1);
         sift(&h, 0, end - 1);
     }
 }
@@ -40,7 +40,7 @@ void norma_core_sort(
 
 enum { FEW_NUMBERS = 24, BYTE_VALUES = 256 };
 
-static void insertion_sort(uint64_t *numbers, size_t count) {
+static void sort_few_numbers(uint64_t *numbers, size_t count) {
     for (size_t i = 1; i < count; i++) {
         const uint64_t moved = numbers[i];
         size_t at = i;
@@ -85,7 +85,7 @@ static void deal(uint64_t *numbers, size_t count, int shift, uint32_t ends[BYTE_
 void norma_core_sort_numbers(uint64_t *numbers, size_t count) {
     uint32_t ends[BYTE_VALUES], begin = 0;
     if (count <= FEW_NUMBERS) {
-        insertion_sort(numbers, count);
+        sort_few_numbers(numbers, count);
         return;
     }
     const uint64_t differ = disorder(numbers, count);

@@ -13,7 +13,7 @@ typedef struct pool {
     size_t count;
 } pool;
 
-static norma_result run_here(const pool *c) {
+static norma_result run_in_order(const pool *c) {
     for (size_t i = 0; i < c->count; i++) {
         if (norma_core_progress(c->call, (double)i / (double)c->count)) return NORMA_CANCELLED;
         c->task(c->context, i);
@@ -31,7 +31,7 @@ static norma_result run_in_callers_jobs(const pool *c) {
 #if defined(__wasm__) || defined(_MSC_VER) /* neither has pthreads: a parallel_for serves there */
 static norma_result run_in_threads(const pool *c, size_t workers) {
     (void)workers;
-    return run_here(c);
+    return run_in_order(c);
 }
 static size_t machine_threads(void) { return 1; }
 static void let_others_work(void) {}
@@ -61,7 +61,7 @@ static int take_one(thread_pool *t) {
     return 1;
 }
 
-static void *help(void *pool_of_threads) {
+static void *help_pool(void *pool_of_threads) {
     thread_pool *t = pool_of_threads;
     while (take_one(t)) {
     }
@@ -190,7 +190,8 @@ static norma_result run_in_threads(const pool *c, size_t workers) {
     if (c->call->team) {
         run_by_team(c->call->team, &shared);
     } else {
-        while (started + 1 < workers && pthread_create(&threads[started], NULL, help, &shared) == 0)
+        while (started + 1 < workers &&
+               pthread_create(&threads[started], NULL, help_pool, &shared) == 0)
             started++;
         do tell_progress(&shared);
         while (take_one(&shared));
@@ -248,7 +249,36 @@ norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task
     if (call->options.parallel_for) return run_in_callers_jobs(&c);
     const size_t most = count > 1 ? norma_core_workers(call) : 1,
                  workers = most < count ? most : count;
-    return workers > 1 ? run_in_threads(&c, workers) : run_here(&c);
+    return workers > 1 ? run_in_threads(&c, workers) : run_in_order(&c);
+}
+
+/* ---- elements written a chunk at a time */
+
+typedef struct chunk_work {
+    core_write_chunk *write;
+    const void *context;
+    size_t count, in_chunk;
+    core_tally *tallies; /* of each chunk */
+} chunk_work;
+
+static void write_chunk(void *context, size_t chunk) {
+    const chunk_work *work = context;
+    const size_t begin = chunk * work->in_chunk, left = work->count - begin;
+    work->write(work->context, begin, left < work->in_chunk ? work->count : begin + work->in_chunk,
+        &work->tallies[chunk]);
+}
+
+norma_result norma_core_write_chunks(core_call *call, size_t count, size_t in_chunk,
+    core_write_chunk *write, const void *context, core_tally *sum) {
+    const size_t chunks = count / in_chunk + (count % in_chunk != 0);
+    chunk_work work = {
+        write, context, count, in_chunk, norma_core_allocate(call, chunks, sizeof *work.tallies)};
+    if (!work.tallies) return NORMA_ERROR_MEMORY;
+    memset(work.tallies, 0, chunks * sizeof *work.tallies);
+    const norma_result result = norma_core_parallel(call, chunks, write_chunk, &work);
+    for (size_t i = 0; i < chunks; i++) norma_core_tally_add(sum, &work.tallies[i]);
+    norma_core_release(call, work.tallies, chunks, sizeof *work.tallies);
+    return result;
 }
 
 /* Most waits are shorter than it takes to sleep and be woken. */

@@ -4,22 +4,37 @@
 #include "core/mesh/mesh.h"
 #include "core/call/call.h"
 
-norma_result norma_core_find_sources(const core_prepared_mesh *prepared, const uint8_t *reasons,
-    const uint8_t *wanted, corner_request *requests, size_t count, size_t *found) {
-    const core_mesh *mesh = &prepared->mesh;
+typedef struct corner_request {
+    uint32_t position, corner, target;
+} corner_request; /* the normal of this corner, at this position, goes to target */
+
+typedef struct corner_filling {
+    const core_prepared_mesh *prepared;
+    const uint8_t *reasons, *wanted;
+    corner_taker *take;
+    void *context;
+    corner_request *requests; /* room for count of them; found: how many have a source */
+    size_t count, found;
+} corner_filling;
+
+static int is_wanting(const corner_filling *f, size_t corner) {
+    return f->wanted ? f->wanted[corner] : f->reasons[corner] != NORMA_REASON_NONE;
+}
+
+static norma_result find_sources(corner_filling *f) {
+    const core_mesh *mesh = &f->prepared->mesh;
     core_nearest nearest;
-    norma_result result = norma_core_nearest_begin(prepared->call, mesh, &nearest);
-    *found = 0;
+    norma_result result = norma_core_nearest_begin(f->prepared->call, mesh, &nearest);
     if (result != NORMA_OK) return result;
     for (size_t c = 0; c < mesh->corner_count; c++)
-        if (reasons[c] == NORMA_REASON_NONE)
+        if (f->reasons[c] == NORMA_REASON_NONE)
             norma_core_nearest_add(&nearest, norma_core_corner(mesh, c), (uint32_t)c);
-    result = norma_core_nearest_plant(&nearest, count);
+    result = norma_core_nearest_plant(&nearest, f->count);
     for (size_t c = 0; c < mesh->corner_count && result == NORMA_OK; c++) {
-        if (wanted ? !wanted[c] : reasons[c] == NORMA_REASON_NONE) continue;
+        if (!is_wanting(f, c)) continue;
         const uint32_t source = norma_core_nearest_find(&nearest, norma_core_corner(mesh, c));
         if (source == UINT32_MAX) break;
-        requests[(*found)++] =
+        f->requests[f->found++] =
             (corner_request){norma_core_welded_corner(mesh, source), source, (uint32_t)c};
     }
     norma_core_nearest_end(&nearest);
@@ -44,18 +59,36 @@ static const core_fan *fan_of_corner(const core_star *star, uint32_t corner) {
     return &star->fans[star->fan_of[low]];
 }
 
-norma_result norma_core_fetch_normals(const core_prepared_mesh *prepared, corner_request *requests,
-    size_t count, corner_receiver *receive, void *context) {
+static norma_result fetch_normals(const corner_filling *f) {
+    const core_prepared_mesh *prepared = f->prepared;
+    corner_request *requests = f->requests;
     core_star star;
     const size_t most = prepared->corners_of.most;
     if (norma_core_star_allocate(prepared->call, &star, most) != NORMA_OK)
         return NORMA_ERROR_MEMORY;
-    norma_core_sort(requests, count, sizeof *requests, request_less);
-    for (size_t i = 0; i < count; i++) {
+    norma_core_sort(requests, f->found, sizeof *requests, request_less);
+    for (size_t i = 0; i < f->found; i++) {
         if (i == 0 || requests[i].position != requests[i - 1].position)
             norma_core_make_star(prepared, CORE_JOIN_FANS, requests[i].position, NULL, &star);
-        receive(context, &requests[i], fan_of_corner(&star, requests[i].corner)->normal);
+        f->take(f->context, requests[i].target, fan_of_corner(&star, requests[i].corner)->normal);
     }
     norma_core_star_release(prepared->call, &star, most);
     return NORMA_OK;
+}
+
+norma_result norma_core_fill_corners(const core_prepared_mesh *prepared, const uint8_t *reasons,
+    const uint8_t *wanted, corner_taker *take, void *context) {
+    const size_t corners = prepared->mesh.corner_count;
+    const float zero[3] = {0, 0, 0};
+    corner_filling f = {prepared, reasons, wanted, take, context, NULL, 0, 0};
+    for (size_t c = 0; c < corners; c++) f.count += is_wanting(&f, c) != 0;
+    if (!f.count) return NORMA_OK;
+    f.requests = norma_core_allocate(prepared->call, f.count, sizeof *f.requests);
+    if (!f.requests) return NORMA_ERROR_MEMORY;
+    norma_result result = find_sources(&f);
+    if (result == NORMA_OK && f.found) result = fetch_normals(&f);
+    for (size_t c = 0; c < corners && result == NORMA_OK && !f.found; c++)
+        if (is_wanting(&f, c)) take(context, (uint32_t)c, zero);
+    norma_core_release(prepared->call, f.requests, f.count, sizeof *f.requests);
+    return result;
 }

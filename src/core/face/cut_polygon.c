@@ -39,7 +39,9 @@ static int is_inside(const double a[2], const double b[2], const double c[2], co
     return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
 }
 
-static int is_same(const double a[2], const double b[2]) { return a[0] == b[0] && a[1] == b[1]; }
+static int is_one_point(const double a[2], const double b[2]) {
+    return a[0] == b[0] && a[1] == b[1];
+}
 
 /* Moves the first corner to the origin and drops the axis along which the vector area is largest.
  * 0: the polygon has no area, or a corner is not finite. */
@@ -94,8 +96,8 @@ static int is_ear(core_cutter *c, size_t place) {
         const double *other = c->flat[k];
         if (!c->work) return 0;
         use_work(c, 1);
-        if (!c->gone[k] && k != e.before && k != e.at && k != e.after && !is_same(other, p) &&
-            !is_same(other, q) && !is_same(other, r) && is_inside(p, q, r, other))
+        if (!c->gone[k] && k != e.before && k != e.at && k != e.after && !is_one_point(other, p) &&
+            !is_one_point(other, q) && !is_one_point(other, r) && is_inside(p, q, r, other))
             return 0;
     }
     return 1;

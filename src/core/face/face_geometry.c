@@ -249,7 +249,7 @@ static uint64_t mix(uint64_t h) {
     return h ^ (h >> 31);
 }
 
-static uint64_t hash_of(uint32_t welded) { return mix((uint64_t)welded + 1); }
+static uint64_t hash_of_position(uint32_t welded) { return mix((uint64_t)welded + 1); }
 
 /* Of so many kept corners the hashes are remembered. */
 enum { FEW = 8 };
@@ -283,7 +283,7 @@ uint64_t norma_core_twin_key(const core_mesh *mesh, size_t face) {
         const uint32_t next =
             norma_core_welded_corner(mesh, norma_core_next_in_face(mesh, face, c));
         if (here != next) { /* it is kept */
-            const uint64_t hash = hash_of(here);
+            const uint64_t hash = hash_of_position(here);
             if (kept < FEW) hashes[kept] = hash;
             kept++;
             add_corner(&r, hash);
@@ -293,7 +293,7 @@ uint64_t norma_core_twin_key(const core_mesh *mesh, size_t face) {
     for (size_t i = 0; i < kept && kept <= FEW; i++) begin_later(&r, hashes[i]);
     for (size_t c = begin; c < end && kept > FEW; c++)
         if (norma_core_is_kept(mesh, face, c))
-            begin_later(&r, hash_of(norma_core_welded_corner(mesh, c)));
+            begin_later(&r, hash_of_position(norma_core_welded_corner(mesh, c)));
     const uint64_t way = r.sum_ahead == r.sum_back ? 2 : r.sum_ahead > r.sum_back;
     return ((r.sum_ahead + r.sum_back) & ~(uint64_t)CORE_KEY_WAY) | way;
 }

@@ -7,10 +7,9 @@
 enum { FACES_IN_CHUNK = 8192 };
 
 typedef struct face_work {
-    const core_call *call;
+    core_level level;
     const core_mesh *mesh;
     const core_output *output;
-    core_tally *tallies;
 } face_work;
 
 static int face_reason(const core_face *face) {
@@ -23,13 +22,13 @@ static int take_normal(const core_face *face, float normal[3]) {
     return face_reason(face);
 }
 
-static int face_normal(const core_mesh *mesh, size_t f, float normal[3]) {
+static int normal_of_face(const void *mesh, size_t f, float normal[3]) {
     core_face face;
     norma_core_face_geometry(mesh, f, &face);
     return take_normal(&face, normal);
 }
 
-static int take_normals(const core_measured *measured, size_t count, float (*normals)[3]) {
+static int take_all_normals(const core_measured *measured, size_t count, float (*normals)[3]) {
     int all = 1;
     for (size_t i = 0; i < count; i++) all &= measured->corners[i] != 0;
     for (size_t i = 0; all && i < count; i++)
@@ -42,89 +41,46 @@ static void write_block(const face_work *work, size_t begin, size_t end, core_ta
     core_measured measured;
     float normals[CORE_FACES_AT_ONCE][3];
     norma_core_measure_faces(
-        work->call->level, work->mesh, begin, end, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
-    if (take_normals(&measured, end - begin, normals)) {
+        work->level, work->mesh, begin, end, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
+    if (take_all_normals(&measured, end - begin, normals)) {
         norma_core_write_normals(work->output, begin, end - begin, (const float(*)[3])normals);
         return;
     }
     for (size_t f = begin; f < end; f++) {
-        const int reason = face_normal(work->mesh, f, normals[0]);
+        const int reason = normal_of_face(work->mesh, f, normals[0]);
         norma_core_write_element(work->output, f, reason, normals[0], tally);
     }
 }
 
-static void write_chunk(void *context, size_t chunk) {
-    const face_work *work = context;
-    const size_t begin = chunk * FACES_IN_CHUNK, count = work->mesh->face_count;
-    const size_t end = count - begin < FACES_IN_CHUNK ? count : begin + FACES_IN_CHUNK;
+static void write_face_normals(const void *context, size_t begin, size_t end, core_tally *tally) {
     for (size_t f = begin, next; f < end; f = next) {
         next = end - f < CORE_FACES_AT_ONCE ? end : f + CORE_FACES_AT_ONCE;
-        write_block(work, f, next, &work->tallies[chunk]);
+        write_block(context, f, next, tally);
     }
-}
-
-static norma_result write_all(
-    core_call *call, const core_mesh *mesh, const core_output *output, core_tally *sum) {
-    const size_t chunks =
-        mesh->face_count / FACES_IN_CHUNK + (mesh->face_count % FACES_IN_CHUNK != 0);
-    face_work work = {call, mesh, output, norma_core_allocate(call, chunks, sizeof *work.tallies)};
-    if (!work.tallies) return NORMA_ERROR_MEMORY;
-    memset(work.tallies, 0, chunks * sizeof *work.tallies);
-    const norma_result result = norma_core_parallel(call, chunks, write_chunk, &work);
-    for (size_t i = 0; i < chunks; i++) norma_core_tally_add(sum, &work.tallies[i]);
-    norma_core_release(call, work.tallies, chunks, sizeof *work.tallies);
-    return result;
 }
 
 /* The position that stands for a face among its neighbours. A face without corners is at none, and
  * gets the first normal. */
-static uint32_t place_of(const core_mesh *mesh, size_t f) {
+static uint32_t place_of_face(const void *mesh, size_t f) {
     const size_t begin = norma_core_face_begin(mesh, f);
     return begin < norma_core_face_end(mesh, f) ? norma_core_corner(mesh, begin) : UINT32_MAX;
 }
 
-static void write_nearest(const core_mesh *mesh, const core_output *output, core_nearest *nearest) {
-    for (size_t f = 0; f < mesh->face_count; f++) {
-        float normal[3];
-        if (face_normal(mesh, f, normal) == NORMA_REASON_NONE) continue;
-        const uint32_t place = place_of(mesh, f),
-                       source = place == UINT32_MAX ? nearest->first
-                                                    : norma_core_nearest_find(nearest, place);
-        if (source == UINT32_MAX)
-            normal[0] = normal[1] = normal[2] = 0;
-        else
-            face_normal(mesh, source, normal);
-        norma_core_write_normal(output, f, normal);
-    }
-}
-
-static norma_result fill_from_nearest(
-    core_call *call, const core_mesh *mesh, const core_output *output, size_t queries) {
-    core_nearest nearest;
-    norma_result result = norma_core_nearest_begin(call, mesh, &nearest);
-    if (result != NORMA_OK) return result;
-    for (size_t f = 0; f < mesh->face_count; f++) {
-        float normal[3];
-        if (face_normal(mesh, f, normal) == NORMA_REASON_NONE)
-            norma_core_nearest_add(&nearest, place_of(mesh, f), (uint32_t)f);
-    }
-    result = norma_core_nearest_plant(&nearest, queries);
-    if (result == NORMA_OK) write_nearest(mesh, output, &nearest);
-    norma_core_nearest_end(&nearest);
-    return result;
-}
-
-static norma_result compute(
+static norma_result compute_faces(
     core_call *call, core_mesh *mesh, const core_output *output, norma_report *report) {
+    const face_work work = {call->level, mesh, output};
+    const core_elements faces = {mesh, mesh->face_count, mesh, normal_of_face, place_of_face};
     core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     norma_core_stage(call, 0.1, 0.3);
     norma_result result =
         call->options.weld == NORMA_WELD_DISTANCE ? norma_core_weld(call, mesh) : NORMA_OK;
     norma_core_stage(call, 0.3, 0.95);
-    if (result == NORMA_OK) result = write_all(call, mesh, output, &tally);
+    if (result == NORMA_OK)
+        result = norma_core_write_chunks(
+            call, mesh->face_count, FACES_IN_CHUNK, write_face_normals, &work, &tally);
     const size_t without = tally.degenerate.count + tally.non_finite.count;
     if (result == NORMA_OK && output->nearest && without)
-        result = fill_from_nearest(call, mesh, output, without);
+        result = norma_core_fill_nearest(call, &faces, output, without);
     if (mesh->weld) norma_core_unweld(call, mesh);
     result = norma_core_finish(call, result);
     if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
@@ -143,5 +99,5 @@ norma_result norma_face_normals(const norma_mesh *mesh, const norma_options *opt
         result = norma_core_output_open(&call, normals, checked.face_count, capacity, &output);
     norma_core_stage(&call, 0, 0.1);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked);
-    return result == NORMA_OK ? compute(&call, &checked, &output, report) : result;
+    return result == NORMA_OK ? compute_faces(&call, &checked, &output, report) : result;
 }

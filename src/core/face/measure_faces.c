@@ -5,17 +5,17 @@
 
 /* ---- which faces, and their corners */
 
-static int is_plain(const core_mesh *mesh) {
+static int has_plain_corners(const core_mesh *mesh) {
     return mesh->corner_size == sizeof(uint32_t) &&
            (uintptr_t)mesh->corners % _Alignof(uint32_t) == 0;
 }
 
 /* Returns the positions of the block's corners as the mesh names them, in named if it does not have
  * them so; out->at: as they are welded. */
-static const uint32_t *list_corners(
+static const uint32_t *list_block_corners(
     const core_mesh *mesh, size_t begin, size_t count, uint32_t *named, core_measured *out) {
     const uint32_t *at = named;
-    if (is_plain(mesh))
+    if (has_plain_corners(mesh))
         at = (const uint32_t *)mesh->corners + begin;
     else
         norma_core_read_corners(mesh, begin, count, named);
@@ -93,7 +93,7 @@ void norma_core_measure_faces(core_level level, const core_mesh *mesh, size_t be
     uint32_t named[CORE_CORNERS_AT_ONCE];
     slot_begins begins;
     const core_faces_alike faces = {
-        mesh, list_corners(mesh, first, count, named, out), weight, wanted, out};
+        mesh, list_block_corners(mesh, first, count, named, out), weight, wanted, out};
     if (alike)
         give_slots_in_order(end - begin, alike, &begins, out);
     else
@@ -106,22 +106,23 @@ void norma_core_measure_faces(core_level level, const core_mesh *mesh, size_t be
 /* ---- batches measured, compiled for each instruction set of the machine's family and chosen at
  * run time. */
 
-CORE_INLINE void measure(core_batch *t, norma_weight weight, core_corners wanted) {
+CORE_INLINE void measure_eight(core_batch *t, norma_weight weight, core_corners wanted) {
     CORE_LOOP_FOR_WEIGHT(weight, core_lanes_measure, t, wanted)
 }
 
-static void measure_portable(core_batch *t, norma_weight weight, core_corners wanted) {
-    measure(t, weight, wanted);
+static void measure_eight_portable(core_batch *t, norma_weight weight, core_corners wanted) {
+    measure_eight(t, weight, wanted);
 }
 
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static void measure_avx2(core_batch *t, norma_weight weight, core_corners wanted) {
-    measure(t, weight, wanted);
+CORE_FOR_AVX2 static void measure_eight_avx2(
+    core_batch *t, norma_weight weight, core_corners wanted) {
+    measure_eight(t, weight, wanted);
 }
 #if defined(CORE_HAS_AVX512)
-CORE_FOR_AVX512 static void measure_avx512(
+CORE_FOR_AVX512 static void measure_eight_avx512(
     core_batch *t, norma_weight weight, core_corners wanted) {
-    measure(t, weight, wanted);
+    measure_eight(t, weight, wanted);
 }
 #endif
 #endif
@@ -129,6 +130,6 @@ CORE_FOR_AVX512 static void measure_avx512(
 void norma_core_measure(
     core_level level, core_batch *batch, norma_weight weight, core_corners wanted) {
     typedef void measure_for(core_batch * t, norma_weight weight, core_corners wanted);
-    static measure_for *const measures[] = CORE_KERNELS(measure);
+    static measure_for *const measures[] = CORE_KERNELS(measure_eight);
     measures[level](batch, weight, wanted);
 }

@@ -26,13 +26,13 @@ static size_t range_begin(const part_work *w, size_t range) {
     return begin_of(w->corners_of->position_count, range, w->ranges);
 }
 
-static uint32_t *counts_of(const part_work *w, size_t part) {
+static uint32_t *counts_of_part(const part_work *w, size_t part) {
     return w->parts == 1 ? w->corners_of->starts + 1
                          : w->corners_of->corners + part * w->corners_of->position_count;
 }
 
 /* One loop without a question inside for what nearly all meshes are. */
-CORE_INLINE int is_plain(const core_mesh *mesh) { return mesh->corner_size == 4 && !mesh->weld; }
+CORE_INLINE int is_unwelded(const core_mesh *mesh) { return mesh->corner_size == 4 && !mesh->weld; }
 
 CORE_INLINE uint32_t position_of(const core_mesh *mesh, size_t corner, int plain) {
     uint32_t index;
@@ -78,11 +78,11 @@ static void count_part(void *context, size_t part) {
     const part_work *w = context;
     const size_t begin = begin_of(w->mesh->corner_count, part, w->parts),
                  end = begin_of(w->mesh->corner_count, part + 1, w->parts);
-    uint32_t *counts = counts_of(w, part);
+    uint32_t *counts = counts_of_part(w, part);
     memset(counts, 0, w->corners_of->position_count * sizeof *counts);
     if (w->some)
         count_some(w, begin, end, counts);
-    else if (is_plain(w->mesh))
+    else if (is_unwelded(w->mesh))
         count_range(w->mesh, begin, end, counts, 1);
     else
         count_range(w->mesh, begin, end, counts, 0);
@@ -94,7 +94,7 @@ static void add_up_range(void *context, size_t range) {
     uint32_t *sums = w->corners_of->starts + 1, listed = 0, most = 0;
     for (size_t p = range_begin(w, range); p < range_begin(w, range + 1); p++) {
         uint32_t count = 0;
-        for (size_t part = 0; part < w->parts; part++) count += counts_of(w, part)[p];
+        for (size_t part = 0; part < w->parts; part++) count += counts_of_part(w, part)[p];
         sums[p] = count;
         listed += count;
         most = count > most ? count : most;
@@ -148,11 +148,11 @@ static void place_range(void *context, size_t range) {
     turn_into_places(w, range);
     if (w->some)
         place_some(w, begin, end - begin);
-    else if (w->ranges == 1 && is_plain(w->mesh))
+    else if (w->ranges == 1 && is_unwelded(w->mesh))
         place_all(w, 1);
     else if (w->ranges == 1)
         place_all(w, 0);
-    else if (is_plain(w->mesh))
+    else if (is_unwelded(w->mesh))
         place_between(w, begin, end - begin, 1);
     else
         place_between(w, begin, end - begin, 0);
@@ -183,7 +183,7 @@ static norma_result run_step(
     return norma_core_parallel(call, count, task, w);
 }
 
-static norma_result sort_corners(core_call *call, const core_mesh *mesh,
+static norma_result place_corners_by_position(core_call *call, const core_mesh *mesh,
     const core_some_positions *some, core_corners_of_position *corners_of) {
     const double from = call->progress_from, to = call->progress_to, half = (from + to) / 2;
     part_work w = {.mesh = mesh, .some = some, .corners_of = corners_of};
@@ -215,7 +215,7 @@ norma_result norma_core_corners_of_some_positions(core_call *call, const core_me
             norma_core_allocate(call, corners_of->corner_count, sizeof *corners_of->faces);
     norma_result result = NORMA_ERROR_MEMORY;
     if (corners_of->starts && corners_of->corners && (!mesh->face_starts || corners_of->faces))
-        result = sort_corners(call, mesh, some, corners_of);
+        result = place_corners_by_position(call, mesh, some, corners_of);
     if (result == NORMA_OK && corners_of->faces) name_faces(mesh, corners_of);
     if (result != NORMA_OK) norma_core_corners_of_position_release(call, corners_of);
     return result;

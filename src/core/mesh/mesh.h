@@ -265,4 +265,19 @@ void norma_core_nearest_end(core_nearest *nearest);
  * ties the lower; UINT32_MAX: no element has a normal. Each position is looked up once, however
  * many ask. */
 uint32_t norma_core_nearest_find(core_nearest *nearest, uint32_t position);
+
+/* Elements that can be asked for what they have. */
+typedef struct core_elements {
+    const core_mesh *mesh;
+    size_t count;
+    const void *context;
+    /* Returns NORMA_REASON_NONE and the normal, or why there is none. */
+    int (*normal)(const void *context, size_t element, float normal[3]);
+    /* Where it lies; UINT32_MAX: nowhere, and it gets the first of all normals. NULL: element
+     * number i at position i. */
+    uint32_t (*position)(const void *context, size_t element);
+} core_elements;
+/* Writes, for each that has none, the nearest normal; zeros where there is none at all. */
+norma_result norma_core_fill_nearest(
+    core_call *call, const core_elements *of, const core_output *output, size_t queries);
 #endif

@@ -3,13 +3,14 @@
  * point is a leaf however many sites it has, with the site of least rank first. */
 #include "core/mesh/mesh.h"
 
-static double larger(double a, double b) { return a > b ? a : b; }
-static double smaller(double a, double b) { return a < b ? a : b; }
+static double greater_of(double a, double b) { return a > b ? a : b; }
+static double smaller_of(double a, double b) { return a < b ? a : b; }
 
 double norma_core_box_least(const core_box *a, const core_box *b) {
     double sum = 0;
     for (int k = 0; k < 3; k++) {
-        const double gap = larger(0, larger(a->low[k] - b->high[k], b->low[k] - a->high[k]));
+        const double gap =
+            greater_of(0, greater_of(a->low[k] - b->high[k], b->low[k] - a->high[k]));
         sum += gap * gap;
     }
     return sum;
@@ -18,7 +19,7 @@ double norma_core_box_least(const core_box *a, const core_box *b) {
 double norma_core_box_greatest(const core_box *a, const core_box *b) {
     double sum = 0;
     for (int k = 0; k < 3; k++) {
-        const double span = larger(a->high[k] - b->low[k], b->high[k] - a->low[k]);
+        const double span = greater_of(a->high[k] - b->low[k], b->high[k] - a->low[k]);
         sum += span * span;
     }
     return sum;
@@ -32,8 +33,8 @@ static core_box box_of(const core_kdtree *tree, size_t begin, size_t end) {
         double p[3];
         norma_core_position(tree->mesh, tree->sites[i], p);
         for (int k = 0; k < 3; k++) {
-            box.low[k] = smaller(box.low[k], p[k]);
-            box.high[k] = larger(box.high[k], p[k]);
+            box.low[k] = smaller_of(box.low[k], p[k]);
+            box.high[k] = greater_of(box.high[k], p[k]);
         }
     }
     return box;
@@ -249,7 +250,7 @@ static uint32_t look_at_every_site(const core_nearest *nearest, const double poi
 }
 
 /* Equal positions ask for the same; those that are one by a distance need not be at one place. */
-static uint32_t place_of(const core_nearest *nearest, uint32_t position) {
+static uint32_t place_to_ask(const core_nearest *nearest, uint32_t position) {
     return nearest->call->options.weld == NORMA_WELD_DISTANCE
                ? position
                : norma_core_welded(nearest->mesh, position);
@@ -266,7 +267,45 @@ static uint32_t look_up(const core_nearest *nearest, uint32_t position) {
 uint32_t norma_core_nearest_find(core_nearest *nearest, uint32_t position) {
     if (nearest->first == UINT32_MAX) return UINT32_MAX;
     if (nearest->first_at[position] != UINT32_MAX) return nearest->first_at[position];
-    uint32_t *found = &nearest->found_at[place_of(nearest, position)];
+    uint32_t *found = &nearest->found_at[place_to_ask(nearest, position)];
     if (*found == UINT32_MAX) *found = look_up(nearest, position);
     return *found;
+}
+
+/* ---- all that have none, of elements that are asked one by one */
+
+static uint32_t position_of_element(const core_elements *of, size_t element) {
+    return of->position ? of->position(of->context, element) : (uint32_t)element;
+}
+
+static void write_nearest(
+    const core_elements *of, const core_output *output, core_nearest *nearest) {
+    for (size_t i = 0; i < of->count; i++) {
+        float normal[3];
+        if (of->normal(of->context, i, normal) == NORMA_REASON_NONE) continue;
+        const uint32_t position = position_of_element(of, i),
+                       source = position == UINT32_MAX ? nearest->first
+                                                       : norma_core_nearest_find(nearest, position);
+        if (source == UINT32_MAX)
+            normal[0] = normal[1] = normal[2] = 0;
+        else
+            of->normal(of->context, source, normal);
+        norma_core_write_normal(output, i, normal);
+    }
+}
+
+norma_result norma_core_fill_nearest(
+    core_call *call, const core_elements *of, const core_output *output, size_t queries) {
+    core_nearest nearest;
+    norma_result result = norma_core_nearest_begin(call, of->mesh, &nearest);
+    if (result != NORMA_OK) return result;
+    for (size_t i = 0; i < of->count; i++) {
+        float normal[3];
+        if (of->normal(of->context, i, normal) == NORMA_REASON_NONE)
+            norma_core_nearest_add(&nearest, position_of_element(of, i), (uint32_t)i);
+    }
+    result = norma_core_nearest_plant(&nearest, queries);
+    if (result == NORMA_OK) write_nearest(of, output, &nearest);
+    norma_core_nearest_end(&nearest);
+    return result;
 }

@@ -9,7 +9,7 @@ typedef struct corner_work {
     uint8_t *reasons; /* of each corner; NULL unless the nearest is asked for */
 } corner_work;
 
-static void see_fans(void *context, const core_fans *fans, core_tally *tally) {
+static void write_fans(void *context, const core_fans *fans, core_tally *tally) {
     const corner_work *work = context;
     const core_output *output = work->output;
     const uint32_t *corners = fans->corners, *fan_of = fans->fan_of;
@@ -25,31 +25,8 @@ static void see_fans(void *context, const core_fans *fans, core_tally *tally) {
     }
 }
 
-static void receive(void *context, const corner_request *request, const float normal[3]) {
-    norma_core_write_normal(context, request->target, normal);
-}
-
-static void write_zeros(const core_output *output, const uint8_t *reasons, size_t count) {
-    const float zero[3] = {0, 0, 0};
-    for (size_t c = 0; c < count; c++)
-        if (reasons[c] != NORMA_REASON_NONE) norma_core_write_normal(output, c, zero);
-}
-
-static norma_result fill_from_nearest(core_prepared_mesh *prepared, const smooth_fans *smooth,
-    const core_output *output, const uint8_t *reasons, size_t count) {
-    size_t found;
-    norma_result result = norma_core_prepare_all_stars(prepared, smooth);
-    if (result != NORMA_OK) return result;
-    corner_request *requests = norma_core_allocate(prepared->call, count, sizeof *requests);
-    if (!requests) return NORMA_ERROR_MEMORY;
-    result = norma_core_find_sources(prepared, reasons, NULL, requests, count, &found);
-    if (result == NORMA_OK && found)
-        result =
-            norma_core_fetch_normals(prepared, requests, found, receive, (void *)(uintptr_t)output);
-    else if (result == NORMA_OK)
-        write_zeros(output, reasons, prepared->mesh.corner_count);
-    norma_core_release(prepared->call, requests, count, sizeof *requests);
-    return result;
+static void take_corner_normal(void *output, uint32_t corner, const float normal[3]) {
+    norma_core_write_normal(output, corner, normal);
 }
 
 static int is_counting(const core_call *call, const norma_report *report) {
@@ -66,7 +43,7 @@ static norma_result compute_stars(core_prepared_mesh *prepared, const smooth_fan
     const position_visit visit = {.join = CORE_JOIN_FANS,
         .counting = is_counting(call, report),
         .by_fan = 1,
-        .see = see_fans,
+        .see = write_fans,
         .context = &work,
         .target = output->normals,
         .target_size = output->stride};
@@ -78,8 +55,12 @@ static norma_result compute_stars(core_prepared_mesh *prepared, const smooth_fan
     if (norma_core_has_others(smooth)) result = norma_core_visit_positions(prepared, &visit, &sum);
     const size_t without =
         sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
-    if (result == NORMA_OK && work.reasons && without)
-        result = fill_from_nearest(prepared, smooth, output, work.reasons, without);
+    if (result == NORMA_OK && work.reasons && without) {
+        result = norma_core_prepare_all_stars(prepared, smooth);
+        if (result == NORMA_OK)
+            result = norma_core_fill_corners(
+                prepared, work.reasons, NULL, take_corner_normal, (void *)(uintptr_t)output);
+    }
     norma_core_release(call, work.reasons, count, 1);
     if (result != NORMA_OK) return result;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
@@ -97,8 +78,8 @@ static norma_result compute_corners(core_prepared_mesh *prepared, smooth_fans *s
 }
 
 /* Checks the mesh's content and does the rest. */
-static norma_result compute(core_call *call, core_mesh *checked, double crease_angle_rad,
-    const core_output *output, norma_report *report) {
+static norma_result open_and_compute_corners(core_call *call, core_mesh *checked,
+    double crease_angle_rad, const core_output *output, norma_report *report) {
     smooth_fans smooth;
     core_prepared_mesh prepared;
     norma_result result =
@@ -121,7 +102,7 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
         result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
     if (result != NORMA_OK) return result;
     norma_core_gather(&call, checked.corner_count);
-    result = compute(&call, &checked, (double)crease_angle_rad, &output, report);
+    result = open_and_compute_corners(&call, &checked, (double)crease_angle_rad, &output, report);
     norma_core_dismiss(&call);
     return result;
 }

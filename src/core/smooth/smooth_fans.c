@@ -87,7 +87,7 @@ static void each_group(smooth_bin *b, see_group *see) {
         each_group_of_chunk(b, see);
 }
 
-static size_t corners_of(const core_mesh *mesh, size_t face) {
+static size_t corners_of_face(const core_mesh *mesh, size_t face) {
     return norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face);
 }
 
@@ -119,7 +119,7 @@ static void finish_queue(const smooth_bin *b, fan_queue *queue) {
 }
 
 /* Returns whether some are wide. */
-static int take_normals(smooth_bin *b) {
+static int take_fan_normals(smooth_bin *b) {
     const int polygons = b->work->prepared->mesh.face_starts != NULL;
     fan_queue queue = {.count = 0};
     int wide = 0;
@@ -178,7 +178,7 @@ static void look_at_face(smooth_bin *b, const uint32_t *at, size_t corners) {
 static void look_at_wide(smooth_bin *b, const corner_group *g) {
     const uint32_t *at = g->at;
     for (size_t f = g->face; f < g->face + g->faces; f++) {
-        const size_t corners = corners_of(&b->work->prepared->mesh, f);
+        const size_t corners = corners_of_face(&b->work->prepared->mesh, f);
         if (corners > 2) look_at_face(b, at, corners);
         at += corners;
     }
@@ -198,10 +198,10 @@ static void mark_others(const smooth_bin *b) {
 /* ---- edges to positions of higher number: of each corner that to its next, and of an open fan the
  * last one */
 
-static void count_edges(smooth_bin *b, const corner_group *g) {
+static void count_edges_of_group(smooth_bin *b, const corner_group *g) {
     const uint32_t *at = g->at;
     for (size_t f = g->face; f < g->face + g->faces; f++) {
-        const size_t corners = corners_of(&b->work->prepared->mesh, f);
+        const size_t corners = corners_of_face(&b->work->prepared->mesh, f);
         for (size_t k = 0; k < corners; k++) {
             const face_chains *c = chains_at(b, at[k]);
             if (c && !core_is_broken(c)) b->edges->count += at[k] < at[k + 1 < corners ? k + 1 : 0];
@@ -321,7 +321,7 @@ static void give_up(smooth_work *work, const core_bin *bin) {
         atomic_store_explicit(&work->chunks[chunk], 1, memory_order_relaxed);
 }
 
-static void compute_bin(void *context, const core_bin *bin) {
+static void find_fans_of_bin(void *context, const core_bin *bin) {
     smooth_work *work = context;
     const size_t buffer = bin->buffer * work->bins.size;
     smooth_bin b = {.work = work,
@@ -334,7 +334,7 @@ static void compute_bin(void *context, const core_bin *bin) {
         return;
     }
     add_faces(&b);
-    if (take_normals(&b)) each_group(&b, look_at_wide);
+    if (take_fan_normals(&b)) each_group(&b, look_at_wide);
     mark_others(&b);
     if (work->target->output) {
         each_group(&b, write_group);
@@ -343,7 +343,7 @@ static void compute_bin(void *context, const core_bin *bin) {
         keep_normals(&b);
     }
     if (!b.edges) return;
-    each_group(&b, count_edges);
+    each_group(&b, count_edges_of_group);
     count_ends(&b);
     b.edges->smooth = b.edges->count - b.edges->open;
 }
@@ -362,7 +362,7 @@ static int may_be_smooth(const core_call *call, const core_mesh *mesh, double cr
 /* Of the first three corners. */
 static int cross_of_face(const core_mesh *mesh, size_t face, double cross[3]) {
     uint32_t at[3];
-    if (corners_of(mesh, face) < 3) return 0;
+    if (corners_of_face(mesh, face) < 3) return 0;
     norma_core_read_corners(mesh, norma_core_face_begin(mesh, face), 3, at);
     cross_of(mesh, at, 3, cross);
     return 1;
@@ -468,7 +468,7 @@ static int scattered_looks_smooth(const core_mesh *mesh, double cosine) {
 
 /* ---- all bins */
 
-static void touch_chunk(void *context, size_t chunk) {
+static void range_of_chunk(void *context, size_t chunk) {
     const smooth_work *work = context;
     const core_mesh *mesh = &work->prepared->mesh;
     core_range touched = {UINT32_MAX, 0};
@@ -521,7 +521,7 @@ static void add_up(const smooth_work *work, smooth_fans *fans) {
 static norma_result compute_bins(
     core_call *call, smooth_work *work, int counting, smooth_fans *fans) {
     norma_result result = take_memory(call, work, counting);
-    if (result == NORMA_OK) result = norma_core_each_bin(call, &work->bins, compute_bin, work);
+    if (result == NORMA_OK) result = norma_core_each_bin(call, &work->bins, find_fans_of_bin, work);
     fans->others = work->others;
     fans->chunks = (uint8_t *)work->chunks;
     if (result == NORMA_OK) add_up(work, fans);
@@ -548,7 +548,7 @@ static norma_result find_fans(
     work.bins =
         (core_bins){.mesh = &prepared->mesh, .chunks = norma_core_count_chunks(&prepared->mesh)};
     if (prepared->mesh.weld)
-        result = norma_core_parallel(call, work.bins.chunks, touch_chunk, &work);
+        result = norma_core_parallel(call, work.bins.chunks, range_of_chunk, &work);
     if (result != NORMA_OK || !norma_core_plan_bins(call, &prepared->mesh, work.ranges,
                                   limits_for(&prepared->mesh), &work.bins))
         return result;

@@ -146,13 +146,13 @@ static size_t block_end(const split_work *work, size_t block) {
     return count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
 }
 
-static size_t counts_of(const split_work *work) {
+static size_t firsts_counts(const split_work *work) {
     const size_t corners = work->prepared->mesh.corner_count;
     return corners / CORNERS_COUNTED + (corners % CORNERS_COUNTED != 0);
 }
 
 /* Of so many corners in a row, how many begin a vertex: eight bytes of 0 or 1 at a time. */
-static uint32_t count_firsts(const uint8_t *firsts, size_t count) {
+static uint32_t count_first_corners(const uint8_t *firsts, size_t count) {
     const uint64_t ones = UINT64_C(0x0101010101010101);
     uint32_t sum = 0;
     for (; count >= sizeof ones; firsts += sizeof ones, count -= sizeof ones) {
@@ -168,12 +168,12 @@ static void count_block(void *context, size_t block) {
     const split_work *work = context;
     const size_t end = block_end(work, block);
     for (size_t c = block * CORNERS_IN_BLOCK; c < end; c += CORNERS_COUNTED)
-        work->before[c / CORNERS_COUNTED + 1] =
-            count_firsts(work->firsts + c, end - c < CORNERS_COUNTED ? end - c : CORNERS_COUNTED);
+        work->before[c / CORNERS_COUNTED + 1] = count_first_corners(
+            work->firsts + c, end - c < CORNERS_COUNTED ? end - c : CORNERS_COUNTED);
 }
 
 static norma_result count_vertices(const split_work *work, size_t *count) {
-    const size_t counts = counts_of(work);
+    const size_t counts = firsts_counts(work);
     work->before[0] = 0;
     const norma_result result = norma_core_parallel(
         work->prepared->call, blocks_of(work), count_block, (void *)(uintptr_t)work);
@@ -184,10 +184,10 @@ static norma_result count_vertices(const split_work *work, size_t *count) {
 }
 
 /* Of the new vertex that begins with this corner. */
-static uint32_t number_of(const split_work *work, uint32_t first) {
+static uint32_t new_vertex_of(const split_work *work, uint32_t first) {
     const size_t counted = first / CORNERS_COUNTED * CORNERS_COUNTED;
     return work->before[first / CORNERS_COUNTED] +
-           count_firsts(work->firsts + counted, first - counted);
+           count_first_corners(work->firsts + counted, first - counted);
 }
 
 static void write_vertex(const split_work *work, uint32_t number, uint32_t corner) {
@@ -282,7 +282,7 @@ static void see_to_write(void *context, const core_fans *fans, core_tally *tally
     list_members(work, fans);
     for (size_t begin = 0, end; begin < fans->count; begin = end) {
         const uint32_t first = fans->corners[fans->members[begin].index],
-                       number = number_of(work, first);
+                       number = new_vertex_of(work, first);
         end = group_end(fans->members, begin, fans->count);
         for (size_t i = begin; i < end && work->numbers; i++)
             work->numbers[fans->corners[fans->members[i].index]] = number;
@@ -293,31 +293,16 @@ static void see_to_write(void *context, const core_fans *fans, core_tally *tally
     }
 }
 
-static void receive(void *context, const corner_request *request, const float normal[3]) {
+static void take_vertex_normal(void *context, uint32_t first, const float normal[3]) {
     const split_work *work = context;
-    norma_core_write_normal(&work->output, number_of(work, request->target), normal);
+    norma_core_write_normal(&work->output, new_vertex_of(work, first), normal);
 }
 
-static norma_result fill_from_nearest(split_work *work) {
-    const core_call *call = work->prepared->call;
-    const size_t corners = work->prepared->mesh.corner_count;
-    const float zero[3] = {0, 0, 0};
-    size_t count = 0, found = 0;
-    for (size_t c = 0; c < corners; c++) count += work->wanted[c];
-    if (!count) return NORMA_OK;
-    corner_request *requests = norma_core_allocate(call, count, sizeof *requests);
-    if (!requests) return NORMA_ERROR_MEMORY;
-    norma_result result = norma_core_prepare_all_stars(work->prepared, work->smooth);
-    if (result == NORMA_OK)
-        result = norma_core_find_sources(
-            work->prepared, work->reasons, work->wanted, requests, count, &found);
-    if (result == NORMA_OK && found)
-        result = norma_core_fetch_normals(work->prepared, requests, found, receive, work);
-    for (size_t c = 0; c < corners && result == NORMA_OK && !found; c++)
-        if (work->wanted[c])
-            norma_core_write_normal(&work->output, number_of(work, (uint32_t)c), zero);
-    norma_core_release(call, requests, count, sizeof *requests);
-    return result;
+static norma_result fill_vertices(split_work *work) {
+    const norma_result result = norma_core_prepare_all_stars(work->prepared, work->smooth);
+    return result == NORMA_OK ? norma_core_fill_corners(work->prepared, work->reasons, work->wanted,
+                                    take_vertex_normal, work)
+                              : result;
 }
 
 /* ---- the call */
@@ -350,10 +335,10 @@ static norma_result write_split(split_work *work, int lacking) {
         .join = CORE_JOIN_FANS, .skip = work->single, .see = see_to_write, .context = work};
     norma_core_stage(prepared->call, 0.8, 0.97);
     result = norma_core_visit_positions(prepared, &visit, &ignored);
-    return result == NORMA_OK && lacking ? fill_from_nearest(work) : result;
+    return result == NORMA_OK && lacking ? fill_vertices(work) : result;
 }
 
-static norma_result check_room(
+static norma_result check_split_room(
     const core_prepared_mesh *prepared, const split_output *out, size_t count) {
     if (out->corners && prepared->mesh.corner_count > out->corner_capacity)
         return NORMA_ERROR_CAPACITY;
@@ -383,7 +368,7 @@ static norma_result find_firsts(split_work *work, stars_part *sum) {
     return result;
 }
 
-static norma_result compute(
+static norma_result split_and_report(
     core_prepared_mesh *prepared, split_work *work, const split_output *out, norma_report *report) {
     core_call *call = prepared->call;
     stars_part sum = {.tally.degenerate = prepared->degenerate_faces};
@@ -391,7 +376,7 @@ static norma_result compute(
     norma_result result = find_firsts(work, &sum);
     norma_core_stage(call, 0.75, 0.76);
     if (result == NORMA_OK) result = count_vertices(work, &count);
-    if (result == NORMA_OK) result = check_room(prepared, out, count);
+    if (result == NORMA_OK) result = check_split_room(prepared, out, count);
     if (result != NORMA_OK) return result;
     const int lacking =
         sum.tally.non_finite.count || sum.tally.unreferenced.count || sum.tally.cancelled.count;
@@ -408,7 +393,7 @@ static void release_work(const core_call *call, split_work *work) {
     const size_t corners = work->prepared->mesh.corner_count,
                  positions = work->prepared->mesh.positions.count;
     norma_core_release(call, work->firsts, corners, 1);
-    norma_core_release(call, work->before, counts_of(work) + 1, sizeof *work->before);
+    norma_core_release(call, work->before, firsts_counts(work) + 1, sizeof *work->before);
     norma_core_release(call, work->single, positions, 1);
     release_normals(work);
     norma_core_release(call, work->vertices, positions, sizeof *work->vertices);
@@ -424,7 +409,7 @@ static norma_result allocate_work(const core_call *call, split_work *work, int w
     const size_t corners = work->prepared->mesh.corner_count,
                  positions = work->prepared->mesh.positions.count;
     work->firsts = norma_core_allocate(call, corners, 1);
-    work->before = norma_core_allocate(call, counts_of(work) + 1, sizeof *work->before);
+    work->before = norma_core_allocate(call, firsts_counts(work) + 1, sizeof *work->before);
     work->single = norma_core_allocate(call, positions, 1);
     if (with_normals) work->normals = norma_core_allocate(call, positions, sizeof *work->normals);
     if (!work->firsts || !work->before || !work->single || (!work->normals && with_normals))
@@ -442,7 +427,7 @@ static norma_result split_prepared(core_prepared_mesh *prepared, smooth_fans *sm
         .source_vertices = out->source_vertices};
     norma_result result = norma_core_output_open(prepared->call, out->normals, 0, 0, &work.output);
     if (result == NORMA_OK) result = allocate_work(prepared->call, &work, out->normals != NULL);
-    if (result == NORMA_OK) result = compute(prepared, &work, out, report);
+    if (result == NORMA_OK) result = split_and_report(prepared, &work, out, report);
     release_work(prepared->call, &work);
     return result;
 }

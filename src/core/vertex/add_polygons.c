@@ -8,7 +8,7 @@
 #include "core/face/face.h"
 
 /* Asks for the positions of a block to come. */
-static void look_ahead(const core_mesh *mesh, size_t begin, size_t end) {
+static void look_at_polygons_ahead(const core_mesh *mesh, size_t begin, size_t end) {
     const size_t last = norma_core_face_begin(mesh, end);
     for (size_t c = norma_core_face_begin(mesh, begin); c < last; c++) {
         const uint32_t at = norma_core_corner(mesh, c);
@@ -109,7 +109,7 @@ CORE_INLINE void add_polygons(const core_adder *adder, size_t begin, size_t end,
             level, adder->mesh, f, next, adder->weight, CORE_ALL_CORNERS, &measured);
         if (adder->scattered) {
             ask_for_sums(adder, &measured, next - f);
-            look_ahead(adder->mesh, next,
+            look_at_polygons_ahead(adder->mesh, next,
                 end - next < CORE_FACES_AT_ONCE ? end : next + CORE_FACES_AT_ONCE);
         }
         if (adder->chains)
@@ -119,21 +119,21 @@ CORE_INLINE void add_polygons(const core_adder *adder, size_t begin, size_t end,
     }
 }
 
-static void add_portable(const core_adder *adder, size_t begin, size_t end) {
+static void add_polygons_portable(const core_adder *adder, size_t begin, size_t end) {
     add_polygons(adder, begin, end, CORE_PORTABLE);
 }
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static void add_avx2(const core_adder *adder, size_t begin, size_t end) {
+CORE_FOR_AVX2 static void add_polygons_avx2(const core_adder *adder, size_t begin, size_t end) {
     add_polygons(adder, begin, end, CORE_AVX2);
 }
 #if defined(CORE_HAS_AVX512)
-CORE_FOR_AVX512 static void add_avx512(const core_adder *adder, size_t begin, size_t end) {
+CORE_FOR_AVX512 static void add_polygons_avx512(const core_adder *adder, size_t begin, size_t end) {
     add_polygons(adder, begin, end, CORE_AVX512);
 }
 #endif
 #endif
 
 core_add_faces *norma_core_choose_add_polygons(norma_isa isa) {
-    static core_add_faces *const ADD[] = CORE_KERNELS(add);
+    static core_add_faces *const ADD[] = CORE_KERNELS(add_polygons);
     return ADD[norma_core_level(isa)];
 }

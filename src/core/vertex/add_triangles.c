@@ -71,7 +71,7 @@ CORE_INLINE void read_batch(const core_mesh *mesh, size_t f, int lanes, triangle
 /* Asks for the memory of triangles to come, into the second cache, to which twice as many requests
  * are under way at once as to the first: positions, which may lie across two lines, and sums. Where
  * there is a map of welded positions, that is asked for earlier still. */
-CORE_INLINE void look_ahead(const core_adder *adder, size_t f) {
+CORE_INLINE void look_at_triangles_ahead(const core_adder *adder, size_t f) {
     const core_mesh *mesh = adder->mesh;
     const size_t begin = 3 * (f + AHEAD), end = begin + (size_t)3 * CORE_LANES,
                  map = (size_t)3 * AHEAD;
@@ -159,7 +159,7 @@ CORE_INLINE void take_weighted(
                                                    : BATCHES_AT_ONCE;
         for (size_t i = 0; i < batches; i++) {
             const size_t first = f + i * CORE_LANES;
-            if (queue || adder->scattered) look_ahead(adder, first);
+            if (queue || adder->scattered) look_at_triangles_ahead(adder, first);
             read_batch(adder->mesh, first, lanes_left(first, end), &t[i]);
         }
         for (size_t i = 0; i < batches; i++) measure_batch(&t[i].measured, weight);
@@ -225,7 +225,7 @@ CORE_INLINE uint32_t part_of(uint32_t at, uint64_t scale) {
 }
 
 /* A counting sort, so that a queue is no larger for many parts than for few. */
-CORE_INLINE void list_corners(core_queue *queue, size_t faces, uint64_t scale) {
+CORE_INLINE void list_queued_corners(core_queue *queue, size_t faces, uint64_t scale) {
     uint16_t next[CORE_PARTS + 2] = {0};
     for (size_t c = 0; c < 3 * faces; c++) next[part_of(queue->at[c], scale) + 1]++;
     for (size_t part = 0; part <= CORE_PARTS; part++)
@@ -243,7 +243,7 @@ CORE_INLINE void queue_triangles(
 #else
     CORE_LOOP_FOR_WEIGHT(adder->weight, take_weighted, adder, begin, end, queue)
 #endif
-    list_corners(queue, end - begin, scale);
+    list_queued_corners(queue, end - begin, scale);
 }
 
 CORE_INLINE vertex_sum *sum_of_corner(const core_queue *queue, uint16_t corner, vertex_sum *sums) {

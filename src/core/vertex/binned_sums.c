@@ -40,19 +40,20 @@ static int is_coherent(const core_bins *bins) {
     return touched <= bins->chunks + bins->chunks / 2 + 1;
 }
 
-static size_t smaller(size_t a, size_t b) { return a < b ? a : b; }
+static size_t lesser_of(size_t a, size_t b) { return a < b ? a : b; }
 
 /* A quarter of all positions at most, however many work. */
 static size_t choose_buffers(const core_bins *bins, size_t workers, size_t most) {
-    const size_t quarter = smaller(MOST_BUFFERS, 1 + (bins->count - 1) / BINS_FOR_EACH),
+    const size_t quarter = lesser_of(MOST_BUFFERS, 1 + (bins->count - 1) / BINS_FOR_EACH),
                  fit = most / bins->size;
-    return smaller(workers, smaller(quarter, fit ? fit : 1));
+    return lesser_of(workers, lesser_of(quarter, fit ? fit : 1));
 }
 
 int norma_core_plan_bins(const core_call *call, const core_mesh *mesh, const core_range *ranges,
     core_bin_limits limits, core_bins *bins) {
     const size_t workers = norma_core_shares(call), positions = mesh->positions.count,
-                 chunks = norma_core_count_chunks(mesh), most = smaller(MOST_IN_BIN, limits.in_one);
+                 chunks = norma_core_count_chunks(mesh),
+                 most = lesser_of(MOST_IN_BIN, limits.in_one);
     if (!positions) return 0;
     *bins = (core_bins){.mesh = mesh,
         .ranges = ranges,
@@ -84,7 +85,7 @@ static void work_on_bins(void *context, size_t task) {
         bin.buffer = (bin.buffer + 1) % bins->buffers;
     for (bin.number = task; bin.number < bins->count; bin.number += bins->step) {
         bin.first = (uint32_t)(bin.number * bins->size);
-        bin.count = (uint32_t)smaller(positions - bin.first, bins->size);
+        bin.count = (uint32_t)lesser_of(positions - bin.first, bins->size);
         tasks->work(tasks->context, &bin);
     }
     atomic_store_explicit(&tasks->taken[bin.buffer], 0, memory_order_release);

@@ -7,7 +7,7 @@
 
 enum { BITS = 32, LEAST_TOP = -30 }; /* below that, the lowest place would be no normal double */
 
-static int32_t place_of(double weight) {
+static int32_t place_of_weight(double weight) {
     int exponent;
     if (weight == 0) return LEAST_TOP;
     frexp(weight, &exponent); /* weight is at least 2^(exponent - 1) */
@@ -35,7 +35,7 @@ static void add_number(int64_t digits[OPEN_SUM_PLACES], int32_t top, double numb
 
 void norma_core_open_sum_add(open_sum *sum, double weight, const double vector[3]) {
     if (!isfinite(weight)) return;
-    const int32_t place = place_of(weight);
+    const int32_t place = place_of_weight(weight);
     if (!sum->votes || place > sum->top) raise_top(sum, place);
     sum->votes = 1;
     for (int k = 0; k < 3; k++) add_number(sum->digits[k], sum->top, weight * vector[k]);
@@ -60,7 +60,7 @@ void norma_core_open_sum_join(open_sum *sum, const open_sum *other) {
 
 /* Carried upwards first: then the two halves differ in what they count, and their rounding depends
  * on the sum alone. */
-static double number_of(const int64_t digits[OPEN_SUM_PLACES]) {
+static double number_of_digits(const int64_t digits[OPEN_SUM_PLACES]) {
     const uint64_t mask = 0xFFFFFFFFu;
     const int64_t carry = (digits[0] - (int64_t)((uint64_t)digits[0] & mask)) / (int64_t)(mask + 1),
                   middle = digits[1] + carry,
@@ -71,8 +71,8 @@ static double number_of(const int64_t digits[OPEN_SUM_PLACES]) {
 }
 
 void norma_core_open_sum_value(const open_sum *sum, double vector[3], double *weight) {
-    for (int k = 0; k < 3; k++) vector[k] = number_of(sum->digits[k]) * 0x1p-64;
-    *weight = number_of(sum->digits[3]) * 0x1p-64;
+    for (int k = 0; k < 3; k++) vector[k] = number_of_digits(sum->digits[k]) * 0x1p-64;
+    *weight = number_of_digits(sum->digits[3]) * 0x1p-64;
 }
 
 /* ---- faces vote as in norma_vertex_normals, one by one. */

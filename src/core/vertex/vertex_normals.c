@@ -10,10 +10,10 @@ typedef struct vertex_work {
     core_vertices vertices;
     const core_output *output;
     core_finish_sums *finish;
-    core_tally *tallies;
 } vertex_work;
 
-static int resolve(const core_vertices *vertices, size_t vertex, float normal[3]) {
+static int normal_of_vertex(const void *context, size_t vertex, float normal[3]) {
+    const core_vertices *vertices = context;
     return vertices->sums ? norma_core_resolve_sum(vertices, vertex, normal)
                           : norma_core_resolve_cone(vertices, vertex, normal);
 }
@@ -21,7 +21,7 @@ static int resolve(const core_vertices *vertices, size_t vertex, float normal[3]
 static void write_some(const vertex_work *work, size_t begin, size_t end, core_tally *tally) {
     for (size_t v = begin; v < end; v++) {
         float normal[3];
-        const int reason = resolve(&work->vertices, v, normal);
+        const int reason = normal_of_vertex(&work->vertices, v, normal);
         norma_core_write_element(work->output, v, reason, normal, tally);
     }
 }
@@ -38,57 +38,13 @@ static int write_batch(const vertex_work *work, size_t begin) {
     return 1;
 }
 
-static void write_chunk(void *context, size_t chunk) {
+static void write_vertex_normals(const void *context, size_t begin, size_t end, core_tally *tally) {
     const vertex_work *work = context;
-    const size_t begin = chunk * VERTICES_IN_CHUNK, count = work->vertices.count;
-    const size_t end = count - begin < VERTICES_IN_CHUNK ? count : begin + VERTICES_IN_CHUNK;
     for (size_t v = begin; v < end; v += CORE_LANES) {
         const size_t batch = end - v < CORE_LANES ? end : v + CORE_LANES;
         if (work->vertices.sums && batch - v == CORE_LANES && write_batch(work, v)) continue;
-        write_some(work, v, batch, &work->tallies[chunk]);
+        write_some(work, v, batch, tally);
     }
-}
-
-static norma_result write_all(vertex_work *work, core_tally *sum) {
-    core_call *call = work->vertices.prepared->call;
-    const size_t count = work->vertices.count,
-                 chunks = count / VERTICES_IN_CHUNK + (count % VERTICES_IN_CHUNK != 0);
-    work->tallies = norma_core_allocate(call, chunks, sizeof *work->tallies);
-    if (!work->tallies) return NORMA_ERROR_MEMORY;
-    memset(work->tallies, 0, chunks * sizeof *work->tallies);
-    const norma_result result = norma_core_parallel(call, chunks, write_chunk, work);
-    for (size_t i = 0; i < chunks; i++) norma_core_tally_add(sum, &work->tallies[i]);
-    norma_core_release(call, work->tallies, chunks, sizeof *work->tallies);
-    return result;
-}
-
-static void write_nearest(const vertex_work *work, core_nearest *nearest) {
-    for (size_t v = 0; v < work->vertices.count; v++) {
-        float normal[3];
-        if (resolve(&work->vertices, v, normal) == NORMA_REASON_NONE) continue;
-        const uint32_t source = norma_core_nearest_find(nearest, (uint32_t)v);
-        if (source == UINT32_MAX)
-            normal[0] = normal[1] = normal[2] = 0;
-        else
-            resolve(&work->vertices, source, normal);
-        norma_core_write_normal(work->output, v, normal);
-    }
-}
-
-static norma_result fill_from_nearest(const vertex_work *work, size_t queries) {
-    core_nearest nearest;
-    norma_result result = norma_core_nearest_begin(
-        work->vertices.prepared->call, &work->vertices.prepared->mesh, &nearest);
-    if (result != NORMA_OK) return result;
-    for (size_t v = 0; v < work->vertices.count; v++) {
-        float normal[3];
-        if (resolve(&work->vertices, v, normal) == NORMA_REASON_NONE)
-            norma_core_nearest_add(&nearest, (uint32_t)v, (uint32_t)v);
-    }
-    result = norma_core_nearest_plant(&nearest, queries);
-    if (result == NORMA_OK) write_nearest(work, &nearest);
-    norma_core_nearest_end(&nearest);
-    return result;
 }
 
 static norma_result sum_vertices(
@@ -105,7 +61,7 @@ static size_t without_normal(const core_tally *tally) {
 
 /* Who has no normal and takes the nearest has to find it among all sums. Bins keep none: there they
  * are taken once more, and only what was left open is written. */
-static norma_result compute(core_prepared_mesh *prepared, const core_range *ranges,
+static norma_result compute_vertices(core_prepared_mesh *prepared, const core_range *ranges,
     const core_output *output, norma_report *report) {
     core_call *call = prepared->call;
     vertex_work work = {.vertices.prepared = prepared,
@@ -118,13 +74,19 @@ static norma_result compute(core_prepared_mesh *prepared, const core_range *rang
     if (result == NORMA_OK && !written) {
         result = sum_vertices(prepared, &work.vertices, &tally);
         norma_core_stage(call, 0.9, 0.97);
-        if (result == NORMA_OK) result = write_all(&work, &tally);
+        if (result == NORMA_OK)
+            result = norma_core_write_chunks(
+                call, work.vertices.count, VERTICES_IN_CHUNK, write_vertex_normals, &work, &tally);
     }
     const size_t without = output->nearest ? without_normal(&tally) : 0;
     norma_core_stage(call, 0.9, 0.97);
     if (result == NORMA_OK && written && without)
         result = sum_vertices(prepared, &work.vertices, &again);
-    if (result == NORMA_OK && without) result = fill_from_nearest(&work, without);
+    if (result == NORMA_OK && without) {
+        const core_elements vertices = {
+            &prepared->mesh, work.vertices.count, &work.vertices, normal_of_vertex, NULL};
+        result = norma_core_fill_nearest(call, &vertices, output, without);
+    }
     if (result == NORMA_OK) norma_core_write_report(report, &tally, NULL, NULL);
     norma_core_release_vertices(&work.vertices);
     return result;
@@ -140,7 +102,7 @@ static norma_result open_and_compute(core_call *call, core_mesh *checked, core_r
             call->options.weight == NORMA_WEIGHT_VISIBLE ? CORE_FOR_STARS : CORE_FOR_SUMS, 0,
             &prepared);
     if (result != NORMA_OK) return result;
-    result = norma_core_finish(call, compute(&prepared, ranges, output, report));
+    result = norma_core_finish(call, compute_vertices(&prepared, ranges, output, report));
     norma_core_prepared_mesh_close(&prepared);
     return result;
 }
@@ -194,7 +156,7 @@ static void see_each_vertex(const core_vertices *vertices, core_star *star) {
     }
 }
 
-static void see_fans(void *context, const core_fans *fans, core_tally *tally) {
+static void keep_cones(void *context, const core_fans *fans, core_tally *tally) {
     const core_vertices *vertices = context;
     core_star *star = fans->star;
     (void)tally;
@@ -207,7 +169,7 @@ static void see_fans(void *context, const core_fans *fans, core_tally *tally) {
 norma_result norma_core_cone_vertices(
     core_prepared_mesh *prepared, core_vertices *vertices, core_tally *tally) {
     stars_part sum = {0};
-    const position_visit visit = {.join = CORE_JOIN_ALL, .see = see_fans, .context = vertices};
+    const position_visit visit = {.join = CORE_JOIN_ALL, .see = keep_cones, .context = vertices};
     const size_t count = prepared->mesh.positions.count;
     *vertices = (core_vertices){.prepared = prepared, .count = count};
     vertices->normals = norma_core_allocate(prepared->call, count, sizeof *vertices->normals);

@@ -84,7 +84,7 @@ typedef struct queue_work {
     core_queue *queues;                  /* of the chunks of two segments */
     norma_count degenerate[MOST_CHUNKS]; /* met by each of them, in all segments */
     size_t chunks, parts;                /* jobs of a segment */
-    size_t segments, first_job;          /* first_job: of the tasks that run now */
+    size_t segments, first_job;          /* first_job: of the tasks that run_queues now */
     uint64_t scale;                      /* of positions to parts */
     atomic_size_t *queued;               /* of each segment, its chunks */
     atomic_size_t drained[CORE_PARTS];   /* of each part, the segments */
@@ -176,7 +176,7 @@ static void drain_part(queue_work *work, size_t segment, size_t part) {
 
 /* ---- jobs */
 
-static void run_job(void *context, size_t task) {
+static void run_queue_job(void *context, size_t task) {
     queue_work *work = context;
     const size_t job = work->first_job + task, jobs = work->chunks + work->parts,
                  segment = job / jobs, number = job % jobs;
@@ -193,15 +193,16 @@ static norma_result run_staged(core_call *call, queue_work *work) {
         norma_core_stage(call, from + (to - from) * (double)segment / (double)work->segments,
             from + (to - from) * (double)(segment + 1) / (double)work->segments);
         work->first_job = segment * (work->chunks + work->parts);
-        result = norma_core_parallel(call, work->chunks, run_job, work);
+        result = norma_core_parallel(call, work->chunks, run_queue_job, work);
         work->first_job += work->chunks;
-        if (result == NORMA_OK) result = norma_core_parallel(call, work->parts, run_job, work);
+        if (result == NORMA_OK)
+            result = norma_core_parallel(call, work->parts, run_queue_job, work);
     }
     norma_core_stage(call, from, to);
     return result;
 }
 
-static norma_result run(core_call *call, queue_work *work) {
+static norma_result run_queues(core_call *call, queue_work *work) {
     const double from = call->progress_from, to = call->progress_to,
                  cleared = from + 0.1 * (to - from);
     for (size_t i = 0; i < work->segments; i++) atomic_init(&work->queued[i], 0);
@@ -212,8 +213,8 @@ static norma_result run(core_call *call, queue_work *work) {
     if (result == NORMA_OK)
         result = call->options.parallel_for
                      ? run_staged(call, work)
-                     : norma_core_parallel(
-                           call, work->segments * (work->chunks + work->parts), run_job, work);
+                     : norma_core_parallel(call, work->segments * (work->chunks + work->parts),
+                           run_queue_job, work);
     norma_core_stage(call, from, to);
     return result;
 }
@@ -246,7 +247,7 @@ norma_result norma_core_queue_vertices(const core_prepared_mesh *prepared, const
     work.queues = norma_core_allocate(call, chunks, sizeof *work.queues);
     work.queued = norma_core_allocate(call, work.segments, sizeof *work.queued);
     const int has_memory = work.queues && work.queued;
-    const norma_result result = has_memory ? run(call, &work) : NORMA_OK;
+    const norma_result result = has_memory ? run_queues(call, &work) : NORMA_OK;
     norma_core_release(call, work.queues, chunks, sizeof *work.queues);
     norma_core_release(call, work.queued, work.segments, sizeof *work.queued);
     for (size_t i = 0; i < chunks; i++) norma_core_count_add(degenerate, &work.degenerate[i]);
