@@ -4,7 +4,7 @@
 #   tests/run.sh          what each change must pass (make test)
 #   tests/run.sh all      the rest as well (make test-all). What tests/run.sh found of the same sources is counted, not run again
 #   tests/run.sh PART...  some parts, by name: `tests/run.sh list` prints them
-# Seconds are those of the processor. JOBS: how many at once.  TEST_TIMEOUT: seconds that a script may take.
+# Seconds are those of the processor. JOBS: how many at once.  TEST_TIMEOUT: seconds that a script may take (1800: what hangs fails, the rest runs).
 # shellcheck disable=SC2016  # single quotes hold what inner shells expand
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -36,15 +36,15 @@ long_scripts() {
 
 say() { printf '%s  %s\n' "$(date +%H:%M:%S)" "$*"; }
 
-# one RESULT-NAME COMMAND...: runs a program that speaks TAP; its output, exit status and processor seconds go to files. The limit is for what hangs: a machine may be loaded
-# many times over.
+# one RESULT-NAME COMMAND...: runs a program that speaks TAP; its output, exit status and processor seconds go to files. The limit is for what hangs: the slowest takes
+# eight minutes, but a machine may be loaded many times over.
 one() {
     local name=$1 status=0 scratch
     shift
     scratch=$(mktemp -d)
     {
         TIMEFORMAT='%U %S'
-        time NORMA_SCRATCH=$scratch timeout --kill-after=10 "${TEST_TIMEOUT:-7200}" "$@" >"$results/$name.tap" 2>"$results/$name.err" </dev/null || status=$?
+        time NORMA_SCRATCH=$scratch timeout --kill-after=10 "${TEST_TIMEOUT:-1800}" "$@" >"$results/$name.tap" 2>"$results/$name.err" </dev/null || status=$?
     } 2>"$results/$name.time"
     rm -rf "$scratch"
     echo "$status" >"$results/$name.status"
