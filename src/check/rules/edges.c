@@ -44,7 +44,7 @@ typedef struct conflict { /* two faces that run along an edge in the same direct
 
 typedef struct edge_part {
     check_hits many, bow_ties, duplicates, twins;
-    size_t many_edges;
+    double duplicate_area; /* twice */
     conflict *conflicts;
     size_t conflict_count, conflict_room;
     int failed;
@@ -116,7 +116,6 @@ static void see_edge(
     if (count <= 2 || !norma_check_wants(m, RULE_N303)) return;
     const size_t kept = gather_faces(m, runs, count, directed);
     if (kept <= 2 || (kept <= MOST_RUNS && twins_explain(&m->topology, directed, kept))) return;
-    part->many_edges++;
     norma_check_hit(m->run, &part->many, (double)kept,
         (check_spot){
             position, norma_core_topology_face(&m->topology, directed[0].corner), SIZE_MAX});
@@ -133,9 +132,11 @@ static void see_twins(void *context, size_t block, const core_twin *twins, size_
     edge_part *part = &pass->parts[block];
     size_t ways[2] = {0, 0};
     for (size_t i = 0; i < count; i++)
-        if (ways[twins[i].way]++)
+        if (ways[twins[i].way]++) {
             norma_check_hit(
                 pass->m->run, &part->duplicates, (double)count, norma_check_face(twins[i].face));
+            part->duplicate_area += norma_check_twice_area(pass->m, twins[i].face);
+        }
     size_t pairs = ways[0] < ways[1] ? ways[0] : ways[1], told = 0;
     if (!norma_check_directed(&pass->m->faces[twins[0].face])) return; /* nor have its twins */
     for (size_t i = 0; i < count && told < pairs; i++)
@@ -299,8 +300,9 @@ static norma_result add_many(check_mesh *m, edge_part *sum) {
     else
         norma_check_message(message, "%z %s where parts touch only in a point", ties,
             ties == 1 ? "vertex" : "vertices");
-    norma_severity severity =
-        m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
+    norma_severity severity = edges && m->run->profile == NORMA_CHECK_PROFILE_PRINT
+                                  ? NORMA_SEVERITY_WARNING
+                                  : NORMA_SEVERITY_INFO;
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N303,
             .severity = severity,
@@ -309,10 +311,13 @@ static norma_result add_many(check_mesh *m, edge_part *sum) {
             .message = message});
 }
 
-static norma_result add_duplicates(check_mesh *m, check_hits *hits) {
+static norma_result add_duplicates(check_mesh *m, check_hits *hits, double twice_area) {
     return norma_check_report(m,
-        &(check_report){
-            .rule = RULE_N305, .severity = NORMA_SEVERITY_WARNING, .no_value = 1, .hits = hits},
+        &(check_report){.rule = RULE_N305,
+            .severity = twice_area < SPECK * norma_check_add_areas(m, 0) ? NORMA_SEVERITY_INFO
+                                                                         : NORMA_SEVERITY_WARNING,
+            .no_value = 1,
+            .hits = hits},
         "%z face%s repeated with the same winding; drawn more than once", hits->count,
         norma_check_plural(hits->count));
 }
@@ -337,6 +342,7 @@ static norma_result add_edge_findings(check_mesh *m, edge_part *parts, size_t bl
         norma_check_hits_merge(m->run, &sum.bow_ties, &parts[i].bow_ties);
         norma_check_hits_merge(m->run, &sum.duplicates, &parts[i].duplicates);
         norma_check_hits_merge(m->run, &sum.twins, &parts[i].twins);
+        sum.duplicate_area += parts[i].duplicate_area;
         sum.failed |= parts[i].failed;
         conflicts += parts[i].conflict_count;
     }
@@ -346,7 +352,7 @@ static norma_result add_edge_findings(check_mesh *m, edge_part *parts, size_t bl
     if (!result && sum.many.count + sum.bow_ties.count && norma_check_wants(m, RULE_N303))
         result = add_many(m, &sum);
     if (!result && sum.duplicates.count && norma_check_wants(m, RULE_N305))
-        result = add_duplicates(m, &sum.duplicates);
+        result = add_duplicates(m, &sum.duplicates, sum.duplicate_area);
     if (!result && sum.twins.count && norma_check_wants(m, RULE_N306))
         result = add_twins(m, &sum.twins);
     norma_check_hits_free(&sum.many);

@@ -611,9 +611,9 @@ static norma_result add_opposed(check_mesh *m) {
     char which[CHECK_MESSAGE];
     const double whole = norma_check_add_areas(m, 0),
                  part = whole > 0 ? m->opposed_area / whole : 0;
-    const norma_severity severity = m->on_purpose ? NORMA_SEVERITY_INFO
-                                    : part > .01  ? NORMA_SEVERITY_ERROR
-                                                  : NORMA_SEVERITY_WARNING;
+    const norma_severity severity = m->on_purpose || part < SPECK ? NORMA_SEVERITY_INFO
+                                    : part > .01                  ? NORMA_SEVERITY_ERROR
+                                                                  : NORMA_SEVERITY_WARNING;
     opposed_sides sides;
     check_hits hits = {0};
     const norma_result result = find_sides(m, &sides);

@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double BENDS_DEG = 5, CANCELS = 0.1, NO_LENGTH = 1e-6, DEGENERATE = 1e-6;
+static const double BENDS_DEG = 5, BENDS_MUCH_DEG = 30, CANCELS = 0.1, NO_LENGTH = 1e-6,
+                    DEGENERATE = 1e-6;
 
 static inline double greater_square(double a, double b) { return a > b ? a : b; }
 static double length_of(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
@@ -122,8 +123,10 @@ static norma_result judge_bends(check_mesh *m) {
     }
     if (!hits.count) return NORMA_OK;
     return norma_check_report(m,
-        &(check_report){
-            .rule = RULE_N901, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &hits},
+        &(check_report){.rule = RULE_N901,
+            .severity = hits.worst > BENDS_MUCH_DEG ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
+            .unit = "deg",
+            .hits = &hits},
         "%z of %z morph targets turn faces (by up to %g degrees) but have no normals; the moved "
         "surface is shaded as if it had not moved",
         targets, m->given->morph_count, hits.worst);

@@ -43,6 +43,9 @@ norma_result norma_check_nodes(
 
 /* ---- what families share */
 
+/* Of a primitive's area: what is smaller is not seen. */
+#define SPECK 1e-4
+
 /* Tangents serve normal maps only: without one, what is wrong with them is worth knowing, no more.
  */
 static inline norma_severity norma_check_tangent_severity(const check_mesh *m) {
@@ -99,7 +102,8 @@ int norma_check_wants_open(const check_run *run, const uint8_t *rules);
 
 /* stored_normals.c: N101 to N103. idle: normals of no length that only degenerate faces use. */
 typedef struct check_lengths {
-    check_hits non_finite, zero, non_unit;
+    check_hits non_finite, zero, non_unit,
+        rounded; /* rounded: in OBJ, off by what two digits make */
 } check_lengths;
 void norma_check_lengths_drop(check_lengths *sum);
 norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum);
@@ -111,7 +115,7 @@ norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, size_t i
 typedef struct check_facets {
     check_hits hits;
     size_t zeros, turned, undecided;
-    double twice_area, whole_area; /* twice_area: of those that were hit */
+    double twice_area, whole_area; /* twice_area: of those that are more than 10 degrees off */
 } check_facets;
 norma_result norma_check_facets_look(check_mesh *m, check_facets *sum, uint8_t *behind);
 norma_result norma_check_facets_add(check_mesh *m, check_facets *sum);

@@ -168,7 +168,9 @@ norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sid
 
 enum { FACETS_IN_BLOCK = 1 << 14 };
 static const double NEAR_COSINE = 0.9961946980917455; /* of 5 degrees */
-static const double LEAST_SHARE = .001;               /* of the area: below it, the rule informs */
+static const double CLEAR_COSINE =
+    0.984807753012208;                  /* of 10 degrees: what leans less, or is zero, informs */
+static const double LEAST_SHARE = .001; /* of the area: below it, the rule informs */
 
 typedef struct facet_pass {
     const check_mesh *m;
@@ -188,7 +190,7 @@ static void judge_facet(const facet_pass *pass, check_facets *part, size_t facet
     if (is == CORE_LENGTH_NON_FINITE || !norma_check_directed(&m->faces[facet]) ||
         norma_check_is_sliver(&m->faces[facet]))
         return;
-    if (is == CORE_LENGTH_ZERO || cosine < NEAR_COSINE)
+    if (is != CORE_LENGTH_ZERO && cosine < CLEAR_COSINE)
         part->twice_area += norma_check_twice_area(m, facet);
     if (is == CORE_LENGTH_ZERO) {
         part->zeros++;
@@ -225,7 +227,7 @@ norma_result norma_check_facets_add(check_mesh *m, check_facets *sum) {
     check_hits *hits = &sum->hits;
     const size_t zeros = sum->zeros, turned = sum->turned, undecided = sum->undecided;
     char message[CHECK_MESSAGE];
-    const int matters = sum->twice_area >= LEAST_SHARE * sum->whole_area;
+    const int matters = sum->twice_area > 0 && sum->twice_area >= LEAST_SHARE * sum->whole_area;
     if (!hits->count) return NORMA_OK;
     if (zeros == hits->count)
         norma_check_message(message,

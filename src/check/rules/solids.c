@@ -34,8 +34,10 @@ static size_t count_here(const check_solids *s) {
 /* ---- N302 */
 
 static norma_result add_inward(check_mesh *m, check_hits *hits, size_t count) {
-    norma_severity severity = m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_ERROR
-                                                                           : NORMA_SEVERITY_WARNING;
+    const norma_severity severity = m->run->profile == NORMA_CHECK_PROFILE_PRINT
+                                        ? NORMA_SEVERITY_ERROR
+                                    : m->given->material.double_sided ? NORMA_SEVERITY_INFO
+                                                                      : NORMA_SEVERITY_WARNING;
     return norma_check_report(m,
         &(check_report){.rule = RULE_N302, .severity = severity, .unit = "volume", .hits = hits},
         "%z of %z component%s %s inside out: closed, and the faces look inward", hits->count, count,

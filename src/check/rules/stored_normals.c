@@ -8,6 +8,7 @@
 /* ---- N101 to N103: normals that are no unit vectors, by what their encoding can hold. */
 
 enum { NORMALS_IN_BLOCK = 1 << 14 };
+static const double TWO_DIGITS = .025; /* what writing numbers with two digits does to a length */
 
 typedef struct length_pass {
     const check_mesh *m;
@@ -35,7 +36,10 @@ static void judge_normal(const length_pass *pass, check_lengths *part, size_t nu
     else if (is == CORE_LENGTH_ZERO)
         norma_check_hit(m->run, &part->zero, length, spot);
     else
-        norma_check_hit(m->run, &part->non_unit, fabs(length - 1), spot);
+        norma_check_hit(m->run,
+            m->run->format == NORMA_FILE_OBJ && fabs(length - 1) <= TWO_DIGITS ? &part->rounded
+                                                                               : &part->non_unit,
+            fabs(length - 1), spot);
 }
 
 static void judge_normals(void *context, size_t block, size_t begin, size_t end) {
@@ -93,6 +97,15 @@ static int wants_lengths(const check_mesh *m, check_rule rule) {
     return m->given->info.normals != NORMA_NORMALS_PER_FACET && norma_check_wants(m, rule);
 }
 
+static norma_result add_non_unit(check_mesh *m, norma_severity severity, check_hits *hits) {
+    if (!hits->count || !wants_lengths(m, RULE_N103)) return NORMA_OK;
+    return norma_check_report(m,
+        &(check_report){.rule = RULE_N103, .severity = severity, .unit = "length", .hits = hits},
+        "%z normal%s whose length differs from 1, by up to %g; if a shader does not "
+        "renormalise, diffuse light is multiplied by the length",
+        hits->count, norma_check_plural(hits->count), hits->worst);
+}
+
 static norma_result add_lengths(check_mesh *m, check_lengths *sum, size_t idle) {
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N101) && sum->non_finite.count)
@@ -105,22 +118,15 @@ static norma_result add_lengths(check_mesh *m, check_lengths *sum, size_t idle) 
             norma_check_plural(sum->non_finite.count));
     if (!result && wants_lengths(m, RULE_N102) && sum->zero.count)
         result = add_zero(m, &sum->zero, idle);
-    if (!result && wants_lengths(m, RULE_N103) && sum->non_unit.count)
-        result = norma_check_report(m,
-            &(check_report){.rule = RULE_N103,
-                .severity = NORMA_SEVERITY_ERROR,
-                .unit = "length",
-                .hits = &sum->non_unit},
-            "%z normal%s whose length differs from 1, by up to %g; if a shader does not "
-            "renormalise, diffuse light is multiplied by the length",
-            sum->non_unit.count, norma_check_plural(sum->non_unit.count), sum->non_unit.worst);
-    return result;
+    if (!result) result = add_non_unit(m, NORMA_SEVERITY_ERROR, &sum->non_unit);
+    return result ? result : add_non_unit(m, NORMA_SEVERITY_WARNING, &sum->rounded);
 }
 
 void norma_check_lengths_drop(check_lengths *sum) {
     norma_check_hits_free(&sum->non_finite);
     norma_check_hits_free(&sum->zero);
     norma_check_hits_free(&sum->non_unit);
+    norma_check_hits_free(&sum->rounded);
 }
 
 norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, size_t idle) {
@@ -143,6 +149,7 @@ norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum) {
         norma_check_hits_merge(m->run, &sum->non_finite, &pass.parts[i].non_finite);
         norma_check_hits_merge(m->run, &sum->zero, &pass.parts[i].zero);
         norma_check_hits_merge(m->run, &sum->non_unit, &pass.parts[i].non_unit);
+        norma_check_hits_merge(m->run, &sum->rounded, &pass.parts[i].rounded);
     }
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     return result;

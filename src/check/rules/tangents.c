@@ -276,12 +276,12 @@ static norma_result add_no_tangents(check_mesh *m) {
     norma_check_hit(m->run, &one, 0, CHECK_NOWHERE);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N805,
-            .severity = NORMA_SEVERITY_WARNING,
+            .severity = NORMA_SEVERITY_INFO,
             .no_value = 1,
             .no_fix = !m->given->attributes.texcoords,
             .hits = &one,
-            .message = "a normal map but no tangents; renderers compute their own, and not all in "
-                       "the same way"});
+            .message = "a normal map but no tangents; readers compute MikkTSpace's, as the "
+                       "specification asks"});
 }
 
 static norma_result judge_map(check_mesh *m) {

@@ -164,6 +164,15 @@ static norma_document_result tell_place_unread(
     return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
+/* Where nothing could be checked, that is an error. */
+static void raise_unread(document_check *d) {
+    for (size_t i = 0; i < d->run.findings->count; i++) {
+        norma_finding *finding = norma_findings_change(d->run.findings, i);
+        if (finding->rule == &norma_rules(NULL)[RULE_N002])
+            finding->severity = NORMA_SEVERITY_ERROR;
+    }
+}
+
 /* Those of the whole file stand first, those of primitives in their order; where: up to which one.
  */
 static norma_document_result tell_up_to(document_check *d, const norma_mesh_info *info) {
@@ -342,6 +351,7 @@ norma_document_result norma_check_document(norma_document *document,
     norma_document_result result = check_meshes(&d);
     if (!result) result = check_maps(&d);
     if (!result) result = check_nodes(&d);
+    if (!result && d.mesh_count == 0) raise_unread(&d);
     if (result)
         norma_check_abandon(&d.run);
     else

@@ -111,7 +111,7 @@ static void opposing_normals(void **state) {
     (void)state;
     surface s = surface_soup(surface_torus(AROUND, ACROSS));
     for (size_t k = 0; k < 3; k++) scale_normal(&s, 3 * 500 + k, -1);
-    const norma_finding *f = in_render(&s, "N201", NORMA_SEVERITY_WARNING);
+    const norma_finding *f = in_render(&s, "N201", NORMA_SEVERITY_INFO);
     assert_found(f, 1);
     assert_int_equal(f->samples[0].face, 500);
     assert_true(f->worst_value > 175);
@@ -152,7 +152,7 @@ static void opposing_normals_by_area(void **state) {
     surface s = surface_torus(AROUND, ACROSS);
     add_opposed(&s, 1, 5e-5F);
     assert_null(in_render(&s, "N201", NORMA_SEVERITY_NONE));
-    add_opposed(&s, .01F, .01F);
+    add_opposed(&s, .2F, .2F);
     assert_found(in_render(&s, "N201", NORMA_SEVERITY_WARNING), 1);
     add_opposed(&s, 40, 40);
     assert_found(in_render(&s, "N201", NORMA_SEVERITY_ERROR), 2);
@@ -316,7 +316,7 @@ static void one_face_turned_in_a_hundred_thousand(void **state) {
     const norma_finding *f = in_render(&s, "N301", NORMA_SEVERITY_ERROR);
     assert_found(f, 3);
     for (size_t i = 0; i < 3; i++) assert_int_equal(f->samples[i].face, face);
-    assert_found(finding_of(found, "N201", NORMA_SEVERITY_WARNING), 1);
+    assert_found(finding_of(found, "N201", NORMA_SEVERITY_INFO), 1);
     assert_null(finding_of(found, "N302", NORMA_SEVERITY_NONE));
     assert_null(finding_of(found, "N304", NORMA_SEVERITY_NONE));
     s.mesh.material.double_sided = 1;
@@ -526,7 +526,7 @@ static void twice(void **state) {
     uint32_t copy[3];
     memcpy(copy, s.corners + 3 * 4000, sizeof copy);
     const size_t same = surface_add_face(&s, (uint32_t[]){copy[1], copy[2], copy[0]});
-    const norma_finding *f = in_render(&s, "N305", NORMA_SEVERITY_WARNING);
+    const norma_finding *f = in_render(&s, "N305", NORMA_SEVERITY_INFO);
     assert_found(f, 1);
     assert_int_equal(f->samples[0].face, same);
     assert_null(finding_of(found, "N306", NORMA_SEVERITY_NONE));

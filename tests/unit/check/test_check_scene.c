@@ -436,7 +436,7 @@ static void test_parts_of_tangents(void **state) {
     assert_clean(
         check_surface("\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":3,\"TEXCOORD_0\":4", MAPPED));
     FOUND(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":4", MAPPED),
-        {"N805", PRIMITIVE, W, 1, NAN, ""});
+        {"N805", PRIMITIVE, I, 1, NAN, ""});
     assert_clean(check_surface("\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":4", "{}"));
     FOUND(check_surface("\"POSITION\":0,\"TANGENT\":3,\"TEXCOORD_0\":4", "{}"),
         {"N104", PRIMITIVE, I, 10, NAN, "f0 f1 f2 f3 f4 f5 f6 f7 f8 f9"},
@@ -559,7 +559,10 @@ static void test_bending_morphs(void **state) {
     assert_clean(check_morphs(under, 1, "", "{}", 0));
     assert_clean(check_morphs(six, 1, ",\"NORMAL\":1", "{}", 0));
     FOUND(
-        check_morphs(several, 5, "", "{}", 0), {"N901", PRIMITIVE, I, 6, 120, "f0 f1 f0 f1 f0 f1"});
+        check_morphs(several, 5, "", "{}", 0), {"N901", PRIMITIVE, W, 6, 120, "f0 f1 f0 f1 f0 f1"});
+    static const double less[] = {29.9}, much[] = {30.1};
+    FOUND(check_morphs(less, 1, "", "{}", 0), {"N901", PRIMITIVE, I, 2, 29.9, "f0 f1"});
+    FOUND(check_morphs(much, 1, "", "{}", 0), {"N901", PRIMITIVE, W, 2, 30.1, "f0 f1"});
     FOUND(check_morphs(six, 1, "", UNLIT, 0), {"N105", PRIMITIVE, I, 4, NAN, ""});
     FOUND(check_morphs(six, 1, "", "{}", 1), {"N901", PRIMITIVE, I, 2, 6, "f0 f1"});
     assert_clean(check_morphs(under, 1, "", "{}", 1));
@@ -613,6 +616,10 @@ static void test_not_checked(void **state) {
     findings = check(asset_open(&a, ONE_SIDE, 1), MINE);
     assert_false(norma_findings_partly(findings));
     assert_clean(findings);
+    FOUND(
+        check(asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"NORMAL\":1}}]}]", 1),
+            MINE),
+        {"N002", "/meshes/0/primitives/0", E, 1, NAN, ""});
     asset_free(&a);
 }
 

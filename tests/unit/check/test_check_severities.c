@@ -1,0 +1,208 @@
+/* test_check_severities.c: where a rule has several severities, faults planted on both sides of the
+ * threshold between them. */
+#include "check.h"
+#include "surfaces.h"
+
+static const double origin[3] = {0, 0, 0};
+
+static norma_findings *found;
+
+static void run(surface *s, norma_check_profile profile, norma_file_format format) {
+    norma_findings_free(found);
+    found = surface_findings(s, &(norma_check_options){.profile = profile}, format);
+}
+
+/* The rule has that many findings of that severity, which count so many places. */
+static void assert_counts(const char *id, norma_severity severity, size_t count) {
+    size_t sum = 0;
+    for (size_t i = 0; i < norma_findings_count(found); i++) {
+        const norma_finding *f = norma_findings_get(found, i);
+        if (strcmp(f->rule->id, id) == 0 && f->severity == severity) sum += f->count;
+    }
+    if (sum != count) print_error("%s: %zu instead of %zu\n", id, sum, count);
+    assert_int_equal(sum, count);
+}
+
+/* In the rule's findings: so many errors, warnings and infos. */
+static void assert_found(surface *s, const char *id, size_t errors, size_t warnings, size_t infos) {
+    run(s, NORMA_CHECK_PROFILE_RENDER, NORMA_FILE_GLB);
+    assert_counts(id, NORMA_SEVERITY_ERROR, errors);
+    assert_counts(id, NORMA_SEVERITY_WARNING, warnings);
+    assert_counts(id, NORMA_SEVERITY_INFO, infos);
+}
+
+static void assert_printed(
+    surface *s, const char *id, size_t errors, size_t warnings, size_t infos) {
+    run(s, NORMA_CHECK_PROFILE_PRINT, NORMA_FILE_GLB);
+    assert_counts(id, NORMA_SEVERITY_ERROR, errors);
+    assert_counts(id, NORMA_SEVERITY_WARNING, warnings);
+    assert_counts(id, NORMA_SEVERITY_INFO, infos);
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    norma_findings_free(found);
+    found = NULL;
+    return 0;
+}
+
+static void scale_normal(surface *s, size_t vertex, double by) {
+    for (size_t k = 0; k < 3; k++)
+        s->normals[3 * vertex + k] = (float)((double)s->normals[3 * vertex + k] * by);
+}
+
+/* ---- N103: in OBJ, numbers written with two digits */
+
+static void lengths_of_two_digits(void **state) {
+    (void)state;
+    surface s = surface_torus(32, 16);
+    scale_normal(&s, 7, 1.024);
+    scale_normal(&s, 8, 0.976);
+    assert_found(&s, "N103", 2, 0, 0);
+    run(&s, NORMA_CHECK_PROFILE_AUTO, NORMA_FILE_OBJ);
+    assert_counts("N103", NORMA_SEVERITY_WARNING, 2);
+    assert_counts("N103", NORMA_SEVERITY_ERROR, 0);
+    scale_normal(&s, 9, 1.026);
+    run(&s, NORMA_CHECK_PROFILE_AUTO, NORMA_FILE_OBJ);
+    assert_counts("N103", NORMA_SEVERITY_WARNING, 2);
+    assert_counts("N103", NORMA_SEVERITY_ERROR, 1);
+    surface_free(&s);
+}
+
+/* ---- shares of the area */
+
+/* A right triangle with so much of the area of a torus of 64 by 32, 30 apart from it, which faces
+ * up; its normals have this z. */
+static size_t add_triangle(surface *s, double share, float z) {
+    const double area = 4 * 3.141592653589793 * 3.141592653589793 * 3 * .995;
+    const float side = (float)sqrt(2 * share * area), up[3] = {0, 0, z},
+                corners[3][3] = {{30, 0, 0}, {30 + side, 0, 0}, {30, side, 0}};
+    uint32_t face[3];
+    for (int k = 0; k < 3; k++) face[k] = surface_add_vertex(s, corners[k], up);
+    return surface_add_face(s, face);
+}
+
+static void opposed_area(void **state) {
+    (void)state;
+    static const struct {
+        double share;
+        size_t errors, warnings, infos;
+    } rows[] = {{.00009, 0, 0, 1}, {.00011, 0, 1, 0}, {.0095, 0, 1, 0}, {.0106, 1, 0, 0}};
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        surface s = surface_torus(64, 32);
+        (void)add_triangle(&s, rows[i].share, -1);
+        assert_found(&s, "N201", rows[i].errors, rows[i].warnings, rows[i].infos);
+        surface_free(&s);
+    }
+}
+
+static void repeated_area(void **state) {
+    (void)state;
+    for (int more = 0; more < 2; more++) {
+        surface s = surface_torus(64, 32);
+        const size_t face = add_triangle(&s, more ? .00011 : .00009, 1);
+        uint32_t copy[3];
+        memcpy(copy, s.corners + 3 * face, sizeof copy);
+        (void)surface_add_face(&s, copy);
+        assert_found(&s, "N305", 0, more != 0, !more);
+        surface_free(&s);
+    }
+}
+
+/* ---- N205 */
+
+static surface facets_of_torus(void) {
+    surface s = surface_soup(surface_torus(64, 32));
+    const norma_mesh mesh = {
+        .positions = {s.positions, s.vertices, 0, NORMA_FORMAT_FLOAT}, .corner_count = 3 * s.faces};
+    assert_ok(norma_face_normals(&mesh, NULL, s.normals, s.faces, NULL));
+    s.mesh.info.normals = NORMA_NORMALS_PER_FACET;
+    return s;
+}
+
+static void lean_facet(surface *s, size_t facet, double degrees) {
+    float *n = s->normals + 3 * facet;
+    double a[3] = {(double)n[0], (double)n[1], (double)n[2]}, across[3];
+    const double up[3] = {0, 0, 1};
+    across[0] = a[1] * up[2] - a[2] * up[1];
+    across[1] = a[2] * up[0] - a[0] * up[2];
+    across[2] = a[0] * up[1] - a[1] * up[0];
+    const double length =
+        sqrt(across[0] * across[0] + across[1] * across[1] + across[2] * across[2]);
+    for (int k = 0; k < 3; k++)
+        n[k] = (float)(cos(degrees / DEGREES) * a[k] + sin(degrees / DEGREES) * across[k] / length);
+}
+
+static void facets(void **state) {
+    (void)state;
+    static const struct {
+        double degrees; /* 0: a zero normal */
+        size_t of;      /* of so many facets one */
+        norma_severity severity;
+    } rows[] = {{0, 1, NORMA_SEVERITY_INFO}, {9.9, 1, NORMA_SEVERITY_INFO},
+        {10.1, 1, NORMA_SEVERITY_WARNING}, {10.1, 500, NORMA_SEVERITY_WARNING},
+        {10.1, 2000, NORMA_SEVERITY_INFO}, {4.9, 1, NORMA_SEVERITY_NONE}};
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        surface s = facets_of_torus();
+        size_t hit = 0;
+        for (size_t f = rows[i].of / 2; f < s.faces; f += rows[i].of, hit++)
+            if (rows[i].degrees > 0)
+                lean_facet(&s, f, rows[i].degrees);
+            else
+                scale_normal(&s, f, 0);
+        run(&s, NORMA_CHECK_PROFILE_AUTO, NORMA_FILE_STL);
+        for (int severity = NORMA_SEVERITY_INFO; severity <= NORMA_SEVERITY_ERROR; severity++)
+            assert_counts(
+                "N205", (norma_severity)severity, severity == (int)rows[i].severity ? hit : 0);
+        surface_free(&s);
+    }
+}
+
+/* ---- N302, N303, N805 */
+
+static void inside_out_and_double_sided(void **state) {
+    (void)state;
+    surface s = surface_box(origin, 1, 1);
+    assert_found(&s, "N302", 0, 1, 0);
+    assert_printed(&s, "N302", 1, 0, 0);
+    s.mesh.material.not_opaque = 1;
+    assert_found(&s, "N302", 0, 1, 0);
+    s.mesh.material.double_sided = 1;
+    assert_found(&s, "N302", 0, 0, 1);
+    assert_printed(&s, "N302", 1, 0, 0);
+    surface_free(&s);
+}
+
+static void bow_ties_alone(void **state) {
+    (void)state;
+    surface s = surface_join(surface_box(origin, 1, 0), surface_box((double[3]){2, 2, 2}, 1, 0));
+    assert_printed(&s, "N303", 0, 0, 1);
+    assert_found(&s, "N303", 0, 0, 1);
+    surface_free(&s);
+    s = surface_join(surface_box(origin, 1, 0), surface_box((double[3]){2, 2, 0}, 1, 0));
+    assert_printed(&s, "N303", 0, 1, 0); /* they share an edge */
+    assert_found(&s, "N303", 0, 0, 1);
+    surface_free(&s);
+}
+
+static void no_tangents(void **state) {
+    (void)state;
+    surface s = surface_torus(32, 16);
+    assert_found(&s, "N805", 0, 0, 0);
+    s.mesh.material.normal_map = 1;
+    assert_found(&s, "N805", 0, 0, 1);
+    surface_free(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lengths_of_two_digits),
+        cmocka_unit_test(opposed_area),
+        cmocka_unit_test(repeated_area),
+        cmocka_unit_test(facets),
+        cmocka_unit_test(inside_out_and_double_sided),
+        cmocka_unit_test(bow_ties_alone),
+        cmocka_unit_test(no_tangents),
+    };
+    return cmocka_run_group_tests(tests, NULL, tear_down);
+}
