@@ -27,7 +27,7 @@ targets() { find "$root/tests/fuzz" -name 'fuzz_*.c' -exec grep -l '^int LLVMFuz
 dictionary() {
     case $1 in
     obj | ply | stl) echo "-dict=tests/fuzz/dictionaries/$1.dict" ;;
-    gltf | glb | check | roundtrip) echo "-dict=tests/fuzz/dictionaries/gltf.dict" ;;
+    gltf | glb | tile | check | roundtrip) echo "-dict=tests/fuzz/dictionaries/gltf.dict" ;;
     esac
 }
 

@@ -54,13 +54,16 @@ typedef enum norma_file_format {
     NORMA_FILE_PLY,
     NORMA_FILE_STL,
     NORMA_FILE_GLTF,
-    NORMA_FILE_GLB
+    NORMA_FILE_GLB,  /* .vrm as well */
+    NORMA_FILE_B3DM, /* tiles of 3D Tiles 1.0, with a GLB inside: a model, ... */
+    NORMA_FILE_I3DM, /* ... a model that is drawn at many places, ... */
+    NORMA_FILE_CMPT  /* ... several tiles, one of them with a GLB */
 } norma_file_format;
 
-/* Returns "obj", "ply", "stl", "gltf" or "glb"; "" for unknown. */
+/* Returns "obj", "ply", "stl", "gltf", "glb", "b3dm", "i3dm" or "cmpt"; "" for unknown. */
 NORMA_API const char *norma_file_format_name(norma_file_format format);
 
-/* Returns the format that a path's extension stands for, ignoring case. */
+/* Returns the format that a path's extension stands for, ignoring case; GLB for .vrm. */
 NORMA_API norma_file_format norma_file_format_of_path(const char *path);
 
 /* ---- opening and closing */

@@ -15,7 +15,7 @@ case $target in
 stl) runs=60000 ;;
 matrices) runs=40000 ;;
 ply) runs=20000 ;;
-obj | gltf | glb) runs=10000 ;;
+obj | gltf | glb | tile) runs=10000 ;;
 meshopt | normals | plan) runs=5000 ;;
 roundtrip) runs=4000 ;;
 commands | overwritten) runs=200 ;; # files are made for each
@@ -44,7 +44,7 @@ printf '%s,' "${seeds[@]}" | sed 's/,$//' >"$scratch/seeds"
 dictionary=()
 case $target in
 obj | ply | stl) dictionary=(-dict="dictionaries/$target.dict") ;;
-gltf | glb | check | roundtrip) dictionary=(-dict=dictionaries/gltf.dict) ;;
+gltf | glb | tile | check | roundtrip) dictionary=(-dict=dictionaries/gltf.dict) ;;
 esac
 quietly "$runs runs from seed 1" -seed=1 -runs="$runs" -use_cmp=0 -max_len=2048 -timeout=1200 -report_slow_units=100000 -rss_limit_mb=3072 -malloc_limit_mb=1024 -seed_inputs="@$scratch/seeds" "${dictionary[@]}"
 finish

@@ -2,7 +2,7 @@
 import { listZip } from "./zip.js";
 
 export const EXPECTED = "OBJ, PLY, STL, GLB, or glTF with its .bin files; several files, a folder or a zip are fine";
-const MODELS = ["gltf", "glb", "vrm", "obj", "ply", "stl"];
+const MODELS = ["gltf", "glb", "vrm", "obj", "ply", "stl", "b3dm", "i3dm", "cmpt"];
 const MOST_FILES = 5000;
 
 const ending = (path) => (/\.([^./]+)$/.exec(path)?.[1] ?? "").toLowerCase();
@@ -49,9 +49,7 @@ export async function gather(given) {
 export async function bytesFor(files, model) {
   const inFolder = ({ path }) => path.startsWith(folderOf(model)) && !MODELS.includes(ending(path)) && !/^(webp|ktx2|zip|txt|md)$/.test(ending(path));
   const needed = files.filter((file) => file.path === model || (ending(model) === "gltf" && inFolder(file)));
-  /* A GLB by another name. */
-  const nameOf = (path) => (ending(path) === "vrm" ? path.replace(/\.vrm$/i, ".glb") : path);
-  return { path: nameOf(model), files: await Promise.all(needed.map(async ({ path, read }) => ({ path: nameOf(path), bytes: await read() }))) };
+  return { path: model, files: await Promise.all(needed.map(async ({ path, read }) => ({ path, bytes: await read() }))) };
 }
 
 /* What to do about a file that could not be opened. */

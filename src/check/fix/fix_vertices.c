@@ -344,8 +344,7 @@ static norma_result split(fix_mesh *m) {
 
 static int has_vertices(const fix_mesh *m) {
     const norma_file_format format = norma_document_format(m->document);
-    return format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB || format == NORMA_FILE_PLY ||
-           format == NORMA_FILE_OBJ;
+    return format >= NORMA_FILE_GLTF || format == NORMA_FILE_PLY || format == NORMA_FILE_OBJ;
 }
 
 /* Vertices without normals, or normals without vertices, are another rule's (N106), which comes

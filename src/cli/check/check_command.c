@@ -89,9 +89,8 @@ static const char check_help[] =
     "                        files are reported as unreadable if nothing else is listed\n"
     "  --shard I/N           checks the I-th of N parts of the files, chosen by their paths;\n"
     "                        norma report --merge joins the reports of all N jobs\n"
-    "  --exit findings|job   job: ends with 0 whatever was found or could not be read (findings)\n"
-    "  --input-format obj|ply|stl|gltf|glb\n"
-    "                        the format of standard input; needed if IN is -\n"
+    "  --exit findings|job   job: ends with 0 whatever was found or could not be read "
+    "(findings)\n" CLI_INPUT_FORMAT_HELP
     "  --threads N           uses at most N threads (all processors)\n"
     "  --max-memory SIZE     uses at most SIZE (512M, 2G). A larger binary PLY or STL is\n"
     "                        read in parts; N002 then lists the rules that were not checked.\n"

@@ -211,7 +211,7 @@ int cli_try_formats(const cli_files *files, const cli_changer *changer) {
         const char *input = files->inputs.paths[i];
         norma_file_format kind = files->format ? files->format : norma_file_format_of_path(input);
         if (kind == NORMA_FILE_UNKNOWN) continue;
-        if (kind == NORMA_FILE_GLB) kind = NORMA_FILE_GLTF;
+        if (kind > NORMA_FILE_GLTF) kind = NORMA_FILE_GLTF;
         if (!(tried & 1 << kind)) status = try_format(changer, input, kind);
         tried |= 1 << kind;
     }

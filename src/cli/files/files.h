@@ -130,14 +130,16 @@ void cli_guard_look_ahead(cli_guard *guard, const cli_inputs *inputs, norma_file
 
 /* ---- Commands that change files: each is opened, changed and written, and a line says so. */
 
+#define CLI_FORMATS "obj, ply, stl, gltf, glb, b3dm, i3dm or cmpt"
+#define CLI_INPUT_FORMAT_HELP                                                                      \
+    "  --input-format FORMAT of IN if it is -: obj, ply, stl, gltf, glb, b3dm, i3dm, cmpt\n"
 #define CLI_FILES_HELP                                                                             \
     "Files\n"                                                                                      \
     "  IN                    a file, a folder, or a pattern in quotes\n"                           \
     "  -o, --output OUT      the output, in IN's format; - is standard output\n"                   \
     "  --out-dir FOLDER      the folder for several outputs; keeps the tree of an input folder\n"  \
-    "  --in-place            replaces each input file; a failure leaves it as it was\n"            \
-    "  --input-format obj|ply|stl|gltf|glb\n"                                                      \
-    "                        the format of standard input; needed if IN is -\n"                    \
+    "  --in-place            replaces each input file; a failure leaves it as it "                 \
+    "was\n" CLI_INPUT_FORMAT_HELP                                                                  \
     "  --threads N           uses at most N threads (all processors), with the same result\n"      \
     "  --max-memory SIZE     uses at most SIZE (512M, 2G). compute reads larger binary PLY and\n"  \
     "                        STL in passes; other files that need more fail\n"                     \

@@ -221,9 +221,7 @@ static const char info_help[] =
     "  --deep                reads the whole file, and reports whether meshes are closed, which "
     "weight\n"
     "                        and crease explain the stored normals, and how stored tangents were "
-    "made\n"
-    "  --input-format obj|ply|stl|gltf|glb\n"
-    "                        the format of standard input; needed if IN is -\n"
+    "made\n" CLI_INPUT_FORMAT_HELP
     "  --threads N           uses at most N threads (all processors)\n"
     "  --max-memory SIZE     uses at most SIZE (512M, 2G). A larger binary PLY or STL is\n"
     "                        read in parts; other files that need more fail\n"

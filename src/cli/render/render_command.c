@@ -112,8 +112,7 @@ static const char render_help[] =
     "\n" CLI_MATRIX_HELP "\n"
     "Files\n"
     "  -o, --output OUT.png  the picture; - is standard output, unless that is a terminal\n"
-    "  --out-dir FOLDER      for several inputs: writes FOLDER/NAME.png\n"
-    "  --input-format FORMAT of standard input: obj, ply, stl, gltf or glb\n"
+    "  --out-dir FOLDER      for several inputs: writes FOLDER/NAME.png\n" CLI_INPUT_FORMAT_HELP
     "  --threads, --max-memory, --json, --quiet\n"
     "                        as for norma compute\n"
     "\n"

@@ -95,7 +95,7 @@ void render_file_set_up(
     const norma_file_format format = norma_document_format(file->document);
     file->up_guessed = 0;
     file->up = settings->up_given ? settings->up : RENDER_UP_Y;
-    if (settings->up_given || format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB) return;
+    if (settings->up_given || format >= NORMA_FILE_GLTF) return;
     file->up = render_guess_up(scene->surfaces, scene->surface_count,
         format == NORMA_FILE_OBJ ? RENDER_UP_Y : RENDER_UP_Z);
     file->up_guessed = 1;

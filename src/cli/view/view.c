@@ -138,9 +138,8 @@ static const char view_help[] =
     "\n"
     "Options\n"
     "  -o, --output OUT.html the page; - is standard output\n"
-    "  --out-dir FOLDER      the folder for several inputs; the pages are called FOLDER/NAME.html\n"
-    "  --input-format obj|ply|stl|gltf|glb\n"
-    "                        the format of standard input; needed if IN is -\n"
+    "  --out-dir FOLDER      the folder for several inputs; the pages are called "
+    "FOLDER/NAME.html\n" CLI_INPUT_FORMAT_HELP
     "  --threads N           uses at most N threads to read (all processors)\n"
     "  --max-memory SIZE     uses at most SIZE (512M, 2G); files that need more fail\n"
     "  --json                prints a summary as JSON\n"

@@ -70,6 +70,9 @@ static const format_functions *format_functions_of(norma_file_format format) {
         return &norma_stl_functions;
     case NORMA_FILE_GLTF:
     case NORMA_FILE_GLB:
+    case NORMA_FILE_B3DM:
+    case NORMA_FILE_I3DM:
+    case NORMA_FILE_CMPT:
         return &norma_gltf_functions;
     default:
         return NULL;
@@ -100,8 +103,9 @@ norma_document_result norma_document_read(norma_document *document, norma_docume
     const format_functions *functions = format_functions_of(document->format);
     if (!functions)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-            "unknown kind of file; the name should end in .obj, .ply, .stl, .gltf or .glb, or the "
-            "format must be given");
+            "unknown kind of file; the name should end in .obj, .ply, .stl, .gltf, .glb, .vrm, "
+            ".b3dm, "
+            ".i3dm or .cmpt, or the format must be given");
     document->functions = functions;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!norma_watch_cancelled(&document->watch)) result = functions->open(document, error);

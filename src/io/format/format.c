@@ -145,6 +145,10 @@ static const struct {
     {NORMA_FILE_STL, "stl"},
     {NORMA_FILE_GLTF, "gltf"},
     {NORMA_FILE_GLB, "glb"},
+    {NORMA_FILE_GLB, "vrm"},
+    {NORMA_FILE_B3DM, "b3dm"},
+    {NORMA_FILE_I3DM, "i3dm"},
+    {NORMA_FILE_CMPT, "cmpt"},
 };
 enum { FORMAT_COUNT = sizeof FORMAT_NAMES / sizeof FORMAT_NAMES[0] };
 

@@ -13,10 +13,10 @@ static const uint32_t GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BIN = 0
 static norma_document_result fail_glb(
     const gltf *g, norma_document_error *error, size_t byte, const char *expected) {
     char place[40], found[40] = "the end of the file";
-    const file_bytes *source = &g->document->source;
-    snprintf(place, sizeof place, "byte %zu", byte);
-    for (size_t i = 0; i < GLB_CHUNK_HEADER && i < source->size - byte; ++i)
-        snprintf(found + 3 * i, sizeof found - 3 * i, " %02X", source->data[byte + i]);
+    const unsigned char *at = g->document->source.data + g->tile.at + byte;
+    snprintf(place, sizeof place, "byte %zu", g->tile.at + byte);
+    for (size_t i = 0; i < GLB_CHUNK_HEADER && i < g->tile.end - g->tile.at - byte; ++i)
+        snprintf(found + 3 * i, sizeof found - 3 * i, " %02X", at[i]);
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
         "expected %s; found %s", expected, found + (found[0] == ' '));
 }
@@ -24,7 +24,7 @@ static norma_document_result fail_glb(
 /* Chunks behind the JSON: the first BIN is the buffer without a uri; all others are kept as they
  * are. */
 static norma_document_result read_glb_chunks(gltf *g, size_t end, norma_document_error *error) {
-    const unsigned char *bytes = g->document->source.data;
+    const unsigned char *bytes = g->document->source.data + g->tile.at;
     size_t at = GLB_HEADER;
     for (uint32_t i = 0; at < end; ++i) {
         if (end - at < GLB_CHUNK_HEADER)
@@ -51,22 +51,27 @@ static norma_document_result read_glb_chunks(gltf *g, size_t end, norma_document
 }
 
 static norma_document_result read_glb(gltf *g, norma_document_error *error) {
-    const file_bytes *source = &g->document->source;
-    if (source->size < GLB_HEADER || norma_gltf_u32(source->data) != GLB_MAGIC)
+    norma_document_result result = norma_gltf_find_tile(g, error);
+    if (result) return result;
+    const unsigned char *bytes = g->document->source.data + g->tile.at;
+    const size_t size = g->tile.end - g->tile.at;
+    char place[40];
+    if (size < GLB_HEADER || norma_gltf_u32(bytes) != GLB_MAGIC)
         return fail_glb(g, error, 0, "the 12 bytes of a GLB header, \"glTF\" first");
-    uint32_t version = norma_gltf_u32(source->data + 4), length = norma_gltf_u32(source->data + 8);
+    uint32_t version = norma_gltf_u32(bytes + 4), length = norma_gltf_u32(bytes + 8);
+    snprintf(place, sizeof place, "byte %zu", g->tile.at + (version == 2 ? 8 : 4));
     if (version != 2)
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, "byte 4",
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, place,
             "this is GLB version %u; only version 2 can be read", (unsigned)version);
-    if (length > source->size)
-        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 8",
-            "the header declares %u bytes, but the file has only %zu", (unsigned)length,
-            source->size);
-    if (length < source->size)
+    if (length > size)
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, place,
+            "the header declares %u bytes, but the %s has only %zu", (unsigned)length,
+            g->tile.depth ? "tile" : "file", size);
+    g->container_size = length;
+    if (norma_gltf_surplus(g))
         norma_document_add_note(g->document,
             "%zu bytes follow the %u that the header declares; they are kept, not read",
-            source->size - length, (unsigned)length);
-    g->container_size = length;
+            size - length, (unsigned)length);
     return read_glb_chunks(g, length, error);
 }
 
@@ -152,8 +157,9 @@ static norma_document_result gltf_open(norma_document *document, norma_document_
     g->text = (const char *)document->source.data;
     g->text_size = document->source.size;
     g->held = document->source.size;
+    g->tile.end = document->source.size;
     norma_document_result result = NORMA_DOCUMENT_OK;
-    if (document->format == NORMA_FILE_GLB) {
+    if (document->format != NORMA_FILE_GLTF) {
         g->text = NULL;
         result = read_glb(g, error);
     }

@@ -171,6 +171,14 @@ typedef struct gltf_data { /* new contents of an accessor */
 typedef struct gltf_patch
     gltf_patch; /* gltf.h: what is to become of accessors, views and buffers */
 
+enum { TILE_DEPTH = 8 };
+/* A GLB in its file: all of it, or the end of a tile of 3D Tiles 1.0 (tile.c). */
+typedef struct gltf_tile {
+    size_t at, end;             /* of the GLB; of the tile or the file */
+    size_t headers[TILE_DEPTH]; /* offsets of the tile's and the composites' around it */
+    uint32_t depth;             /* of them; 0: the file is the GLB */
+} gltf_tile;
+
 typedef struct gltf {
     norma_document *document;
     const char *text; /* the JSON */
@@ -178,6 +186,7 @@ typedef struct gltf {
     const unsigned char *bin;   /* GLB: the BIN chunk; NULL: none */
     size_t bin_size, bin_chunk; /* bin_chunk: offset of its header in the file */
     size_t container_size;      /* GLB: as its header says; the file may be longer */
+    gltf_tile tile;             /* where the GLB lies in the file */
     json json;
     gltf_buffer *buffers;
     gltf_view *views;
@@ -207,6 +216,22 @@ static inline gltf *norma_gltf_of(const norma_document *document) { return docum
 
 /* ---- reading; each gives NORMA_DOCUMENT_OK or what norma_document_fail returned */
 
+/* Bytes in order, until one call of write fails. */
+typedef struct gltf_output {
+    norma_write *write;
+    void *user;
+    int failed;
+} gltf_output;
+void norma_gltf_write_bytes(gltf_output *out, const void *bytes, size_t size);
+void norma_gltf_write_fill(gltf_output *out, unsigned char fill, size_t size);
+void norma_gltf_write_u32(gltf_output *out, uint32_t value);
+/* What stands before and behind a GLB of glb bytes in its file, which is so long then; tile.c. */
+norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error);
+size_t norma_gltf_tile_size(const gltf *g, size_t glb);
+void norma_gltf_begin_tile(const gltf *g, size_t glb, gltf_output *out);
+void norma_gltf_end_tile(const gltf *g, size_t glb, gltf_output *out);
+/* Bytes behind the GLB that are more than what aligns a tile. */
+size_t norma_gltf_surplus(const gltf *g);
 norma_document_result norma_gltf_read_buffers(
     gltf *g, norma_document_error *error); /* buffers.c: the descriptions, no bytes yet */
 norma_document_result norma_gltf_read_accessors(

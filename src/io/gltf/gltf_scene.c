@@ -332,13 +332,11 @@ static const char *why_in_part(const gltf *g, const gltf_primitive *p) {
 
 /* Bytes behind the end that a GLB's header declares. 0: out of memory. */
 static int add_tail(gltf *g, norma_unread *unread, size_t *count) {
-    const size_t size = g->document->source.size - g->container_size;
-    char *texts = g->container_size && size
-                      ? norma_scene_allocate(g->document->scene, 2, sizeof(char[120]))
-                      : NULL;
-    if (!g->container_size || size == 0) return 1;
+    const size_t size = norma_gltf_surplus(g);
+    if (size == 0) return 1;
+    char *texts = norma_scene_allocate(g->document->scene, 2, sizeof(char[120]));
     if (!texts) return 0;
-    snprintf(texts, 120, "byte %zu", g->container_size);
+    snprintf(texts, 120, "byte %zu", g->tile.at + g->container_size);
     snprintf(texts + 120, 120, "%zu bytes follow the end that the header declares", size);
     unread[(*count)++] = (norma_unread){texts, texts + 120};
     return 1;

@@ -94,45 +94,39 @@ norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_docume
 
 /* ---- bytes in order */
 
-typedef struct output {
-    norma_write *write;
-    void *user;
-    int failed;
-} output;
-
-static void put_out(output *out, const void *bytes, size_t size) {
+void norma_gltf_write_bytes(gltf_output *out, const void *bytes, size_t size) {
     if (!out->failed && size) out->failed = out->write(out->user, bytes, size);
 }
 
-static void put_fill(output *out, unsigned char fill, size_t size) {
+void norma_gltf_write_fill(gltf_output *out, unsigned char fill, size_t size) {
     unsigned char block[256];
     memset(block, fill, sizeof block);
     for (; size > 0 && !out->failed; size -= size < sizeof block ? size : sizeof block)
-        put_out(out, block, size < sizeof block ? size : sizeof block);
+        norma_gltf_write_bytes(out, block, size < sizeof block ? size : sizeof block);
 }
 
-static void put_u32(output *out, uint32_t value) {
+void norma_gltf_write_u32(gltf_output *out, uint32_t value) {
     const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
         (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
-    put_out(out, bytes, 4);
+    norma_gltf_write_bytes(out, bytes, 4);
 }
 
 static size_t padding(size_t size) { return (4 - size % 4) % 4; }
 
-static void put_segments(output *out, const patch_buffer *buffer) {
+static void put_segments(gltf_output *out, const patch_buffer *buffer) {
     for (size_t i = 0; i < buffer->segment_count; ++i) {
         if (buffer->segments[i].bytes)
-            put_out(out, buffer->segments[i].bytes, buffer->segments[i].length);
+            norma_gltf_write_bytes(out, buffer->segments[i].bytes, buffer->segments[i].length);
         else
-            put_fill(out, 0, buffer->segments[i].length);
+            norma_gltf_write_fill(out, 0, buffer->segments[i].length);
     }
 }
 
-static void put_bin(output *out, const patch_buffer *bin) {
-    put_u32(out, (uint32_t)(bin->length + padding(bin->length)));
-    put_u32(out, GLB_BIN);
+static void put_bin(gltf_output *out, const patch_buffer *bin) {
+    norma_gltf_write_u32(out, (uint32_t)(bin->length + padding(bin->length)));
+    norma_gltf_write_u32(out, GLB_BIN);
     put_segments(out, bin);
-    put_fill(out, 0, padding(bin->length));
+    norma_gltf_write_fill(out, 0, padding(bin->length));
 }
 
 /* The BIN chunk where it is written anew, else NULL. */
@@ -144,12 +138,12 @@ static const patch_buffer *new_bin(const gltf *g) {
 }
 
 static size_t chunk_size(const gltf *g, size_t at) {
-    return GLB_CHUNK_HEADER + norma_gltf_u32(g->document->source.data + at);
+    return GLB_CHUNK_HEADER + norma_gltf_u32(g->document->source.data + g->tile.at + at);
 }
 
 static norma_document_result write_glb(
-    gltf *g, const json_text *text, output *out, norma_document_error *error) {
-    const file_bytes *source = &g->document->source;
+    gltf *g, const json_text *text, gltf_output *out, norma_document_error *error) {
+    const unsigned char *source = g->document->source.data + g->tile.at;
     const patch_buffer *bin = new_bin(g);
     size_t first = GLB_HEADER + chunk_size(g, GLB_HEADER),
            json_size = text->size + padding(text->size);
@@ -157,39 +151,40 @@ static norma_document_result write_glb(
     if (bin)
         total += GLB_CHUNK_HEADER + bin->length + padding(bin->length) -
                  (g->bin ? GLB_CHUNK_HEADER + g->bin_size : 0);
-    if (total > UINT32_MAX)
+    if (norma_gltf_tile_size(g, total) > UINT32_MAX)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "would become larger than the 4 GiB that a GLB can be; expected a .gltf with its "
             "buffers beside it");
-    put_out(out, "glTF", 4);
-    put_u32(out, 2);
-    put_u32(out, (uint32_t)total);
-    put_u32(out, (uint32_t)json_size);
-    put_out(out, "JSON", 4);
-    put_out(out, text->data, text->size);
-    put_fill(out, ' ', padding(text->size));
+    norma_gltf_begin_tile(g, total, out);
+    norma_gltf_write_bytes(out, "glTF", 4);
+    norma_gltf_write_u32(out, 2);
+    norma_gltf_write_u32(out, (uint32_t)total);
+    norma_gltf_write_u32(out, (uint32_t)json_size);
+    norma_gltf_write_bytes(out, "JSON", 4);
+    norma_gltf_write_bytes(out, text->data, text->size);
+    norma_gltf_write_fill(out, ' ', padding(text->size));
     if (bin && !g->bin) put_bin(out, bin);
     for (size_t at = first; at < g->container_size; at += chunk_size(g, at)) {
         if (bin && g->bin && at == g->bin_chunk)
             put_bin(out, bin);
         else
-            put_out(out, source->data + at, chunk_size(g, at));
+            norma_gltf_write_bytes(out, source + at, chunk_size(g, at));
     }
-    put_out(out, source->data + g->container_size, source->size - g->container_size);
+    norma_gltf_end_tile(g, total, out);
     return NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result gltf_write_laid_out(
     gltf *g, norma_write *write, void *user, norma_document_error *error) {
-    output out = {.write = write, .user = user};
+    gltf_output out = {.write = write, .user = user};
     json_text text = {0};
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!norma_json_write(g->patch->layout, 0, &text))
         result = norma_document_fail_memory(g->document, error);
-    else if (g->document->format == NORMA_FILE_GLB)
+    else if (g->document->format != NORMA_FILE_GLTF)
         result = write_glb(g, &text, &out, error);
     else
-        put_out(&out, text.data, text.size);
+        norma_gltf_write_bytes(&out, text.data, text.size);
     free(text.data);
     if (!result && out.failed)
         result = norma_document_fail(

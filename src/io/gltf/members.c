@@ -262,7 +262,8 @@ int norma_gltf_is_known(const char *name) {
     static const char *const names[] = {"KHR_mesh_quantization", "EXT_meshopt_compression",
         "KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "KHR_xmp_json_ld", "KHR_xmp",
         "KHR_node_visibility", "KHR_node_selectability", "KHR_node_hoverability", "MSFT_lod", "VRM",
-        "VRMC_vrm"};
+        "VRMC_vrm", "CESIUM_RTC", "EXT_mesh_features", "EXT_instance_features",
+        "EXT_structural_metadata"};
     for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; ++i)
         if (strncmp(name, prefixes[i], strlen(prefixes[i])) == 0) return 1;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)

@@ -1,0 +1,210 @@
+/* test_tile.c: tiles of 3D Tiles 1.0: the GLB inside becomes what the same GLB becomes as a file of
+ * its own, and all around it keeps its bytes but for lengths and padding. The headers are put
+ * together here as OGC 18-053r2 lists their fields. */
+#include "check.h"
+#include "document_bytes.h"
+#include "gltf_asset.h"
+#include "message.h"
+
+typedef struct made_tile {
+    unsigned char bytes[4096];
+    size_t size;
+} made_tile;
+
+static void add(made_tile *tile, const void *bytes, size_t size) {
+    assert_true(tile->size + size <= sizeof tile->bytes);
+    memcpy(tile->bytes + tile->size, bytes, size);
+    tile->size += size;
+}
+
+static void add_u32(made_tile *tile, size_t value) {
+    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
+        (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
+    add(tile, bytes, 4);
+}
+
+static size_t u32_at(const unsigned char *at) {
+    return at[0] | (size_t)at[1] << 8 | (size_t)at[2] << 16 | (size_t)at[3] << 24;
+}
+
+static size_t aligned(size_t size) { return (size + 7) / 8 * 8; }
+
+enum { FEATURES_SIZE = 48, BATCH_SIZE = 16, B3DM_TABLES = 28 + FEATURES_SIZE + BATCH_SIZE + 4 };
+static const char FEATURES[FEATURES_SIZE] = "{\"BATCH_LENGTH\":2,\"RTC_CENTER\":[1,2,3]}",
+                  BATCH[BATCH_SIZE] = "{\"id\":[7,8]}   ";
+
+/* A b3dm, or an i3dm where the number of its format is given. */
+static void add_model(made_tile *tile, document_bytes glb, int instanced, size_t inside) {
+    const size_t header = instanced ? 32 : 28, tables = FEATURES_SIZE + BATCH_SIZE + 4,
+                 length = aligned(header + tables + glb.size), begin = tile->size;
+    add(tile, instanced ? "i3dm" : "b3dm", 4);
+    add_u32(tile, 1);
+    add_u32(tile, length);
+    add_u32(tile, FEATURES_SIZE);
+    add_u32(tile, 0);
+    add_u32(tile, BATCH_SIZE);
+    add_u32(tile, 4);
+    if (instanced) add_u32(tile, inside);
+    add(tile, FEATURES, FEATURES_SIZE);
+    add(tile, BATCH, BATCH_SIZE);
+    add(tile, "\1\2\3\4", 4);
+    add(tile, glb.data, glb.size);
+    add(tile, "\0\0\0\0\0\0\0", begin + length - tile->size);
+}
+
+static void add_points(made_tile *tile) {
+    add(tile, "pnts", 4);
+    add_u32(tile, 1);
+    add_u32(tile, 32);
+    add(tile, "twenty bytes of it..", 20);
+}
+
+/* Two triangles that meet at a right angle: a crease there splits two of their four vertices. */
+static document_bytes roof(void) {
+    static const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const uint16_t corners[] = {0, 1, 2, 1, 0, 3};
+    gltf_asset a = {0};
+    size_t size;
+    asset_floats(&a, positions, 4, 3);
+    asset_uint16(&a, corners, 6);
+    asset_bytes(&a,
+        "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{"
+        "\"primitives\":["
+        "{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]",
+        &size);
+    const document_bytes glb = bytes_copy(a.glb, size);
+    asset_free(&a);
+    return glb;
+}
+
+static void expect_computed(
+    const made_tile *tile, const char *name, size_t glb_at, size_t tile_at) {
+    document_bytes before = bytes_copy(tile->bytes, tile->size), glb = roof(),
+                   after = bytes_computed(before, name, NULL, NULL),
+                   want = bytes_computed(glb, "roof.glb", NULL, NULL);
+    assert_true(want.size > glb.size);
+    assert_true(after.size >= glb_at + want.size);
+    assert_memory_equal(after.data + glb_at, want.data, want.size);
+    const size_t old_end = tile_at + aligned(glb_at - tile_at + glb.size),
+                 end = tile_at + aligned(glb_at - tile_at + want.size),
+                 behind = tile->size - old_end;
+    assert_int_equal(after.size, end + behind);
+    assert_memory_equal(after.data + end, tile->bytes + old_end, behind);
+    for (size_t i = glb_at + want.size; i < end; ++i) assert_int_equal(after.data[i], 0);
+    assert_int_equal(u32_at(after.data + tile_at + 8), end - tile_at);
+    if (tile_at) assert_int_equal(u32_at(after.data + 8), after.size);
+    for (size_t i = 0; i < glb_at; ++i)
+        if ((i < 8 || i > 11) && (i < tile_at + 8 || i > tile_at + 11))
+            assert_int_equal(after.data[i], tile->bytes[i]);
+    bytes_free(&before);
+    bytes_free(&after);
+    bytes_free(&glb);
+    bytes_free(&want);
+}
+
+static void test_models(void **state) {
+    document_bytes glb = roof();
+    made_tile batched = {.size = 0}, instanced = {.size = 0}, composite = {.size = 0};
+    add_model(&batched, glb, 0, 0);
+    expect_computed(&batched, "a.b3dm", B3DM_TABLES, 0);
+    add_model(&instanced, glb, 1, 1);
+    expect_computed(&instanced, "a.i3dm", B3DM_TABLES + 4, 0);
+    add(&composite, "cmpt", 4);
+    add_u32(&composite, 1);
+    add_u32(&composite, 16 + 32 + batched.size + 32);
+    add_u32(&composite, 3);
+    add_points(&composite);
+    add(&composite, batched.bytes, batched.size);
+    add_points(&composite);
+    expect_computed(&composite, "a.cmpt", 16 + 32 + B3DM_TABLES, 16 + 32);
+    bytes_free(&glb);
+    (void)state;
+}
+
+static void test_untouched(void **state) {
+    document_bytes glb = roof();
+    made_tile tile = {.size = 0};
+    add_model(&tile, glb, 0, 0);
+    document_bytes bytes = bytes_copy(tile.bytes, tile.size);
+    norma_document *document = bytes_open(bytes, "a.b3dm");
+    document_bytes written = bytes_of(document);
+    assert_true(bytes_equal(bytes, written));
+    assert_int_equal(norma_document_note_count(document), 0); /* padding is no surplus */
+    norma_document_close(document);
+    bytes_free(&written);
+    bytes_free(&bytes);
+    bytes_free(&glb);
+    (void)state;
+}
+
+static void expect_refused(
+    const made_tile *tile, const char *name, norma_document_result result, const char *expected) {
+    char message[1000];
+    document_bytes bytes = bytes_copy(tile->bytes, tile->size);
+    assert_int_equal(bytes_try(bytes, name, NULL, message), result);
+    assert_string_equal(message, expected);
+    bytes_free(&bytes);
+}
+
+static void test_refused(void **state) {
+    const norma_document_result malformed = NORMA_DOCUMENT_ERROR_MALFORMED,
+                                unsupported = NORMA_DOCUMENT_ERROR_UNSUPPORTED;
+    document_bytes glb = roof();
+    made_tile model = {.size = 0}, outside = {.size = 0}, two = {.size = 0}, points = {.size = 0};
+    add_model(&model, glb, 0, 0);
+    made_tile cut = model, old = model, wrong = model, version = model;
+    cut.size = 8;
+    expect_refused(
+        &cut, "a.b3dm", malformed, "a.b3dm:byte 0: expected the header of a tile; found the end");
+    wrong.bytes[8] = 255;
+    wrong.bytes[9] = 255;
+    expect_refused(
+        &wrong, "a.b3dm", malformed, "a.b3dm:byte 8: the tile's length does not fit into the file");
+    old.bytes[15] = 1;
+    expect_refused(&old, "a.b3dm", malformed,
+        "a.b3dm:byte 12: the tables are longer than the tile; expected the 28 bytes of a header as "
+        "3D Tiles 1.0 has them");
+    version.bytes[4] = 2;
+    expect_refused(&version, "a.b3dm", unsupported,
+        "a.b3dm:byte 4: this is not version 1 of a tile, the only one that can be read");
+    add_model(&outside, glb, 1, 0);
+    expect_refused(&outside, "a.i3dm", unsupported,
+        "a.i3dm: the tile names a glTF file instead of holding one; give that file");
+    add(&two, "cmpt", 4);
+    add_u32(&two, 1);
+    add_u32(&two, 16 + 2 * model.size);
+    add_u32(&two, 2);
+    add(&two, model.bytes, model.size);
+    add(&two, model.bytes, model.size);
+    expect_refused(&two, "a.cmpt", unsupported,
+        "a.cmpt: the composite has 2 tiles with meshes; only one can be read, so split it first");
+    add_points(&points);
+    expect_refused(
+        &points, "a.cmpt", unsupported, "a.cmpt: the tile has points, which have no faces");
+    bytes_free(&glb);
+    (void)state;
+}
+
+/* Each level is 16 bytes, so a small file could nest thousands deep. */
+static void test_nested(void **state) {
+    made_tile deep = {.size = 0};
+    for (size_t level = 0; level < 12; ++level) {
+        add(&deep, "cmpt", 4);
+        add_u32(&deep, 1);
+        add_u32(&deep, 16 * (12 - level));
+        add_u32(&deep, 1);
+    }
+    expect_refused(&deep, "a.cmpt", NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+        "a.cmpt:byte 128: composite tiles are nested more than eight deep");
+    (void)state;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_models),
+        cmocka_unit_test(test_untouched),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_nested),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
