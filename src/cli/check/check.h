@@ -165,6 +165,8 @@ const check_format *check_format_of_name(const char *path); /* by its ending; NU
 
 /* "shard" and "options", or "missing_shards": members of a JSON object that is open. */
 void check_write_shard(cli_json *json, const check_settings *settings);
+/* whole: what norma report needs to put pages together, too. */
+void check_write_counts(cli_json *json, const check_totals *totals, int whole);
 /* Percent-encoded: letters, digits and - . _ ~ / stay. A path as exact bytes in any text. */
 void check_write_bytes(FILE *out, const char *path);
 void check_write_verdict(FILE *out, const check_totals *totals); /* without a line end */

@@ -31,10 +31,9 @@ const char *check_read_shard(const char *text, size_t *number, size_t *count) {
     return fine && *number >= 1 && *number <= *count ? NULL : "I/N, such as 2/8: I from 1 to N";
 }
 
-/* FNV-1a (Fowler, Noll, Vo), 64 bits; its upper half is mixed into the lower one. */
+/* The upper half is mixed into the lower one. */
 static uint64_t hash_path(const char *path) {
-    uint64_t hash = 14695981039346656037u;
-    for (; *path; ++path) hash = (hash ^ (unsigned char)*path) * 1099511628211u;
+    const uint64_t hash = cli_hash(CLI_HASH, path, strlen(path));
     return hash ^ hash >> 32;
 }
 

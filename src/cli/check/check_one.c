@@ -44,25 +44,15 @@ static void tell_notes(const char *path, const norma_document *document, size_t 
             cli_error("%s: %s", cli_input_name(path), norma_document_note(document, i));
 }
 
-static norma_document_result save(const check_settings *settings, const char *output,
+static norma_document_result save_fixed(const check_settings *settings, const char *output,
     check_fixed *mended, norma_document_error *error) {
     /* A copy without a change is written only where it was named. */
     if (settings->dry_run || (!settings->files->output && !mended->summary.changed))
         return NORMA_DOCUMENT_OK;
-    const norma_save_options options = {.struct_size = sizeof options,
-        .in_place = settings->files->in_place,
-        .progress = settings->progress,
-        .progress_user = settings->progress_user};
-    if (!cli_is_standard(output) && cli_make_folders(settings->files, output))
-        return cli_reported(error);
-    norma_document_result result;
-    if (cli_is_standard(output)) {
-        result = cli_write_standard(mended->document, error);
-    } else {
-        cli_writing_begin();
-        result = norma_document_save(mended->document, output, &options, error);
-        cli_writing_end();
-    }
+    norma_save_options options = {
+        .progress = settings->progress, .progress_user = settings->progress_user};
+    const norma_document_result result =
+        cli_save(settings->files, mended->document, output, &options, error);
     mended->written = !result;
     return result;
 }
@@ -97,7 +87,7 @@ norma_document_result check_fix(const check_settings *settings, norma_document *
         *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         result = error->result;
     }
-    if (!result) result = save(settings, output, mended, error);
+    if (!result) result = save_fixed(settings, output, mended, error);
     free(output);
     return result;
 }

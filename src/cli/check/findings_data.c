@@ -145,13 +145,7 @@ static void end_json(FILE *out, const check_totals *totals, const check_settings
     cli_json json = {.out = out, .needs_comma = 1};
     fputs("\n]", out);
     cli_json_open(&json, "summary", '{');
-    cli_json_size(&json, "errors", totals->errors);
-    cli_json_size(&json, "warnings", totals->warnings);
-    cli_json_size(&json, "infos", totals->infos);
-    cli_json_size(&json, "files", totals->files);
-    cli_json_size(&json, "not_checked", totals->not_checked);
-    cli_json_size(&json, "exit_status", (size_t)totals->status);
-    if (totals->incomplete) cli_json_bool(&json, "complete", 0);
+    check_write_counts(&json, totals, 0);
     cli_json_close(&json, '}');
     fputs("}\n", out);
 }

@@ -692,15 +692,7 @@ static void write_machine_totals(
     cli_json json = {.out = out};
     fputs(CHECK_HTML_TOTALS, out);
     cli_json_open(&json, NULL, '{');
-    cli_json_size(&json, "errors", totals->errors);
-    cli_json_size(&json, "warnings", totals->warnings);
-    cli_json_size(&json, "infos", totals->infos);
-    cli_json_size(&json, "files", totals->files);
-    cli_json_size(&json, "files_with_trouble", totals->files_with_trouble);
-    cli_json_size(&json, "not_checked", totals->not_checked);
-    cli_json_size(&json, "known", totals->known);
-    cli_json_size(&json, "exit_status", (size_t)totals->status);
-    if (totals->incomplete) cli_json_bool(&json, "complete", 0);
+    check_write_counts(&json, totals, 1);
     check_write_shard(&json, settings);
     cli_json_open(&json, "rules", '[');
     for (size_t rule = 0; rule < count; ++rule)

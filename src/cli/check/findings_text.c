@@ -145,6 +145,18 @@ void check_write_shard(cli_json *json, const check_settings *settings) {
     }
 }
 
+void check_write_counts(cli_json *json, const check_totals *totals, int whole) {
+    cli_json_size(json, "errors", totals->errors);
+    cli_json_size(json, "warnings", totals->warnings);
+    cli_json_size(json, "infos", totals->infos);
+    cli_json_size(json, "files", totals->files);
+    if (whole) cli_json_size(json, "files_with_trouble", totals->files_with_trouble);
+    cli_json_size(json, "not_checked", totals->not_checked);
+    if (whole) cli_json_size(json, "known", totals->known);
+    cli_json_size(json, "exit_status", (size_t)totals->status);
+    if (totals->incomplete) cli_json_bool(json, "complete", 0);
+}
+
 void check_write_bytes(FILE *out, const char *path) {
     for (const unsigned char *at = (const unsigned char *)path; *at; ++at) {
         const int plain = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') ||
@@ -344,7 +356,7 @@ static void write_text_totals(
                     &totals->by_rule[rule][severity]);
 }
 
-static void begin_text(FILE *out, const check_settings *settings) {
+static void begin_nothing(FILE *out, const check_settings *settings) {
     (void)out;
     (void)settings;
 }
@@ -384,18 +396,13 @@ static void write_nothing(FILE *out, const check_report *report) {
     (void)report;
 }
 
-const check_format check_format_text = {"text", begin_text, write_text_file, "", end_text};
+const check_format check_format_text = {"text", begin_nothing, write_text_file, "", end_text};
 const check_format check_format_quiet = {
-    "text", begin_text, write_nothing, "", end_quietly}; /* the verdict alone */
+    "text", begin_nothing, write_nothing, "", end_quietly}; /* the verdict alone */
 
 /* ---- Findings for grep and editors, one on each line and nothing else:
  *   path: severity rule place: message
  * The place is a JSON pointer, "/" for a whole file. */
-
-static void begin_lines(FILE *out, const check_settings *settings) {
-    (void)out;
-    (void)settings;
-}
 
 static void write_lines(FILE *out, const check_report *report) {
     for (size_t i = 0; i < report->count; ++i) {
@@ -415,4 +422,4 @@ static void end_lines(FILE *out, const check_totals *totals, const check_setting
     (void)settings;
 }
 
-const check_format check_format_line = {"line", begin_lines, write_lines, "", end_lines};
+const check_format check_format_line = {"line", begin_nothing, write_lines, "", end_lines};

@@ -286,6 +286,7 @@ static char *folder_with_slash(const char *path) {
     return strndup(path, slash ? (size_t)(slash - path) + 1 : 0);
 }
 
+/* NULL: it is not there, or memory is out (errno). */
 static char *absolute_folder_of(const char *path) {
     char *folder = folder_with_slash(path),
          *absolute = folder ? realpath(folder[0] ? folder : ".", NULL) : NULL;
@@ -486,16 +487,13 @@ struct check_baseline {
     size_t count, capacity;
 };
 
-/* FNV-1a (Fowler, Noll, Vo), 64 bits, over the parts and a zero after each. */
+/* Over the parts and a zero after each. */
 void check_fingerprint(
     const char *path, const char *rule, const char *where, norma_severity severity, char text[17]) {
     const char *parts[] = {path, rule, where, cli_severity_name(severity)};
-    uint64_t hash = 14695981039346656037u;
+    uint64_t hash = CLI_HASH;
     for (size_t i = 0; i < CLI_COUNT(parts); ++i)
-        for (const char *at = parts[i];; ++at) {
-            hash = (hash ^ (unsigned char)*at) * 1099511628211u;
-            if (!*at) break;
-        }
+        hash = cli_hash(hash, parts[i], strlen(parts[i]) + 1);
     snprintf(text, 17, "%016llx", (unsigned long long)hash);
 }
 
@@ -535,14 +533,6 @@ static int add_known(check_baseline *baseline, const char *path, const char *rul
 
 /* ---- paths */
 
-static char *real_folder_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup("."),
-         *real = folder ? realpath(folder, NULL) : NULL;
-    free(folder);
-    return real;
-}
-
 /* How many bytes two absolute folders share, whole components only. */
 static size_t shared_length(const char *a, const char *b) {
     size_t same = 0, length = 0;
@@ -558,7 +548,7 @@ static size_t shared_length(const char *a, const char *b) {
 static char *place_in_baseline(const check_baseline *baseline, const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     errno = 0;
-    char *folder = strcmp(path, "-") == 0 || !baseline->folder ? NULL : real_folder_of(path);
+    char *folder = strcmp(path, "-") == 0 || !baseline->folder ? NULL : absolute_folder_of(path);
     if (!folder) return errno == ENOMEM ? NULL : strdup(path);
     const size_t shared = shared_length(folder, baseline->folder);
     size_t ups = 0;
@@ -584,7 +574,7 @@ check_baseline *check_baseline_new(const char *path) {
     baseline->path = path;
     baseline->is_new = 1;
     errno = 0;
-    baseline->folder = real_folder_of(path);
+    baseline->folder = absolute_folder_of(path);
     if (baseline->folder || errno != ENOMEM) return baseline;
     cli_out_of_memory();
     check_baseline_free(baseline);

@@ -235,27 +235,15 @@ static void write_edge_counts(const compute_work *work, FILE *out) {
     if (!summary->edges_counted) return;
     fputs(", ", out);
     cli_counted(out, summary->hard_edges, "hard edge", "hard edges");
-    if (summary->report.non_manifold_edges.count) {
-        fputs(", ", out);
-        cli_counted(out, summary->report.non_manifold_edges.count, "non-manifold edge",
-            "non-manifold edges");
+    cli_part(out, ", ", summary->report.non_manifold_edges.count, "non-manifold edge",
+        "non-manifold edges");
+    if (summary->report.non_manifold_edges.count)
         fputs(work->options.non_manifold == NORMA_NON_MANIFOLD_SMOOTH ? " smooth within the crease"
                                                                       : " hard",
             out);
-    }
-    if (summary->report.winding_conflicts.count) {
-        fputs(", ", out);
-        cli_counted(out, summary->report.winding_conflicts.count, "edge whose faces are",
-            "edges whose faces are");
-        fputs(" wound against each other", out);
-    }
-}
-
-static void write_cause(FILE *out, int *written, size_t count, const char *one, const char *many) {
-    if (!count) return;
-    fputs(*written ? ", " : " (", out);
-    cli_counted(out, count, one, many);
-    *written = 1;
+    cli_part(out, ", ", summary->report.winding_conflicts.count,
+        "edge whose faces are wound against each other",
+        "edges whose faces are wound against each other");
 }
 
 /* What has a normal of its own in each format: a vertex, a corner of a face, a face, a facet. */
@@ -279,12 +267,11 @@ static void write_filled(
     fputs("; ", out);
     write_elements(summary, format, summary->filled, out);
     fputs(" had no normal", out);
-    write_cause(
-        out, &written, counts->degenerate_faces.count, "degenerate face", "degenerate faces");
-    write_cause(out, &written, counts->unreferenced.count, "in no face with a direction",
+    cli_cause(out, &written, counts->degenerate_faces.count, "degenerate face", "degenerate faces");
+    cli_cause(out, &written, counts->unreferenced.count, "in no face with a direction",
         "in no face with a direction");
-    write_cause(out, &written, counts->cancelled.count, "cancelled", "cancelled");
-    write_cause(out, &written, counts->non_finite.count, "not finite", "not finite");
+    cli_cause(out, &written, counts->cancelled.count, "cancelled", "cancelled");
+    cli_cause(out, &written, counts->non_finite.count, "not finite", "not finite");
     fputs(written ? ")" : "", out);
     fputs(summary->filled ? " and got the nearest" : "", out);
 }
@@ -316,22 +303,10 @@ static void write_computed_text(const void *user, const norma_document *document
     }
     write_choices(work, work->format, out);
     write_edge_counts(work, out);
-    if (summary->vertices_after == summary->vertices_before) {
-        fputs("; ", out);
-        cli_counted(out, summary->vertices_before, "vertex", "vertices");
-        fputs(", none added", out);
-    } else {
-        fputs("; vertices ", out);
-        cli_count(out, summary->vertices_before);
-        fputs(" -> ", out);
-        cli_count(out, summary->vertices_after);
-    }
+    cli_vertices(out, summary->vertices_before, summary->vertices_after);
     write_filled(summary, work->format, out);
     write_tangents(summary, out);
-    if (work->passes) {
-        fputs("; in ", out);
-        cli_counted(out, work->passes, "pass", "passes");
-    }
+    cli_part(out, "; in ", work->passes, "pass", "passes");
 }
 
 /* ---- the command */

@@ -55,13 +55,17 @@ int compute_check_together(const cli_subcommand *command, const compute_work *wo
 
 /* ---- the run */
 
+typedef struct joint_file {
+    norma_compute_summary summary;
+    uint64_t size;
+    double before; /* bytes of the input and of what it names */
+    char *output;
+} joint_file;
+
 typedef struct joint_run {
     const cli_all_files *all;
     norma_together_file *files;
-    norma_compute_summary *summaries;
-    uint64_t *sizes;
-    double *before; /* bytes of each input and of what it names */
-    char **outputs;
+    joint_file *own; /* what each of them points to */
     size_t count;
     const compute_work *work;
     size_t *lock_matches;                  /* of each --lock: names that match it */
@@ -70,12 +74,9 @@ typedef struct joint_run {
 } joint_run;
 
 static void free_run(joint_run *run) {
-    for (size_t i = 0; run->outputs && i < run->count; ++i) free(run->outputs[i]);
-    free((void *)run->outputs);
+    for (size_t i = 0; run->own && i < run->count; ++i) free(run->own[i].output);
     free(run->files);
-    free(run->summaries);
-    free(run->sizes);
-    free(run->before);
+    free(run->own);
     free(run->lock_matches);
     free(run->nearest);
 }
@@ -83,22 +84,19 @@ static void free_run(joint_run *run) {
 static int make_run(joint_run *run) {
     const size_t count = run->count;
     run->files = calloc(count, sizeof *run->files);
-    run->summaries = calloc(count, sizeof *run->summaries);
-    run->sizes = calloc(count, sizeof *run->sizes);
-    run->before = calloc(count, sizeof *run->before);
-    run->outputs = calloc(count, sizeof *run->outputs);
+    run->own = calloc(count, sizeof *run->own);
     run->lock_matches = calloc(run->work->lock_count + 1, sizeof *run->lock_matches);
     run->nearest = calloc(run->work->lock_count + 1, sizeof *run->nearest);
-    if (!run->lock_matches || !run->nearest) return 0;
-    if (!run->files || !run->summaries || !run->sizes || !run->before || !run->outputs) return 0;
+    if (!run->files || !run->own || !run->lock_matches || !run->nearest) return 0;
     for (size_t i = 0; i < count; ++i) {
-        run->outputs[i] = cli_output_of(run->all->files, i, NULL);
-        if (!run->outputs[i]) return 0;
+        joint_file *own = &run->own[i];
+        own->output = cli_output_of(run->all->files, i, NULL);
+        if (!own->output) return 0;
         run->files[i] = (norma_together_file){.input = run->all->files->inputs.paths[i],
-            .output = run->outputs[i],
+            .output = own->output,
             .format = run->all->files->format,
-            .summary = &run->summaries[i],
-            .size = &run->sizes[i]};
+            .summary = &own->summary,
+            .size = &own->size};
     }
     return 1;
 }
@@ -146,7 +144,7 @@ static void report_locks(const joint_run *run) {
 static void note_done(void *user, size_t file, const norma_document *document) {
     joint_run *run = user;
     if (run->work->lock_count) compare_document_names(run, document);
-    run->before[file] = 1e6 * cli_megabytes(run->files[file].input);
+    run->own[file].before = 1e6 * cli_megabytes(run->files[file].input);
     cli_progress_hide(&run->progress);
     if (!run->all->common->quiet && !run->all->common->json)
         cli_print_notes(run->files[file].input, document);
@@ -184,7 +182,7 @@ static norma_document_result compute_files(
 static int make_folders(const joint_run *run) {
     int status = CLI_OK;
     for (size_t i = 0; i < run->count && !status; ++i)
-        status = cli_make_folders(run->all->files, run->outputs[i]);
+        status = cli_make_folders(run->all->files, run->own[i].output);
     return status;
 }
 
@@ -209,10 +207,11 @@ static int run_all(joint_run *run, compute_work *work) {
     report_locks(run);
     for (size_t i = 0; i < run->count; ++i) {
         const norma_file_format format = run->files[i].format;
-        work->summary = run->summaries[i];
+        const joint_file *own = &run->own[i];
+        work->summary = own->summary;
         work->format = format ? format : norma_file_format_of_path(run->files[i].input);
         cli_report_grown(
-            run->all, run->files[i].input, run->outputs[i], run->before[i], (double)run->sizes[i]);
+            run->all, run->files[i].input, own->output, own->before, (double)own->size);
     }
     return CLI_OK;
 }

@@ -281,7 +281,7 @@ int cli_check_outputs(const cli_subcommand *command, const cli_common *common, c
         return cli_usage(command, "standard input has no name to write to; expected -o OUT");
     int status = files->output ? check_output(command, files, files->inputs.paths[0])
                                : cli_place_outputs(command, files, NULL);
-    if (!status) status = cli_guard_outputs(files);
+    if (!status) status = cli_guard_outputs(files, NULL);
     return status ? status : cli_make_out_dir(command, files);
 }
 
@@ -311,7 +311,7 @@ static int write_to_stdout(void *failed, const void *bytes, size_t size) {
     return 0;
 }
 
-norma_document_result cli_write_standard(norma_document *document, norma_document_error *error) {
+static norma_document_result write_standard(norma_document *document, norma_document_error *error) {
     int failed = 0;
     norma_document_result result = norma_document_write(document, write_to_stdout, &failed, error);
     if (result && failed)
@@ -320,22 +320,16 @@ norma_document_result cli_write_standard(norma_document *document, norma_documen
     return result;
 }
 
-static norma_document_result write_output(
-    file_job *job, norma_document *document, cli_progress *progress, norma_document_error *error) {
-    if (!cli_is_standard(job->output)) {
-        if (cli_make_folders(job->files, job->output)) return cli_reported(error);
-        const norma_save_options options = {.struct_size = sizeof options,
-            .in_place = job->files->in_place,
-            .progress = cli_progress_report,
-            .progress_user = progress,
-            .size = &job->after};
-        cli_writing_begin();
-        const norma_document_result result =
-            norma_document_save(document, job->output, &options, error);
-        cli_writing_end();
-        return result;
-    }
-    return cli_write_standard(document, error);
+norma_document_result cli_save(const cli_files *files, norma_document *document, const char *output,
+    norma_save_options *options, norma_document_error *error) {
+    if (cli_is_standard(output)) return write_standard(document, error);
+    if (cli_make_folders(files, output)) return cli_reported(error);
+    options->struct_size = sizeof *options;
+    options->in_place = files->in_place;
+    cli_writing_begin();
+    const norma_document_result result = norma_document_save(document, output, options, error);
+    cli_writing_end();
+    return result;
 }
 
 static norma_document_result change_document(
@@ -348,23 +342,9 @@ static norma_document_result change_document(
     cli_progress_stop(&progress);
     if (result) return result;
     cli_progress_start(&progress, "writing", job->output, job->common->quiet, megabytes);
-    result = write_output(job, document, &progress, error);
-    cli_progress_stop(&progress);
-    return result;
-}
-
-static norma_document_result open_changed(
-    const file_job *job, norma_document **document, void **memory, norma_document_error *error) {
-    cli_progress progress;
-    cli_progress_start(
-        &progress, "reading", job->input, job->common->quiet, cli_megabytes(job->input));
-    const norma_document_options options = {.struct_size = sizeof options,
-        .format = job->files->format,
-        .threads = job->common->threads,
-        .progress = cli_progress_report,
-        .progress_user = &progress};
-    norma_document_result result =
-        cli_open(job->files, job->input, &options, document, memory, error);
+    norma_save_options saving = {
+        .progress = cli_progress_report, .progress_user = &progress, .size = &job->after};
+    result = cli_save(job->files, document, job->output, &saving, error);
     cli_progress_stop(&progress);
     return result;
 }
@@ -468,21 +448,22 @@ static int guard_output(const cli_files *files, const char *input, const char *o
     return cli_guard_output(files->guard, output, files->in_place ? input : NULL);
 }
 
-static int guard_each(const cli_files *files) {
+static int guard_each(const cli_files *files, const char *ending) {
     int status = CLI_OK;
     for (size_t i = 0; i < files->inputs.count && !status; ++i) {
-        char *output = cli_output_of(files, i, NULL);
+        char *output = cli_output_of(files, i, ending);
         status = output ? guard_output(files, files->inputs.paths[i], output) : cli_out_of_memory();
         free(output);
     }
     return status;
 }
 
-int cli_guard_outputs(const cli_files *files) {
-    const int status = guard_each(files);
+int cli_guard_outputs(const cli_files *files, const char *ending) {
+    const int status = guard_each(files, ending);
     if (status) return status;
-    if (files->inputs.count > 1) cli_guard_look_ahead(files->guard, &files->inputs, files->format);
-    return guard_each(files);
+    if (ending || files->inputs.count > 1)
+        cli_guard_look_ahead(files->guard, &files->inputs, files->format);
+    return guard_each(files, ending);
 }
 
 /* Of a file larger than memory. */
@@ -501,10 +482,12 @@ static int run_in_passes(file_job *job) {
 static int run_file_job(file_job *job) {
     if (job->changer->in_passes && cli_needs_passes(job->files, job->input))
         return run_in_passes(job);
+    const norma_document_options reading = {0};
     norma_document *document;
     void *memory;
     norma_document_error error = {0};
-    norma_document_result result = open_changed(job, &document, &memory, &error);
+    norma_document_result result =
+        cli_read(job->files, job->common, job->input, &reading, &document, &memory, &error);
     const int refused = result ? CLI_OK : guard_output(job->files, job->input, job->output);
     if (!result && !refused) result = measure_input(job, document, &error);
     if (!result && !refused) result = change_document(job, document, &error);
@@ -529,10 +512,9 @@ static int change_one(void *user, size_t file) {
 
 static void report_lost_change(void *user, size_t file, const char *why) {
     file_job job = *(const file_job *)user;
-    norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_FILE};
+    norma_document_error error;
     job.input = job.files->inputs.paths[file];
-    snprintf(error.message, sizeof error.message, ": %s", why);
-    cli_name_error(&error, job.input);
+    cli_lost_error(&error, job.input, why);
     report_change(&job, NULL, &error);
 }
 

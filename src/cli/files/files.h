@@ -66,6 +66,14 @@ void cli_files_end(cli_files *files);
 norma_document_result cli_open(const cli_files *files, const char *input,
     const norma_document_options *options, norma_document **document, void **memory,
     norma_document_error *error);
+/* The same with what all commands ask for, and a line while a person waits. */
+norma_document_result cli_read(const cli_files *files, const cli_common *common, const char *input,
+    const norma_document_options *asked, norma_document **document, void **memory,
+    norma_document_error *error);
+/* Why there is nothing to show or draw (what): of the first mesh, why it could not be read, or what
+ * the file holds instead of faces. */
+norma_document_result cli_fail_empty(
+    norma_document *document, const char *input, const char *what, norma_document_error *error);
 double cli_megabytes(const char *input); /* 0: not known */
 void cli_json_notes(cli_json *json, const norma_document *document);
 
@@ -185,8 +193,9 @@ int cli_run_changer(const cli_subcommand *command, const cli_changer *changer,
 
 /* Whether all have somewhere to go, each its own place; makes --out-dir. A status. */
 int cli_check_outputs(const cli_subcommand *command, const cli_common *common, cli_files *files);
-/* Whether no output is a source, as far as the inputs' names say. A status. */
-int cli_guard_outputs(const cli_files *files);
+/* Whether no output is a source, as far as the inputs' names say. ending: as of cli_output_of. A
+ * status. */
+int cli_guard_outputs(const cli_files *files, const char *ending);
 /* The line, or the JSON object, about a file of a batch that was changed as a whole, by what
  * changer->work holds of it; before, after: its bytes, those of the files that it names among them,
  * 0 where they are not known. And for programs, of one that was not changed. */
@@ -194,8 +203,9 @@ void cli_report_grown(
     const cli_all_files *all, const char *input, const char *output, double before, double after);
 void cli_report_changed(const cli_all_files *all, const char *input, const char *output,
     const norma_document_error *error);
-/* To standard output. */
-norma_document_result cli_write_standard(norma_document *document, norma_document_error *error);
+/* To standard output, or to a file as files say; options: how its progress is told. */
+norma_document_result cli_save(const cli_files *files, norma_document *document, const char *output,
+    norma_save_options *options, norma_document_error *error);
 
 /* ---- Files that do not fit into memory, changed piece by piece. */
 

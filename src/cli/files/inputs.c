@@ -337,6 +337,44 @@ norma_document_result cli_open(const cli_files *files, const char *input,
     return result;
 }
 
+norma_document_result cli_read(const cli_files *files, const cli_common *common, const char *input,
+    const norma_document_options *asked, norma_document **document, void **memory,
+    norma_document_error *error) {
+    cli_progress progress;
+    norma_document_options options = *asked;
+    options.struct_size = sizeof options;
+    options.format = files->format;
+    options.threads = common->threads;
+    options.progress = cli_progress_report;
+    options.progress_user = &progress;
+    cli_progress_start(&progress, "reading", input, common->quiet, cli_megabytes(input));
+    const norma_document_result result = cli_open(files, input, &options, document, memory, error);
+    cli_progress_stop(&progress);
+    return error->result = result;
+}
+
+/* ---- what a report says of the file */
+
+norma_document_result cli_fail_empty(
+    norma_document *document, const char *input, const char *what, norma_document_error *error) {
+    char reason[400] = "it holds no mesh";
+    for (size_t i = norma_document_mesh_count(document); i-- > 0;) {
+        norma_mesh_info info;
+        if (norma_document_mesh_info(document, i, &info)) continue;
+        if (info.not_read)
+            snprintf(reason, sizeof reason, "%.100s%s%.250s", info.where, info.where[0] ? ": " : "",
+                info.not_read);
+        else
+            snprintf(reason, sizeof reason, "%s",
+                info.triangles  ? "no node draws its meshes"
+                : info.vertices ? "it holds points without faces"
+                                : "it holds no faces");
+    }
+    snprintf(error->message, sizeof error->message, "%.500s: there is no surface to %s: %.400s",
+        cli_input_name(input), what, reason);
+    return error->result = NORMA_DOCUMENT_ERROR_UNSUPPORTED;
+}
+
 void cli_json_notes(struct cli_json *json, const norma_document *document) {
     cli_json_open(json, "notes", '[');
     for (size_t i = 0; i < norma_document_note_count(document); ++i)

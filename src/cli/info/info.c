@@ -14,16 +14,20 @@ typedef struct info_bounds {
     double least[3], most[3];
 } info_bounds;
 
+typedef struct off_by {
+    double p50_deg, p99_deg, max_deg;
+} off_by;
+
 typedef struct cli_explained {
     norma_weight weight;
     double crease_deg; /* NaN: smooth, one normal for each position */
     int flat;
-    double p50_deg, p99_deg, max_deg; /* between the stored normals and those that it gives */
+    off_by off; /* between the stored normals and those that it gives */
 } cli_explained;
 
 typedef struct cli_explained_tangents {
     norma_tangent_deviation deviation;
-    double p50_deg, p99_deg, max_deg;
+    off_by off;
 } cli_explained_tangents;
 
 /* ---- The box that a file's surfaces fill, vertex by vertex, so that it is exact under any
@@ -78,8 +82,6 @@ static norma_document_result include_node(norma_document *document, size_t index
     return result;
 }
 
-static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-
 static norma_document_result include_stored(
     norma_document *document, info_bounds *bounds, norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -89,7 +91,7 @@ static norma_document_result include_stored(
         result = norma_document_mesh_info(document, i, &info);
         if (result || info.not_read) continue;
         result = norma_document_mesh_data(document, i, &data, error);
-        if (!result) include_mesh(bounds, &data.mesh.positions, identity);
+        if (!result) include_mesh(bounds, &data.mesh.positions, cli_matrix_identity.matrix);
     }
     return result;
 }
@@ -132,6 +134,10 @@ static double whole_degrees(double radians) {
     return isnan(radians) ? radians : rint(cli_to_degrees(radians) * 1e6) / 1e6;
 }
 
+static off_by off_in_degrees(double p50, double p99, double most) {
+    return (off_by){cli_to_degrees(p50), cli_to_degrees(p99), cli_to_degrees(most)};
+}
+
 /* 1 if there were normals to explain. */
 static int cli_explain_normals(norma_document *document, size_t mesh, uint32_t threads,
     cli_explained *explained, norma_document_result *result, norma_document_error *error) {
@@ -146,14 +152,10 @@ static int cli_explain_normals(norma_document *document, size_t mesh, uint32_t t
     norma_result failed = norma_explain_normals(&data, info.normals, &options, &deviation);
     if (failed) *result = fail_search(error, "normals", failed);
     if (failed || !deviation.corners) return 0;
-    *explained = (cli_explained){
-        .weight = deviation.weight,
+    *explained = (cli_explained){.weight = deviation.weight,
         .crease_deg = whole_degrees(deviation.crease_angle_rad),
         .flat = deviation.shading == NORMA_SHADING_FLAT,
-        .p50_deg = cli_to_degrees(deviation.p50_rad),
-        .p99_deg = cli_to_degrees(deviation.p99_rad),
-        .max_deg = cli_to_degrees(deviation.max_rad),
-    };
+        .off = off_in_degrees(deviation.p50_rad, deviation.p99_rad, deviation.max_rad)};
     return 1;
 }
 
@@ -173,9 +175,7 @@ static int cli_explain_tangents(norma_document *document, size_t mesh, uint32_t 
     const norma_result failed = norma_explain_tangents(&data, &attributes, &options, deviation);
     if (failed) *result = fail_search(error, "tangents", failed);
     if (failed || !deviation->corners) return 0;
-    explained->p50_deg = cli_to_degrees(deviation->p50_rad);
-    explained->p99_deg = cli_to_degrees(deviation->p99_rad);
-    explained->max_deg = cli_to_degrees(deviation->max_rad);
+    explained->off = off_in_degrees(deviation->p50_rad, deviation->p99_rad, deviation->max_rad);
     return 1;
 }
 
@@ -311,6 +311,12 @@ static void kind_of(const norma_node_info *node, norma_matrix_info *matrix) {
 
 /* ---- for programs */
 
+static void write_off(cli_json *json, const off_by *off) {
+    cli_json_number(json, "p50_deg", off->p50_deg);
+    cli_json_number(json, "p99_deg", off->p99_deg);
+    cli_json_number(json, "max_deg", off->max_deg);
+}
+
 static void write_explained(cli_json *json, const cli_explained *explained) {
     cli_json_open(json, "explained_by", '{');
     cli_json_string(json, "shading",
@@ -319,9 +325,7 @@ static void write_explained(cli_json *json, const cli_explained *explained) {
                                        : "crease");
     cli_json_string(json, "weight", explained->flat ? NULL : norma_weight_name(explained->weight));
     cli_json_number(json, "crease_deg", explained->flat ? NAN : explained->crease_deg);
-    cli_json_number(json, "p50_deg", explained->p50_deg);
-    cli_json_number(json, "p99_deg", explained->p99_deg);
-    cli_json_number(json, "max_deg", explained->max_deg);
+    write_off(json, &explained->off);
     cli_json_close(json, '}');
 }
 
@@ -340,9 +344,7 @@ static void write_explained_tangents(cli_json *json, const cli_explained_tangent
     cli_json_size(json, "signs_other", deviation->signs_other);
     cli_json_size(json, "corners", deviation->corners);
     cli_json_size(json, "explained", deviation->explained);
-    cli_json_number(json, "p50_deg", explained->p50_deg);
-    cli_json_number(json, "p99_deg", explained->p99_deg);
-    cli_json_number(json, "max_deg", explained->max_deg);
+    write_off(json, &explained->off);
     cli_json_close(json, '}');
 }
 
@@ -458,11 +460,15 @@ static void print_name(const char *name) {
     fputc('"', stdout);
 }
 
+static void print_off(const off_by *off) {
+    char p50[32], p99[32], most[32];
+    printf(": off by %s\302\260 at p50, %s\302\260 at p99, %s\302\260 at most",
+        cli_decimals(p50, off->p50_deg, 3), cli_decimals(p99, off->p99_deg, 3),
+        cli_decimals(most, off->max_deg, 3));
+}
+
 static void print_explained(const cli_explained *explained) {
-    char crease[32], p50[32], p99[32], most[32];
-    cli_decimals(p50, explained->p50_deg, 3);
-    cli_decimals(p99, explained->p99_deg, 3);
-    cli_decimals(most, explained->max_deg, 3);
+    char crease[32];
     fputs("      stored normals are best explained by ", stdout);
     if (explained->flat)
         fputs("flat shading", stdout);
@@ -471,20 +477,18 @@ static void print_explained(const cli_explained *explained) {
     else
         printf("%s weights, crease %s\302\260", norma_weight_name(explained->weight),
             cli_decimals(crease, explained->crease_deg, 3));
-    printf(": off by %s\302\260 at p50, %s\302\260 at p99, %s\302\260 at most\n", p50, p99, most);
+    print_off(&explained->off);
+    putchar('\n');
 }
 
 static void print_explained_tangents(const cli_explained_tangents *explained) {
     const norma_tangent_deviation *deviation = &explained->deviation;
-    char p50[32], p99[32], most[32];
-    cli_decimals(p50, explained->p50_deg, 3);
-    cli_decimals(p99, explained->p99_deg, 3);
-    cli_decimals(most, explained->max_deg, 3);
-    printf("      stored tangents are best explained by %s%s, sign %s: off by %s\302\260 at p50, "
-           "%s\302\260 at p99, %s\302\260 at most; ",
+    printf("      stored tangents are best explained by %s%s, sign %s",
         norma_tangent_source_name(deviation->source),
         deviation->transformed ? " through the texture transform" : "",
-        deviation->negated ? "negated" : "as it is", p50, p99, most);
+        deviation->negated ? "negated" : "as it is");
+    print_off(&explained->off);
+    fputs("; ", stdout);
     cli_count(stdout, deviation->explained);
     fputs(" of ", stdout);
     cli_counted(stdout, deviation->corners, "corner", "corners");
@@ -507,10 +511,7 @@ static void print_part(const mesh_part *part) {
         printf(", normals per %s (%s)", storage_name(info->normals), info->encoding);
     fputs(info->has_tangents ? ", tangents" : "", stdout);
     fputs(info->has_smoothing_groups ? ", smoothing groups" : "", stdout);
-    if (info->morph_targets) {
-        fputs(", ", stdout);
-        cli_counted(stdout, info->morph_targets, "morph target", "morph targets");
-    }
+    cli_part(stdout, ", ", info->morph_targets, "morph target", "morph targets");
     if (info->compression) printf(", compressed with %s", info->compression);
     if (part->closed >= 0) fputs(part->closed ? ", closed" : ", open", stdout);
     fputs("\n", stdout);
@@ -582,10 +583,7 @@ static void print_contents(const contents *found) {
     cli_counted(stdout, found->vertices, "vertex", "vertices");
     fputs(", ", stdout);
     cli_counted(stdout, found->faces, "face", "faces");
-    if (found->skin_count) {
-        fputs(", ", stdout);
-        cli_counted(stdout, found->skin_count, "skin", "skins");
-    }
+    cli_part(stdout, ", ", found->skin_count, "skin", "skins");
     fputs("\n", stdout);
     print_bounds(&found->bounds);
     for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
@@ -702,32 +700,24 @@ static int run_large_file(const info_work *work, const char *path) {
 
 static int info_file(const info_work *work, const char *path) {
     if (!work->deep && cli_needs_passes(&work->files, path)) return run_large_file(work, path);
-    cli_progress progress;
     norma_document *document;
     norma_document_error error = {0};
     void *memory;
     contents found = {.path = path};
-    cli_progress_start(&progress, "reading", path, work->common.quiet, cli_megabytes(path));
-    norma_document_options opening = {.struct_size = sizeof opening,
-        .format = work->files.format,
-        .depth = depth_of(work, path),
-        .threads = work->common.threads,
-        .progress = cli_progress_report,
-        .progress_user = &progress};
+    norma_document_options reading = {.depth = depth_of(work, path)};
     norma_document_result result =
-        cli_open(&work->files, path, &opening, &document, &memory, &error);
+        cli_read(&work->files, &work->common, path, &reading, &document, &memory, &error);
     if (!result)
         result =
-            read_contents(work, opening.depth == NORMA_DOCUMENT_WHOLE, document, &found, &error);
+            read_contents(work, reading.depth == NORMA_DOCUMENT_WHOLE, document, &found, &error);
     const int again = result && result != NORMA_DOCUMENT_ERROR_MEMORY && !work->deep &&
-                      opening.depth == NORMA_DOCUMENT_WHOLE && strcmp(path, "-") != 0;
+                      reading.depth == NORMA_DOCUMENT_WHOLE && strcmp(path, "-") != 0;
     if (again) { /* of a file whose body is at fault, the head may still be read */
         forget(&found, &document, &memory);
-        opening.depth = NORMA_DOCUMENT_SUMMARY;
-        result = cli_open(&work->files, path, &opening, &document, &memory, &error);
+        reading.depth = NORMA_DOCUMENT_SUMMARY;
+        result = cli_read(&work->files, &work->common, path, &reading, &document, &memory, &error);
         if (!result) result = read_contents(work, 0, document, &found, &error);
     }
-    cli_progress_stop(&progress);
     error.result = result;
     const int status = finish_file(work, &found, &error);
     forget(&found, &document, &memory);
@@ -742,8 +732,8 @@ static int run_one(void *user, size_t file) {
 static void report_lost_info(void *user, size_t file, const char *why) {
     const info_work *work = user;
     contents none = {.path = work->files.inputs.paths[file]};
-    norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_FILE};
-    snprintf(error.message, sizeof error.message, ": %s", why);
+    norma_document_error error;
+    cli_lost_error(&error, none.path, why);
     finish_file(work, &none, &error);
 }
 

@@ -318,6 +318,11 @@ const size_t cli_common_option_count = CLI_COUNT(cli_common_options);
 
 const cli_matrix cli_matrix_identity = {.matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
 
+int cli_is_affine(const cli_matrix *matrix) {
+    const double *m = matrix->matrix;
+    return m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1;
+}
+
 /* matrix = next * matrix, column-major. */
 static void compose(cli_matrix *matrix, const double next[16]) {
     double product[16];

@@ -131,4 +131,5 @@ typedef struct cli_matrix {
     int overflow;
 } cli_matrix;
 extern const cli_matrix cli_matrix_identity;
+int cli_is_affine(const cli_matrix *matrix); /* its last row is 0 0 0 1 */
 #endif

@@ -94,6 +94,12 @@ void cli_name_error(norma_document_error *error, const char *input) {
     snprintf(error->message, sizeof error->message, "standard input%.900s", rest);
 }
 
+void cli_lost_error(norma_document_error *error, const char *input, const char *why) {
+    *error = (norma_document_error){.result = NORMA_DOCUMENT_ERROR_FILE};
+    snprintf(error->message, sizeof error->message, ": %s", why);
+    cli_name_error(error, input);
+}
+
 void cli_print_error(const norma_document_error *error) {
     if (strcmp(error->message, reported_already) != 0) cli_error("%s", error->message);
 }

@@ -20,6 +20,8 @@ const char *cli_input_name(const char *input); /* for people: "standard input" f
 /* Gives an error without words those of its kind, puts the input's name in front of words that
  * begin with a colon, and calls bytes without a name "standard input". */
 void cli_name_error(norma_document_error *error, const char *input);
+/* That an input ended a worker (below), and why. */
+void cli_lost_error(norma_document_error *error, const char *input, const char *why);
 /* An error that was printed already: cli_print_error does not print it again. */
 norma_document_result cli_reported(norma_document_error *error);
 void cli_print_error(const norma_document_error *error);

@@ -506,10 +506,10 @@ static int draw_one(void *user, size_t file) {
 }
 
 static void report_lost_picture(void *user, size_t file, const char *why) {
-    const picture_job *job = user;
-    norma_document_error error = {.result = NORMA_DOCUMENT_ERROR_FILE};
-    snprintf(error.message, sizeof error.message, ": %s", why);
-    fail_picture(job->settings, job->settings->files.inputs.paths[file], &error);
+    const render_settings *settings = ((const picture_job *)user)->settings;
+    norma_document_error error;
+    cli_lost_error(&error, settings->files.inputs.paths[file], why);
+    fail_picture(settings, settings->files.inputs.paths[file], &error);
 }
 
 static int draw_all(const cli_subcommand *command, const render_settings *settings) {

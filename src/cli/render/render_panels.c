@@ -91,31 +91,21 @@ typedef struct side {
 } side;
 
 static const struct {
-    const char *word, *title;
-    enum render_shading shading;
-} shadings[] = {{"flat", "flat", RENDER_FLAT}, {"gouraud", "Gouraud", RENDER_GOURAUD},
-    {"phong", "Phong", RENDER_PHONG}};
-
-static const struct {
-    const char *word, *title;
-    enum way way;
-} ways[] = {{"before", "before", WAY_BEFORE}, {"plain", "plain M", WAY_PLAIN},
-    {"right", "normal matrix", WAY_RIGHT}};
+    const char *word;
+    side side;
+} sides_by_name[] = {{"flat", {.has_shading = 1, .shading = RENDER_FLAT, .title = "flat"}},
+    {"gouraud", {.has_shading = 1, .shading = RENDER_GOURAUD, .title = "Gouraud"}},
+    {"phong", {.has_shading = 1, .shading = RENDER_PHONG, .title = "Phong"}},
+    {"before", {.way = WAY_BEFORE, .title = "before"}},
+    {"plain", {.way = WAY_PLAIN, .title = "plain M"}},
+    {"right", {.way = WAY_RIGHT, .title = "normal matrix"}}};
 
 static int read_side(const char *word, side *out) {
     double degrees;
     *out = (side){0};
-    for (size_t i = 0; i < CLI_COUNT(shadings); ++i)
-        if (strcmp(word, shadings[i].word) == 0) {
-            out->has_shading = 1;
-            out->shading = shadings[i].shading;
-            strcpy(out->title, shadings[i].title);
-            return 1;
-        }
-    for (size_t i = 0; i < CLI_COUNT(ways); ++i)
-        if (strcmp(word, ways[i].word) == 0) {
-            out->way = ways[i].way;
-            strcpy(out->title, ways[i].title);
+    for (size_t i = 0; i < CLI_COUNT(sides_by_name); ++i)
+        if (strcmp(word, sides_by_name[i].word) == 0) {
+            *out = sides_by_name[i].side;
             return 1;
         }
     if (!cli_find_weight(word, &out->weight)) {

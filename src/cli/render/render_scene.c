@@ -17,20 +17,10 @@ norma_document_result render_file_fail(norma_document_error *error, norma_docume
 
 norma_document_result render_file_open(const render_settings *settings, const char *input,
     render_scene_file *file, norma_document_error *error) {
-    cli_progress progress;
+    static const norma_document_options reading = {.lenient = 1};
     *file = (render_scene_file){.input = input};
-    cli_progress_start(&progress, "reading", input, settings->common.quiet, cli_megabytes(input));
-    const norma_document_options options = {.struct_size = sizeof options,
-        .format = settings->files.format,
-        .threads = settings->common.threads,
-        .progress = cli_progress_report,
-        .progress_user = &progress,
-        .lenient = 1};
-    norma_document_result result =
-        cli_open(&settings->files, input, &options, &file->document, &file->memory, error);
-    cli_progress_stop(&progress);
-    error->result = result;
-    return result;
+    return cli_read(&settings->files, &settings->common, input, &reading, &file->document,
+        &file->memory, error);
 }
 
 void render_scene_free(render_scene *scene) {
@@ -786,28 +776,6 @@ static void draw_each_once(scene_maker *m) {
     m->draw_count = m->surface_count;
 }
 
-/* Why nothing can be drawn: the first mesh that could not be read, or what the file holds instead
- * of faces. */
-static norma_document_result fail_nothing_drawn(
-    render_scene_file *file, norma_document_error *error) {
-    char reason[400] = "it holds no mesh";
-    for (size_t i = norma_document_mesh_count(file->document); i-- > 0;) {
-        norma_mesh_info info;
-        if (norma_document_mesh_info(file->document, i, &info)) continue;
-        if (info.not_read)
-            snprintf(reason, sizeof reason, "%.100s%s%.250s", info.where, info.where[0] ? ": " : "",
-                info.not_read);
-        else
-            snprintf(reason, sizeof reason, "%s",
-                info.triangles  ? "no node draws its meshes"
-                : info.vertices ? "it holds points without faces"
-                                : "it holds no faces");
-    }
-    char text[440];
-    snprintf(text, sizeof text, "there is no surface to draw: %s", reason);
-    return render_file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input, text);
-}
-
 static norma_document_result fill_scene(const render_settings *settings, render_scene_file *file,
     const render_variant *variant, scene_maker *m, norma_document_error *error) {
     norma_document_result result = fill_surfaces(settings, file, variant, m, error);
@@ -836,7 +804,8 @@ static norma_document_result make_scene(const render_settings *settings, render_
             : render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
     free(m.mesh_of);
     *scene = (render_scene){m.surfaces, m.surface_count, m.draws, m.draw_count};
-    if (!result && m.draw_count == 0) result = fail_nothing_drawn(file, error);
+    if (!result && m.draw_count == 0)
+        result = cli_fail_empty(file->document, file->input, "draw", error);
     if (!result && settings->show == RENDER_SHOW_TANGENTS && !file->with_tangents &&
         !file->with_texcoords)
         result = render_file_fail(error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, file->input,

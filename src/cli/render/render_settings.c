@@ -38,10 +38,14 @@ void render_settings_default(render_settings *settings) {
         .most_lines = 4000};
 }
 
-/* The number of word in a list of names; -1: none of them. */
-static int number_of_name(const char *word, size_t length, const char *const *names, size_t count) {
+/* The number of the next word of a list with commas among names; -1: none of them. */
+static int next_name(const char **list, const char *const *names, size_t count) {
+    const size_t length = strcspn(*list, ",");
     for (size_t i = 0; i < count; ++i)
-        if (strlen(names[i]) == length && memcmp(names[i], word, length) == 0) return (int)i;
+        if (strlen(names[i]) == length && memcmp(names[i], *list, length) == 0) {
+            *list += length + ((*list)[length] == ',' && (*list)[length + 1]);
+            return (int)i;
+        }
     return -1;
 }
 
@@ -55,35 +59,30 @@ static const char *set_show(void *user, const char *value) {
         "matcap", "zebra", "tangents", "hedgehog", "wireframe"};
     render_settings *settings = user;
     int bases = 0;
-    for (const char *word = value;; ++word) {
-        size_t length = strcspn(word, ",");
-        int number = number_of_name(word, length, names, CLI_COUNT(names));
-        if (number < 0) return expected;
+    do {
+        const int number = next_name(&value, names, CLI_COUNT(names));
         if (number == 8)
             settings->lines |= RENDER_VERTEX_LINES | RENDER_FACE_LINES;
         else if (number == 9)
             settings->lines |= RENDER_WIREFRAME;
-        else if (bases++)
+        else if (number < 0 || bases++)
             return expected;
         else
             settings->show = (enum render_show)number;
-        word += length;
-        if (!*word) return NULL;
-    }
+    } while (*value);
+    return NULL;
 }
 
 static const char *set_lines(void *user, const char *value) {
     static const char *const names[] = {"vertices", "faces", "edges"};
     render_settings *settings = user;
     settings->hedgehog = 0;
-    for (const char *word = value;; ++word) {
-        size_t length = strcspn(word, ",");
-        int number = number_of_name(word, length, names, CLI_COUNT(names));
+    do {
+        const int number = next_name(&value, names, CLI_COUNT(names));
         if (number < 0) return "vertices, faces, edges, or several of them, separated by commas";
         settings->hedgehog |= 1U << number;
-        word += length;
-        if (!*word) return NULL;
-    }
+    } while (*value);
+    return NULL;
 }
 
 static const char *set_compare(void *user, const char *value) {
@@ -343,13 +342,12 @@ int render_guard_outputs(const render_settings *settings) {
 }
 
 int render_settings_check(const cli_subcommand *command, render_settings *settings) {
-    const double *m = settings->matrix.matrix;
     if (settings->lines & RENDER_VERTEX_LINES && settings->hedgehog)
         settings->lines = (settings->lines & RENDER_WIREFRAME) | settings->hedgehog;
     else if (settings->hedgehog)
         return cli_usage(
             command, "--lines applies only to a hedgehog; expected --show hedgehog with it");
-    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+    if (!cli_is_affine(&settings->matrix))
         return cli_usage(command,
             "the last row of the matrix must be 0 0 0 1; the camera makes the perspective");
     if (settings->compare && settings->views)

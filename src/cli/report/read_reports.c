@@ -207,15 +207,14 @@ static int note_entry(report_scan *scan, const char *path) {
     if (scan->has_runs && extends_last(scan, path)) {
         report_part *last = &scan->merged->parts[scan->merged->part_count - 1];
         last->size += strlen(",\n") + scan->size;
-        last->hash = report_hash(report_hash(last->hash, ",\n", strlen(",\n")), text, scan->size);
+        last->hash = cli_hash(cli_hash(last->hash, ",\n", strlen(",\n")), text, scan->size);
         return 1;
     }
-    scan->status =
-        report_add_part(scan->merged, (report_part){.path = path,
-                                          .report = (uint32_t)scan->text->report,
-                                          .offset = scan->value_at,
-                                          .size = scan->size,
-                                          .hash = report_hash(REPORT_HASH, text, scan->size)});
+    scan->status = report_add_part(scan->merged, (report_part){.path = path,
+                                                     .report = (uint32_t)scan->text->report,
+                                                     .offset = scan->value_at,
+                                                     .size = scan->size,
+                                                     .hash = cli_hash(CLI_HASH, text, scan->size)});
     return scan->status == CLI_OK;
 }
 

@@ -45,10 +45,6 @@ const char *report_text_at(report_text *text, uint64_t offset, size_t *size);
 /* The first place from an offset on that has these words; UINT64_MAX: none, or failed. */
 uint64_t report_text_find(report_text *text, uint64_t offset, const char *words);
 
-enum { REPORT_HASH = 1 }; /* of no bytes */
-/* Of an entry's bytes, to see in the second reading that they are what they were. */
-uint64_t report_hash(uint64_t before, const char *bytes, size_t size);
-
 /* ---- What the files of norma report share: where the entries of the reports stand, in the
  * order of paths. The entries themselves stay on disk. */
 

@@ -98,14 +98,6 @@ uint64_t report_text_find(report_text *text, uint64_t offset, const char *words)
     return UINT64_MAX;
 }
 
-/* FNV-1a (Fowler, Noll, Vo), 64 bits. */
-uint64_t report_hash(uint64_t before, const char *bytes, size_t size) {
-    uint64_t hash = before;
-    for (size_t i = 0; i < size; ++i)
-        hash = (hash ^ (unsigned char)bytes[i]) * UINT64_C(1099511628211);
-    return hash;
-}
-
 /* ---- The parts of all reports, sorted by the paths of files. */
 
 int report_merge_begin(report_merge *merged, const char *const *reports, size_t count) {
@@ -219,13 +211,13 @@ int report_load_part(report_merge *merged, const report_part *part) {
     if (!report_grow_entry(merged, size)) return CLI_FILE;
     const size_t got =
         report_files_read(&merged->files, part->report, part->offset, merged->entry, size);
-    return got == size && report_hash(REPORT_HASH, merged->entry, size) == part->hash
+    return got == size && cli_hash(CLI_HASH, merged->entry, size) == part->hash
                ? CLI_OK
                : changed(merged, part);
 }
 
 int report_copy_bytes(report_merge *merged, const report_part *part, uint64_t *hash, FILE *out) {
-    *hash = REPORT_HASH;
+    *hash = CLI_HASH;
     if (!report_grow_entry(merged, REPORT_BLOCK)) {
         merged->files.failed = 1;
         return 0;
@@ -236,7 +228,7 @@ int report_copy_bytes(report_merge *merged, const report_part *part, uint64_t *h
         const size_t got =
             report_files_read(&merged->files, part->report, part->offset + at, merged->entry, size);
         if (got < size) return 0;
-        *hash = report_hash(*hash, merged->entry, size);
+        *hash = cli_hash(*hash, merged->entry, size);
         if (out) fwrite(merged->entry, 1, size, out);
     }
     return 1;

@@ -98,25 +98,15 @@ static void write_tangents_json(const void *user, cli_json *json) {
     cli_json_bool(json, "changed", summary->changed);
 }
 
-static void write_tangent_cause(FILE *out, int *written, size_t count, const char *cause) {
-    if (!count) return;
-    fputs(*written ? ", " : " (", out);
-    cli_count(out, count);
-    fprintf(out, " %s", cause);
-    *written = 1;
-}
-
 /* Corners that have no tangent of their own, and why. */
 static void write_tangent_reasons(const norma_tangent_summary *summary, FILE *out) {
     int written = 0;
     const size_t count = summary->degenerate + summary->non_finite + summary->cancelled;
     if (!count) return;
-    fputs("; ", out);
-    cli_counted(out, count, "corner", "corners");
-    fputs(" had no tangent", out);
-    write_tangent_cause(out, &written, summary->degenerate, "without texture area");
-    write_tangent_cause(out, &written, summary->non_finite, "not finite");
-    write_tangent_cause(out, &written, summary->cancelled, "cancelled");
+    cli_part(out, "; ", count, "corner had no tangent", "corners had no tangent");
+    cli_cause(out, &written, summary->degenerate, "without texture area", "without texture area");
+    cli_cause(out, &written, summary->non_finite, "not finite", "not finite");
+    cli_cause(out, &written, summary->cancelled, "cancelled", "cancelled");
     fputs(") and got one perpendicular to the normal", out);
 }
 
@@ -129,23 +119,15 @@ static void write_tangents_text(const void *user, const norma_document *document
     fprintf(out, " (%s)", mode_name(work));
     if (!summary->changed) {
         fputs(", nothing to do: the output is the input, byte for byte", out);
-    } else if (summary->vertices_after == summary->vertices_before) {
-        fputs("; ", out);
-        cli_counted(out, summary->vertices_before, "vertex", "vertices");
-        fputs(", none added", out);
     } else {
-        fputs("; vertices ", out);
-        cli_count(out, summary->vertices_before);
-        fputs(" -> ", out);
-        cli_count(out, summary->vertices_after);
-        fputs(", split where corners have different tangents", out);
+        cli_vertices(out, summary->vertices_before, summary->vertices_after);
+        if (summary->vertices_after != summary->vertices_before)
+            fputs(", split where corners have different tangents", out);
     }
     write_tangent_reasons(summary, out);
-    if (summary->left_out) {
-        fputs("; left out: ", out);
-        cli_counted(out, summary->left_out, "primitive", "primitives");
-        fputs(" without normals or without that set of texture coordinates", out);
-    }
+    cli_part(out, "; left out: ", summary->left_out,
+        "primitive without normals or without that set of texture coordinates",
+        "primitives without normals or without that set of texture coordinates");
 }
 
 /* ---- the command */

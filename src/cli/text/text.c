@@ -289,6 +289,29 @@ void cli_counted(FILE *out, size_t count, const char *one, const char *many) {
     fprintf(out, " %s", count == 1 ? one : many);
 }
 
+void cli_part(FILE *out, const char *before, size_t count, const char *one, const char *many) {
+    if (!count) return;
+    fputs(before, out);
+    cli_counted(out, count, one, many);
+}
+
+void cli_cause(FILE *out, int *written, size_t count, const char *one, const char *many) {
+    cli_part(out, *written ? ", " : " (", count, one, many);
+    *written |= count > 0;
+}
+
+void cli_vertices(FILE *out, size_t before, size_t after) {
+    fputs(before == after ? "; " : "; vertices ", out);
+    if (before == after) {
+        cli_counted(out, before, "vertex", "vertices");
+        fputs(", none added", out);
+        return;
+    }
+    cli_count(out, before);
+    fputs(" -> ", out);
+    cli_count(out, after);
+}
+
 char *cli_decimals(char text[32], double number, int digits) {
     snprintf(text, 32, "%.*f", digits, number);
     if (strchr(text, '.')) {
@@ -298,6 +321,13 @@ char *cli_decimals(char text[32], double number, int digits) {
         text[length] = '\0';
     }
     return strcmp(text, "-0") == 0 ? strcpy(text, "0") : text;
+}
+
+uint64_t cli_hash(uint64_t before, const void *bytes, size_t size) {
+    const unsigned char *at = bytes;
+    uint64_t hash = before;
+    for (size_t i = 0; i < size; ++i) hash = (hash ^ at[i]) * UINT64_C(1099511628211);
+    return hash;
 }
 
 static const double PI = 3.14159265358979323846;

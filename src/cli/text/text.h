@@ -69,10 +69,19 @@ void cli_json_bool(cli_json *json, const char *key, int value);
 void cli_json_null(cli_json *json, const char *key);
 char *cli_shortest(char text[32], double number); /* the fewest digits that read back as the same */
 
+/* FNV-1a (Fowler, Noll, Vo), 64 bits, of bytes behind others; CLI_HASH: of none. */
+#define CLI_HASH UINT64_C(14695981039346656037)
+uint64_t cli_hash(uint64_t before, const void *bytes, size_t size);
+
 /* ---- What people read: counts, angles, names of weights and kinds. */
 
 void cli_count(FILE *out, size_t count); /* 1,234 */
 void cli_counted(FILE *out, size_t count, const char *one, const char *many);
+/* The same behind other words; nothing where there are none. */
+void cli_part(FILE *out, const char *before, size_t count, const char *one, const char *many);
+/* The same as one of several causes: " (3 cancelled, 1 not finite". *written: one was before. */
+void cli_cause(FILE *out, int *written, size_t count, const char *one, const char *many);
+void cli_vertices(FILE *out, size_t before, size_t after); /* "; vertices 8 -> 24" */
 /* Rounded to so many decimals, without trailing zeros. */
 char *cli_decimals(char text[32], double number, int digits);
 /* NULL, or what was expected instead. */

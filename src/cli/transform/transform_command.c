@@ -79,8 +79,7 @@ static void write_transformed_text(const void *user, const norma_document *docum
         fputs("nothing to do: the output is the input, byte for byte", out);
         return;
     }
-    cli_counted(out, summary->vertices, "vertex", "vertices");
-    fputs(" in ", out);
+    cli_counted(out, summary->vertices, "vertex in ", "vertices in ");
     cli_counted(out, summary->meshes, "mesh", "meshes");
     if (!work->matrix.given)
         fputs(work->summary.nodes_baked ? "" : ", no node baked", out);
@@ -89,10 +88,7 @@ static void write_transformed_text(const void *user, const norma_document *docum
     else
         fprintf(out, ", matrix: %s%s", cli_kind_name(work->info.kind),
             work->info.mirrored ? " with a mirror" : "");
-    if (summary->nodes_baked) {
-        fputs(", ", out);
-        cli_counted(out, summary->nodes_baked, "node baked", "nodes baked");
-    }
+    cli_part(out, ", ", summary->nodes_baked, "node baked", "nodes baked");
     if (summary->mirrored && on_a_node)
         fputs("; mirrored by a new node above the meshes: their winding stays, and the renderer "
               "reverses it",
@@ -115,7 +111,7 @@ static int transform_prepare(const cli_subcommand *command, void *user, uint32_t
     if (!work->matrix.given && !work->options.bake)
         return cli_usage(command, "no matrix was given; expected --scale, --rotate, --translate, "
                                   "--matrix, or --bake for glTF");
-    if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
+    if (!cli_is_affine(&work->matrix))
         return cli_usage(command,
             "the last row of the matrix must be 0 0 0 1; a perspective cannot "
             "be applied to a file");

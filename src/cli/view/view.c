@@ -205,16 +205,10 @@ static void write_view_page(FILE *out, const char *name, const view_pack *pack) 
 
 static norma_document_result read_pack(const view_work *work, const char *input,
     norma_document **document, void **memory, view_pack *pack, norma_document_error *error) {
+    static const norma_document_options reading = {.lenient = 1};
     cli_progress progress;
-    cli_progress_start(&progress, "reading", input, work->common.quiet, cli_megabytes(input));
-    const norma_document_options opening = {.struct_size = sizeof opening,
-        .format = work->files.format,
-        .threads = work->common.threads,
-        .progress = cli_progress_report,
-        .progress_user = &progress,
-        .lenient = 1};
-    norma_document_result result = cli_open(&work->files, input, &opening, document, memory, error);
-    cli_progress_stop(&progress);
+    norma_document_result result =
+        cli_read(&work->files, &work->common, input, &reading, document, memory, error);
     if (result) return result;
     cli_progress_start(&progress, "packing", input, work->common.quiet, 0);
     cli_progress_tick(&progress);
@@ -280,25 +274,6 @@ static void report_page(const view_work *work, const char *input, const char *to
     cli_print_notes(input, document);
 }
 
-/* Why a page of it would be empty: the first mesh that could not be read, or what it holds. */
-static norma_document_result fail_nothing_shown(
-    const char *input, const norma_document *document, norma_document_error *error) {
-    norma_mesh_info info;
-    size_t vertices = 0;
-    const char *reason = NULL;
-    for (size_t i = 0; i < norma_document_mesh_count(document) && !reason; ++i) {
-        if (norma_document_mesh_info(document, i, &info)) continue;
-        reason = info.not_read;
-        vertices += info.vertices;
-    }
-    snprintf(error->message, sizeof error->message, "%.500s: there is no surface to show: %.300s",
-        cli_input_name(input),
-        reason     ? reason
-        : vertices ? "it holds points without faces"
-                   : "it holds no faces");
-    return error->result = NORMA_DOCUMENT_ERROR_UNSUPPORTED;
-}
-
 static int write_to(
     const view_work *work, const char *input, const char *to, const view_pack *pack) {
     cli_output output;
@@ -317,7 +292,7 @@ static int view_file(const view_work *work, const char *input, const char *to) {
     view_pack pack = {0};
     norma_document_result result = read_pack(work, input, &document, &memory, &pack, &error);
     if (!result && document_triangles(document) == 0)
-        result = fail_nothing_shown(input, document, &error);
+        result = cli_fail_empty(document, input, "show", &error);
     int status = cli_status_of(result);
     if (result) {
         error.result = result;
@@ -370,56 +345,29 @@ static int has_page(void) {
     return 0;
 }
 
-static int guard_page(const view_work *work, const char *input, const char *to) {
-    (void)input;
-    return cli_guard_output(work->files.guard, to, NULL);
-}
-
-typedef struct page_run {
-    const view_work *work;
-    int (*call)(const view_work *work, const char *input, const char *to);
-} page_run;
-
-static int run_page(void *user, size_t file) {
-    const page_run *run = user;
-    const cli_files *files = &run->work->files;
-    char *to = cli_output_of(files, file, ".html");
+static int write_one_page(void *user, size_t file) {
+    const view_work *work = user;
+    char *to = cli_output_of(&work->files, file, ".html");
     const int status =
-        to ? run->call(run->work, files->inputs.paths[file], to) : cli_out_of_memory();
+        to ? view_file(work, work->files.inputs.paths[file], to) : cli_out_of_memory();
     free(to);
     return status;
 }
 
 static void report_lost_page(void *user, size_t file, const char *why) {
-    const page_run *run = user;
-    cli_error("%s: %s", cli_input_name(run->work->files.inputs.paths[file]), why);
-}
-
-static int guard_pages(const view_work *work) {
-    page_run run = {work, guard_page};
-    int status = CLI_OK;
-    for (size_t i = 0; i < work->files.inputs.count && !status; ++i) status = run_page(&run, i);
-    return status;
-}
-
-static int write_pages(const view_work *work) {
-    page_run run = {work, view_file};
-    const cli_each each = {
-        work->files.inputs.count, run_page, report_lost_page, &run, work->files.guard};
-    return cli_run_each(&each);
+    const view_work *work = user;
+    cli_error("%s: %s", cli_input_name(work->files.inputs.paths[file]), why);
 }
 
 static int make_pages(const cli_subcommand *command, view_work *work) {
     const int found = cli_find_inputs(command, &work->files);
     if (found == CLI_USAGE || work->files.inputs.count == 0) return found;
     int status = check_pages(command, work);
-    if (!status) status = guard_pages(work);
-    if (!status) {
-        cli_guard_look_ahead(work->files.guard, &work->files.inputs, work->files.format);
-        status = guard_pages(work);
-    }
+    if (!status) status = cli_guard_outputs(&work->files, ".html");
     if (!status) status = has_page() ? cli_make_out_dir(command, &work->files) : CLI_FILE;
-    return status ? status : cli_worse(found, write_pages(work));
+    const cli_each each = {
+        work->files.inputs.count, write_one_page, report_lost_page, work, work->files.guard};
+    return status ? status : cli_worse(found, cli_run_each(&each));
 }
 
 static int view_run(const cli_subcommand *command, int count, char **arguments) {
