@@ -328,6 +328,7 @@ static norma_document_result judge_group_sides(
     *how = asked ? norma_core_side_judge_ask(&judge, 0, whole->face_count, asked, sides)
                  : NORMA_ERROR_MEMORY;
     free(asked);
+    if (!*how) *how = norma_check_sides_at_folds(&judge, 0, whole->face_count, sides);
     if (!*how && info.normals == NORMA_NORMALS_PER_FACET)
         *how = norma_check_sides_by_facets(&judge, &data.normals, sides);
     norma_core_side_judge_close(&judge);

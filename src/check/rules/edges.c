@@ -181,38 +181,23 @@ static check_spot conflict_spot(const check_mesh *m, const conflict *c, const ui
         norma_core_topology_face(&m->topology, corner), SIZE_MAX};
 }
 
-static uint32_t last_position(const core_topology *t, size_t face, size_t corner) {
-    const size_t next = norma_core_topology_next(t, face, corner);
-    return norma_core_corner(&t->mesh, norma_core_topology_next(t, face, next));
-}
-
-/* Of two faces that run along the edge at these corners in the same direction. */
-static int is_repeated(const core_topology *t, size_t first, size_t second) {
-    const size_t a = norma_core_topology_face(t, first), b = norma_core_topology_face(t, second);
-    return t->polygons ? t->polygons[a].key == t->polygons[b].key
-                       : last_position(t, a, first) == last_position(t, b, second);
-}
-
-/* Of the faces of two corners that begin such an edge, by the sides of all faces. A face that is
- * there twice is not wound against itself. */
+/* Of the faces of two corners that begin such an edge, by the sides of all faces. Of two that lie
+ * folded over one another, or are the same, neither is wound against the other. */
 static conflict_kind check_conflict_kind(
     const core_topology *t, size_t first, size_t second, const uint8_t *sides) {
     const uint8_t a = sides[norma_core_topology_face(t, first)],
                   b = sides[norma_core_topology_face(t, second)];
+    if (norma_check_is_fold(t, first, second)) return CONFLICT_RIGHT;
     if (norma_check_is_turned(a) || norma_check_is_turned(b)) return CONFLICT_TURNED;
-    return (a | b) & CORE_SIDE_UNDECIDED && !is_repeated(t, first, second) ? CONFLICT_UNDECIDED
-                                                                           : CONFLICT_RIGHT;
+    return (a | b) & CORE_SIDE_UNDECIDED ? CONFLICT_UNDECIDED : CONFLICT_RIGHT;
 }
 
 static void describe_conflicts(
     conflict_kind kind, size_t edges, size_t turned, char message[CHECK_MESSAGE]) {
     if (kind == CONFLICT_TURNED)
         norma_check_message(message,
-            "%z edge%s between faces wound against each other: %z face%s to turn, which %s seen "
-            "from "
-            "behind at present",
-            edges, norma_check_plural(edges), turned, norma_check_plural(turned),
-            turned == 1 ? "is" : "are");
+            "%z edge%s between faces wound against each other: %z face%s to turn", edges,
+            norma_check_plural(edges), turned, norma_check_plural(turned));
     else if (kind == CONFLICT_UNDECIDED)
         norma_check_message(message,
             "%z edge%s between faces wound against each other; neither volume nor rays show which "
@@ -220,21 +205,38 @@ static void describe_conflicts(
             edges, norma_check_plural(edges));
     else
         norma_check_message(message,
-            "%z edge%s between faces wound against each other, where parts touch or a face is "
-            "repeated: no face there has to be turned",
+            "%z edge%s between faces wound against each other, where parts touch, or faces lie "
+            "folded over one another: no face there has to be turned",
             edges, norma_check_plural(edges));
 }
 
-/* Where the material shows both sides, all of it only informs. */
+typedef struct conflict_sum {
+    check_hits hits;
+    double
+        twice_area; /* of the faces to turn; where that is undecided, of the smaller at each edge */
+} conflict_sum;
+
+static void add_conflict(check_mesh *m, const core_topology *t, size_t first, size_t second,
+    const uint8_t *sides, check_spot spot, conflict_sum sums[CONFLICT_KINDS]) {
+    core_face a, b;
+    const conflict_kind kind = check_conflict_kind(t, first, second, sides);
+    norma_check_hit(m->run, &sums[kind].hits, 0, spot);
+    if (kind != CONFLICT_UNDECIDED) return;
+    norma_core_face_geometry(&t->mesh, norma_core_topology_face(t, first), &a);
+    norma_core_face_geometry(&t->mesh, norma_core_topology_face(t, second), &b);
+    sums[kind].twice_area += fmin(a.twice_area, b.twice_area);
+}
+
+/* Where the material shows both sides, or next to nothing is concerned, all of it only informs. */
 static norma_result add_conflicts_of(
-    check_mesh *m, conflict_kind kind, size_t turned, check_hits *hits) {
+    check_mesh *m, conflict_kind kind, size_t turned, int informs, check_hits *hits) {
     static const norma_severity severities[CONFLICT_KINDS] = {
         NORMA_SEVERITY_ERROR, NORMA_SEVERITY_WARNING, NORMA_SEVERITY_INFO};
     char message[CHECK_MESSAGE];
     describe_conflicts(kind, hits->count, turned, message);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N301,
-            .severity = m->on_purpose ? NORMA_SEVERITY_INFO : severities[kind],
+            .severity = informs ? NORMA_SEVERITY_INFO : severities[kind],
             .no_value = 1,
             .no_fix = kind != CONFLICT_TURNED,
             .hits = hits,
@@ -243,28 +245,30 @@ static norma_result add_conflicts_of(
 
 /* Reports the hits of each kind and frees them; edges and sides: of the mesh's own faces. */
 static norma_result check_add_conflicts(
-    check_mesh *m, const uint8_t *edges, const uint8_t *sides, check_hits kinds[CONFLICT_KINDS]) {
-    const size_t turned = norma_check_count_turned(m, edges, sides);
+    check_mesh *m, const uint8_t *edges, const uint8_t *sides, conflict_sum sums[CONFLICT_KINDS]) {
+    const size_t turned =
+        norma_check_count_turned(m, edges, sides, &sums[CONFLICT_TURNED].twice_area);
+    const double speck = SPECK * norma_check_add_areas(m, 0);
     norma_result result = NORMA_OK;
     for (int kind = 0; kind < CONFLICT_KINDS; kind++) {
-        if (!result && kinds[kind].count)
-            result = add_conflicts_of(m, (conflict_kind)kind, turned, &kinds[kind]);
-        norma_check_hits_free(&kinds[kind]);
+        const int informs = m->on_purpose || sums[kind].twice_area < speck;
+        if (!result && sums[kind].hits.count)
+            result = add_conflicts_of(m, (conflict_kind)kind, turned, informs, &sums[kind].hits);
+        norma_check_hits_free(&sums[kind].hits);
     }
     return result;
 }
 
 static norma_result add_judged(check_mesh *m, const edge_part *parts, size_t blocks,
     const uint8_t *edges, const uint8_t *sides) {
-    check_hits kinds[CONFLICT_KINDS] = {{0}};
+    conflict_sum sums[CONFLICT_KINDS] = {{.twice_area = 0}};
     for (size_t i = 0; i < blocks; i++)
         for (size_t k = 0; k < parts[i].conflict_count; k++) {
             const conflict *c = &parts[i].conflicts[k];
-            const conflict_kind kind =
-                check_conflict_kind(&m->topology, c->first, c->second, sides);
-            norma_check_hit(m->run, &kinds[kind], 0, conflict_spot(m, c, edges));
+            add_conflict(
+                m, &m->topology, c->first, c->second, sides, conflict_spot(m, c, edges), sums);
         }
-    return check_add_conflicts(m, edges, sides, kinds);
+    return check_add_conflicts(m, edges, sides, sums);
 }
 
 static norma_result add_conflicts(check_mesh *m, const edge_part *parts, size_t blocks) {
@@ -424,13 +428,13 @@ static int is_told_here(
 
 norma_result norma_check_conflicts_joined(check_mesh *m, const core_topology *t,
     size_t first_corner, const uint8_t *edges, const uint8_t *sides) {
-    check_hits kinds[CONFLICT_KINDS] = {{0}};
+    conflict_sum sums[CONFLICT_KINDS] = {{.twice_area = 0}};
     const size_t first = first_corner / 3;
-    for (size_t c = first_corner; c < first_corner + m->mesh.corner_count; c++) {
-        if (t->partners[c] != CORE_EDGE_CONFLICT || !is_told_here(t, c, edges, sides)) continue;
-        const conflict_kind kind = check_conflict_kind(t, c, t->others[c], sides);
-        norma_check_hit(m->run, &kinds[kind], 0,
-            (check_spot){norma_core_corner(&m->mesh, c - first_corner), c / 3 - first, SIZE_MAX});
-    }
-    return check_add_conflicts(m, edges + first, sides + first, kinds);
+    for (size_t c = first_corner; c < first_corner + m->mesh.corner_count; c++)
+        if (t->partners[c] == CORE_EDGE_CONFLICT && is_told_here(t, c, edges, sides))
+            add_conflict(m, t, c, t->others[c], sides,
+                (check_spot){
+                    norma_core_corner(&m->mesh, c - first_corner), c / 3 - first, SIZE_MAX},
+                sums);
+    return check_add_conflicts(m, edges + first, sides + first, sums);
 }

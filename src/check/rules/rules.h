@@ -80,9 +80,17 @@ void norma_check_sides_drop(check_run *run);
 norma_result norma_check_sides_by_facets(
     const core_side_judge *judge, const norma_vec3_view *normals, uint8_t *sides);
 int norma_check_is_turned(uint8_t side); /* shown to be, not only different from most */
+/* Whether the faces of two corners, which run along an edge in the same direction from there, lie
+ * folded over one another: their normals agree. */
+int norma_check_is_fold(const core_topology *topology, size_t first, size_t second);
+/* sides: of count faces from first on. What is wound against the rest of its part only where it
+ * lies folded over that is not shown to be turned, except by rays. */
+norma_result norma_check_sides_at_folds(
+    const core_side_judge *judge, size_t first, size_t count, uint8_t *sides);
 /* After that: how many faces are shown to be turned, of those and of all in components whose faces
- * do not agree. */
-size_t norma_check_count_turned(const check_mesh *m, const uint8_t *asked, const uint8_t *sides);
+ * do not agree; and twice their area. */
+size_t norma_check_count_turned(
+    const check_mesh *m, const uint8_t *asked, const uint8_t *sides, double *twice_area);
 
 /* edges.c, for solids.c. Of the primitive whose corners begin at first_corner of a topology that
  * holds all of them; edges: how many conflicts each of the topology's faces has, at most 255;

@@ -133,19 +133,72 @@ norma_result norma_check_sides_by_facets(
     return NORMA_OK;
 }
 
+/* ---- faces that lie folded over their neighbours: volume takes them for turned, since they are
+ * wound against the rest of their part, and turned they would be as wrong */
+
+static const double FOLD_COSINE = .5; /* of 60 degrees */
+
+int norma_check_is_fold(const core_topology *t, size_t first, size_t second) {
+    core_face a, b;
+    norma_core_face_geometry(&t->mesh, norma_core_topology_face(t, first), &a);
+    norma_core_face_geometry(&t->mesh, norma_core_topology_face(t, second), &b);
+    return a.flags & b.flags & CORE_FACE_DIRECTED &&
+           norma_core_dot(a.normal, b.normal) > FOLD_COSINE;
+}
+
+/* Marks the pieces that more than folds part from others, and those that are most of their part. */
+static void mark_plain_pieces(const core_side_judge *j, uint8_t *plain) {
+    const core_topology *t = &j->topology;
+    for (size_t c = 0; c < t->mesh.corner_count; c++)
+        if (t->partners[c] == CORE_EDGE_CONFLICT && !norma_check_is_fold(t, c, t->others[c]))
+            plain[j->pieces.of[norma_core_topology_face(t, c)]] = 1;
+    for (size_t i = 0; i < j->pieces.count; i++) {
+        const uint32_t *starts =
+            j->parts.starts + j->parts.of[j->pieces.faces[j->pieces.starts[i]]];
+        plain[i] |=
+            2 * (j->pieces.starts[i + 1] - j->pieces.starts[i]) > starts[1] - (size_t)starts[0];
+    }
+}
+
+norma_result norma_check_sides_at_folds(
+    const core_side_judge *j, size_t first, size_t count, uint8_t *sides) {
+    int any = 0;
+    for (size_t i = 0; i < j->parts.count && !any; i++)
+        any = (j->parts.each[i].flags & COMPONENT_CONFLICT) != 0;
+    if (!any) return NORMA_OK;
+    uint8_t *plain = norma_core_allocate(&j->call, j->pieces.count, 1);
+    if (!plain) return NORMA_ERROR_MEMORY;
+    memset(plain, 0, j->pieces.count);
+    mark_plain_pieces(j, plain);
+    for (size_t f = 0; f < count; f++) {
+        const uint32_t piece = j->pieces.of[first + f];
+        if (norma_check_is_turned(sides[f]) && !(sides[f] & CORE_SIDE_BY_RAYS) &&
+            piece != UINT32_MAX && !plain[piece])
+            sides[f] |= CORE_SIDE_UNDECIDED;
+    }
+    norma_core_release(&j->call, plain, j->pieces.count, 1);
+    return NORMA_OK;
+}
+
 /* ---- asking */
 
 int norma_check_is_turned(uint8_t side) {
     return (side & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)) == CORE_SIDE_TURNED;
 }
 
-size_t norma_check_count_turned(const check_mesh *m, const uint8_t *asked, const uint8_t *sides) {
+size_t norma_check_count_turned(
+    const check_mesh *m, const uint8_t *asked, const uint8_t *sides, double *twice_area) {
     const core_components *parts = &m->run->group->judge.parts;
     const size_t first = first_face(m);
     size_t count = 0;
-    for (size_t f = 0; f < m->mesh.face_count; f++)
-        count += norma_check_is_turned(sides[f]) && parts->of[first + f] != UINT32_MAX &&
-                 (asked[f] || parts->each[parts->of[first + f]].flags & COMPONENT_CONFLICT);
+    *twice_area = 0;
+    for (size_t f = 0; f < m->mesh.face_count; f++) {
+        if (!norma_check_is_turned(sides[f]) || parts->of[first + f] == UINT32_MAX ||
+            !(asked[f] || parts->each[parts->of[first + f]].flags & COMPONENT_CONFLICT))
+            continue;
+        count++;
+        *twice_area += norma_check_twice_area(m, f);
+    }
     return count;
 }
 
@@ -159,6 +212,9 @@ norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sid
     if (!result)
         result = norma_core_side_judge_ask(
             &m->run->group->judge, first, m->mesh.face_count, asked, sides);
+    if (!result)
+        result =
+            norma_check_sides_at_folds(&m->run->group->judge, first, m->mesh.face_count, sides);
     return result || m->given->info.normals != NORMA_NORMALS_PER_FACET
                ? result
                : norma_check_sides_by_facets(&m->run->group->judge, &m->given->data.normals, sides);

@@ -158,6 +158,67 @@ static void facets(void **state) {
     }
 }
 
+/* ---- N301 */
+
+/* A pyramid over an equilateral triangle of this side, whose other faces rise by so many degrees;
+ * the base is turned. */
+static void add_pyramid(surface *s, double side, double degrees) {
+    const double inner = side * sqrt(3) / 6;
+    const float up[3] = {0, 0, 1}, corners[4][3] = {{30, 0, 0}, {(float)(30 + side), 0, 0},
+                                       {(float)(30 + side / 2), (float)(3 * inner), 0},
+                                       {(float)(30 + side / 2), (float)inner,
+                                           (float)(inner * tan(degrees / DEGREES))}};
+    static const size_t faces[4][3] = {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+    uint32_t v[4];
+    for (int k = 0; k < 4; k++) v[k] = surface_add_vertex(s, corners[k], up);
+    for (int f = 0; f < 4; f++)
+        (void)surface_add_face(s, (uint32_t[]){v[faces[f][0]], v[faces[f][1]], v[faces[f][2]]});
+}
+
+static void turned_area(void **state) {
+    (void)state;
+    for (int more = 0; more < 2; more++) {
+        surface s = surface_torus(64, 32);
+        const double area = 4 * 3.141592653589793 * 3.141592653589793 * 3 * .995;
+        add_pyramid(&s, sqrt((more ? .00011 : .00009) * area * 4 / sqrt(3)), 70);
+        assert_found(&s, "N301", more ? 3 : 0, 0, more ? 0 : 3);
+        assert_int_equal(finding_of(found, "N301", NORMA_SEVERITY_NONE)->fix, NORMA_FIX_UNSAFE);
+        surface_free(&s);
+    }
+}
+
+/* Two squares of a sheet that nothing decides, wound against each other; and a large one apart. */
+static void undecided_area(void **state) {
+    (void)state;
+    for (int more = 0; more < 2; more++) {
+        surface s = surface_box(origin, 1, 0);
+        s.vertices = s.faces = 0;
+        const float up[3] = {0, 0, 1}, size = more ? .0152F : .0136F;
+        const float corners[8][2] = {
+            {0, 0}, {1, 0}, {1, 1}, {0, 1}, {9, 0}, {9 + size, 0}, {9, size}, {9 - size, 0}};
+        for (int k = 0; k < 8; k++)
+            (void)surface_add_vertex(&s, (const float[3]){corners[k][0], corners[k][1], 0}, up);
+        static const uint32_t faces[4][3] = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 7, 6}};
+        for (int f = 0; f < 4; f++) (void)surface_add_face(&s, faces[f]);
+        assert_found(&s, "N301", 0, more != 0, !more);
+        surface_free(&s);
+    }
+}
+
+/* Below 60 degrees the base of a pyramid lies folded over its sides: turned or not, it is as wrong.
+ */
+static void folded_faces(void **state) {
+    (void)state;
+    for (int fold = 0; fold < 2; fold++) {
+        surface s = surface_box(origin, 1, 0);
+        add_pyramid(&s, 1, fold ? 59 : 61);
+        assert_found(&s, "N301", fold ? 0 : 3, 0, fold ? 3 : 0);
+        assert_int_equal(finding_of(found, "N301", NORMA_SEVERITY_NONE)->fix,
+            fold ? NORMA_FIX_NONE : NORMA_FIX_UNSAFE);
+        surface_free(&s);
+    }
+}
+
 /* ---- N302, N303, N805 */
 
 static void inside_out_and_double_sided(void **state) {
@@ -200,6 +261,9 @@ int main(void) {
         cmocka_unit_test(opposed_area),
         cmocka_unit_test(repeated_area),
         cmocka_unit_test(facets),
+        cmocka_unit_test(turned_area),
+        cmocka_unit_test(undecided_area),
+        cmocka_unit_test(folded_faces),
         cmocka_unit_test(inside_out_and_double_sided),
         cmocka_unit_test(bow_ties_alone),
         cmocka_unit_test(no_tangents),
