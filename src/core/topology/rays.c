@@ -25,19 +25,11 @@ typedef struct poll { /* of one part */
     uint64_t steps;
 } poll;
 
-typedef struct ray_triangle { /* a corner, and the edges from there */
-    double corner[3], u[3], v[3];
-    uint32_t face;
-} ray_triangle;
-
 typedef core_ray_scene rays;
 struct core_ray_scene {
     const core_topology *topology;
     core_components *components;
-    core_box_tree tree;
-    ray_triangle *triangles; /* the fans of all faces; in the order of the tree's numbers once that
-                                is built */
-    size_t count, room;      /* of triangles */
+    core_triangle_tree tree;
     uint8_t open_flags;
     uint64_t budget; /* of each part, in steps */
     poll *polls;     /* of each part */
@@ -60,7 +52,7 @@ static void point_ray(ray *r, const double direction[3], double sign) {
 }
 
 /* Whether the ray meets a triangle (Moller, Trumbore 1997). */
-static int meets_triangle(const ray *r, const ray_triangle *t) {
+static int meets_triangle(const ray *r, const core_triangle *t) {
     double across[3], from[3], other[3];
     norma_core_cross(r->direction, t->v, across);
     const double determinant = norma_core_dot(t->u, across), size = fabs(determinant),
@@ -91,8 +83,8 @@ static double enter_box(const core_box_node *node, const ray *r) {
 /* Both children that the ray enters, the nearer one on top. */
 static size_t push_children(
     const rays *all, const core_box_node *node, const ray *r, uint32_t *stack) {
-    const double left = enter_box(&all->tree.nodes[node->left], r),
-                 right = enter_box(&all->tree.nodes[node->right], r);
+    const double left = enter_box(&all->tree.boxes.nodes[node->left], r),
+                 right = enter_box(&all->tree.boxes.nodes[node->right], r);
     const int left_first = left <= right;
     size_t count = 0;
     if ((left_first ? right : left) < INFINITY)
@@ -108,7 +100,7 @@ static int leaves_scene(const rays *all, ray *r) {
     size_t depth = 0;
     stack[depth++] = 0;
     while (depth && r->steps < r->most) {
-        const core_box_node *node = &all->tree.nodes[stack[--depth]];
+        const core_box_node *node = &all->tree.boxes.nodes[stack[--depth]];
         r->steps++;
         if (node->right) {
             depth += push_children(all, node, r, stack + depth);
@@ -116,7 +108,7 @@ static int leaves_scene(const rays *all, ray *r) {
         }
         r->steps += node->count;
         for (uint32_t i = node->begin; i < node->begin + node->count; i++)
-            if (meets_triangle(r, &all->triangles[i])) return 0;
+            if (meets_triangle(r, &all->tree.triangles[i])) return 0;
     }
     return 1;
 }
@@ -256,64 +248,6 @@ static void poll_part(void *context, size_t part) {
 
 /* ---- all parts */
 
-static void widen_box(core_box *box, const double p[3]) {
-    for (int k = 0; k < 3; k++) {
-        box->low[k] = p[k] < box->low[k] ? p[k] : box->low[k];
-        box->high[k] = p[k] > box->high[k] ? p[k] : box->high[k];
-    }
-}
-
-/* The fan of a face, but for triangles that are not finite. */
-static void add_fan(rays *all, size_t face, core_box *boxes) {
-    const core_topology *t = all->topology;
-    const size_t begin = norma_core_face_begin(&t->mesh, face),
-                 end = norma_core_face_end(&t->mesh, face);
-    double p[3][3];
-    for (size_t c = begin + 2; c < end; c++) {
-        norma_core_position(&t->mesh, t->corners[begin], p[0]);
-        norma_core_position(&t->mesh, t->corners[c - 1], p[1]);
-        norma_core_position(&t->mesh, t->corners[c], p[2]);
-        if (!norma_core_finite(p[0]) || !norma_core_finite(p[1]) || !norma_core_finite(p[2]))
-            continue;
-        ray_triangle *to = &all->triangles[all->count];
-        core_box *box = &boxes[all->count++];
-        *box = (core_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-        for (int i = 0; i < 3; i++) widen_box(box, p[i]);
-        to->face = (uint32_t)face;
-        memcpy(to->corner, p[0], sizeof p[0]);
-        norma_core_subtract(p[1], p[0], to->u);
-        norma_core_subtract(p[2], p[0], to->v);
-    }
-}
-
-/* In the order of the leaves, so that those of one lie side by side. */
-static norma_result order_triangles(rays *all) {
-    const core_call *call = all->topology->call;
-    ray_triangle *ordered = norma_core_allocate(call, all->room, sizeof *ordered);
-    if (!ordered) return NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < all->count; i++) ordered[i] = all->triangles[all->tree.numbers[i]];
-    norma_core_release(call, all->triangles, all->room, sizeof *all->triangles);
-    all->triangles = ordered;
-    return NORMA_OK;
-}
-
-static norma_result build_ray_tree(rays *all) {
-    const core_topology *t = all->topology;
-    for (size_t f = 0; f < t->mesh.face_count; f++) {
-        const size_t corners =
-            norma_core_face_end(&t->mesh, f) - norma_core_face_begin(&t->mesh, f);
-        all->room += corners > 2 ? corners - 2 : 0;
-    }
-    core_box *boxes = norma_core_allocate(t->call, all->room, sizeof *boxes);
-    all->triangles = norma_core_allocate(t->call, all->room, sizeof *all->triangles);
-    norma_result result = boxes && all->triangles ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t f = 0; result == NORMA_OK && f < t->mesh.face_count; f++) add_fan(all, f, boxes);
-    if (result == NORMA_OK)
-        result = norma_core_box_tree_build(t->call, boxes, all->count, &all->tree);
-    norma_core_release(t->call, boxes, all->room, sizeof *boxes);
-    return result == NORMA_OK ? order_triangles(all) : result;
-}
-
 static void follow_votes(rays *all, core_ray_votes *votes) {
     core_components *c = all->components;
     for (size_t i = 0; i < c->count; i++) {
@@ -344,9 +278,11 @@ norma_result norma_core_ray_scene_open(
     if (!all) return NORMA_ERROR_MEMORY;
     *all = (rays){.topology = topology, .components = components};
     all->polls = norma_core_allocate(call, parts, sizeof *all->polls);
-    const norma_result result = all->polls ? build_ray_tree(all) : NORMA_ERROR_MEMORY;
-    for (size_t count = all->count; count > 0; count /= 2)
-        all->budget += 2 * RAYS * STEPS_OF_RAY * ((all->count + parts - 1) / parts);
+    const norma_result result = all->polls ? norma_core_triangle_tree_build(call, &topology->mesh,
+                                                 CORE_TRIANGLES_FANS, &all->tree)
+                                           : NORMA_ERROR_MEMORY;
+    for (size_t count = all->tree.count; count > 0; count /= 2)
+        all->budget += 2 * RAYS * STEPS_OF_RAY * ((all->tree.count + parts - 1) / parts);
     if (result == NORMA_OK)
         *scene = all;
     else
@@ -368,8 +304,7 @@ norma_result norma_core_ray_scene_vote(
 void norma_core_ray_scene_close(core_ray_scene *scene) {
     if (!scene) return;
     const core_call *call = scene->topology->call;
-    norma_core_box_tree_release(call, &scene->tree);
-    norma_core_release(call, scene->triangles, scene->room, sizeof *scene->triangles);
+    norma_core_triangle_tree_release(call, &scene->tree);
     norma_core_release(call, scene->polls, scene->components->count, sizeof *scene->polls);
     norma_core_release(call, scene, 1, sizeof *scene);
 }

@@ -176,6 +176,40 @@ norma_result norma_core_box_tree_build(
     const core_call *call, const core_box *boxes, size_t count, core_box_tree *tree);
 void norma_core_box_tree_release(const core_call *call, core_box_tree *tree);
 
+/* triangle_tree.c: the finite triangles of a mesh's faces: by fans from their first corners; or by
+ * cutting them as they are drawn, without those of no area. */
+typedef enum core_triangles_by { CORE_TRIANGLES_FANS = 0, CORE_TRIANGLES_CUT } core_triangles_by;
+
+typedef struct core_triangle { /* a corner, and the edges from there */
+    double corner[3], u[3], v[3];
+    uint32_t face, corners[3]; /* of the mesh */
+} core_triangle;
+
+typedef struct core_triangle_tree {
+    core_box_tree boxes;
+    core_triangle *triangles; /* in the order of the tree's numbers */
+    size_t count, room;
+    core_triangles_by by;
+} core_triangle_tree;
+
+/* O(n log n). MEMORY leaves nothing to release. */
+norma_result norma_core_triangle_tree_build(
+    const core_call *call, const core_mesh *mesh, core_triangles_by by, core_triangle_tree *tree);
+void norma_core_triangle_tree_release(const core_call *call, core_triangle_tree *tree);
+
+/* The squared distance from a point to a triangle. weights: those of the second and third corner
+ * at the nearest point. */
+double norma_core_nearest_in_triangle(
+    const core_triangle *t, const double point[3], double weights[2]);
+/* That to the nearest of all; *triangle: in, any number, best that of one nearby; out, its number.
+ * INFINITY: there are none. */
+double norma_core_triangle_tree_nearest(
+    const core_triangle_tree *tree, const double point[3], size_t *triangle);
+/* Returns how many are within a squared distance, and writes as many of their numbers as there is
+ * room for. */
+size_t norma_core_triangle_tree_within(const core_triangle_tree *tree, const double point[3],
+    double squared, uint32_t *triangles, size_t room);
+
 typedef struct core_dipole {
     double centre[3], area[3],
         radius;    /* the sum of the faces' area vectors stands for them outside of some radii */

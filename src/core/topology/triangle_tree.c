@@ -1,0 +1,235 @@
+/* triangle_tree.c: the triangles of a mesh in a tree of boxes, for rays, and for the points nearest
+ * to others (Ericson 2005, Real-Time Collision Detection, 5.1.5). */
+#include "core/face/cut_polygon.h"
+#include "core/topology/topology.h"
+
+/* ---- the triangles of all faces */
+
+static void widen_box(core_box *box, const double p[3]) {
+    for (int k = 0; k < 3; k++) {
+        box->low[k] = p[k] < box->low[k] ? p[k] : box->low[k];
+        box->high[k] = p[k] > box->high[k] ? p[k] : box->high[k];
+    }
+}
+
+static int has_area(const core_triangle *t) {
+    double across[3];
+    norma_core_cross(t->u, t->v, across);
+    return across[0] != 0 || across[1] != 0 || across[2] != 0;
+}
+
+/* Unless it is not finite. */
+static void add_tree_triangle(core_triangle_tree *tree, const core_mesh *mesh, size_t face,
+    const uint32_t corners[3], core_box *boxes) {
+    double p[3][3];
+    for (int i = 0; i < 3; i++) {
+        norma_core_position(mesh, norma_core_corner(mesh, corners[i]), p[i]);
+        if (!norma_core_finite(p[i])) return;
+    }
+    core_triangle *to = &tree->triangles[tree->count];
+    core_box *box = &boxes[tree->count];
+    *box = (core_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int i = 0; i < 3; i++) widen_box(box, p[i]);
+    to->face = (uint32_t)face;
+    memcpy(to->corners, corners, sizeof to->corners);
+    memcpy(to->corner, p[0], sizeof p[0]);
+    norma_core_subtract(p[1], p[0], to->u);
+    norma_core_subtract(p[2], p[0], to->v);
+    tree->count += tree->by == CORE_TRIANGLES_FANS || has_area(to);
+}
+
+/* Numbers of corners within the face. */
+static void cut_face_by_ears(
+    const core_mesh *mesh, size_t begin, size_t count, core_cutter *cutter, uint32_t *triangles) {
+    for (size_t i = 0; i < count; i++)
+        norma_core_position(mesh, norma_core_corner(mesh, begin + i), cutter->points[i]);
+    if (norma_core_polygon_fans(cutter, count)) return;
+    (void)norma_core_cut_polygon(cutter, count, triangles);
+}
+
+static void add_tree_face(core_triangle_tree *tree, const core_mesh *mesh, size_t face,
+    core_cutter *cutter, uint32_t *triangles, core_box *boxes) {
+    const size_t begin = norma_core_face_begin(mesh, face),
+                 count = norma_core_face_end(mesh, face) - begin;
+    for (uint32_t i = 2; i < count; i++)
+        memcpy(triangles + 3 * (i - 2), (const uint32_t[]){0, i - 1, i}, 3 * sizeof *triangles);
+    if (tree->by == CORE_TRIANGLES_CUT && count > 3)
+        cut_face_by_ears(mesh, begin, count, cutter, triangles);
+    for (size_t i = 0; i + 2 < count; i++) {
+        uint32_t corners[3];
+        for (size_t k = 0; k < 3; k++) corners[k] = (uint32_t)begin + triangles[3 * i + k];
+        add_tree_triangle(tree, mesh, face, corners, boxes);
+    }
+}
+
+static norma_result add_all_faces(const core_call *call, core_triangle_tree *tree,
+    const core_mesh *mesh, size_t largest, core_box *boxes) {
+    core_cutter cutter;
+    const size_t size = norma_core_cutter_size(largest);
+    uint32_t *triangles = norma_core_allocate(call, largest, 3 * sizeof *triangles);
+    void *memory = norma_core_allocate(call, 1, size);
+    const norma_result result = triangles && memory ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (memory) norma_core_cutter_begin(&cutter, memory, largest, mesh->corner_count);
+    for (size_t f = 0; result == NORMA_OK && f < mesh->face_count; f++)
+        add_tree_face(tree, mesh, f, &cutter, triangles, boxes);
+    norma_core_release(call, triangles, largest, 3 * sizeof *triangles);
+    norma_core_release(call, memory, 1, size);
+    return result;
+}
+
+/* In the order of the leaves, so that those of one lie side by side. */
+static norma_result order_triangles(const core_call *call, core_triangle_tree *tree) {
+    core_triangle *ordered = norma_core_allocate(call, tree->room, sizeof *ordered);
+    if (!ordered) return NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < tree->count; i++) ordered[i] = tree->triangles[tree->boxes.numbers[i]];
+    norma_core_release(call, tree->triangles, tree->room, sizeof *tree->triangles);
+    tree->triangles = ordered;
+    return NORMA_OK;
+}
+
+norma_result norma_core_triangle_tree_build(
+    const core_call *call, const core_mesh *mesh, core_triangles_by by, core_triangle_tree *tree) {
+    size_t largest = 3;
+    *tree = (core_triangle_tree){.by = by};
+    for (size_t f = 0; f < mesh->face_count; f++) {
+        const size_t corners = norma_core_face_end(mesh, f) - norma_core_face_begin(mesh, f);
+        tree->room += corners > 2 ? corners - 2 : 0;
+        largest = corners > largest ? corners : largest;
+    }
+    core_box *boxes = norma_core_allocate(call, tree->room, sizeof *boxes);
+    tree->triangles = norma_core_allocate(call, tree->room, sizeof *tree->triangles);
+    norma_result result = boxes && tree->triangles ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (result == NORMA_OK) result = add_all_faces(call, tree, mesh, largest, boxes);
+    if (result == NORMA_OK)
+        result = norma_core_box_tree_build(call, boxes, tree->count, &tree->boxes);
+    norma_core_release(call, boxes, tree->room, sizeof *boxes);
+    if (result == NORMA_OK) result = order_triangles(call, tree);
+    if (result != NORMA_OK) norma_core_triangle_tree_release(call, tree);
+    return result;
+}
+
+void norma_core_triangle_tree_release(const core_call *call, core_triangle_tree *tree) {
+    norma_core_box_tree_release(call, &tree->boxes);
+    norma_core_release(call, tree->triangles, tree->room, sizeof *tree->triangles);
+    tree->triangles = NULL;
+}
+
+/* ---- nearest points */
+
+/* Sets the weights of the second and third corner; the names are those of the source. */
+static void nearest_weights(const core_triangle *t, const double from[3], double weights[2]) {
+    const double uu = norma_core_dot(t->u, t->u), uv = norma_core_dot(t->u, t->v),
+                 vv = norma_core_dot(t->v, t->v), d1 = norma_core_dot(t->u, from),
+                 d2 = norma_core_dot(t->v, from), d3 = d1 - uu, d4 = d2 - uv, d5 = d1 - uv,
+                 d6 = d2 - vv, vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6,
+                 va = d3 * d6 - d5 * d4;
+    weights[0] = weights[1] = 0;
+    if (d1 <= 0 && d2 <= 0) return;
+    if (d3 >= 0 && d4 <= d3) {
+        weights[0] = 1;
+    } else if (d6 >= 0 && d5 <= d6) {
+        weights[1] = 1;
+    } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+        weights[0] = d1 / uu;
+    } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+        weights[1] = d2 / vv;
+    } else if (va <= 0 && d4 >= d3 && d5 >= d6) {
+        weights[1] = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        weights[0] = 1 - weights[1];
+    } else {
+        weights[0] = vb / (va + vb + vc);
+        weights[1] = vc / (va + vb + vc);
+    }
+}
+
+double norma_core_nearest_in_triangle(
+    const core_triangle *t, const double point[3], double weights[2]) {
+    double from[3];
+    norma_core_subtract(point, t->corner, from);
+    nearest_weights(t, from, weights);
+    for (int k = 0; k < 3; k++) from[k] -= weights[0] * t->u[k] + weights[1] * t->v[k];
+    return norma_core_dot(from, from);
+}
+
+typedef struct box_at {
+    double distance; /* squared */
+    uint32_t node;
+} box_at;
+
+static box_at box_from(const core_triangle_tree *tree, uint32_t node, const double p[3]) {
+    const core_box_node *box = &tree->boxes.nodes[node];
+    double sum = 0;
+    for (int k = 0; k < 3; k++) {
+        const double below = box->low[k] - p[k], above = p[k] - box->high[k];
+        const double gap = below > above ? below : above;
+        sum += gap > 0 ? gap * gap : 0;
+    }
+    return (box_at){sum, node};
+}
+
+/* visit: told of each triangle within the squared distance *within, which it may lower. */
+static void visit_near(const core_triangle_tree *tree, const double point[3], const double *within,
+    void (*visit)(void *context, size_t triangle, double distance), void *context) {
+    box_at stack[128];
+    size_t depth = 0;
+    if (tree->count) stack[depth++] = box_from(tree, 0, point);
+    while (depth) {
+        const box_at at = stack[--depth];
+        if (at.distance > *within) continue;
+        const core_box_node *node = &tree->boxes.nodes[at.node];
+        if (node->right) {
+            const box_at left = box_from(tree, node->left, point),
+                         right = box_from(tree, node->right, point);
+            const int left_first = left.distance <= right.distance;
+            stack[depth++] = left_first ? right : left;
+            stack[depth++] = left_first ? left : right;
+            continue;
+        }
+        for (size_t i = node->begin; i < node->begin + node->count; i++) {
+            double weights[2];
+            const double distance =
+                norma_core_nearest_in_triangle(&tree->triangles[i], point, weights);
+            if (distance <= *within) visit(context, i, distance);
+        }
+    }
+}
+
+typedef struct nearest_triangle {
+    double distance, within; /* nothing is nearer than 0 */
+    size_t number;
+} nearest_triangle;
+
+static void take_nearer(void *context, size_t triangle, double distance) {
+    *(nearest_triangle *)context =
+        (nearest_triangle){distance, distance > 0 ? distance : -1, triangle};
+}
+
+double norma_core_triangle_tree_nearest(
+    const core_triangle_tree *tree, const double point[3], size_t *triangle) {
+    double weights[2];
+    nearest_triangle nearest = {INFINITY, INFINITY, *triangle};
+    if (*triangle < tree->count)
+        take_nearer(&nearest, *triangle,
+            norma_core_nearest_in_triangle(&tree->triangles[*triangle], point, weights));
+    visit_near(tree, point, &nearest.within, take_nearer, &nearest);
+    *triangle = nearest.number;
+    return nearest.distance;
+}
+
+typedef struct triangles_near {
+    uint32_t *triangles;
+    size_t count, room;
+} triangles_near;
+
+static void take_triangle(void *context, size_t triangle, double distance) {
+    triangles_near *near = context;
+    (void)distance;
+    if (near->count++ < near->room) near->triangles[near->count - 1] = (uint32_t)triangle;
+}
+
+size_t norma_core_triangle_tree_within(const core_triangle_tree *tree, const double point[3],
+    double squared, uint32_t *triangles, size_t room) {
+    triangles_near near = {triangles, 0, room};
+    visit_near(tree, point, &squared, take_triangle, &near);
+    return near.count;
+}
