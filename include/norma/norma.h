@@ -873,6 +873,83 @@ typedef struct norma_orient_report {
 NORMA_API norma_result norma_orient(const norma_mesh *mesh, norma_orient_open open,
     const norma_options *options, uint8_t *reverse, size_t capacity, norma_orient_report *report);
 
+/* ---- comparing two surfaces */
+
+/* A mesh, and the normals of its corners. */
+typedef struct norma_surface {
+    norma_mesh mesh;
+    norma_vec3_view normals; /* of any format and length */
+
+    /* For each corner the index of its normal, UINT32_MAX for none. NULL: that of its position. */
+    const uint32_t *corner_normals;
+} norma_surface;
+
+/* What norma_compare finds at one corner. */
+typedef struct norma_compare_sample {
+    /* The corner's share of the area of its face. 0: the face has no direction, or the position of
+     * the corner is not finite; nothing is compared there. */
+    double area;
+    float angle_rad; /* between the two normals; -1: one of them does not exist */
+    float distance;  /* from the corner to the base, in the units of the positions; -1: unknown */
+    uint32_t face;   /* of the base, with the nearest point; UINT32_MAX: none */
+    float normal[3]; /* of the base at that point; zero: none */
+} norma_compare_sample;
+
+/* Compares the normals at the corners of one surface with those of another.
+ *
+ *   base         the surface that is right
+ *   other        the surface that is compared with it
+ *   options      uses threads, parallel_for, allocator and progress; may be NULL
+ *   samples      written: one for each corner of other
+ *   capacity     samples that fit
+ *   same_faces   written: nonzero if corners were compared with corners; or NULL
+ *
+ * If both have the same faces, each corner is compared with the same corner of base. The faces are
+ * the same if they have the same numbers of corners in the same order, and no corner is further
+ * from its counterpart than a quarter of the shortest edge of the face, or 2^-20 of the size of
+ * base.
+ * Otherwise each corner is compared with the nearest point of base. The normals of base are
+ * interpolated there, each made unit first; polygons are cut into triangles. If several triangles
+ * are equally near, within 2^-20 of the size of base, the one whose direction is nearest to that of
+ * the corner's own face counts, so a corner at a crease is compared with its own side; among
+ * triangles of that direction (within 2^-20 in its cosine), the one whose normal differs least.
+ * A corner of base without a normal (UINT32_MAX, zero, not finite) has that of its triangle.
+ * Errors: those of norma_face_normals for both meshes; NORMA_ERROR_ARGUMENT also if a surface has
+ * corners but no normals; NORMA_ERROR_INDEX also if a corner refers to a normal that does not
+ * exist.
+ * Cost: O(n log n); O(n) if the faces are the same.
+ * Source: nearest points by Ericson 2005 (Real-Time Collision Detection, 5.1.5). */
+NORMA_API norma_result norma_compare(const norma_surface *base, const norma_surface *other,
+    const norma_options *options, norma_compare_sample *samples, size_t capacity, int *same_faces);
+
+/* How much two surfaces differ. Percentiles and shares are of area: half of the area differs by at
+ * most p50_rad. */
+typedef struct norma_comparison {
+    size_t corners; /* with area and an angle */
+    size_t missing; /* with area but without an angle; no percentile includes them */
+    double area;    /* of both */
+    double p50_rad, p99_rad, max_rad;
+    double p50_distance, p99_distance, max_distance;
+
+    /* The part of the area whose angle is above the largest allowed one (by more than 1e-6), or
+     * missing; from 0 to 1. */
+    double share_above;
+    size_t worst; /* the first sample with max_rad; SIZE_MAX: none */
+} norma_comparison;
+
+/* Sums up what norma_compare found, in one call or in several.
+ *
+ *   samples         from norma_compare
+ *   count           number of samples
+ *   max_angle_rad   the largest allowed angle, 0 or more
+ *   options         uses the allocator; may be NULL
+ *   comparison      written; all zero if no sample has an area
+ *
+ * Errors: NORMA_ERROR_ARGUMENT if samples or comparison is NULL, or max_angle_rad is NaN or
+ * negative. Cost: O(count). */
+NORMA_API norma_result norma_compare_summary(const norma_compare_sample *samples, size_t count,
+    double max_angle_rad, const norma_options *options, norma_comparison *comparison);
+
 /* ---- packing: signed normalised integers, as in glTF
  *
  * A code c means max(c / 127, -1) with 8 bits and max(c / 32767, -1) with 16. */

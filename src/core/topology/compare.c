@@ -1,0 +1,464 @@
+/* compare.c: by how much the normals of one surface differ from those of another: corner by corner
+ * where both have the same faces, else at the nearest points. */
+#include "core/topology/topology.h"
+#include <float.h>
+
+enum { COMPARED_AT_ONCE = 2048, MOST_NEAR = 64 /* triangles that are equally near */ };
+
+static const double JUST_ALIKE = 0x1p-20; /* of the size of the base, and of cosines of 1 */
+
+typedef struct compared_face { /* of the other surface */
+    double area_of_corner;     /* 0: no direction */
+    float direction[3];
+} compared_face;
+
+typedef struct compared { /* one of the two */
+    const norma_surface *given;
+    core_mesh mesh;
+} compared;
+
+typedef struct comparing {
+    core_call call;
+    compared base, other;
+    double unit; /* 1 in the scale that both meshes are read in */
+    double slack;
+    compared_face *faces;
+    core_triangle_tree tree;
+    core_corners_of_position corners_of;
+    norma_compare_sample *samples;
+} comparing;
+
+/* ---- the two surfaces, checked */
+
+static uint32_t normal_of_corner(const compared *c, size_t corner) {
+    return c->given->corner_normals ? c->given->corner_normals[corner]
+                                    : norma_core_corner(&c->mesh, corner);
+}
+
+static norma_result check_normals(const compared *c) {
+    const norma_vec3_view *normals = &c->given->normals;
+    if (!c->mesh.corner_count) return NORMA_OK;
+    if (!normals->count || !normals->data || !norma_format_size(normals->format))
+        return NORMA_ERROR_ARGUMENT;
+    if (norma_view_overflows(normals)) return NORMA_ERROR_OVERFLOW;
+    for (size_t i = 0; i < c->mesh.corner_count; i++) {
+        const uint32_t index = normal_of_corner(c, i);
+        if (index >= normals->count && (index != UINT32_MAX || !c->given->corner_normals))
+            return NORMA_ERROR_INDEX;
+    }
+    return NORMA_OK;
+}
+
+static norma_result check_surface(core_call *call, const norma_surface *given, compared *c) {
+    c->given = given;
+    if (!given) return NORMA_ERROR_ARGUMENT;
+    norma_result result = norma_core_mesh_shape(&given->mesh, &c->mesh);
+    if (result == NORMA_OK) result = norma_core_mesh_content(call, &c->mesh);
+    return result == NORMA_OK ? check_normals(c) : result;
+}
+
+/* Both are read in one scale; only doubles have one. */
+static void read_in_one_scale(comparing *c) {
+    const int both = c->base.mesh.positions.format == NORMA_FORMAT_DOUBLE &&
+                     c->other.mesh.positions.format == NORMA_FORMAT_DOUBLE;
+    const double scale = both ? fmin(c->base.mesh.scale, c->other.mesh.scale) : 1;
+    c->base.mesh.scale = c->other.mesh.scale = scale;
+    c->unit = 1 / scale;
+}
+
+static double size_of_mesh(const core_mesh *mesh) {
+    double p[3], sides[3], low[3] = {INFINITY, INFINITY, INFINITY},
+                           high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < mesh->corner_count; i++) {
+        norma_core_position(mesh, norma_core_corner(mesh, i), p);
+        if (!norma_core_finite(p)) continue;
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], p[k]);
+            high[k] = fmax(high[k], p[k]);
+        }
+    }
+    norma_core_subtract(high, low, sides);
+    return low[0] <= high[0] ? norma_core_length(sides) : 0;
+}
+
+/* ---- normals and directions */
+
+/* 0: it has none. */
+static int read_unit_normal(const compared *c, size_t corner, double unit[3]) {
+    const uint32_t index = normal_of_corner(c, corner);
+    double normal[3];
+    if (index == UINT32_MAX) return 0;
+    norma_view_read(&c->given->normals, index, normal);
+    if (!norma_core_finite(normal)) return 0;
+    norma_core_normalise(normal, unit);
+    return unit[0] != 0 || unit[1] != 0 || unit[2] != 0;
+}
+
+static double angle_of(const double a[3], const double b[3]) {
+    double across[3];
+    norma_core_cross(a, b, across);
+    return norma_core_angle(norma_core_length(across), norma_core_dot(a, b));
+}
+
+static void direction_of_triangle(const core_triangle *t, double unit[3]) {
+    double across[3];
+    norma_core_cross(t->u, t->v, across);
+    norma_core_normalise(across, unit);
+}
+
+/* Of the base, at the point of a triangle with these weights. */
+static void interpolate_base(const comparing *c, const core_triangle *t, const double weights[2],
+    const double direction[3], double unit[3]) {
+    const double parts[3] = {1 - weights[0] - weights[1], weights[0], weights[1]};
+    double sum[3] = {0, 0, 0};
+    for (int i = 0; i < 3; i++) {
+        double normal[3];
+        if (parts[i] == 0) continue;
+        const int has = read_unit_normal(&c->base, t->corners[i], normal);
+        for (int k = 0; k < 3; k++) sum[k] += parts[i] * (has ? normal : direction)[k];
+    }
+    if (norma_core_cancels(sum, 1))
+        memcpy(unit, direction, 3 * sizeof *unit);
+    else
+        norma_core_normalise(sum, unit);
+}
+
+static void measure_compared_faces(void *context, size_t chunk) {
+    comparing *c = context;
+    const core_mesh *mesh = &c->other.mesh;
+    const size_t first = chunk * COMPARED_AT_ONCE, left = mesh->face_count - first;
+    const size_t end = first + (left < COMPARED_AT_ONCE ? left : COMPARED_AT_ONCE);
+    for (size_t f = first, count; f < end; f += count) {
+        core_face faces[CORE_FACES_AT_ONCE];
+        count = end - f < CORE_FACES_AT_ONCE ? end - f : CORE_FACES_AT_ONCE;
+        norma_core_faces_geometry(&c->call, mesh, f, count, faces);
+        for (size_t i = 0; i < count; i++) {
+            const size_t corners =
+                norma_core_face_end(mesh, f + i) - norma_core_face_begin(mesh, f + i);
+            compared_face *to = &c->faces[f + i];
+            *to = (compared_face){.area_of_corner = 0};
+            if (!(faces[i].flags & CORE_FACE_DIRECTED)) continue;
+            to->area_of_corner = faces[i].twice_area / 2 / (double)corners * c->unit * c->unit;
+            for (int k = 0; k < 3; k++) to->direction[k] = (float)faces[i].normal[k];
+        }
+    }
+}
+
+static void write_compared(const comparing *c, size_t corner, double area, double distance,
+    double angle, uint32_t face, const double normal[3]) {
+    norma_compare_sample sample = {.area = area,
+        .angle_rad = (float)angle,
+        .distance = (float)(distance < 0 ? distance : fmin(distance * c->unit, FLT_MAX)),
+        .face = face};
+    for (int k = 0; k < 3 && normal; k++) sample.normal[k] = (float)normal[k] + 0.0F;
+    c->samples[corner] = sample;
+}
+
+/* ---- corner by corner */
+
+/* Whether a corner is where that of the base is, as far as its face lets corners be told apart. */
+static int has_same_corners(const comparing *c, size_t face) {
+    const core_mesh *mesh = &c->base.mesh;
+    const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
+    double a[3], b[3], d[3], shortest = INFINITY, furthest = 0;
+    for (size_t i = begin; i < end; i++) {
+        norma_core_position(mesh, norma_core_corner(mesh, i), a);
+        norma_core_position(
+            mesh, norma_core_corner(mesh, norma_core_next_in_face(mesh, face, i)), b);
+        norma_core_subtract(a, b, d);
+        shortest = fmin(shortest, norma_core_dot(d, d));
+        norma_core_position(&c->other.mesh, norma_core_corner(&c->other.mesh, i), b);
+        norma_core_subtract(a, b, d);
+        if (norma_core_finite(a) != norma_core_finite(b)) return 0;
+        if (norma_core_finite(a)) furthest = fmax(furthest, norma_core_dot(d, d));
+    }
+    return furthest <= fmax(shortest / 16, c->slack * c->slack);
+}
+
+static int has_same_faces(const comparing *c) {
+    const core_mesh *base = &c->base.mesh, *other = &c->other.mesh;
+    if (base->face_count != other->face_count || base->corner_count != other->corner_count)
+        return 0;
+    for (size_t f = 0; f < base->face_count; f++)
+        if (norma_core_face_end(base, f) != norma_core_face_end(other, f) ||
+            !has_same_corners(c, f))
+            return 0;
+    return 1;
+}
+
+static void compare_same_face(const comparing *c, size_t face) {
+    const core_mesh *mesh = &c->base.mesh;
+    core_face geometry;
+    norma_core_face_geometry(mesh, face, &geometry);
+    const int directed = (geometry.flags & CORE_FACE_DIRECTED) != 0;
+    for (size_t i = norma_core_face_begin(mesh, face); i < norma_core_face_end(mesh, face); i++) {
+        double from[3], to[3], apart[3], normal[3], other[3];
+        norma_core_position(mesh, norma_core_corner(mesh, i), from);
+        norma_core_position(&c->other.mesh, norma_core_corner(&c->other.mesh, i), to);
+        norma_core_subtract(to, from, apart);
+        const int has_base = read_unit_normal(&c->base, i, normal) || directed;
+        if (!read_unit_normal(&c->base, i, normal)) memcpy(normal, geometry.normal, sizeof normal);
+        const int both = read_unit_normal(&c->other, i, other) && has_base;
+        write_compared(c, i, norma_core_finite(to) ? c->faces[face].area_of_corner : 0,
+            norma_core_finite(apart) ? norma_core_length(apart) : -1,
+            both ? angle_of(other, normal) : -1, (uint32_t)face, has_base ? normal : NULL);
+    }
+}
+
+static void compare_same_faces(void *context, size_t chunk) {
+    const comparing *c = context;
+    const size_t first = chunk * COMPARED_AT_ONCE, left = c->other.mesh.face_count - first;
+    for (size_t i = 0; i < (left < COMPARED_AT_ONCE ? left : COMPARED_AT_ONCE); i++)
+        compare_same_face(c, first + i);
+}
+
+/* ---- at nearest points */
+
+typedef struct near_triangles {
+    size_t count;
+    uint32_t numbers[MOST_NEAR];
+    double directions[MOST_NEAR][3];
+} near_triangles;
+
+/* Those that are as near to a point as the nearest. Returns how many there are. */
+static size_t find_near(const comparing *c, const double point[3], size_t *nearest,
+    near_triangles *near, double *distance) {
+    const double squared = norma_core_triangle_tree_nearest(&c->tree, point, nearest),
+                 within = sqrt(squared) + c->slack;
+    const size_t found = norma_core_triangle_tree_within(
+        &c->tree, point, fmax(squared, within * within), near->numbers, MOST_NEAR);
+    near->count = found < MOST_NEAR ? found : MOST_NEAR;
+    for (size_t i = 0; i < near->count; i++)
+        direction_of_triangle(&c->tree.triangles[near->numbers[i]], near->directions[i]);
+    *distance = sqrt(squared);
+    return found;
+}
+
+/* Of triangles equally near, those that face as the corner's own face does; of these, the one whose
+ * normal differs least. */
+static void compare_with_near(const comparing *c, size_t corner, size_t face, const double point[3],
+    const near_triangles *near, double distance) {
+    double facing[3], scores[MOST_NEAR], best = -INFINITY, least = INFINITY, own[3], found[3];
+    uint32_t found_face = UINT32_MAX;
+    const int has_own = read_unit_normal(&c->other, corner, own);
+    for (int k = 0; k < 3; k++) facing[k] = (double)c->faces[face].direction[k];
+    for (size_t i = 0; i < near->count; i++)
+        best = fmax(best, scores[i] = norma_core_dot(near->directions[i], facing));
+    for (size_t i = 0; i < near->count; i++) {
+        const core_triangle *t = &c->tree.triangles[near->numbers[i]];
+        double weights[2], normal[3];
+        if (scores[i] < best - JUST_ALIKE) continue;
+        (void)norma_core_nearest_in_triangle(t, point, weights);
+        interpolate_base(c, t, weights, near->directions[i], normal);
+        const double angle = has_own ? angle_of(own, normal) : 0;
+        if (!(angle < least)) continue;
+        least = angle;
+        found_face = t->face;
+        memcpy(found, normal, sizeof found);
+    }
+    const int compared_both = has_own && near->count > 0;
+    write_compared(c, corner, c->faces[face].area_of_corner, distance, compared_both ? least : -1,
+        found_face, near->count ? found : NULL);
+}
+
+/* A point of the face near its corner, where fewer triangles meet. */
+static void step_into_face(
+    const core_mesh *mesh, size_t face, const double corner[3], double point[3]) {
+    const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
+    memcpy(point, corner, 3 * sizeof *point);
+    for (size_t i = begin; i < end; i++) {
+        double p[3];
+        norma_core_position(mesh, norma_core_corner(mesh, i), p);
+        for (int k = 0; k < 3; k++) point[k] += (p[k] - corner[k]) / (double)(end - begin) / 4;
+    }
+}
+
+static void compare_nearest_point(const comparing *c, uint32_t position, size_t *nearest) {
+    near_triangles near;
+    double point[3], inside[3], distance = -1, ignored;
+    norma_core_position(&c->other.mesh, position, point);
+    const uint32_t begin = c->corners_of.starts[position], end = c->corners_of.starts[position + 1];
+    const int finite = norma_core_finite(point), measured = finite && c->tree.count;
+    near.count = 0;
+    const int crowded =
+        begin < end && measured && find_near(c, point, nearest, &near, &distance) > MOST_NEAR;
+    for (uint32_t i = begin; i < end; i++) {
+        const uint32_t corner = c->corners_of.corners[i];
+        const size_t face = norma_core_face_of(&c->corners_of, corner);
+        if (!finite || c->faces[face].area_of_corner == 0) {
+            write_compared(c, corner, 0, -1, -1, UINT32_MAX, NULL);
+            continue;
+        }
+        if (crowded) {
+            step_into_face(&c->other.mesh, face, point, inside);
+            (void)find_near(c, inside, nearest, &near, &ignored);
+        }
+        compare_with_near(c, corner, face, point, &near, distance);
+    }
+}
+
+static void compare_nearest_points(void *context, size_t chunk) {
+    const comparing *c = context;
+    const size_t first = chunk * COMPARED_AT_ONCE, left = c->corners_of.position_count - first;
+    size_t nearest = 0;
+    for (size_t i = 0; i < (left < COMPARED_AT_ONCE ? left : COMPARED_AT_ONCE); i++)
+        compare_nearest_point(c, (uint32_t)(first + i), &nearest);
+}
+
+static size_t chunks_of(size_t count) { return (count + COMPARED_AT_ONCE - 1) / COMPARED_AT_ONCE; }
+
+static norma_result compare_nearest(comparing *c) {
+    core_mesh *other = &c->other.mesh;
+    c->call.options.weld = NORMA_WELD_EXACT;
+    norma_core_stage(&c->call, 0.1, 0.2);
+    norma_result result = norma_core_weld(&c->call, other);
+    norma_core_stage(&c->call, 0.2, 0.3);
+    if (result == NORMA_OK)
+        result = norma_core_corners_of_position_build(&c->call, other, &c->corners_of);
+    if (result == NORMA_OK) {
+        result =
+            norma_core_triangle_tree_build(&c->call, &c->base.mesh, CORE_TRIANGLES_CUT, &c->tree);
+        norma_core_stage(&c->call, 0.5, 1);
+        if (result == NORMA_OK)
+            result = norma_core_parallel(
+                &c->call, chunks_of(c->corners_of.position_count), compare_nearest_points, c);
+        norma_core_triangle_tree_release(&c->call, &c->tree);
+        norma_core_corners_of_position_release(&c->call, &c->corners_of);
+    }
+    norma_core_unweld(&c->call, other);
+    return result;
+}
+
+/* ---- the call */
+
+static norma_result compare_surfaces(comparing *c, int *same_faces) {
+    const size_t faces = c->other.mesh.face_count;
+    read_in_one_scale(c);
+    c->slack = JUST_ALIKE * size_of_mesh(&c->base.mesh);
+    c->faces = norma_core_allocate(&c->call, faces, sizeof *c->faces);
+    if (!c->faces) return NORMA_ERROR_MEMORY;
+    norma_core_gather(&c->call, c->other.mesh.corner_count);
+    norma_core_stage(&c->call, 0, 0.1);
+    norma_result result =
+        norma_core_parallel(&c->call, chunks_of(faces), measure_compared_faces, c);
+    *same_faces = has_same_faces(c);
+    norma_core_stage(&c->call, 0.1, 1);
+    if (result == NORMA_OK)
+        result = *same_faces
+                     ? norma_core_parallel(&c->call, chunks_of(faces), compare_same_faces, c)
+                     : compare_nearest(c);
+    norma_core_dismiss(&c->call);
+    norma_core_release(&c->call, c->faces, faces, sizeof *c->faces);
+    return result;
+}
+
+norma_result norma_compare(const norma_surface *base, const norma_surface *other,
+    const norma_options *options, norma_compare_sample *samples, size_t capacity, int *same_faces) {
+    comparing c = {.samples = samples};
+    int same = 0;
+    norma_result result = norma_core_begin(&c.call, options);
+    norma_core_stage(&c.call, 0, 0);
+    if (result == NORMA_OK) result = check_surface(&c.call, base, &c.base);
+    if (result == NORMA_OK) result = check_surface(&c.call, other, &c.other);
+    if (result != NORMA_OK) return result;
+    if (c.other.mesh.corner_count && !samples) return NORMA_ERROR_ARGUMENT;
+    if (capacity < c.other.mesh.corner_count) return NORMA_ERROR_CAPACITY;
+    norma_core_share(&c.call, c.other.mesh.corner_count);
+    result = compare_surfaces(&c, &same);
+    if (result == NORMA_OK && same_faces) *same_faces = same;
+    return norma_core_finish(&c.call, result);
+}
+
+/* ---- percentiles of area: the areas of floats that begin with the same 16 bits are summed, then
+ * those of the floats in the bin of the percentile. The bits of floats that are not negative ascend
+ * as they do. */
+
+enum { AREA_BINS = 1 << 16 };
+
+typedef enum sampled { SAMPLED_ANGLE, SAMPLED_DISTANCE } sampled;
+
+/* Negative: none. */
+static float sampled_value(const norma_compare_sample *s, sampled what) {
+    if (!(s->area > 0)) return -1;
+    return (what == SAMPLED_ANGLE ? s->angle_rad : s->distance) + 0.0F;
+}
+
+/* Of those whose first bits are as given, or of all. Returns the bin in which part of the area of
+ * all is passed; passed: the area before it, and so many more with each bin. */
+static uint32_t find_bin(const norma_compare_sample *samples, size_t count, sampled what,
+    const uint32_t *first, double wanted, double *passed, double *bins) {
+    uint32_t bin = 0, last = 0;
+    memset(bins, 0, AREA_BINS * sizeof *bins);
+    for (size_t i = 0; i < count; i++) {
+        const float value = sampled_value(&samples[i], what);
+        uint32_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        if (!(value >= 0) || (first && bits >> 16 != *first)) continue;
+        const uint32_t at = first ? bits & 0xffff : bits >> 16;
+        bins[at] += samples[i].area;
+        last = at > last ? at : last;
+    }
+    while (bin < last && *passed + bins[bin] < wanted) *passed += bins[bin++];
+    return bin;
+}
+
+static double find_percentile(
+    const norma_compare_sample *samples, size_t count, sampled what, double wanted, double *bins) {
+    double passed = 0;
+    const uint32_t first = find_bin(samples, count, what, NULL, wanted, &passed, bins),
+                   bits =
+                       first << 16 | find_bin(samples, count, what, &first, wanted, &passed, bins);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return (double)value;
+}
+
+/* Returns the area of all that have a value; *most: of these. */
+static double area_of_sampled(
+    const norma_compare_sample *samples, size_t count, sampled what, double *most) {
+    double area = 0;
+    *most = 0;
+    for (size_t i = 0; i < count; i++) {
+        const float value = sampled_value(&samples[i], what);
+        if (!(value >= 0)) continue;
+        area += samples[i].area;
+        *most = fmax(*most, (double)value);
+    }
+    return area;
+}
+
+static void sum_samples(const norma_compare_sample *samples, size_t count, double max_angle_rad,
+    norma_comparison *sum) {
+    double above = 0;
+    for (size_t i = 0; i < count; i++) {
+        const float angle = sampled_value(&samples[i], SAMPLED_ANGLE);
+        if (!(samples[i].area > 0)) continue;
+        sum->area += samples[i].area;
+        ++*(angle >= 0 ? &sum->corners : &sum->missing);
+        above += angle >= 0 && (double)angle <= max_angle_rad + 1e-6 ? 0 : samples[i].area;
+        if (angle >= 0 && (sum->worst == SIZE_MAX || angle > samples[sum->worst].angle_rad))
+            sum->worst = i;
+    }
+    sum->share_above = sum->area > 0 ? fmin(above / sum->area, 1) : 0;
+}
+
+norma_result norma_compare_summary(const norma_compare_sample *samples, size_t count,
+    double max_angle_rad, const norma_options *options, norma_comparison *comparison) {
+    core_call call;
+    const norma_result result = norma_core_begin(&call, options);
+    if (result != NORMA_OK) return result;
+    if (!comparison || (count && !samples) || !(max_angle_rad >= 0)) return NORMA_ERROR_ARGUMENT;
+    double *bins = norma_core_allocate(&call, AREA_BINS, sizeof *bins);
+    if (!bins) return NORMA_ERROR_MEMORY;
+    norma_comparison sum = {.worst = SIZE_MAX};
+    sum_samples(samples, count, max_angle_rad, &sum);
+    double area = area_of_sampled(samples, count, SAMPLED_ANGLE, &sum.max_rad);
+    sum.p50_rad = find_percentile(samples, count, SAMPLED_ANGLE, 0.5 * area, bins);
+    sum.p99_rad = find_percentile(samples, count, SAMPLED_ANGLE, 0.99 * area, bins);
+    area = area_of_sampled(samples, count, SAMPLED_DISTANCE, &sum.max_distance);
+    sum.p50_distance = find_percentile(samples, count, SAMPLED_DISTANCE, 0.5 * area, bins);
+    sum.p99_distance = find_percentile(samples, count, SAMPLED_DISTANCE, 0.99 * area, bins);
+    norma_core_release(&call, bins, AREA_BINS, sizeof *bins);
+    *comparison = sum;
+    return NORMA_OK;
+}
