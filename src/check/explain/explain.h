@@ -43,6 +43,11 @@ static inline size_t norma_explain_computed_of(
 norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
     const core_mesh *checked, const core_topology *topology, norma_deviation *deviation);
 
+/* Whether half of the stored normals are within 30 degrees of those that explain them best, as far
+ * as that can be said at once: 0 says nothing. */
+norma_result norma_explain_is_near(core_call *call, const norma_mesh_data *data,
+    const core_mesh *checked, const core_topology *topology, int *is_near);
+
 /* Calls visit with the surface, its normals read; with a sample of it where it is large. */
 typedef norma_result explain_visit(core_call *call, explain_surface *surface, void *context);
 norma_result norma_explain_on_sample(core_call *call, const norma_mesh_data *data,

@@ -662,6 +662,24 @@ norma_result norma_explain_on_sample(core_call *call, const norma_mesh_data *dat
     return result;
 }
 
+/* The best has the least mean of all, so one below 15 degrees bounds it, and then no more than half
+ * of its angles can be above 30 (Markov); 10, as a sample is not the whole. */
+static norma_result look_for_near(core_call *call, explain_surface *surface, void *is_near) {
+    const double far = radians(10), creases[] = {NAN, radians(60)};
+    explain_search search = {.call = call, .surface = surface, .best_mean = INFINITY};
+    norma_result result = NORMA_OK;
+    for (size_t i = 0; i < sizeof creases / sizeof *creases && !result && search.best_mean > far;
+         i++)
+        result = try_one(&search, (explain_trial){.crease_rad = creases[i]});
+    *(int *)is_near = search.best_mean < far;
+    return result;
+}
+
+norma_result norma_explain_is_near(core_call *call, const norma_mesh_data *data,
+    const core_mesh *checked, const core_topology *topology, int *is_near) {
+    return norma_explain_on_sample(call, data, checked, topology, look_for_near, is_near);
+}
+
 norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
     const core_mesh *checked, const core_topology *topology, norma_deviation *deviation) {
     explain_surface surface;

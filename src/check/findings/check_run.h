@@ -265,6 +265,8 @@ typedef struct findings_entry {
 
 struct norma_findings {
     norma_check_profile profile;
+    norma_check_options options;     /* asked for; the pointers in it are not to be followed */
+    uint8_t rules[CHECK_RULE_COUNT]; /* asked for */
     int partly;
     findings_entry *entries;
     size_t count, room;
@@ -272,6 +274,8 @@ struct norma_findings {
 
 norma_findings *norma_findings_new(norma_check_profile profile); /* NULL: out of memory */
 void norma_findings_sort(norma_findings *findings);              /* by place, rule, severity */
+/* Adds a copy of another's finding. 0: out of memory. */
+int norma_findings_copy(norma_findings *findings, const norma_finding *finding, size_t order);
 
 /* To be changed: by norma_finding_withdraw, which takes its fix from it and gives it another
  * message. 0: out of memory. */

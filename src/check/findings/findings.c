@@ -360,6 +360,30 @@ norma_result norma_check_add(
     return result;
 }
 
+int norma_findings_copy(norma_findings *findings, const norma_finding *finding, size_t order) {
+    findings_entry *entry = new_entry(findings);
+    norma_sample *samples = malloc((finding->sample_count + 1) * sizeof *samples);
+    if (!entry || !samples) {
+        free(samples);
+        return 0;
+    }
+    if (finding->sample_count)
+        memcpy(samples, finding->samples, finding->sample_count * sizeof *samples);
+    norma_finding *copy = &entry->finding;
+    *copy = *finding;
+    copy->where = copy_text(finding->where);
+    copy->label = copy_text(finding->label);
+    copy->message = copy_text(finding->message);
+    copy->samples = samples;
+    copy->deviation = finding->deviation ? copy_deviation(finding->deviation) : NULL;
+    const int complete =
+        copy->where && copy->label && copy->message && !finding->deviation == !copy->deviation;
+    if (!complete) free_finding(copy);
+    entry->order = order;
+    findings->count += (size_t)complete;
+    return complete;
+}
+
 norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh,
     check_rule rule, norma_severity severity, check_spot spot, const char *message) {
     check_hits hits = {0};

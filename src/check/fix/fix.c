@@ -24,7 +24,8 @@ typedef struct fixing {
     fix_request request;
     fix_left_out *places; /* the request's */
     size_t place_room;
-    harm *harms; /* of each rule */
+    harm *harms;                     /* of each rule */
+    uint8_t again[CHECK_RULE_COUNT]; /* of which the given findings do not have every element */
     fix_measure before;
     fix_trial best; /* whose plans do no harm; count 0: none yet */
     size_t checks;  /* so far */
@@ -84,6 +85,7 @@ static void end_fixing(fixing *f) {
     forget_places(f, 0);
     free(f->places);
     free(f->harms);
+    norma_findings_free((norma_findings *)(uintptr_t)f->request.given);
     norma_fix_trial_free(&f->best);
     norma_fix_measure_free(&f->before);
 }
@@ -92,9 +94,11 @@ static void end_fixing(fixing *f) {
 
 /* Every element that any rule finds, once: plans are made of it, and trials compared with it. */
 static norma_document_result look_once(fixing *f) {
+    const check_known known = {f->document, f->request.given, f->again};
     if (f->before.findings) return NORMA_DOCUMENT_OK;
     f->checks++;
-    return norma_fix_find(f->document, &f->request, &f->before.findings, f->error);
+    return norma_fix_find(f->document, &f->request, f->request.reads_maps,
+        f->request.given ? &known : NULL, &f->before.findings, f->error);
 }
 
 /* trial: to be freed in any case. harmful: by what it is worse, if it is. */
@@ -119,7 +123,8 @@ static norma_document_result try_request(
         norma_fix_plan_free(&plan);
         return result;
     }
-    result = norma_fix_try(f->document, &f->request, &plan, trial, f->error);
+    const check_known known = {f->document, f->before.findings, NULL};
+    result = norma_fix_try(&known, &f->request, &plan, trial, f->error);
     f->checks += trial->count;
     if (!result) *is_worse = norma_fix_find_worse(&f->before, &trial->after, harmful->by);
     if (!result) harmful->shape = norma_fix_worse_shape(&f->before, &trial->after);
@@ -483,6 +488,35 @@ static int is_offered(
     return 0;
 }
 
+/* Whether the check that made these findings asked for all that matters, as is asked now. */
+static int is_known(const fixing *f, const norma_findings *findings) {
+    const norma_check_options *now = &f->request.options, *then = &findings->options;
+    int is_known = now->profile == then->profile && !now->strict == !then->strict;
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+        is_known &= findings->rules[rule] || rule == RULE_N811 || rule == RULE_N812 ||
+                    !norma_fix_is_weighed(&f->request, (check_rule)rule);
+    return is_known;
+}
+
+/* What was found is not looked for again, but by rules that found more than they tell of and offer
+ * a fix. */
+static norma_document_result keep_given(
+    fixing *f, norma_severity from, const norma_findings *findings) {
+    if (!findings || !is_known(f, findings)) return NORMA_DOCUMENT_OK;
+    norma_findings *given = norma_findings_new(findings->profile);
+    f->request.given = given;
+    for (size_t i = 0; given && i < findings->count; i++) {
+        const norma_finding *finding = &findings->entries[i].finding;
+        const check_rule rule = (check_rule)(finding->rule - norma_rules(NULL));
+        f->again[rule] |= finding->sample_count >= findings->options.max_samples &&
+                          (is_offered(findings, rule, NORMA_FIX_SAFE, from) ||
+                              is_offered(findings, rule, NORMA_FIX_UNSAFE, from));
+        if (!norma_findings_copy(given, finding, findings->entries[i].order))
+            return fail_memory(f->error);
+    }
+    return given ? NORMA_DOCUMENT_OK : fail_memory(f->error);
+}
+
 norma_document_result norma_document_try_fixes(norma_document *document,
     const norma_check_options *options, norma_severity from, norma_findings *findings,
     norma_document_error *error) {
@@ -491,6 +525,7 @@ norma_document_result norma_document_try_fixes(norma_document *document,
     norma_document_error unwanted;
     fixing f = {.document = document, .summary = &summary, .error = error ? error : &unwanted};
     norma_document_result result = begin_fixing(&f, options, NULL, &progress);
+    if (!result) result = keep_given(&f, from, findings);
     f.request.from = NORMA_SEVERITY_NONE; /* as if they were selected */
     f.request.reads_maps = is_offered(findings, RULE_N812, NORMA_FIX_UNSAFE, from);
     for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)

@@ -3,6 +3,7 @@
 #ifndef NORMA_CHECK_MEND_INTERNAL_H
 #define NORMA_CHECK_MEND_INTERNAL_H
 #include "check/findings/check_run.h"
+#include "check/run/run.h"
 #include <math.h>
 #include "core/mesh/mesh.h"
 
@@ -19,6 +20,7 @@ typedef struct fix_request {
     norma_severity from; /* of unsafe fixes: findings below this severity are left as they are */
     int reads_maps;      /* normal maps are looked at before anything is fixed */
     int changes_maps;    /* and measured afterwards */
+    const norma_findings *given; /* what a check found in the document as it is; NULL: not known */
     uint8_t left_out[CHECK_RULE_COUNT];
     const fix_left_out *places; /* a rule at one mesh or node */
     size_t place_count;
@@ -71,9 +73,10 @@ typedef struct fix_mesh {
     uint32_t threads;
     const norma_finding **findings; /* those that may be mended here */
     size_t finding_count;
-    norma_mesh_edit *edit; /* its arrays are the mender's */
-    const uint8_t *turned; /* faces of bodies that are reversed as a whole; NULL: none */
-    const uint8_t *sides;  /* of each face, as core_side_judge has it; NULL: not asked for */
+    norma_mesh_edit *edit;        /* its arrays are the mender's */
+    const uint8_t *turned;        /* faces of bodies that are reversed as a whole; NULL: none */
+    const uint8_t *sides;         /* of each face, as core_side_judge has it; NULL: not asked for */
+    const norma_deviation *known; /* of the stored normals as they are; NULL: not known */
     const float
         *smooth; /* of each vertex, at seams of several primitives; NULL: of this one alone */
     /* Made when first needed. */
@@ -213,9 +216,12 @@ typedef struct fix_measure { /* of a document, by all rules */
     double size;          /* diagonal of the largest group */
     int is_elsewhere;     /* positions have moved as a whole: they cannot be compared */
 } fix_measure;
-/* Every element that any rule finds, to be freed by the caller. */
-norma_document_result norma_fix_find(norma_document *document, const fix_request *request,
-    norma_findings **findings, norma_document_error *error);
+/* Whether it matters to a fix what the rule finds. */
+int norma_fix_is_weighed(const fix_request *request, check_rule rule);
+/* Every element that such rules find, to be freed by the caller. maps: those that look into images
+ * as well. known: NULL, or what was found in the document that this is a changed copy of. */
+norma_document_result norma_fix_find(norma_document *document, const fix_request *request, int maps,
+    const check_known *known, norma_findings **findings, norma_document_error *error);
 norma_document_result norma_fix_measure_shape(norma_document *document, const fix_request *request,
     fix_measure *measure, norma_document_error *error);
 void norma_fix_measure_free(fix_measure *measure);
@@ -232,8 +238,9 @@ typedef struct fix_trial {
     fix_measure after;
     char said[CHECK_MESSAGE]; /* by the format: what it could not do; "": nothing */
 } fix_trial;
-/* first: the plan for the document as it is; it becomes the trial's. */
-norma_document_result norma_fix_try(norma_document *document, const fix_request *request,
+/* known: the document as it is, and what norma_fix_find found there. first: the plan for it; it
+ * becomes the trial's. */
+norma_document_result norma_fix_try(const check_known *known, const fix_request *request,
     fix_plan *first, fix_trial *trial, norma_document_error *error);
 void norma_fix_trial_free(fix_trial *trial);
 #endif

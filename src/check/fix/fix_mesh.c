@@ -228,12 +228,15 @@ static norma_result find_turned_deviation(fix_mesh *m, const norma_options *opti
  * none. */
 static norma_result find_deviation(fix_mesh *m) {
     const norma_options options = {.struct_size = sizeof options, .threads = m->threads};
-    norma_result result =
-        m->knows_deviation ? NORMA_OK
-        : norma_fix_has(m, RULE_N206)
-            ? find_turned_deviation(m, &options)
-            : norma_explain_normals(&m->data, m->info.normals, &options, &m->deviation);
-    if (result || m->knows_deviation) return result;
+    norma_result result = NORMA_OK;
+    if (m->knows_deviation) return result;
+    if (norma_fix_has(m, RULE_N206))
+        result = find_turned_deviation(m, &options);
+    else if (m->known)
+        m->deviation = *m->known;
+    else
+        result = norma_explain_normals(&m->data, m->info.normals, &options, &m->deviation);
+    if (result) return result;
     m->knows_deviation = 1;
     if (m->deviation.corners == 0) {
         m->deviation.weight = NORMA_WEIGHT_ANGLE;

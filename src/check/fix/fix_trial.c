@@ -291,28 +291,23 @@ norma_document_result norma_fix_measure_shape(norma_document *document, const fi
 
 /* ---- better or worse */
 
-/* By all rules; by those that look into images only where that is asked for. */
-static norma_document_result find_by_all(norma_document *document, const fix_request *request,
-    int maps, norma_findings **findings, norma_document_error *error) {
+/* What never is more than an information, and no fix is for, is not asked: it takes long to find
+ * out how normals and tangents were made. */
+int norma_fix_is_weighed(const fix_request *request, check_rule rule) {
+    const norma_rule *r = &norma_rules(NULL)[rule];
+    return r->fix != NORMA_FIX_NONE || r->render > NORMA_SEVERITY_INFO ||
+           r->print > NORMA_SEVERITY_INFO || (rule == RULE_N304 && request->by_rays);
+}
+
+norma_document_result norma_fix_find(norma_document *document, const fix_request *request, int maps,
+    const check_known *known, norma_findings **findings, norma_document_error *error) {
     norma_check_options options = request->options;
     uint8_t rules[CHECK_RULE_COUNT];
-    memset(rules, 1, sizeof rules);
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+        rules[rule] = (uint8_t)norma_fix_is_weighed(request, (check_rule)rule);
     rules[RULE_N811] = rules[RULE_N812] = (uint8_t)(maps != 0);
     options.rules = rules;
-    return norma_check_document(document, &options, findings, error);
-}
-
-norma_document_result norma_fix_find(norma_document *document, const fix_request *request,
-    norma_findings **findings, norma_document_error *error) {
-    return find_by_all(document, request, request->reads_maps, findings, error);
-}
-
-/* Every element: what is to be done next is planned by the same look. */
-static norma_document_result look_at_copy(norma_document *copy, const fix_request *request,
-    fix_measure *measure, norma_document_error *error) {
-    norma_findings_free(measure->findings);
-    measure->findings = NULL;
-    return find_by_all(copy, request, request->changes_maps, &measure->findings, error);
+    return norma_check_again(document, known, &options, findings, error);
 }
 
 void norma_fix_measure_free(fix_measure *measure) {
@@ -384,9 +379,19 @@ int norma_fix_find_worse(const fix_measure *before, const fix_measure *after, ui
 
 /* ---- a trial */
 
+/* What is to be done next is planned by the same look. */
+static norma_document_result look_at_copy(norma_document *copy, const fix_request *request,
+    const check_known *known, fix_trial *trial, norma_document_error *error) {
+    norma_findings_free(trial->after.findings);
+    trial->after.findings = NULL;
+    return norma_fix_find(
+        copy, request, request->changes_maps, known, &trial->after.findings, error);
+}
+
 static norma_document_result take_steps(norma_document *copy, const fix_request *request,
-    fix_trial *trial, norma_document_error *error) {
+    const check_known *known, fix_trial *trial, norma_document_error *error) {
     fix_request next = *request;
+    next.given = NULL;
     norma_document_result result = NORMA_DOCUMENT_OK;
     int changed = 1;
     while (!result && changed && trial->count <= FIX_MOST_STEPS) {
@@ -394,7 +399,7 @@ static norma_document_result take_steps(norma_document *copy, const fix_request 
         changed = 0;
         if (norma_fix_plan_is_empty(plan)) break;
         result = norma_fix_apply(copy, plan, request->options.threads, &changed, error);
-        if (!result) result = look_at_copy(copy, request, &trial->after, error);
+        if (!result) result = look_at_copy(copy, request, known, trial, error);
         if (result || !changed || trial->count == FIX_MOST_STEPS) break;
         /* What rays said they would say again, but where something was moved since. */
         next.by_rays = request->by_rays && norma_fix_plan_moves(plan);
@@ -407,14 +412,14 @@ static norma_document_result take_steps(norma_document *copy, const fix_request 
     return result;
 }
 
-norma_document_result norma_fix_try(norma_document *document, const fix_request *request,
+norma_document_result norma_fix_try(const check_known *known, const fix_request *request,
     fix_plan *first, fix_trial *trial, norma_document_error *error) {
     norma_document *copy = NULL;
     *trial = (fix_trial){.plans = {*first}, .count = 1};
     *first = (fix_plan){0};
-    norma_document_result result = norma_document_copy(document, &copy, error);
+    norma_document_result result = norma_document_copy(known->document, &copy, error);
     const size_t notes = norma_document_note_count(copy);
-    if (!result) result = take_steps(copy, request, trial, error);
+    if (!result) result = take_steps(copy, request, known, trial, error);
     for (size_t i = 0; i < trial->count; i++)
         trial->after.is_elsewhere |= trial->plans[i].recentred || trial->plans[i].bakes;
     if (!result) result = norma_fix_measure_shape(copy, request, &trial->after, error);

@@ -272,13 +272,27 @@ static norma_result is_winding_in_doubt(check_mesh *m, int *in_doubt) {
     return result;
 }
 
+/* The best explanation need not be looked for where a likely one is good enough. */
+static norma_result is_near_surface(check_mesh *m, int *is_near) {
+    *is_near = 0;
+    if (m->has_deviation || !m->mesh.face_count || !norma_check_normal_count(m) ||
+        m->given->info.normals == NORMA_NORMALS_PER_FACET)
+        return NORMA_OK;
+    const norma_result result = norma_check_around(m);
+    return result ? result
+                  : norma_explain_is_near(
+                        &m->run->call, &m->given->data, &m->mesh, &m->topology, is_near);
+}
+
 norma_result norma_check_is_of_another_frame(check_mesh *m, int *is) {
     const norma_deviation *deviation;
-    int is_placeholder = 0, in_doubt = 0;
+    int is_near = 0, is_placeholder = 0, in_doubt = 0;
     *is = m->frame == CHECK_YES;
     if (m->frame) return NORMA_OK;
     m->frame = CHECK_NO;
-    norma_result result = check_deviation_of(m, &deviation);
+    norma_result result = is_near_surface(m, &is_near);
+    if (result || is_near) return result;
+    result = check_deviation_of(m, &deviation);
     if (result || !deviation->corners || !(deviation->p50_rad > OTHER_FRAME_RAD)) return result;
     result = check_is_placeholder(m, &is_placeholder);
     if (!result && !is_placeholder) result = is_winding_in_doubt(m, &in_doubt);

@@ -129,6 +129,7 @@ static norma_document_result judge_maps(const map_job *job, norma_result *failed
 typedef struct document_check {
     check_run run;
     norma_document *document;
+    const check_known *known;
     norma_document_error *error;
     norma_check_mesh *meshes;  /* those that were read; for the nodes that draw them */
     norma_morph_data **morphs; /* of each */
@@ -196,17 +197,28 @@ static norma_document_result tell_up_to(document_check *d, const norma_mesh_info
 
 /* ---- meshes */
 
-static norma_document_result read_morphs(document_check *d, size_t index, norma_check_mesh *mesh) {
-    size_t count = mesh->info.morph_targets;
-    norma_morph_data *morphs = count ? calloc(count, sizeof *morphs) : NULL;
-    d->morphs[d->mesh_count] = morphs;
-    if (count && !morphs) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
+/* morphs: to be freed in any case. */
+static norma_document_result read_morphs(norma_document *document, size_t index,
+    norma_check_mesh *mesh, norma_morph_data **morphs, norma_document_error *error) {
+    const size_t count = mesh->info.morph_targets;
+    *morphs = count ? calloc(count, sizeof **morphs) : NULL;
+    if (count && !*morphs) return norma_check_fail(error, NORMA_ERROR_MEMORY);
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t t = 0; t < count && !result; t++)
-        result = norma_document_morph_data(d->document, index, t, &morphs[t], d->error);
-    mesh->morphs = morphs;
+        result = norma_document_morph_data(document, index, t, &(*morphs)[t], error);
+    mesh->morphs = *morphs;
     mesh->morph_count = count;
     return result;
+}
+
+/* After its info. */
+static norma_document_result read_arrays(norma_document *document, size_t index,
+    norma_check_mesh *mesh, norma_morph_data **morphs, norma_document_error *error) {
+    norma_document_result result = norma_document_mesh_data(document, index, &mesh->data, error);
+    if (!result) result = norma_document_mesh_attributes(document, index, &mesh->attributes, error);
+    if (!result && mesh->attributes.material < norma_document_material_count(document))
+        result = norma_document_material_info(document, mesh->attributes.material, &mesh->material);
+    return result ? result : read_morphs(document, index, mesh, morphs, error);
 }
 
 /* Reads a mesh, and numbers its place; one that cannot be read only has its place told. */
@@ -215,14 +227,77 @@ static norma_document_result read_mesh(document_check *d, size_t index) {
     norma_document_result result = norma_document_mesh_info(d->document, index, &mesh->info);
     if (!result) result = tell_up_to(d, &mesh->info);
     if (!result && mesh->info.not_read) return NORMA_DOCUMENT_OK;
-    if (!result) result = norma_document_mesh_data(d->document, index, &mesh->data, d->error);
     if (!result)
-        result = norma_document_mesh_attributes(d->document, index, &mesh->attributes, d->error);
-    if (!result && mesh->attributes.material < norma_document_material_count(d->document))
-        result =
-            norma_document_material_info(d->document, mesh->attributes.material, &mesh->material);
-    if (!result) result = read_morphs(d, index, mesh);
+        result = read_arrays(d->document, index, mesh, &d->morphs[d->mesh_count], d->error);
     if (!result) d->orders[d->mesh_count++] = d->run.next_order++;
+    return result;
+}
+
+/* ---- meshes that are known */
+
+/* mesh: as it is here. */
+static norma_document_result compare_with_known(
+    document_check *d, size_t index, const norma_check_mesh *mesh, check_change *change) {
+    norma_document *document = d->known->document;
+    norma_check_mesh before = {.data.normals.count = 0};
+    norma_morph_data *morphs = NULL;
+    norma_document_result result = norma_document_mesh_info(document, index, &before.info);
+    if (result || before.info.not_read) {
+        *change = CHECK_ALL_CHANGED;
+        return NORMA_DOCUMENT_OK;
+    }
+    result = read_arrays(document, index, &before, &morphs, d->error);
+    const check_change own = result ? CHECK_ALL_CHANGED : norma_check_compare(&before, mesh);
+    *change = own > *change ? own : *change;
+    free(morphs);
+    return result;
+}
+
+static norma_document_result compare_group(
+    document_check *d, size_t begin, size_t end, size_t first, check_change *change) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    *change = d->known ? CHECK_SAME : CHECK_ALL_CHANGED;
+    for (size_t i = begin; i < end && !result && *change != CHECK_ALL_CHANGED; i++) {
+        norma_mesh_info info;
+        result = norma_document_mesh_info(d->document, i, &info);
+        if (!result && !info.not_read)
+            result = compare_with_known(d, i, &d->meshes[first++], change);
+    }
+    return result;
+}
+
+static int is_told_with_meshes(check_rule rule) {
+    return rule != RULE_N002 && rule != RULE_N811 && rule != RULE_N812;
+}
+
+/* Of the rules that are wanted, but not looked at. */
+static norma_result add_known(document_check *d, size_t first, const uint8_t *wanted) {
+    for (size_t i = 0; i < norma_findings_count(d->known->findings); i++) {
+        const norma_finding *finding = norma_findings_get(d->known->findings, i);
+        const size_t rule = (size_t)(finding->rule - norma_rules(NULL));
+        size_t mesh = first;
+        if (!wanted[rule] || d->run.rules[rule] || !is_told_with_meshes((check_rule)rule)) continue;
+        while (mesh < d->mesh_count && strcmp(d->meshes[mesh].info.where, finding->where) != 0)
+            mesh++;
+        if (mesh < d->mesh_count && !norma_findings_copy(d->run.findings, finding, d->orders[mesh]))
+            return NORMA_ERROR_MEMORY;
+    }
+    return NORMA_OK;
+}
+
+/* The meshes from first on. */
+static norma_result run_group(document_check *d, size_t first, check_change change) {
+    uint8_t wanted[CHECK_RULE_COUNT];
+    norma_result result = NORMA_OK;
+    memcpy(wanted, d->run.rules, sizeof wanted);
+    norma_check_leave_known(d->run.rules, change);
+    for (size_t rule = 0; d->known && d->known->again && rule < CHECK_RULE_COUNT; rule++)
+        d->run.rules[rule] |= wanted[rule] && d->known->again[rule];
+    if (change != CHECK_ALL_CHANGED) result = add_known(d, first, wanted);
+    if (!result && memchr(d->run.rules, 1, sizeof d->run.rules))
+        result = norma_check_run_group(
+            &d->run, &d->meshes[first], d->mesh_count - first, &d->orders[first]);
+    memcpy(d->run.rules, wanted, sizeof wanted);
     return result;
 }
 
@@ -238,10 +313,12 @@ static norma_document_result check_group_of(document_check *d, size_t *index, si
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (; *index < count && !result && continues(d, *index, first); ++*index)
         result = read_mesh(d, *index);
+    check_change change;
     if (result || d->mesh_count == first) return result;
+    result = compare_group(d, begin, *index, first, &change);
+    if (result) return result;
     norma_core_stage(&d->run.call, (double)begin / (double)count, (double)*index / (double)count);
-    const norma_result checked =
-        norma_check_run_group(&d->run, &d->meshes[first], d->mesh_count - first, &d->orders[first]);
+    const norma_result checked = run_group(d, first, change);
     return checked ? norma_check_fail(d->error, checked) : NORMA_DOCUMENT_OK;
 }
 
@@ -344,7 +421,12 @@ static norma_document_result check_nodes(document_check *d) {
 
 norma_document_result norma_check_document(norma_document *document,
     const norma_check_options *options, norma_findings **findings, norma_document_error *error) {
-    document_check d = {.document = document, .error = error};
+    return norma_check_again(document, NULL, options, findings, error);
+}
+
+norma_document_result norma_check_again(norma_document *document, const check_known *known,
+    const norma_check_options *options, norma_findings **findings, norma_document_error *error) {
+    document_check d = {.document = document, .known = known, .error = error};
     if (!document || !findings) return norma_check_fail(error, NORMA_ERROR_ARGUMENT);
     norma_result begun = norma_check_begin(&d.run, options, norma_document_format(document));
     if (begun) return norma_check_fail(error, begun);

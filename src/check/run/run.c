@@ -51,7 +51,10 @@ norma_result norma_check_begin(
     run->findings = norma_findings_new(run->options.profile == NORMA_CHECK_PROFILE_GENERATED
                                            ? run->options.profile
                                            : run->profile);
-    return run->findings ? NORMA_OK : NORMA_ERROR_MEMORY;
+    if (!run->findings) return NORMA_ERROR_MEMORY;
+    run->findings->options = run->options;
+    memcpy(run->findings->rules, run->rules, sizeof run->rules);
+    return NORMA_OK;
 }
 
 static void free_held(check_run *run) {

@@ -17,6 +17,23 @@ norma_result norma_check_run_group(
     check_run *run, const norma_check_mesh *meshes, size_t count, const size_t *orders);
 size_t norma_check_group_size(const norma_check_mesh *meshes, size_t count);
 norma_findings *norma_check_finish(check_run *run);
+/* check_document.c: what is the same in known->document as here is not looked at again, but by the
+ * rules of known->again: the findings there, of every rule that is asked for, are copied. known
+ * NULL: nothing is known. */
+typedef struct check_known {
+    norma_document *document;
+    const norma_findings *findings;
+    const uint8_t *again; /* NULL: none */
+} check_known;
+norma_document_result norma_check_again(norma_document *document, const check_known *known,
+    const norma_check_options *options, norma_findings **findings, norma_document_error *error);
+
+/* known.c: how a mesh differs from another. Takes from rules those that it makes no difference to.
+ */
+typedef enum check_change { CHECK_SAME, CHECK_SAME_SURFACE, CHECK_ALL_CHANGED } check_change;
+check_change norma_check_compare(const norma_check_mesh *a, const norma_check_mesh *b);
+void norma_check_leave_known(uint8_t rules[CHECK_RULE_COUNT], check_change change);
+
 /* check_document.c: that the rules failed, in words. */
 norma_document_result norma_check_fail(norma_document_error *error, norma_result result);
 void norma_check_abandon(check_run *run);
