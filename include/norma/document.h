@@ -499,6 +499,23 @@ typedef int norma_visit_file(void *user, const char *path);
 NORMA_API norma_document_result norma_document_visit_files(
     norma_document *document, norma_visit_file *visit, void *user, norma_document_error *error);
 
+/* Whether a path ends as a tileset does (.json). */
+NORMA_API int norma_is_tileset(const char *path);
+
+/* Visits the tiles of a tileset of 3D Tiles: the files of a known format that it names, and those
+ * of the tilesets that it names. The tiles themselves are not opened.
+ *
+ *   path    of the tileset.json
+ *   visit   called for each tile, in the order of its tileset; a file may occur twice, and may be
+ *           missing
+ *   user    passed to visit
+ *   error   written on failure; or NULL
+ *
+ * Errors: refused for a tile outside its tileset's folder; unsupported for implicit tiling, which
+ * lists no tiles. */
+NORMA_API norma_document_result norma_tileset_visit_tiles(
+    const char *path, norma_visit_file *visit, void *user, norma_document_error *error);
+
 /* ---- computing normals */
 
 typedef enum norma_shading {

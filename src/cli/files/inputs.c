@@ -577,6 +577,57 @@ static size_t base_of(const char *path) {
     return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
+typedef struct tile_list {
+    cli_inputs *inputs;
+    size_t tail;
+    int status;
+} tile_list;
+
+static int add_tile(void *user, const char *path) {
+    tile_list *list = user;
+    list->status = add_path(list->inputs, strdup(path), list->tail, list->tail);
+    return list->status;
+}
+
+static int compare_tiles(const void *a, const void *b) {
+    char *const *one = *(char *const *const *)a, *const *other = *(char *const *const *)b;
+    const int order = strcmp(*one, *other);
+    return order ? order : (one > other) - (one < other);
+}
+
+/* A tileset may draw one file at many places: it is read where it is named first. */
+static int drop_repeated(cli_inputs *inputs, size_t first) {
+    const size_t count = inputs->count - first;
+    char ***order = malloc((count + 1) * sizeof *order);
+    if (!order) return cli_out_of_memory();
+    for (size_t i = 0; i < count; ++i) order[i] = &inputs->paths[first + i];
+    qsort(order, count, sizeof *order, compare_tiles);
+    for (size_t i = count; i-- > 1;)
+        if (strcmp(*order[i], *order[i - 1]) == 0) {
+            free(*order[i]);
+            *order[i] = NULL;
+        }
+    free(order);
+    size_t kept = first; /* all have the same tail */
+    for (size_t i = first; i < inputs->count; ++i)
+        if (inputs->paths[i]) inputs->paths[kept++] = inputs->paths[i];
+    inputs->count = kept;
+    return CLI_OK;
+}
+
+/* A tileset stands for its tiles, as a folder does for its files. */
+static int add_tiles(cli_inputs *inputs, const char *tileset) {
+    tile_list list = {inputs, base_of(tileset), CLI_OK};
+    norma_document_error error;
+    const size_t before = inputs->count;
+    const int failed = norma_tileset_visit_tiles(tileset, add_tile, &list, &error) != 0;
+    if (failed) cli_print_error(&error);
+    const int status = cli_worse(list.status, drop_repeated(inputs, before));
+    if (failed || status || inputs->count > before) return failed ? CLI_FILE : status;
+    cli_error("%s: names no tile that can be read", tileset);
+    return CLI_FILE;
+}
+
 static int add_word(const cli_subcommand *command, cli_inputs *inputs, const char *word) {
     struct stat status;
     if (!word[0]) return cli_usage(command, "the name of an input is empty");
@@ -588,6 +639,7 @@ static int add_word(const cli_subcommand *command, cli_inputs *inputs, const cha
         cli_error("%s: holds no OBJ, PLY, STL or glTF file, nor a tile", word);
         return CLI_FILE;
     }
+    if (is_there && norma_is_tileset(word)) return add_tiles(inputs, word);
     if (!is_there && strpbrk(word, "*?[")) return add_pattern(command, inputs, word);
     return add_path(inputs, strdup(word), base_of(word), 0);
 }
