@@ -215,6 +215,26 @@ double norma_check_encoding_bound(const char *encoding) {
     return 0;
 }
 
+double norma_check_diagonal(const core_mesh *mesh) {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
+           squares = 0;
+    for (size_t i = 0; i < mesh->positions.count; i++) {
+        double p[3];
+        norma_core_position(mesh, (uint32_t)i, p);
+        for (int k = 0; k < 3 && norma_core_finite(p); k++) {
+            low[k] = fmin(low[k], p[k]);
+            high[k] = fmax(high[k], p[k]);
+        }
+    }
+    for (int k = 0; k < 3; k++) squares += (high[k] - low[k]) * (high[k] - low[k]);
+    return isfinite(squares) ? sqrt(squares) : 0;
+}
+
+double norma_check_longest(const check_mesh *m, size_t face) {
+    return sqrt(m->mesh.face_starts ? longest_of_polygon(&m->mesh, face)
+                                    : longest_of_triangle(&m->mesh, face));
+}
+
 double norma_check_twice_area(const check_mesh *m, size_t face) {
     core_face geometry;
     norma_core_face_geometry(&m->mesh, face, &geometry);

@@ -149,10 +149,9 @@ norma_document_result norma_fix_open_whole(
 void norma_fix_close_whole(fix_whole *whole);
 int norma_fix_join(fix_whole *whole); /* 0: out of memory */
 
-norma_result norma_fix_faces(fix_mesh *m);        /* fix_faces.c: N301, N302, N305, N401 */
-norma_result norma_fix_polygons(fix_mesh *m);     /* fix_faces.c: N404, N405 */
-norma_result norma_fix_positions(fix_mesh *m);    /* fix_vertices.c: N503 */
-double norma_fix_diagonal(const core_mesh *mesh); /* 0: none */
+norma_result norma_fix_faces(fix_mesh *m);     /* fix_faces.c: N301, N302, N305, N401 */
+norma_result norma_fix_polygons(fix_mesh *m);  /* fix_faces.c: N404, N405 */
+norma_result norma_fix_positions(fix_mesh *m); /* fix_vertices.c: N503 */
 norma_result norma_fix_normals(
     fix_mesh *m); /* fix_normals.c: N101 to N103, N201 to N203, N205, N206, N501 */
 norma_result norma_fix_vertices(

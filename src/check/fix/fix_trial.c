@@ -188,7 +188,7 @@ static norma_result measure_size(const norma_mesh *mesh, fix_measure *measure) {
     const norma_result result = norma_core_mesh_shape(mesh, &shape);
     if (result) return result;
     shape.scale = 1;
-    measure->size = fmax(measure->size, norma_fix_diagonal(&shape));
+    measure->size = fmax(measure->size, norma_check_diagonal(&shape));
     return result;
 }
 

@@ -11,21 +11,6 @@
 
 static const double NEAR = 1e-6; /* of the diagonal, as the rule has it */
 
-double norma_fix_diagonal(const core_mesh *mesh) {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
-           squares = 0;
-    for (size_t i = 0; i < mesh->positions.count; i++) {
-        double p[3];
-        norma_core_position(mesh, (uint32_t)i, p);
-        for (int k = 0; k < 3 && norma_core_finite(p); k++) {
-            low[k] = fmin(low[k], p[k]);
-            high[k] = fmax(high[k], p[k]);
-        }
-    }
-    for (int k = 0; k < 3; k++) squares += (high[k] - low[k]) * (high[k] - low[k]);
-    return isfinite(squares) ? sqrt(squares) : 0;
-}
-
 /* The clusters in which a marked position lies. */
 static norma_result snap(fix_mesh *m, const core_mesh *mesh, const uint8_t *marks) {
     size_t count = mesh->positions.count;
@@ -57,7 +42,7 @@ norma_result norma_fix_positions(fix_mesh *m) {
     int any = norma_fix_mark(m, RULE_N503, MEND_VERTEX, mesh.positions.count, &marks);
     const norma_options options = {.struct_size = sizeof options,
         .weld = NORMA_WELD_DISTANCE,
-        .weld_distance = any > 0 ? NEAR * norma_fix_diagonal(&mesh) : 0,
+        .weld_distance = any > 0 ? NEAR * norma_check_diagonal(&mesh) : 0,
         .threads = m->threads};
     norma_result result = any < 0 ? NORMA_ERROR_MEMORY : norma_core_begin(&call, &options);
     if (!result && any > 0) {

@@ -391,8 +391,11 @@ static const double AVERAGE_COSINE = 0.90630778703664994; /* of 25 degrees */
 typedef struct far_state {
     float *greatest; /* cosine of each normal: 2: of no face that says anything, or near an average
                       */
-    uint8_t *open;   /* of each normal: some face at its positions is not named by N201 */
+    uint8_t *open;   /* of each normal: NOT_OPPOSED, LARGE where some face at its positions is so */
+    double large;    /* length of an edge */
 } far_state;
+enum { NOT_OPPOSED = 1, LARGE = 2 };   /* not named by N201; large enough for a spot to be seen */
+static const double LARGE_SHARE = .02; /* of the diagonal */
 
 static int says_something(const check_mesh *m, size_t face) {
     return norma_check_directed(&m->faces[face]) && !norma_check_is_sliver(&m->faces[face]);
@@ -426,7 +429,8 @@ typedef struct star {
     const uint32_t *corners;
     size_t count;
     double averages[3][3]; /* uniform, by area, by angle; not of unit length */
-    int open;              /* some face is not named by N201 */
+    double large;
+    int open; /* as in far_state */
 } star;
 
 static double angle_at(const check_mesh *m, size_t face, size_t corner) {
@@ -451,13 +455,14 @@ static void sum_star(star *s) {
     s->open = 0;
     for (size_t i = 0; i < s->count; i++) {
         const size_t face = norma_check_face_of(m, s->corners[i]);
+        if (norma_check_longest(m, face) >= s->large) s->open |= LARGE;
         if (!says_something(m, face)) continue;
         const double weights[3] = {
             1, norma_check_twice_area(m, face), angle_at(m, face, s->corners[i])};
         for (int w = 0; w < 3; w++)
             for (int k = 0; k < 3; k++)
                 s->averages[w][k] += weights[w] * (double)m->faces[face].normal[k];
-        s->open |= !m->opposed[face];
+        if (!m->opposed[face]) s->open |= NOT_OPPOSED;
     }
 }
 
@@ -500,6 +505,7 @@ static void mark_positions(const check_mesh *m, const far_state *state, uint8_t 
 static void judge_far_position(const check_mesh *m, size_t position, far_state *state) {
     const core_corners_of_position *around = &m->topology.corners_of;
     star s = {.m = m,
+        .large = state->large,
         .corners = &around->corners[around->starts[position]],
         .count = around->starts[position + 1] - around->starts[position]};
     int any = 0; /* none, if all turned out to be averages at positions before */
@@ -527,21 +533,23 @@ static norma_result judge_stars(check_mesh *m, far_state *state) {
 
 /* ---- the finding */
 
-static norma_result add_far(check_mesh *m, const far_state *state) {
+static norma_result add_far(check_mesh *m, const far_state *state, int large) {
     check_hits hits = {0};
     for (size_t i = 0; i < norma_check_normal_count(m); i++)
-        if (is_far(state, i) && state->open[i])
+        if (is_far(state, i) && state->open[i] & NOT_OPPOSED &&
+            ((state->open[i] & LARGE) != 0 || m->on_purpose) == large)
             norma_check_hit(m->run, &hits,
                 norma_check_arc_cosine(fmax((double)state->greatest[i], -1)) * (180 / NORMA_PI),
                 norma_check_normal_spot(m, i));
     return norma_check_report(m,
         &(check_report){.rule = RULE_N202,
-            .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,
+            .severity = m->on_purpose || !large ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,
             .unit = "deg",
             .hits = &hits},
         "%z normal%s more than 75 degrees from every face at the position, up to %g, and far "
-        "from every average of those faces",
-        hits.count, norma_check_plural(hits.count), hits.worst);
+        "from every average of those faces%s",
+        hits.count, norma_check_plural(hits.count), hits.worst,
+        large ? "" : "; all of them are small");
 }
 
 /* m->opposed is filled. */
@@ -549,14 +557,15 @@ static norma_result check_far(check_mesh *m) {
     const core_call *call = &m->run->call;
     const size_t count = norma_check_normal_count(m);
     far_state state = {norma_core_allocate(call, count, sizeof *state.greatest),
-        norma_core_allocate(call, count, 1)};
+        norma_core_allocate(call, count, 1), LARGE_SHARE * norma_check_diagonal(&m->mesh)};
     norma_result result = state.greatest && state.open ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         memset(state.open, 0, count);
         find_nearest(m, &state);
         result = judge_stars(m, &state);
     }
-    if (!result) result = add_far(m, &state);
+    if (!result) result = add_far(m, &state, 1);
+    if (!result) result = add_far(m, &state, 0);
     norma_core_release(call, state.open, count, 1);
     norma_core_release(call, state.greatest, count, sizeof *state.greatest);
     return result;

@@ -128,7 +128,7 @@ static double check_seam_least(const char *encoding) {
  * and how many of them have different normals on both sides: what the file's own crease is. */
 enum { SEAM_BENDS = 40 };
 typedef struct seam_creases {
-    size_t all[SEAM_BENDS], split[SEAM_BENDS];
+    size_t all[SEAM_BENDS], split[SEAM_BENDS], smooth[SEAM_BENDS];
 } seam_creases;
 
 /* ---- the file's own crease */
@@ -173,22 +173,23 @@ static int edge_is_flat(const check_mesh *m, size_t corner, double least) {
  * edges within it, which are smooth. */
 static void check_seam_creases(const check_mesh *m, double least, seam_creases *creases) {
     const core_topology *t = &m->topology;
-    *creases = (seam_creases){{0}, {0}};
+    *creases = (seam_creases){{0}, {0}, {0}};
     for (size_t c = 0; c < t->mesh.corner_count; c++) {
         const uint32_t partner = t->partners[c];
         if (partner >= CORE_EDGE_SPECIAL || partner < c || !norma_check_directed(face_at(m, c)) ||
             !norma_check_directed(face_at(m, partner)))
             continue;
         const double bend = bend_deg(m, c, partner);
-        if (bend >= SEAM_BENDS || bend < least * (180 / NORMA_PI))
-            continue; /* even flat shading
-                     parts nothing there */
+        if (bend >= SEAM_BENDS) continue;
         const edge_end begin = end_of(m, c, corner_across(m, c), least),
                        end = end_of(m, corner_across(m, partner), partner, least);
         if ((begin.seam || end.seam) && !(begin.split && end.split && edge_is_flat(m, c, least)))
             continue;
+        const size_t split = begin.split || end.split;
+        creases->smooth[(size_t)bend] += !split;
+        if (bend < least * (180 / NORMA_PI)) continue; /* even flat shading parts nothing there */
         creases->all[(size_t)bend]++;
-        creases->split[(size_t)bend] += begin.split || end.split;
+        creases->split[(size_t)bend] += split;
     }
 }
 
@@ -204,18 +205,26 @@ static double seam_bend(const check_mesh *m, const uint32_t *corners, size_t cou
     return most;
 }
 
-/* Most edges that bend as much are split although no seam runs along them. */
-static int is_crease(const seam_creases *creases, double bend) {
-    enum { AROUND = 5 };
+/* What the edges that bend as much, and that no seam runs along, say of one that it does. */
+typedef enum seam_kind {
+    SEAM_CREASE, /* most of them are split: it is meant */
+    SEAM_SHOWN,  /* enough of them are smooth: it is not */
+    SEAM_OPEN    /* too few of them to tell */
+} seam_kind;
+
+static seam_kind judge_seam(const seam_creases *creases, double bend) {
+    enum { AROUND = 5, ENOUGH = 5 };
     const size_t middle = (size_t)bend, from = middle > AROUND ? middle - AROUND : 0;
-    size_t all = 0, split = 0;
+    size_t all = 0, split = 0, smooth = 0;
     for (size_t i = from; i <= middle + AROUND && i < SEAM_BENDS; i++) {
         all += creases->all[i];
         split += creases->split[i];
+        smooth += creases->smooth[i];
     }
-    return 2 * split > all;
+    return 2 * split > all ? SEAM_CREASE : smooth >= ENOUGH ? SEAM_SHOWN : SEAM_OPEN;
 }
 
+/* In radians; 0: no seam there, or a crease. Negative: it may be meant. */
 static double check_seam_angle(
     const check_mesh *m, size_t position, double least, const seam_creases *creases) {
     const core_corners_of_position *around = &m->topology.corners_of;
@@ -225,18 +234,42 @@ static double check_seam_angle(
     if (count < 4 || count > MOST_CORNERS) return 0;
     const double angle = widest_seam(m, vertices, list_vertices(m, corners, count, vertices));
     if (!(angle > least) || !surface_is_smooth(m, corners, count)) return 0;
-    return creases && is_crease(creases, seam_bend(m, corners, count, least)) ? 0 : angle;
+    const seam_kind kind =
+        creases ? judge_seam(creases, seam_bend(m, corners, count, least)) : SEAM_SHOWN;
+    return kind == SEAM_CREASE ? 0 : kind == SEAM_OPEN ? -angle : angle;
 }
 
-/* Angles in radians; 0: no seam there. The faces of m are known and its edges paired.
- * creases: NULL, or the file's: seams that bend like edges that are split as well are left out. */
-static norma_result check_add_seams(check_mesh *m, check_hits *hits) {
+typedef struct seam_hits {
+    check_hits shown, open; /* open: they may be meant */
+} seam_hits;
+
+static void hit_seam(const check_run *run, seam_hits *hits, double angle, size_t vertex) {
+    if (angle != 0)
+        norma_check_hit(run, angle > 0 ? &hits->shown : &hits->open, fabs(angle) * (180 / NORMA_PI),
+            norma_check_vertex(vertex));
+}
+
+static void free_seams(seam_hits *hits) {
+    norma_check_hits_free(&hits->shown);
+    norma_check_hits_free(&hits->open);
+}
+
+static norma_result add_seams_of(check_mesh *m, norma_severity severity, check_hits *hits) {
     return norma_check_report(m,
-        &(check_report){
-            .rule = RULE_N501, .severity = NORMA_SEVERITY_WARNING, .unit = "deg", .hits = hits},
-        "%z position%s on seams where normals differ, by up to %g degrees, although the surface is "
-        "smooth; a line is visible there",
+        &(check_report){.rule = RULE_N501, .severity = severity, .unit = "deg", .hits = hits},
+        severity == NORMA_SEVERITY_INFO
+            ? "%z position%s on seams where normals differ, by up to %g degrees; it may be meant"
+            : "%z position%s on seams where normals differ, by up to %g degrees, although the "
+              "surface is smooth; a line is visible there",
         hits->count, norma_check_plural(hits->count), hits->worst);
+}
+
+/* A few positions make no line: all of them inform then. */
+static norma_result check_add_seams(check_mesh *m, seam_hits *hits) {
+    enum { FEW = 4 };
+    if (hits->shown.count <= FEW) norma_check_hits_merge(m->run, &hits->open, &hits->shown);
+    const norma_result result = add_seams_of(m, NORMA_SEVERITY_WARNING, &hits->shown);
+    return result ? result : add_seams_of(m, NORMA_SEVERITY_INFO, &hits->open);
 }
 
 /* ---- N501 over the primitives of one glTF mesh together, since a seam of materials
@@ -372,7 +405,7 @@ static void judge_joined_positions(void *context, size_t block, size_t begin, si
     (void)block;
     for (size_t p = begin; p < end; p++) {
         double angle = check_seam_angle(&j->m, p, j->least, j->creases);
-        if (angle <= j->least) continue;
+        if (angle == 0) continue;
         size_t spot = 0, first = SIZE_MAX;
         for (size_t i = around->starts[p]; i < around->starts[p + 1]; i++) {
             size_t v = norma_core_corner(&j->m.mesh, around->corners[i]);
@@ -388,12 +421,10 @@ static void judge_joined_positions(void *context, size_t block, size_t begin, si
 static norma_result add_member(joined *j, size_t number) {
     const check_member *member = &j->run->members[number];
     check_mesh m = {.run = j->run, .given = member->given, .mesh = member->mesh};
-    check_hits hits = {0};
+    seam_hits hits = {{0}, {0}};
     char label[CHECK_MESSAGE];
     for (size_t v = 0; v < member->mesh.positions.count; v++)
-        if (j->angles[member->begin + v] > 0)
-            norma_check_hit(j->run, &hits, j->angles[member->begin + v] * (180 / NORMA_PI),
-                norma_check_vertex(v));
+        hit_seam(j->run, &hits, j->angles[member->begin + v], v);
     norma_check_label(&member->given->info, label);
     m.place = (check_place){.order = member->order,
         .where = member->given->info.where ? member->given->info.where : "",
@@ -409,7 +440,7 @@ static norma_result judge_all(joined *j) {
 
 static int has_any(const joined *j) {
     for (size_t v = 0; v < j->vertices; v++)
-        if (j->angles[v] > 0) return 1;
+        if (j->angles[v] != 0) return 1;
     return 0;
 }
 
@@ -458,17 +489,15 @@ typedef struct seam_pass {
     check_mesh *m;
     double least;                /* radians */
     const seam_creases *creases; /* NULL: not known yet */
-    check_hits *parts;
+    seam_hits *parts;
 } seam_pass;
 
 static void judge_seam_positions(void *context, size_t block, size_t begin, size_t end) {
     const seam_pass *pass = context;
     const check_mesh *m = pass->m;
     for (size_t p = begin; p < end; p++) {
-        double angle = check_seam_angle(m, p, pass->least, pass->creases);
-        if (angle > 0)
-            norma_check_hit(
-                m->run, &pass->parts[block], angle * (180 / NORMA_PI), norma_check_vertex(p));
+        const double angle = check_seam_angle(m, p, pass->least, pass->creases);
+        hit_seam(m->run, &pass->parts[block], angle, p);
     }
 }
 
@@ -482,7 +511,7 @@ static int can_be_joined(const check_mesh *m) {
 
 /* hits: of all positions. */
 static norma_result gather_seams(
-    check_mesh *m, double least, const seam_creases *creases, check_hits *hits) {
+    check_mesh *m, double least, const seam_creases *creases, seam_hits *hits) {
     size_t count = m->topology.corners_of.position_count,
            blocks = norma_check_block_count(count, POSITIONS_IN_BLOCK);
     seam_pass pass = {
@@ -491,18 +520,21 @@ static norma_result gather_seams(
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     const norma_result result =
         norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, judge_seam_positions, &pass);
-    for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, hits, &pass.parts[i]);
+    for (size_t i = 0; i < blocks; i++) {
+        norma_check_hits_merge(m->run, &hits->shown, &pass.parts[i].shown);
+        norma_check_hits_merge(m->run, &hits->open, &pass.parts[i].open);
+    }
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     return result;
 }
 
 /* The file's own crease is looked for only where there may be a seam. */
-static norma_result judge_seams(check_mesh *m, check_hits *hits) {
+static norma_result judge_seams(check_mesh *m, seam_hits *hits) {
     const double least = check_seam_least(m->given->info.encoding);
     seam_creases creases;
     norma_result result = gather_seams(m, least, NULL, hits);
-    if (result || !hits->count) return result;
-    norma_check_hits_free(hits);
+    if (result || !hits->shown.count) return result;
+    free_seams(hits);
     check_seam_creases(m, least, &creases);
     return gather_seams(m, least, &creases, hits);
 }
@@ -522,10 +554,11 @@ norma_result norma_check_seams(check_mesh *m) {
     result = norma_check_faces(m);
     if (!result) result = norma_check_pairs(m);
     if (result) return result;
-    check_hits hits = {0};
+    seam_hits hits = {{0}, {0}};
     result = judge_seams(m, &hits);
-    if (!result && hits.count) result = norma_check_is_of_another_frame(m, &other_frame);
-    if (!result && hits.count && !other_frame) return check_add_seams(m, &hits);
-    norma_check_hits_free(&hits);
+    const int any = hits.shown.count || hits.open.count;
+    if (!result && any) result = norma_check_is_of_another_frame(m, &other_frame);
+    if (!result && any && !other_frame) result = check_add_seams(m, &hits);
+    free_seams(&hits);
     return result;
 }

@@ -115,7 +115,7 @@ static void opposing_normals(void **state) {
     assert_found(f, 1);
     assert_int_equal(f->samples[0].face, 500);
     assert_true(f->worst_value > 175);
-    assert_found(finding_of(found, "N202", NORMA_SEVERITY_WARNING), 3);
+    assert_found(finding_of(found, "N202", NORMA_SEVERITY_INFO), 3);
     for (size_t face = 1000; face < 1000 + s.faces / 50; face++)
         for (size_t k = 0; k < 3; k++) scale_normal(&s, 3 * face + k, -1);
     assert_found(in_render(&s, "N201", NORMA_SEVERITY_ERROR), 1 + s.faces / 50);
@@ -168,7 +168,7 @@ static void one_normal_far_off(void **state) {
     const double n[3] = {cos(a) * cos(b), sin(a) * cos(b), sin(b)}, t[3] = {-sin(a), cos(a), 0};
     set_normal(&s, vertex, cos(off) * n[0] + sin(off) * t[0], cos(off) * n[1] + sin(off) * t[1],
         cos(off) * n[2] + sin(off) * t[2]);
-    const norma_finding *f = in_render(&s, "N202", NORMA_SEVERITY_WARNING);
+    const norma_finding *f = in_render(&s, "N202", NORMA_SEVERITY_INFO);
     assert_found(f, 1);
     assert_int_equal(f->samples[0].vertex, vertex);
     assert_true(fabs(f->worst_value - 80) < 5);
@@ -792,7 +792,7 @@ static void a_seam_at_a_degenerate_face(void **state) {
     }
     surface_add_face(&s, (const uint32_t[3]){middle, b, above});
     surface_add_face(&s, (const uint32_t[3]){a, b, middle});
-    assert_found(in_render(&s, "N501", NORMA_SEVERITY_WARNING), SIDE - 2);
+    assert_found(in_render(&s, "N501", NORMA_SEVERITY_INFO), SIDE - 2);
     assert_found(finding_of(found, "N401", NORMA_SEVERITY_INFO), 1);
     surface_free(&s);
 }

@@ -219,6 +219,83 @@ static void folded_faces(void **state) {
     }
 }
 
+/* ---- N202 */
+
+/* A normal along the side of a box, whose faces have a longest edge of 2 * sqrt(2) times its half
+ * size; two boxes far apart make the diagonal. */
+static void far_normals_of_small_faces(void **state) {
+    (void)state;
+    for (int large = 0; large < 2; large++) {
+        const double half = 1, diagonal = 2 * sqrt(2) * half / (large ? .0201 : .0199),
+                     apart = sqrt(diagonal * diagonal - 2 * 4 * half * half) - 2 * half;
+        surface s = surface_join(
+            surface_box(origin, half, 0), surface_box((double[3]){apart, 0, 0}, half, 0));
+        for (size_t k = 20; k < 24; k++) /* of the side along z: away from the box, sideways */
+            if (s.positions[3 * k] < 0 && s.positions[3 * k + 1] < 0) {
+                s.normals[3 * k] = 1;
+                s.normals[3 * k + 2] = 0;
+            }
+        assert_found(&s, "N202", 0, large != 0, !large);
+        s.mesh.material.not_opaque = 1;
+        assert_found(&s, "N202", 0, 0, 1);
+        surface_free(&s);
+    }
+}
+
+/* ---- N501 */
+
+/* A strip of two columns of squares that bends by so many degrees in the middle, where vertices are
+ * doubled, with UVs of their own and normals 3 degrees apart, if there is a seam. */
+static surface bent_strip(size_t rows, double bend, int seam) {
+    surface s = surface_box(origin, 1, 0);
+    s.vertices = s.faces = 0;
+    const double a = bend / 2 / DEGREES;
+    for (int half = 0; half < 2; half++) {
+        const uint32_t first = (uint32_t)s.vertices;
+        const double sign = half ? 1 : -1;
+        for (size_t y = 0; y <= rows; y++)
+            for (int outer = 0; outer < 2; outer++) {
+                const double lean = outer ? a : seam ? 1.5 / DEGREES : 0;
+                const float p[3] = {(float)(sign * cos(a) * outer + (seam ? 0 : 20)), (float)y,
+                    (float)(-sin(a) * outer)},
+                            n[3] = {(float)(sign * sin(lean)), 0, (float)cos(lean)};
+                const uint32_t v = surface_add_vertex(&s, p, n);
+                s.texcoords[2 * v] = (float)(seam * half);
+            }
+        for (uint32_t y = 0; y < rows; y++) {
+            const uint32_t at = first + 2 * y, square[4] = {at, at + 1, at + 3, at + 2};
+            for (uint32_t k = 0; k < 2; k++) {
+                const uint32_t b = square[1 + k], c = square[2 + k];
+                (void)surface_add_face(&s, half ? (uint32_t[]){at, b, c} : (uint32_t[]){at, c, b});
+            }
+        }
+    }
+    return s;
+}
+
+static void few_positions(void **state) {
+    (void)state;
+    for (size_t rows = 5; rows <= 6; rows++) { /* those inside: one fewer than rows */
+        surface s = surface_join(bent_strip(rows, 12, 1), bent_strip(9, 12, 0));
+        assert_found(&s, "N501", 0, rows > 5 ? 5 : 0, rows > 5 ? 0 : 4);
+        surface_free(&s);
+    }
+}
+
+static void nothing_to_compare(void **state) {
+    (void)state;
+    static const struct {
+        size_t rows;
+        double bend;
+        int shown;
+    } rows[] = {{4, 12.5, 0}, {5, 12.5, 1}, {5, 6.9, 0}, {5, 7.6, 1}, {5, 17.4, 1}, {5, 18.1, 0}};
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        surface s = surface_join(bent_strip(9, 12.5, 1), bent_strip(rows[i].rows, rows[i].bend, 0));
+        assert_found(&s, "N501", 0, rows[i].shown ? 8 : 0, rows[i].shown ? 0 : 8);
+        surface_free(&s);
+    }
+}
+
 /* ---- N302, N303, N805 */
 
 static void inside_out_and_double_sided(void **state) {
@@ -264,6 +341,9 @@ int main(void) {
         cmocka_unit_test(turned_area),
         cmocka_unit_test(undecided_area),
         cmocka_unit_test(folded_faces),
+        cmocka_unit_test(far_normals_of_small_faces),
+        cmocka_unit_test(few_positions),
+        cmocka_unit_test(nothing_to_compare),
         cmocka_unit_test(inside_out_and_double_sided),
         cmocka_unit_test(bow_ties_alone),
         cmocka_unit_test(no_tangents),
