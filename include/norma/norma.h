@@ -991,6 +991,69 @@ NORMA_API norma_result norma_decode_snorm8(const int8_t *codes, size_t stride, s
 NORMA_API norma_result norma_decode_snorm16(const int16_t *codes, size_t stride, size_t count,
     float *out, size_t out_stride, size_t capacity);
 
+/* ---- unit vectors in few bits, within a proven angle
+ *
+ * A code is 32 bits wide and holds two or three signed numbers, x in its lowest bits. A number of b
+ * bits means max(c / (2^(b - 1) - 1), -1). */
+
+typedef enum norma_encoding {
+    /* Octahedral (Meyer et al. 2010): two numbers of 8, 12 or 16 bits; higher bits are 0. They mean
+     * the direction of (x, y, 1 - |x| - |y|) if its z is not negative, else that of (sx (1 - |y|),
+     * sy (1 - |x|), 1 - |x| - |y|), where sx and sy are the signs of x and y. */
+    NORMA_ENCODING_OCT8 = 0,
+    NORMA_ENCODING_OCT12,
+    NORMA_ENCODING_OCT16,
+    /* Three numbers of 10 bits; the two highest bits are 0: VK_FORMAT_A2B10G10R10_SNORM_PACK32.
+     * They mean the direction of (x, y, z). */
+    NORMA_ENCODING_10_10_10_2
+} norma_encoding;
+
+/* Returns the largest angle, in radians, between any unit vector and what norma_decode_normals
+ * returns for its code; INFINITY for a value that is not an encoding.
+ *
+ *   encoding   the encoding: 0.638 degrees for OCT8, 0.0396 for OCT12, 0.00248 for OCT16 and 0.0793
+ *              for 10_10_10_2
+ *
+ * The angles were proven by interval arithmetic over all codes; the proof is one of the tests. Any
+ * thread, any time. */
+NORMA_API double norma_encoding_error_rad(norma_encoding encoding);
+
+/* Encodes normals. Each gets the code whose decoded vector is nearest in angle, compared exactly;
+ * of several, the lowest code. With NORMA_ENCODING_10_10_10_2, only codes are considered whose
+ * three numbers are each less than one step from 511 n, so that readers that do not make vectors
+ * unit get almost unit ones.
+ *
+ *   normals    any format, stride and length; made unit first
+ *   encoding   the encoding
+ *   codes      written: one for each normal
+ *   stride     bytes from one code to the next; 0: 4
+ *   capacity   codes that fit
+ *   report     written; or NULL: cancelled counts zero normals, non_finite those that are not
+ * finite
+ *
+ * Normals without a direction are encoded as (0, 0, 1). Numbers of octahedral codes go down to
+ * -2^(b
+ * - 1), which means -1 as well and is the lower code. The codes are the same on any machine.
+ * Errors: NORMA_ERROR_ARGUMENT, NORMA_ERROR_CAPACITY and NORMA_ERROR_OVERFLOW; then nothing has
+ * been written. Cost: O(count); no memory. */
+NORMA_API norma_result norma_encode_normals(norma_vec3_view normals, norma_encoding encoding,
+    uint32_t *codes, size_t stride, size_t capacity, norma_report *report);
+
+/* Decodes normals: the formula of norma_encoding, in floats, made unit.
+ *
+ *   codes           the codes; unused high bits are ignored
+ *   stride          bytes from one code to the next; 0: 4
+ *   count           number of codes
+ *   encoding        the encoding
+ *   normals         written: three floats each, unit; (0, 0, 1) for three zeros
+ *   normal_stride   bytes from one normal to the next; 0: 12
+ *
+ * The floats are the same on any machine, and those of points that differ only in signs or in the
+ * order of axes differ only in these. Errors: NORMA_ERROR_ARGUMENT and NORMA_ERROR_OVERFLOW; then
+ * nothing has been written. Cost: O(count). */
+NORMA_API norma_result norma_decode_normals(const uint32_t *codes, size_t stride, size_t count,
+    norma_encoding encoding, float *normals, size_t normal_stride);
+
 /* ---- tangents of corners, from normals and texture coordinates */
 
 /* An attribute of corners besides their positions: normals of three numbers or texture coordinates

@@ -168,6 +168,19 @@ static void codes(fuzz_bytes *bytes) {
         if (!(length == 0 || fabs(length - 1) <= 0.00674)) fuzz_fail("a code of length %g", length);
     }
     if (norma_decode_snorm16(large, 8, count, back, 12, count)) fuzz_fail("codes are refused");
+    for (int e = NORMA_ENCODING_OCT8; e <= NORMA_ENCODING_10_10_10_2; ++e) {
+        /* What is decoded is encoded as itself: the lowest code of this direction. */
+        uint32_t *codes = malloc(4 * count + 4), *again = malloc(4 * count + 4);
+        const norma_vec3_view decoded = {back, count, 0, NORMA_FORMAT_FLOAT};
+        if (norma_encode_normals(in, (norma_encoding)e, codes, 0, count, NULL) ||
+            norma_decode_normals(codes, 0, count, (norma_encoding)e, back, 0) ||
+            norma_encode_normals(decoded, (norma_encoding)e, again, 0, count, NULL))
+            fuzz_fail("codes are refused");
+        if (e != NORMA_ENCODING_10_10_10_2 && memcmp(codes, again, 4 * count) != 0)
+            fuzz_fail("encoding %d: a decoded code has another code", e);
+        free(codes);
+        free(again);
+    }
     free(small);
     free(large);
     free(back);
