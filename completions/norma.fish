@@ -10,9 +10,10 @@ complete -c norma -n __fish_use_subcommand -a view -d 'Writes one HTML page that
 complete -c norma -n __fish_use_subcommand -a report -d 'Joins reports of norma check into one'
 complete -c norma -n __fish_use_subcommand -a explain -d 'Explains a rule of norma check'
 complete -c norma -n __fish_use_subcommand -a info -d 'Lists what is in a file'
+complete -c norma -n __fish_use_subcommand -a compare -d 'Measures by how much the normals of two files differ'
 complete -c norma -n __fish_use_subcommand -a help -d 'Shows the help of a command'
 complete -c norma -n __fish_use_subcommand -l version -d 'The version'
-complete -c norma -n '__fish_seen_subcommand_from help' -a 'compute tangents transform matrix check report explain info render view'
+complete -c norma -n '__fish_seen_subcommand_from help' -a 'compute tangents transform matrix check report explain info compare render view'
 complete -c norma -l help -d 'Shows the help of the command'
 
 set -l files '__fish_seen_subcommand_from compute tangents transform check'
@@ -21,16 +22,18 @@ complete -c norma -n "$files" -s o -l output -r -F -d 'The output, in the format
 complete -c norma -n "$files" -l out-dir -x -a '(__fish_complete_directories)' -d 'A folder for the outputs'
 complete -c norma -n "$files" -l in-place -d 'Replace each input'
 
-set -l reads '__fish_seen_subcommand_from compute tangents transform check info render view'
-complete -c norma -n '__fish_seen_subcommand_from info view' -F
+set -l reads '__fish_seen_subcommand_from compute tangents transform check info compare render view'
+complete -c norma -n '__fish_seen_subcommand_from info compare view' -F
 complete -c norma -n '__fish_seen_subcommand_from view' -l out-dir -r -F -d 'A folder for the pages'
 complete -c norma -n '__fish_seen_subcommand_from view' -s o -l output -r -F -d 'The page'
 complete -c norma -n "$reads" -l input-format -x -a 'obj ply stl gltf glb b3dm i3dm cmpt' -d 'Format of the inputs'
 complete -c norma -n "$reads" -l threads -x -d 'Number of threads'
 complete -c norma -n "$reads" -l max-memory -x -d 'Limit of memory, such as 512M'
 complete -c norma -n "$reads" -l quiet -d 'Prints only errors'
-complete -c norma -n '__fish_seen_subcommand_from compute tangents transform matrix check explain info render view' -l json -d 'Prints JSON'
+complete -c norma -n '__fish_seen_subcommand_from compute tangents transform matrix check explain info compare render view' -l json -d 'Prints JSON'
 complete -c norma -n '__fish_seen_subcommand_from info' -l deep -d 'Which weight and crease explain the stored normals'
+complete -c norma -n '__fish_seen_subcommand_from compare' -l max -x -d 'Largest angle that is fine, in degrees'
+complete -c norma -n '__fish_seen_subcommand_from compare' -l share -x -d 'Part of the area that may be above it'
 
 set -l matrix '__fish_seen_subcommand_from transform matrix render'
 complete -c norma -n "$matrix" -l scale -x -d 'X,Y,Z or one number'

@@ -1,0 +1,446 @@
+/* compare_command.c: norma compare: by how much the normals of one file differ from another's. */
+#include "cli/compare/compare.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char compare_usage[] =
+    "norma compare BASE OTHER: by how many degrees the normals of OTHER differ from BASE\n"
+    "\n"
+    "Examples\n"
+    "  norma compare chair.obj chair-lod2.glb         a level of detail, or another exporter\n"
+    "  norma compare scan.ply small.ply --max 5       status 1 if any normal is off by more than "
+    "5 degrees\n"
+    "  norma compare a.glb b.glb --max 5 --share 0.01 allows that on 1 % of the area\n"
+    "\n"
+    "Options\n"
+    "  --max DEG             exit status 1 if the normals of some of the area are off by more\n"
+    "  --share PART          the part of the area that may be, from 0 to 1 (0); needs --max\n"
+    "  --input-format " CLI_FORMATS "\n"
+    "                        the format of standard input; needed if a file is -\n"
+    "  --threads N           uses at most N threads (all processors), with the same result\n"
+    "  --max-memory SIZE     uses at most SIZE (512M, 2G)\n"
+    "  --json                prints JSON to standard output\n"
+    "  --quiet               prints nothing about the files but errors\n"
+    "\n"
+    "If both have the same faces in the same order, each corner is compared with its counterpart. "
+    "Otherwise\n"
+    "each corner of OTHER is compared with the nearest point of BASE, where the normals of BASE "
+    "are\n"
+    "interpolated; at a crease, with the side that faces as its own face does. Files are compared "
+    "as they are\n"
+    "drawn at rest: node transforms, skins and morph targets are applied. In a glTF, a mesh is "
+    "compared with\n"
+    "the mesh of the same name, if BASE has one. Missing normals are computed first, as norma "
+    "compute does.\n"
+    "Percentiles and shares are of area. Distances are in the units of the files.\n"
+    "Exit status: 0 fine, 1 normals are off by more than --max, 2 wrong usage, 3 a file could not "
+    "be read,\n"
+    "130 interrupted.\n";
+
+enum { MOST_WORST = 5, MAX_GIVEN = 1, SHARE_GIVEN = 2 };
+
+typedef struct compare_work {
+    cli_common common;
+    cli_files files;
+    double max_rad, share;
+    int given;
+    const char *output;
+    compared_scene base, other;
+    norma_compare_sample *samples; /* of each corner of other */
+    size_t corners;
+    struct compared_group {
+        size_t first, end; /* pieces of other */
+        int named;         /* compared with the mesh of that name */
+        int same_faces;
+    } * groups; /* pieces of one name */
+    size_t group_count;
+    norma_comparison all;
+} compare_work;
+
+static const cli_option compare_options[] = {
+    {"max", CLI_TO(CLI_RADIANS, compare_work, max_rad), .most = 180,
+        .expected = "degrees from 0 to 180", CLI_GIVEN(compare_work, given, MAX_GIVEN)},
+    {"share", CLI_TO(CLI_DOUBLE, compare_work, share), .most = 1, .expected = "a part from 0 to 1",
+        CLI_GIVEN(compare_work, given, SHARE_GIVEN)},
+    {"output", 'o', CLI_TO(CLI_TEXT, compare_work, output), .expected = "a file"},
+};
+
+/* ---- comparing */
+
+static size_t end_of_name(const compared_scene *scene, size_t first) {
+    size_t end = first + 1;
+    while (end < scene->count && strcmp(scene->pieces[end].name, scene->pieces[first].name) == 0)
+        ++end;
+    return end;
+}
+
+/* Of BASE: where the pieces of that name begin; its count where there are none. */
+static size_t find_name(const compared_scene *scene, const char *name) {
+    size_t low = 0, high = scene->count;
+    while (low < high && name[0]) {
+        const size_t middle = low + (high - low) / 2;
+        if (strcmp(scene->pieces[middle].name, name) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < scene->count && name[0] && strcmp(scene->pieces[low].name, name) == 0
+               ? low
+               : scene->count;
+}
+
+static norma_result compare_group(compare_work *work, struct compared_group *group,
+    const norma_surface *whole_base, const norma_options *options) {
+    const compared_piece *first = &work->other.pieces[group->first],
+                         *last = &work->other.pieces[group->end - 1];
+    const size_t named = find_name(&work->base, first->name),
+                 corners = last->first_corner + last->corners - first->first_corner;
+    norma_surface base = *whole_base, other;
+    group->named = named < work->base.count;
+    norma_result result = NORMA_OK;
+    if (group->named &&
+        !compared_surface_make(&work->base, named, end_of_name(&work->base, named), &base))
+        result = NORMA_ERROR_MEMORY;
+    if (!compared_surface_make(&work->other, group->first, group->end, &other))
+        result = NORMA_ERROR_MEMORY;
+    if (!result)
+        result = norma_compare(&base, &other, options, work->samples + first->first_corner, corners,
+            &group->same_faces);
+    if (group->named) compared_surface_free(&base);
+    compared_surface_free(&other);
+    return result;
+}
+
+static norma_result compare_groups(compare_work *work, const norma_options *options) {
+    const compared_piece *last = &work->other.pieces[work->other.count - 1];
+    norma_surface whole;
+    norma_result result = NORMA_OK;
+    work->corners = last->first_corner + last->corners;
+    work->samples = malloc((work->corners + 1) * sizeof *work->samples);
+    work->groups = calloc(work->other.count, sizeof *work->groups);
+    if (!compared_surface_make(&work->base, 0, work->base.count, &whole) || !work->samples ||
+        !work->groups)
+        result = NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < work->other.count && !result;) {
+        struct compared_group *group = &work->groups[work->group_count++];
+        group->first = i;
+        group->end = i = end_of_name(&work->other, i);
+        result = compare_group(work, group, &whole, options);
+    }
+    compared_surface_free(&whole);
+    return result ? result
+                  : norma_compare_summary(
+                        work->samples, work->corners, work->max_rad, NULL, &work->all);
+}
+
+static norma_document_result compare_files(compare_work *work, norma_document_error *error) {
+    cli_progress progress;
+    const norma_options options = {.struct_size = sizeof options,
+        .threads = work->common.threads,
+        .progress = cli_progress_elapsed,
+        .progress_user = &progress};
+    const char **words = work->files.words.words;
+    const int standard = strcmp(words[0], "-") == 0 || strcmp(words[1], "-") == 0;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (int i = 0; i < 2 && !result; ++i) {
+        cli_files files = work->files;
+        if (standard && strcmp(words[i], "-") != 0) files.format = NORMA_FILE_UNKNOWN;
+        result = compared_scene_open(
+            &files, &work->common, words[i], i ? &work->other : &work->base, error);
+    }
+    if (result) return error->result = result;
+    cli_progress_start(&progress, "comparing", work->other.input, work->common.quiet, 0);
+    const norma_result compared = compare_groups(work, &options);
+    cli_progress_stop(&progress);
+    if (compared) {
+        error->result = compared == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY
+                                                       : NORMA_DOCUMENT_ERROR_MALFORMED;
+        snprintf(error->message, sizeof error->message, "%.800s: cannot be compared: %s",
+            cli_input_name(work->other.input), norma_result_text(compared));
+    } else if (work->all.area == 0) {
+        error->result = NORMA_DOCUMENT_ERROR_UNSUPPORTED;
+        snprintf(error->message, sizeof error->message,
+            "%.800s: nothing can be compared: no face has an area",
+            cli_input_name(work->other.input));
+    }
+    return error->result;
+}
+
+/* ---- the worst places */
+
+typedef struct worst_place {
+    size_t corner, face; /* of other: the corner among all, the face within its piece */
+    const compared_piece *piece;
+    double position[3], normal[3];
+} worst_place;
+
+static void describe_place(const compare_work *work, size_t corner, worst_place *place) {
+    const compared_scene *scene = &work->other;
+    const compared_piece *piece = scene->pieces;
+    while (corner - piece->first_corner >= piece->corners) ++piece;
+    size_t face = 0, end = piece->first_corner;
+    while ((end += scene->sizes[piece->first_face + face]) <= corner) ++face;
+    *place = (worst_place){.corner = corner, .face = face, .piece = piece};
+    const size_t position = piece->first_position + scene->corners[corner];
+    const uint32_t number = scene->numbers[corner];
+    memcpy(place->position, scene->positions + 3 * position, sizeof place->position);
+    for (size_t k = 0; k < 3 && number != UINT32_MAX; ++k)
+        place->normal[k] = (double)scene->normals[3 * (piece->first_normal + number) + k];
+}
+
+static double apart(const double a[3], const double b[3]) {
+    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+}
+
+static double size_of_base(const compared_scene *scene) {
+    const compared_piece *last = &scene->pieces[scene->count - 1];
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < 3 * (last->first_position + last->positions); ++i) {
+        low[i % 3] = fmin(low[i % 3], scene->positions[i]);
+        high[i % 3] = fmax(high[i % 3], scene->positions[i]);
+    }
+    return apart(low, high);
+}
+
+/* One after the other the worst corner that is not near one before: a twentieth of the size of
+ * BASE. */
+static size_t find_worst(const compare_work *work, worst_place places[MOST_WORST]) {
+    const compared_scene *scene = &work->other;
+    const double near = size_of_base(&work->base) / 20;
+    size_t count = 0;
+    for (; count < MOST_WORST; ++count) {
+        size_t worst = SIZE_MAX;
+        for (const compared_piece *p = scene->pieces; p < scene->pieces + scene->count; ++p)
+            for (size_t i = p->first_corner; i < p->first_corner + p->corners; ++i) {
+                const norma_compare_sample *s = &work->samples[i];
+                const double *at = scene->positions + 3 * (p->first_position + scene->corners[i]);
+                size_t k = 0;
+                if (!(s->area > 0) || !(s->angle_rad > 1e-6f)) continue;
+                if (worst != SIZE_MAX && s->angle_rad <= work->samples[worst].angle_rad) continue;
+                while (k < count && apart(at, places[k].position) > near) ++k;
+                if (k == count) worst = i;
+            }
+        if (worst == SIZE_MAX) break;
+        describe_place(work, worst, &places[count]);
+    }
+    return count;
+}
+
+/* ---- for programs */
+
+static const char *way_of(const compare_work *work) {
+    size_t same = 0;
+    for (size_t i = 0; i < work->group_count; ++i) same += work->groups[i].same_faces != 0;
+    return same == work->group_count ? "corners" : same ? "mixed" : "nearest";
+}
+
+static void write_comparison(
+    cli_json *json, const compare_work *work, const norma_comparison *sum) {
+    cli_json_size(json, "corners", sum->corners);
+    cli_json_size(json, "missing", sum->missing);
+    cli_json_open(json, "normals", '{');
+    cli_json_number(json, "p50_deg", cli_to_degrees(sum->p50_rad));
+    cli_json_number(json, "p99_deg", cli_to_degrees(sum->p99_rad));
+    cli_json_number(json, "max_deg", cli_to_degrees(sum->max_rad));
+    cli_json_close(json, '}');
+    cli_json_open(json, "distances", '{');
+    cli_json_number(json, "p50", sum->p50_distance);
+    cli_json_number(json, "p99", sum->p99_distance);
+    cli_json_number(json, "max", sum->max_distance);
+    cli_json_close(json, '}');
+    cli_json_number(json, "share_above", work->given & MAX_GIVEN ? sum->share_above : NAN);
+}
+
+static void write_vector(cli_json *json, const char *key, const double v[3]) {
+    cli_json_open(json, key, '[');
+    for (int k = 0; k < 3; ++k) cli_json_number(json, NULL, v[k]);
+    cli_json_close(json, ']');
+}
+
+static void write_groups(cli_json *json, const compare_work *work) {
+    cli_json_open(json, "meshes", '[');
+    for (size_t i = 0; i < work->group_count; ++i) {
+        const struct compared_group *group = &work->groups[i];
+        const compared_piece *first = &work->other.pieces[group->first],
+                             *last = &work->other.pieces[group->end - 1];
+        norma_comparison sum = {.worst = SIZE_MAX};
+        norma_compare_summary(work->samples + first->first_corner,
+            last->first_corner + last->corners - first->first_corner, work->max_rad, NULL, &sum);
+        cli_json_open(json, NULL, '{');
+        cli_json_string(json, "name", first->name);
+        cli_json_bool(json, "same_name", group->named);
+        cli_json_string(json, "compared", group->same_faces ? "corners" : "nearest");
+        write_comparison(json, work, &sum);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+}
+
+static void write_worst_places(
+    cli_json *json, const compare_work *work, const worst_place *places, size_t count) {
+    cli_json_open(json, "worst", '[');
+    for (size_t i = 0; i < count; ++i) {
+        const norma_compare_sample *s = &work->samples[places[i].corner];
+        const double normal[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
+        norma_mesh_info info = {.where = ""};
+        norma_document_mesh_info(work->other.document, places[i].piece->mesh, &info);
+        cli_json_open(json, NULL, '{');
+        cli_json_number(json, "angle_deg", cli_to_degrees((double)s->angle_rad));
+        cli_json_number(json, "distance", s->distance < 0 ? NAN : (double)s->distance);
+        write_vector(json, "position", places[i].position);
+        write_vector(json, "normal", places[i].normal);
+        write_vector(json, "base_normal", normal);
+        cli_json_string(json, "mesh", places[i].piece->name);
+        cli_json_string(json, "where", info.where);
+        cli_json_size(json, "face", places[i].face);
+        cli_json_close(json, '}');
+    }
+    cli_json_close(json, ']');
+}
+
+static int passes_gate(const compare_work *work) {
+    return !(work->given & MAX_GIVEN) || work->all.share_above <= work->share + 1e-9;
+}
+
+static void write_compare_json(
+    const compare_work *work, const worst_place *places, size_t count, const char *error) {
+    cli_json json = {.out = stdout};
+    cli_json_open(&json, NULL, '{');
+    cli_json_string(&json, "base", work->files.words.words[0]);
+    cli_json_string(&json, "other", work->files.words.words[1]);
+    if (error) {
+        cli_json_string(&json, "error", error);
+    } else {
+        cli_json_string(&json, "compared", way_of(work));
+        cli_json_number(
+            &json, "max_deg", work->given & MAX_GIVEN ? cli_given_degrees(work->max_rad) : NAN);
+        cli_json_number(&json, "share", work->given & MAX_GIVEN ? work->share : NAN);
+        write_comparison(&json, work, &work->all);
+        cli_json_bool(&json, "ok", passes_gate(work));
+        cli_json_bool(&json, "base_computed", work->base.computed);
+        cli_json_bool(&json, "other_computed", work->other.computed);
+        write_groups(&json, work);
+        write_worst_places(&json, work, places, count);
+        cli_json_notes(&json, work->other.document);
+    }
+    cli_json_close(&json, '}');
+    fputc('\n', stdout);
+}
+
+/* ---- for people */
+
+static void print_percentiles(const char *what, double p50, double p99, double most) {
+    printf("  %-10s p50 %.4g, p99 %.4g, at most %.4g\n", what, p50, p99, most);
+}
+
+static double shown_degrees(double radians) { return rint(cli_to_degrees(radians) * 1e4) / 1e4; }
+
+static void print_vector(const char *before, const double v[3]) {
+    printf("%s(%.4g, %.4g, %.4g)", before, v[0] + 0.0, v[1] + 0.0, v[2] + 0.0);
+}
+
+static void print_place(const compare_work *work, const worst_place *place) {
+    const norma_compare_sample *s = &work->samples[place->corner];
+    const double base[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
+    printf("  %.4g degrees at ", shown_degrees((double)s->angle_rad));
+    print_vector("", place->position);
+    printf(", face %zu", place->face);
+    if (place->piece->name[0]) {
+        fputs(" of \"", stdout);
+        cli_write_outside(stdout, place->piece->name);
+        fputc('"', stdout);
+    }
+    print_vector(": ", place->normal);
+    print_vector(" instead of ", base);
+    fputc('\n', stdout);
+}
+
+static void print_comparison(const compare_work *work, const worst_place *places, size_t count) {
+    const norma_comparison *all = &work->all;
+    const char *way = way_of(work);
+    char max[32], share[32], allowed[32];
+    cli_say(stdout, "%s against %s: ", cli_input_name(work->other.input),
+        cli_input_name(work->base.input));
+    cli_counted(stdout, all->corners, "corner", "corners");
+    puts(way[0] == 'c'   ? ", each with its counterpart: the faces are the same"
+         : way[0] == 'm' ? ", with their counterparts in meshes of the same faces, others with the "
+                           "nearest points"
+                         : ", each with the nearest point");
+    print_percentiles("degrees", shown_degrees(all->p50_rad), shown_degrees(all->p99_rad),
+        shown_degrees(all->max_rad));
+    print_percentiles("distances", all->p50_distance, all->p99_distance, all->max_distance);
+    for (size_t i = 0; i < count; ++i) print_place(work, &places[i]);
+    if (all->missing) {
+        fputs("  ", stdout);
+        cli_counted(stdout, all->missing, "corner", "corners");
+        puts(" without a normal, which count as above --max");
+    }
+    if (work->given & MAX_GIVEN)
+        printf("  %s: %s %% of the area is above %s degrees, %s %% may be\n",
+            passes_gate(work) ? "fine" : "too far off",
+            cli_decimals(share, 100 * all->share_above, 4),
+            cli_decimals(max, cli_given_degrees(work->max_rad), 6),
+            cli_decimals(allowed, 100 * work->share, 4));
+    fflush(stdout);
+}
+
+static void print_computed(const compare_work *work, const compared_scene *scene) {
+    if (scene->computed && !work->common.quiet)
+        cli_error("%s: note: some normals were missing and were computed, as norma compute does",
+            cli_input_name(scene->input));
+}
+
+/* ---- the command */
+
+static int compare_and_report(compare_work *work) {
+    norma_document_error error = {0};
+    worst_place places[MOST_WORST];
+    const norma_document_result result = compare_files(work, &error);
+    const size_t count = result ? 0 : find_worst(work, places);
+    if (result) {
+        cli_name_error(&error, work->other.input ? work->other.input : work->base.input);
+        cli_print_error(&error);
+    } else {
+        print_computed(work, &work->base);
+        print_computed(work, &work->other);
+    }
+    if (work->common.json)
+        write_compare_json(work, places, count, result ? error.message : NULL);
+    else if (!result)
+        print_comparison(work, places, count);
+    const int status = result ? cli_status_of(result) : passes_gate(work) ? CLI_OK : CLI_FINDINGS;
+    free(work->samples);
+    free(work->groups);
+    compared_scene_close(&work->base);
+    compared_scene_close(&work->other);
+    return status;
+}
+
+static int compare_run(const cli_subcommand *command, int count, char **arguments) {
+    compare_work work = {.common = {.threads = NORMA_ALL_THREADS}};
+    const cli_table tables[] = {
+        {compare_options, CLI_COUNT(compare_options), &work},
+        {cli_input_options, cli_input_option_count, &work.files},
+        {cli_common_options, cli_common_option_count, &work.common},
+    };
+    int status = cli_read_files(command, &work.files, tables, CLI_COUNT(tables), count, arguments);
+    if (status) return status;
+    const cli_words *words = &work.files.words;
+    if (words->count != 2)
+        status = cli_usage(command, "expected two files, BASE and OTHER, not %zu", words->count);
+    else if (strcmp(words->words[0], "-") == 0 && strcmp(words->words[1], "-") == 0)
+        status = cli_usage(command, "only one of the two files can be standard input");
+    else if (work.output)
+        status = cli_usage(command, "draws no picture yet; 'norma render --show error' draws the "
+                                    "errors of one file");
+    else if (work.given == SHARE_GIVEN)
+        status = cli_usage(command, "--share needs --max");
+    else
+        status = compare_and_report(&work);
+    cli_files_end(&work.files);
+    return cli_finish(status);
+}
+
+const cli_subcommand cli_subcommand_compare = {
+    "compare", "measures by how much the normals of two files differ", compare_usage, compare_run};
