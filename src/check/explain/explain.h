@@ -44,9 +44,10 @@ norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
     const core_mesh *checked, const core_topology *topology, norma_deviation *deviation);
 
 /* Whether half of the stored normals are within 30 degrees of those that explain them best, as far
- * as that can be said at once: 0 says nothing. */
+ * as that can be said at once: 0 says nothing. likely: NULL, or what may explain them. */
 norma_result norma_explain_is_near(core_call *call, const norma_mesh_data *data,
-    const core_mesh *checked, const core_topology *topology, int *is_near);
+    const core_mesh *checked, const core_topology *topology, const norma_deviation *likely,
+    int *is_near);
 
 /* Calls visit with the surface, its normals read; with a sample of it where it is large. */
 typedef norma_result explain_visit(core_call *call, explain_surface *surface, void *context);

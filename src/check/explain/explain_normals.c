@@ -662,22 +662,39 @@ norma_result norma_explain_on_sample(core_call *call, const norma_mesh_data *dat
     return result;
 }
 
+typedef struct near_question {
+    const norma_deviation *likely;
+    int is_near;
+} near_question;
+
 /* The best has the least mean of all, so one below 15 degrees bounds it, and then no more than half
- * of its angles can be above 30 (Markov); 10, as a sample is not the whole. */
-static norma_result look_for_near(core_call *call, explain_surface *surface, void *is_near) {
-    const double far = radians(10), creases[] = {NAN, radians(60)};
+ * of its angles can be above 30 (Markov). */
+static norma_result look_for_near(core_call *call, explain_surface *surface, void *context) {
+    near_question *q = context;
+    const norma_deviation *likely = q->likely;
+    const explain_trial trials[] = {likely
+                                        ? (explain_trial){likely->weight, likely->crease_angle_rad,
+                                              likely->shading == NORMA_SHADING_FLAT}
+                                        : (explain_trial){.crease_rad = NAN},
+        {.crease_rad = radians(60)}};
+    const double far = radians(15);
     explain_search search = {.call = call, .surface = surface, .best_mean = INFINITY};
     norma_result result = NORMA_OK;
-    for (size_t i = 0; i < sizeof creases / sizeof *creases && !result && search.best_mean > far;
+    for (size_t i = 0; i < sizeof trials / sizeof *trials && !result && !(search.best_mean < far);
          i++)
-        result = try_one(&search, (explain_trial){.crease_rad = creases[i]});
-    *(int *)is_near = search.best_mean < far;
+        result = try_one(&search, trials[i]);
+    q->is_near = search.best_mean < far;
     return result;
 }
 
 norma_result norma_explain_is_near(core_call *call, const norma_mesh_data *data,
-    const core_mesh *checked, const core_topology *topology, int *is_near) {
-    return norma_explain_on_sample(call, data, checked, topology, look_for_near, is_near);
+    const core_mesh *checked, const core_topology *topology, const norma_deviation *likely,
+    int *is_near) {
+    near_question q = {likely, 0};
+    const norma_result result =
+        norma_explain_on_sample(call, data, checked, topology, look_for_near, &q);
+    *is_near = q.is_near;
+    return result;
 }
 
 norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,

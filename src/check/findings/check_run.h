@@ -73,6 +73,7 @@ typedef struct check_run {
     uint8_t rules[CHECK_RULE_COUNT]; /* wanted: nonzero */
     core_call call;                  /* memory, threads, progress */
     norma_findings *findings;
+    const norma_findings *known; /* of a document that differs little; or NULL */
     const check_part *part; /* what is hit has the numbers of this part; NULL: those of the file */
     size_t next_order;      /* places are numbered as they come */
     check_group *group;     /* the meshes that are looked at together now */
@@ -277,6 +278,8 @@ struct norma_findings {
 
 norma_findings *norma_findings_new(norma_check_profile profile); /* NULL: out of memory */
 void norma_findings_sort(norma_findings *findings);              /* by place, rule, severity */
+/* How the stored normals at a place were made, as N204 says; NULL: it does not. */
+const norma_deviation *norma_findings_deviation(const norma_findings *findings, const char *where);
 /* Adds a copy of another's finding. 0: out of memory. */
 int norma_findings_copy(norma_findings *findings, const norma_finding *finding, size_t order);
 

@@ -360,6 +360,14 @@ norma_result norma_check_add(
     return result;
 }
 
+const norma_deviation *norma_findings_deviation(const norma_findings *findings, const char *where) {
+    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+        const norma_finding *finding = &findings->entries[i].finding;
+        if (finding->deviation && strcmp(finding->where, where) == 0) return finding->deviation;
+    }
+    return NULL;
+}
+
 int norma_findings_copy(norma_findings *findings, const norma_finding *finding, size_t order) {
     findings_entry *entry = new_entry(findings);
     norma_sample *samples = malloc((finding->sample_count + 1) * sizeof *samples);

@@ -25,6 +25,7 @@ typedef struct fixing {
     fix_left_out *places; /* the request's */
     size_t place_room;
     harm *harms;                     /* of each rule */
+    norma_findings *given;           /* what a check found in the document; NULL: not known */
     uint8_t again[CHECK_RULE_COUNT]; /* of which the given findings do not have every element */
     fix_measure before;
     fix_trial best; /* whose plans do no harm; count 0: none yet */
@@ -85,7 +86,7 @@ static void end_fixing(fixing *f) {
     forget_places(f, 0);
     free(f->places);
     free(f->harms);
-    norma_findings_free((norma_findings *)(uintptr_t)f->request.given);
+    norma_findings_free(f->given);
     norma_fix_trial_free(&f->best);
     norma_fix_measure_free(&f->before);
 }
@@ -94,11 +95,11 @@ static void end_fixing(fixing *f) {
 
 /* Every element that any rule finds, once: plans are made of it, and trials compared with it. */
 static norma_document_result look_once(fixing *f) {
-    const check_known known = {f->document, f->request.given, f->again};
+    const check_known known = {f->document, f->given, f->again};
     if (f->before.findings) return NORMA_DOCUMENT_OK;
     f->checks++;
-    return norma_fix_find(f->document, &f->request, f->request.reads_maps,
-        f->request.given ? &known : NULL, &f->before.findings, f->error);
+    return norma_fix_find(f->document, &f->request, f->request.reads_maps, f->given ? &known : NULL,
+        &f->before.findings, f->error);
 }
 
 /* trial: to be freed in any case. harmful: by what it is worse, if it is. */
@@ -504,7 +505,7 @@ static norma_document_result keep_given(
     fixing *f, norma_severity from, const norma_findings *findings) {
     if (!findings || !is_known(f, findings)) return NORMA_DOCUMENT_OK;
     norma_findings *given = norma_findings_new(findings->profile);
-    f->request.given = given;
+    f->given = given;
     for (size_t i = 0; given && i < findings->count; i++) {
         const norma_finding *finding = &findings->entries[i].finding;
         const check_rule rule = (check_rule)(finding->rule - norma_rules(NULL));

@@ -20,7 +20,7 @@ typedef struct fix_request {
     norma_severity from; /* of unsafe fixes: findings below this severity are left as they are */
     int reads_maps;      /* normal maps are looked at before anything is fixed */
     int changes_maps;    /* and measured afterwards */
-    const norma_findings *given; /* what a check found in the document as it is; NULL: not known */
+
     uint8_t left_out[CHECK_RULE_COUNT];
     const fix_left_out *places; /* a rule at one mesh or node */
     size_t place_count;

@@ -43,16 +43,6 @@ static int gather_findings(const mender *m, fix_mesh *mesh) {
     return mesh->findings != NULL;
 }
 
-/* How the stored normals were made, as N204 found out. */
-static const norma_deviation *find_known(const fix_request *request, const char *where) {
-    for (size_t i = 0; i < norma_findings_count(request->given); i++) {
-        const norma_finding *finding = norma_findings_get(request->given, i);
-        if (norma_fix_is_rule(finding, RULE_N204) && strcmp(finding->where, where) == 0)
-            return finding->deviation;
-    }
-    return NULL;
-}
-
 static void strip_normals(fix_mesh *m) {
     if (norma_fix_has(m, RULE_N105))
         m->edit->strip_normals = NORMA_STRIP_ALL;
@@ -102,7 +92,7 @@ static norma_document_result fix_mesh_of(mender *m, size_t index) {
         result = norma_document_mesh_data(m->document, index, &mesh.data, m->error);
         if (!result)
             result = norma_document_mesh_attributes(m->document, index, &mesh.attributes, m->error);
-        mesh.known = find_known(m->request, mesh.info.where);
+        mesh.known = norma_findings_deviation(m->findings, mesh.info.where);
         if (!result) mended = fix_arrays(&mesh);
     }
     part_steps(&mesh);

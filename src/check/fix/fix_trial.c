@@ -391,7 +391,7 @@ static norma_document_result look_at_copy(norma_document *copy, const fix_reques
 static norma_document_result take_steps(norma_document *copy, const fix_request *request,
     const check_known *known, fix_trial *trial, norma_document_error *error) {
     fix_request next = *request;
-    next.given = NULL;
+
     norma_document_result result = NORMA_DOCUMENT_OK;
     int changed = 1;
     while (!result && changed && trial->count <= FIX_MOST_STEPS) {

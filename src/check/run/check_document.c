@@ -270,13 +270,16 @@ static int is_told_with_meshes(check_rule rule) {
     return rule != RULE_N002 && rule != RULE_N811 && rule != RULE_N812;
 }
 
-/* Of the rules that are wanted, but not looked at. */
-static norma_result add_known(document_check *d, size_t first, const uint8_t *wanted) {
+/* Of the rules that are wanted, but not looked at; and how normals that are the same were made. */
+static norma_result copy_known(
+    document_check *d, size_t first, const uint8_t *wanted, check_change change) {
     for (size_t i = 0; i < norma_findings_count(d->known->findings); i++) {
         const norma_finding *finding = norma_findings_get(d->known->findings, i);
         const size_t rule = (size_t)(finding->rule - norma_rules(NULL));
         size_t mesh = first;
-        if (!wanted[rule] || d->run.rules[rule] || !is_told_with_meshes((check_rule)rule)) continue;
+        if (!(wanted[rule] || (finding->deviation && change == CHECK_SAME)) || d->run.rules[rule] ||
+            !is_told_with_meshes((check_rule)rule))
+            continue;
         while (mesh < d->mesh_count && strcmp(d->meshes[mesh].info.where, finding->where) != 0)
             mesh++;
         if (mesh < d->mesh_count && !norma_findings_copy(d->run.findings, finding, d->orders[mesh]))
@@ -293,7 +296,7 @@ static norma_result run_group(document_check *d, size_t first, check_change chan
     norma_check_leave_known(d->run.rules, change);
     for (size_t rule = 0; d->known && d->known->again && rule < CHECK_RULE_COUNT; rule++)
         d->run.rules[rule] |= wanted[rule] && d->known->again[rule];
-    if (change != CHECK_ALL_CHANGED) result = add_known(d, first, wanted);
+    if (change != CHECK_ALL_CHANGED) result = copy_known(d, first, wanted, change);
     if (!result && memchr(d->run.rules, 1, sizeof d->run.rules))
         result = norma_check_run_group(
             &d->run, &d->meshes[first], d->mesh_count - first, &d->orders[first]);
@@ -430,6 +433,7 @@ norma_document_result norma_check_again(norma_document *document, const check_kn
     if (!document || !findings) return norma_check_fail(error, NORMA_ERROR_ARGUMENT);
     norma_result begun = norma_check_begin(&d.run, options, norma_document_format(document));
     if (begun) return norma_check_fail(error, begun);
+    d.run.known = known ? known->findings : NULL;
     norma_document_result result = check_meshes(&d);
     if (!result) result = check_maps(&d);
     if (!result) result = check_nodes(&d);
