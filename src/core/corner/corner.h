@@ -78,19 +78,12 @@ norma_result norma_core_index_corners(core_call *call, const norma_stream *strea
 /* ---- a mesh made ready for normals at its positions: checked, welded, its corners sorted by
  * position, its polygons measured. */
 
-typedef struct measured_face {
-    double normal[4]; /* unit, and 1; 0 where doubles do not decide it, and nothing here is said */
-    double weight[4]; /* of its corners */
-} measured_face;
-
 typedef struct core_prepared_mesh {
     core_call *call;
     core_mesh mesh;
     core_corners_of_position corners_of;
     core_face *faces; /* of each face of a mesh of polygons, for stars; NULL for triangles and sums,
                          whose faces are measured where they are met */
-    measured_face *measured; /* of each face of a small mesh of triangles (star_kernel.h); or
-                                NULL */
     uint32_t *borrowed_from; /* NULL where no face needs one; else of each face without a direction
                          the face whose direction it borrows, UINT32_MAX: none */
     atomic_uchar *flat_at; /* with borrowed_from: nonzero at the positions of faces that have edges

@@ -216,8 +216,6 @@ void norma_core_prepared_mesh_close(core_prepared_mesh *prepared) {
     norma_core_release(
         call, prepared->flat_at, prepared->mesh.positions.count, sizeof *prepared->flat_at);
     norma_core_release(call, prepared->faces, prepared->mesh.face_count, sizeof *prepared->faces);
-    norma_core_release(
-        call, prepared->measured, prepared->mesh.face_count, sizeof *prepared->measured);
     if (prepared->corners_of.starts)
         norma_core_corners_of_position_release(call, &prepared->corners_of);
     if (prepared->mesh.weld) norma_core_unweld(call, &prepared->mesh);

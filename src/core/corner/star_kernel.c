@@ -6,13 +6,6 @@
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"
 
-void norma_core_clear_measured(measured_faces *m) {
-    memset(m->number, 0xff, sizeof m->number);
-    memset(m->used, 0, sizeof m->used);
-    m->batch = 1;
-    m->waiting_count = 0;
-}
-
 CORE_INLINE void load_edges(
     const core_mesh *mesh, const uint32_t at[3 * CORE_LANES], core_batch *batch) {
     double p[3][3];
@@ -26,85 +19,32 @@ CORE_INLINE void load_edges(
     }
 }
 
-/* Eight faces, and where they go. */
-typedef void measure_eight(
-    const core_prepared_mesh *s, const uint32_t *faces, const uint16_t *places, measured_face *out);
-
-CORE_INLINE void measure(const core_prepared_mesh *s, const uint32_t *faces, const uint16_t *places,
-    measured_face *out) {
-    uint32_t at[3 * CORE_LANES];
+/* Eight of the faces that wait, from first on. */
+CORE_INLINE void measure_eight(
+    const core_prepared_mesh *s, const star_list *list, uint32_t first, kept_faces *out) {
     core_batch b;
     core_rows normals, weights;
-    for (size_t i = 0; i < CORE_LANES; i++)
-        for (size_t k = 0; k < 3; k++)
-            at[3 * i + k] = norma_core_corner(&s->mesh, 3 * (size_t)faces[i] + k);
-    load_edges(&s->mesh, at, &b);
+    load_edges(&s->mesh, list->at[first], &b);
     norma_core_measure(s->call->level, &b, s->call->options.weight, CORE_ALL_CORNERS);
     core_lanes_to_rows(b.normal[0], b.normal[1], b.normal[2], b.sure, &normals);
     core_lanes_to_rows(b.weight[0], b.weight[1], b.weight[2], b.sure, &weights);
     for (size_t i = 0; i < CORE_LANES; i++) {
-        memcpy(out[places[i]].normal, normals.row[i], sizeof out->normal);
-        memcpy(out[places[i]].weight, weights.row[i], sizeof out->weight);
+        const uint32_t *at = list->at[first + i], place = list->place[first + i];
+        uint32_t *welded = out->at[place];
+        memcpy(out->row[place], normals.row[i], sizeof normals.row[i]);
+        memcpy(out->row[place] + 4, weights.row[i], sizeof weights.row[i]);
+        for (int k = 0; k < 3; k++) welded[k] = norma_core_welded(&s->mesh, at[k]);
+        welded[3] = welded[0];
+        welded[4] = welded[1];
     }
 }
 
-static void measure_portable(const core_prepared_mesh *s, const uint32_t *faces,
-    const uint16_t *places, measured_face *out) {
-    measure(s, faces, places, out);
-}
-#if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static void measure_avx2(const core_prepared_mesh *s, const uint32_t *faces,
-    const uint16_t *places, measured_face *out) {
-    measure(s, faces, places, out);
-}
-static measure_eight *const MEASURE[] = {
-    measure_portable, measure_avx2, measure_avx2}; /* rows are of four */
-#else
-static measure_eight *const MEASURE[] = {measure_portable};
-#endif
-
-void norma_core_measure_waiting(const core_prepared_mesh *prepared, measured_faces *m) {
-    measure_eight *const measure_them = MEASURE[prepared->call->level];
-    for (uint32_t i = m->waiting_count; i % CORE_LANES; i++) {
-        m->waiting[i] = m->waiting[0];
-        m->waiting_place[i] = m->waiting_place[0];
+CORE_INLINE void measure_triangles(const core_prepared_mesh *s, star_list *list, kept_faces *out) {
+    for (uint32_t i = list->waiting; i % CORE_LANES; i++) {
+        memcpy(list->at[i], list->at[0], sizeof list->at[i]);
+        list->place[i] = list->place[0];
     }
-    for (uint32_t i = 0; i < m->waiting_count; i += CORE_LANES)
-        measure_them(prepared, m->waiting + i, m->waiting_place + i, m->room);
-    m->waiting_count = 0;
-    m->batch++;
-}
-
-/* ---- small meshes */
-
-/* No more than what is small beside a thread's stack: 64 kB. */
-enum { SMALL_FACES = 1 << 10, FACES_IN_TASK = 1 << 9 };
-_Static_assert(SMALL_FACES <= UINT16_MAX, "a place is a face's number");
-
-static void measure_task(void *context, size_t task) {
-    const core_prepared_mesh *s = context;
-    const size_t count = s->mesh.face_count, begin = task * FACES_IN_TASK,
-                 end = count - begin < FACES_IN_TASK ? count : begin + FACES_IN_TASK;
-    for (size_t f = begin; f < end; f += CORE_LANES) {
-        uint32_t faces[CORE_LANES];
-        uint16_t places[CORE_LANES];
-        for (size_t i = 0; i < CORE_LANES; i++) {
-            faces[i] = (uint32_t)(f + i < end ? f + i : f);
-            places[i] = (uint16_t)faces[i];
-        }
-        MEASURE[s->call->level](s, faces, places, s->measured);
-    }
-}
-
-norma_result norma_core_measure_small(core_prepared_mesh *s) {
-    const size_t faces = s->mesh.face_count;
-    if (s->mesh.face_starts || s->measured || faces > SMALL_FACES ||
-        s->corners_of.starts[s->corners_of.position_count] < faces)
-        return NORMA_OK;
-    if (!(s->measured = norma_core_allocate(s->call, faces, sizeof *s->measured)))
-        return NORMA_ERROR_MEMORY;
-    return norma_core_parallel(
-        s->call, faces / FACES_IN_TASK + (faces % FACES_IN_TASK != 0), measure_task, s);
+    for (uint32_t i = 0; i < list->waiting; i += CORE_LANES) measure_eight(s, list, i, out);
 }
 
 /* ---- what memory has to say about a batch of stars. In meshes of random order each of a corner's
@@ -121,94 +61,99 @@ int norma_core_can_batch(const core_prepared_mesh *prepared) {
 }
 
 void norma_core_clear_batch(fan_batch *batch) {
-    norma_core_clear_measured(&batch->measured);
-    memset(batch->notes, 0, sizeof batch->notes);
+    memset(batch->kept.held, 0xff, sizeof batch->kept.held);
+    batch->kept.lists = 0;
 }
 
 void norma_core_clear_list(star_list *list, const position_visit *visit) {
     list->visit = visit;
     list->corner_count = 0;
     list->star_count = 0;
+    list->scattered = 0;
+}
+
+/* Those in a row: corners of other positions, left out, end a list. */
+int norma_core_list_star(
+    const core_prepared_mesh *prepared, uint32_t position, uint32_t count, star_list *list) {
+    const uint32_t *corners = prepared->corners_of.corners + prepared->corners_of.starts[position],
+                   at = (uint32_t)list->corner_count;
+    if (!at) list->corners = corners;
+    if (at + count > BATCH_CORNERS || corners != list->corners + at) return 0;
+    list->stars[list->star_count++] =
+        (listed_star){.position = position, .begin = (uint16_t)at, .count = (uint16_t)count};
+    list->corner_count += count;
+    list->scattered |= corners[count - 1] - corners[0] > NEAR;
+    return 1;
+}
+
+static uint32_t place_of_corner(size_t corner) { return FACES_KEPT + (uint32_t)corner; }
+
+/* The place of each corner's face, there already or once none waits. Which of the two is written
+ * beyond the end of those that wait, or not: no branch could foretell it. */
+static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *list) {
+    const uint64_t lists = (uint64_t)++kept->lists << 32;
+    uint32_t waiting = 0;
+    for (uint32_t i = 0; i < list->corner_count; i++) {
+        const uint32_t corner = list->corners[i], face = corner / 3, own = face % FACES_KEPT;
+        const uint64_t held = kept->held[own];
+        const int waits = (uint32_t)held != face,
+                  is_taken = waits & (held >> 32 == lists >> 32); /* by another of this list */
+        const uint32_t place = is_taken ? place_of_corner(i) : own;
+        kept->held[own] = is_taken ? held : lists | face;
+        list->key[i] = 8 * place + (corner - 3 * face);
+        list->face[waiting] = face;
+        list->place[waiting] = (uint16_t)place;
+        waiting += (uint32_t)waits;
+    }
+    list->waiting = waiting;
+    for (uint32_t i = 0; i < waiting; i++)
+        for (uint32_t k = 0; k < 3; k++)
+            list->at[i][k] = norma_core_corner(mesh, 3 * (size_t)list->face[i] + k);
 }
 
 static void read_polygon_corners(const core_prepared_mesh *prepared, star_list *list) {
     const core_mesh *mesh = &prepared->mesh;
     for (size_t i = 0; i < list->corner_count; i++) {
         const size_t corner = list->corners[i],
-                     face = norma_core_face_of(&prepared->corners_of, list->corners[i]);
+                     face = norma_core_face_of(&prepared->corners_of, corner);
         list->face[i] = (uint32_t)face;
-        list->turn[i] = 0;
-        list->next[i] = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, corner));
-        list->previous[i] =
-            norma_core_corner(mesh, norma_core_previous_in_face(mesh, face, corner));
+        list->key[i] = 8 * place_of_corner(i);
+        list->at[i][0] = norma_core_corner(mesh, corner);
+        list->at[i][1] = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, corner));
+        list->at[i][2] = norma_core_corner(mesh, norma_core_previous_in_face(mesh, face, corner));
     }
+    list->waiting = (uint32_t)list->corner_count;
 }
 
-/* Corners of 32 bits in a loop without a question inside. */
-static inline uint32_t corner_at(const core_mesh *mesh, size_t corner, int plain) {
-    uint32_t index;
-    if (!plain) return norma_core_corner(mesh, corner);
-    memcpy(&index, (const unsigned char *)mesh->corners + 4 * corner, sizeof index);
-    return index;
-}
-
-static inline void read_triangle_corners(const core_mesh *mesh, star_list *list, int plain) {
-    for (size_t i = 0; i < list->corner_count; i++) {
-        const uint32_t corner = list->corners[i], face = corner / 3, turn = corner - 3 * face;
-        list->face[i] = face;
-        list->turn[i] = turn;
-        list->next[i] = corner_at(mesh, turn == 2 ? corner - 2 : corner + 1, plain);
-        list->previous[i] = corner_at(mesh, turn == 0 ? corner + 2 : corner - 1, plain);
-    }
-}
-
-/* Of most stars, each next is also a previous. */
-static void ask_for_positions(
-    const core_prepared_mesh *prepared, const star_list *list, size_t begin, size_t count) {
+static void ask_for_positions(const core_prepared_mesh *prepared, const star_list *list) {
     const core_mesh *mesh = &prepared->mesh;
-    const uint32_t *next = list->next + begin;
-    for (size_t i = 0; i < count; i++) {
-        __builtin_prefetch(
-            (const unsigned char *)mesh->positions.data + next[i] * mesh->positions.stride);
-        if (mesh->weld) __builtin_prefetch(&mesh->weld[next[i]]);
-        if (prepared->faces) __builtin_prefetch(&prepared->faces[list->face[begin + i]]);
+    for (size_t i = 0; i < list->waiting; i++) {
+        if (prepared->faces) __builtin_prefetch(&prepared->faces[list->face[i]]);
+        for (size_t k = 0; k < 3; k++) {
+            const uint32_t at = list->at[i][k];
+            __builtin_prefetch(
+                (const unsigned char *)mesh->positions.data + at * mesh->positions.stride);
+            if (mesh->weld) __builtin_prefetch(&mesh->weld[at]);
+        }
     }
 }
 
-int norma_core_list_star(
-    const core_prepared_mesh *prepared, uint32_t position, uint32_t count, star_list *list) {
-    const uint32_t *corners = prepared->corners_of.corners + prepared->corners_of.starts[position],
-                   at = (uint32_t)list->corner_count;
-    if (at + count > BATCH_CORNERS) return 0;
-    memcpy(list->corners + at, corners, count * sizeof *corners);
-    list->stars[list->star_count++] = (listed_star){.position = position,
-        .begin = (uint16_t)at,
-        .count = (uint16_t)count,
-        .scattered = corners[count - 1] - corners[0] > NEAR};
-    list->corner_count += count;
-    return 1;
-}
-
-void norma_core_read_list(const core_prepared_mesh *prepared, star_list *list) {
+void norma_core_read_list(const core_prepared_mesh *prepared, fan_batch *batch, star_list *list) {
     if (prepared->faces)
         read_polygon_corners(prepared, list);
-    else if (prepared->mesh.corner_size == sizeof(uint32_t))
-        read_triangle_corners(&prepared->mesh, list, 1);
     else
-        read_triangle_corners(&prepared->mesh, list, 0);
-    for (size_t i = 0; i < list->star_count; i++)
-        if (list->stars[i].scattered)
-            ask_for_positions(prepared, list, list->stars[i].begin, list->stars[i].count);
+        read_triangles(&prepared->mesh, &batch->kept, list);
+    if (list->scattered) ask_for_positions(prepared, list);
 }
 
-void norma_core_ask_for_targets(const star_list *list, const listed_star *star) {
+static void ask_for_targets(const star_list *list, const listed_star *star) {
     const position_visit *visit = list->visit;
     for (size_t i = star->begin; i < (size_t)star->begin + star->count && visit->target; i++)
         __builtin_prefetch(
             (const unsigned char *)visit->target + visit->target_size * list->corners[i], 1);
 }
 
-void norma_core_ask_for_corners(const core_prepared_mesh *prepared, const listed_star *star) {
+static void ask_for_corners(const core_prepared_mesh *prepared, const listed_star *star) {
     const core_corners_of_position *corners_of = &prepared->corners_of;
     const core_mesh *mesh = &prepared->mesh;
     const size_t begin = corners_of->starts[star->position] + (size_t)CORNERS_AHEAD,
@@ -273,17 +218,18 @@ static void load_polygon(const core_prepared_mesh *s, const star_list *list, siz
     const size_t f = list->face[corner],
                  corners = norma_core_face_end(&s->mesh, f) - norma_core_face_begin(&s->mesh, f);
     const core_face *face = &s->faces[f];
-    load_position(&s->mesh, norma_core_welded_corner(&s->mesh, list->corners[corner]), t->at, lane);
-    load_position(&s->mesh, list->next[corner], t->next_at, lane);
-    load_position(&s->mesh, list->previous[corner], t->previous_at, lane);
+    load_position(&s->mesh, norma_core_welded(&s->mesh, list->at[corner][0]), t->at, lane);
+    load_position(&s->mesh, list->at[corner][1], t->next_at, lane);
+    load_position(&s->mesh, list->at[corner][2], t->previous_at, lane);
     for (int k = 0; k < 3; k++) t->normal[k][lane] = face->normal[k];
     t->area[lane] = face->twice_area;
     t->is_triangle[lane] = corners == 3 ? 1 : 0;
     t->sure[lane] = (face->flags & CORE_FACE_DIRECTED) && face->kept == corners ? 1 : 0;
 }
 
+/* Each corner's face has a place of its own, its corner there the first. */
 CORE_INLINE void measure_polygons(
-    const core_prepared_mesh *s, const star_list *list, fan_batch *b) {
+    const core_prepared_mesh *s, const star_list *list, kept_faces *out) {
     polygon_lanes t;
     for (size_t from = 0; from < list->corner_count; from += CORE_LANES) {
         const size_t left = list->corner_count - from,
@@ -292,108 +238,134 @@ CORE_INLINE void measure_polygons(
             load_polygon(s, list, from + (i < count ? i : 0), &t, i);
         CORE_LOOP_FOR_WEIGHT(s->call->options.weight, measure_lanes, &t)
         for (size_t i = 0; i < count; i++) {
-            b->place[from + i] = norma_core_place_of_corner(from + i);
-            b->measured.room[b->place[from + i]] =
-                (measured_face){{t.normal[0][i], t.normal[1][i], t.normal[2][i], t.sure[i]},
-                    {t.weight[i], 0, 0, 0}};
+            const uint32_t place = place_of_corner(from + i);
+            const double row[5] = {
+                t.normal[0][i], t.normal[1][i], t.normal[2][i], t.sure[i], t.weight[i]};
+            memcpy(out->row[place], row, sizeof row);
+            for (int k = 1; k < 3; k++)
+                out->at[place][k] = norma_core_welded(&s->mesh, list->at[from + i][k]);
         }
     }
 }
 
-/* ---- the order round a star: from each face to the one whose edge to next is its own edge from
- * previous */
+/* ---- the edges of a star: which faces run back along each corner's edge to next, and which run
+ * out along its edge from previous, as bits of a number. Eight corners, a half of a star, are
+ * compared at once with all, whose number is not asked for: those of the next star are masked. */
 
-/* Where the corner is noted that has its next at this position, unless another takes the place. */
-static inline uint32_t note_of(uint32_t position) {
-    return position * UINT32_C(0x9e3779b1) >> (32 - NOTE_BITS);
+enum { HALF = CORE_LANES };
+_Static_assert(ORDINARY_CORNERS == 2 * HALF, "a star has two halves");
+
+static int is_one(uint32_t bits) { return bits && !(bits & (bits - 1)); }
+
+/* Where more than two faces meet, each has those across the edge as partners that are not its
+ * twins; of triangles, twins share both edges. Two that are each other's only one stay. */
+static void keep_only_partners(uint32_t *back, uint32_t *out, uint32_t count) {
+    uint32_t outs = 0;
+    for (uint32_t c = 0; c < count; c++) {
+        const uint32_t twins = back[c] & out[c];
+        back[c] &= ~twins;
+        out[c] &= ~twins;
+        outs |= (uint32_t)is_one(out[c]) << c;
+    }
+    for (uint32_t c = 0; c < count; c++) back[c] = is_one(back[c]) ? back[c] & outs : 0;
 }
 
-/* Closed stars, most of them. If two corners had the same previous, some other could not be
- * reached. Also 0 if two share a note. All notes are looked up before the walk, which would
- * otherwise wait for each of them. */
-CORE_INLINE int walk_closed(const uint32_t *next, const uint32_t *previous, uint32_t count,
-    uint8_t *notes, uint8_t *order) {
-    uint8_t leads_to[ORDINARY_CORNERS];
-    uint32_t at = 0, seen = 0, missed = 0;
-    for (uint32_t i = 0; i < count; i++) notes[note_of(next[i])] = (uint8_t)i;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t note = notes[note_of(previous[i])];
-        leads_to[i] = (uint8_t)(note < count ? note : 0);
-        missed |= next[leads_to[i]] ^ previous[i];
-    }
-    if (missed) return 0;
-    for (uint32_t i = 0; i < count; i++) {
-        order[i] = (uint8_t)at;
-        seen |= 1U << at;
-        at = leads_to[at];
-    }
-    return at == 0 && seen == (1U << count) - 1 && count > 2;
+/* The place of a number's only bit, from its exponent as a float: there is an instruction for that
+ * on every machine. */
+CORE_INLINE uint32_t place_of_bit(uint32_t bit) {
+    const float power = (float)(int32_t)bit;
+    uint32_t number;
+    memcpy(&number, &power, sizeof power);
+    return (number >> 23) - 127;
 }
 
-static inline uint32_t lowest(uint32_t bits) { return (uint32_t)__builtin_ctz(bits); }
-
-/* Any star: open ones begin at the corner whose next is nobody's previous. 0: there is no single
- * way through all corners, so that edges of other than two faces, twins, or fans that only touch
- * are here. */
-static int walk(
-    const uint32_t *next, const uint32_t *previous, uint32_t count, uint8_t *order, int *open) {
-    const uint32_t all = (1U << count) - 1;
-    uint32_t same[ORDINARY_CORNERS], any = 0, seen = 0, at = 0;
-    for (uint32_t j = 0; j < count; j++) {
-        same[j] = 0;
-        for (uint32_t i = 0; i < count; i++) same[j] |= (uint32_t)(previous[j] == next[i]) << i;
-        any |= same[j];
+/* The faces across the edges to next, or the corners themselves. */
+CORE_INLINE void name_others(fan_batch *t, uint32_t begin, uint32_t half) {
+    const uint32_t from = begin + HALF * half;
+    CORE_EACH_LANE {
+        const uint32_t c = (uint32_t)i, back = t->back[from + c];
+        t->other[from + c] = back ? begin + place_of_bit(back) : from + c;
     }
-    *open = any != all;
-    if (*open) at = lowest(any ^ all);
-    for (uint32_t i = 0; i < count; i++) {
-        order[i] = (uint8_t)at;
-        seen |= 1U << at;
-        if (!same[at]) return *open && seen == all;
-        at = lowest(same[at]);
-    }
-    return !*open && at == 0 && seen == all && count > 2;
 }
 
-/* 0: the star is not ordinary, and its corners are left as they come. */
-CORE_INLINE int order_star(
-    const core_mesh *mesh, const star_list *list, listed_star *star, fan_batch *t) {
-    uint32_t welded[2][ORDINARY_CORNERS];
-    const uint32_t *next = list->next + star->begin, *previous = list->previous + star->begin;
-    uint8_t *order = t->order + star->begin;
-    int open = 0;
-    for (uint32_t i = 0; i < star->count && mesh->weld; i++) {
-        welded[0][i] = mesh->weld[next[i]];
-        welded[1][i] = mesh->weld[previous[i]];
+/* Of half a star of so many corners at most. Returns nonzero where an edge has more than one face
+ * that runs out or back, or two faces share both edges, as twins do. */
+CORE_INLINE uint32_t find_edges(
+    fan_batch *t, const listed_star *star, uint32_t half, uint32_t corners) {
+    const uint32_t *next = t->next + star->begin, *previous = t->previous + star->begin;
+    const uint32_t count = star->count, from = HALF * half;
+    uint32_t back[HALF], out[HALF], odd = 0;
+    CORE_EACH_LANE {
+        const uint32_t c = from + (uint32_t)i;
+        uint32_t backs = 0, outs = 0;
+        for (uint32_t k = 0; k < corners; k++) {
+            backs |= (uint32_t)(previous[k] == next[c]) << k;
+            outs |= (uint32_t)(next[k] == previous[c]) << k;
+        }
+        back[i] = backs & ((1U << count) - 1);
+        out[i] = outs & ((1U << count) - 1);
     }
-    if (mesh->weld) {
-        next = welded[0];
-        previous = welded[1];
+    CORE_EACH_LANE {
+        const uint32_t twice =
+            (back[i] & (back[i] - 1)) | (out[i] & (out[i] - 1)) | (back[i] & out[i]);
+        odd |= from + (uint32_t)i < count ? twice : 0;
     }
-    const int ordinary = walk_closed(next, previous, star->count, t->notes, order) ||
-                         walk(next, previous, star->count, order, &open);
-    for (uint32_t i = 0; i < star->count && !ordinary; i++) order[i] = (uint8_t)i;
-    star->open = (uint16_t)open;
-    return ordinary;
+    memcpy(t->back + star->begin + from, back, sizeof back);
+    memcpy(t->out + star->begin + from, out, sizeof out);
+    return odd;
 }
 
-/* ---- joining: between a star's corners, in order, are its edges, each before the corner of its
- * number; the first one is between the last corner and the first. */
+/* Whether two run the same way along an edge, which only those ask who count it. */
+static int some_run_alike(const fan_batch *t, const listed_star *star) {
+    const uint32_t *next = t->next + star->begin, *previous = t->previous + star->begin;
+    int alike = 0;
+    for (uint32_t i = 1; i < star->count; i++)
+        for (uint32_t k = 0; k < i; k++)
+            alike |= (next[i] == next[k]) | (previous[i] == previous[k]);
+    return alike;
+}
+
+CORE_INLINE int meet_star(const core_prepared_mesh *s, fan_batch *t, const listed_star *star,
+    uint32_t halves, int counting) {
+    uint32_t odd = 0;
+    for (uint32_t h = 0; h < halves; h++) odd |= find_edges(t, star, h, HALF * halves);
+    if (odd) {
+        if (counting || s->faces || s->call->options.non_manifold != NORMA_NON_MANIFOLD_HARD)
+            return 0;
+        keep_only_partners(t->back + star->begin, t->out + star->begin, star->count);
+    }
+    for (uint32_t h = 0; h < halves; h++) name_others(t, star->begin, h);
+    return !counting || !some_run_alike(t, star);
+}
+
+/* 0: the star is not ordinary, and of its corners each is across from itself. */
+CORE_INLINE int meet_any_star(
+    const core_prepared_mesh *s, fan_batch *t, const listed_star *star, int counting) {
+    if (star->count <= HALF ? meet_star(s, t, star, 1, counting)
+                            : meet_star(s, t, star, 2, counting))
+        return 1;
+    for (uint32_t i = star->begin; i < (uint32_t)star->begin + star->count; i++) t->other[i] = i;
+    return 0;
+}
+
+/* ---- which edges are smooth */
 
 typedef double row_lanes __attribute__((vector_size(4 * sizeof(double))));
 
-/* Of each edge the products of the two faces' normals, and of whether they are sure. */
-CORE_INLINE void multiply_normals(fan_batch *t, const listed_star *star) {
-    const uint8_t *order = t->order + star->begin;
-    const uint16_t *place = t->place + star->begin;
-    const measured_face *faces = t->faces;
-    double(*to)[4] = t->row + star->begin;
-    row_lanes last, normal, product;
-    memcpy(&last, faces[place[order[star->count - 1U]]].normal, sizeof last);
-    for (uint32_t i = 0; i < star->count; i++, last = normal) {
-        memcpy(&normal, faces[place[order[i]]].normal, sizeof normal);
-        product = last * normal;
-        memcpy(to[i], &product, sizeof product);
+CORE_INLINE row_lanes load_row(const double *row) {
+    row_lanes lanes;
+    memcpy(&lanes, row, sizeof lanes);
+    return lanes;
+}
+
+/* Of all corners the products of the normals of their face and of that across the edge to next, and
+ * of whether they are sure. */
+CORE_INLINE void multiply_normals(const uint32_t *key, fan_batch *t, size_t count) {
+    const double *rows = t->kept.row[0];
+    for (size_t c = 0; c < count; c++) {
+        const row_lanes product =
+            load_row(rows + (key[c] & ~7U)) * load_row(rows + (key[t->other[c]] & ~7U));
+        memcpy(t->row[c], &product, sizeof product);
     }
 }
 
@@ -416,101 +388,128 @@ static int is_unmarked(const core_prepared_mesh *s, uint32_t out, uint32_t back)
 }
 
 /* Edges that the caller marks as hard are cut, whatever their angle. */
-static void cut_marked(
-    const core_prepared_mesh *s, const star_list *list, const listed_star *star, fan_batch *t) {
-    const uint32_t *corners = list->corners + star->begin;
-    const uint8_t *order = t->order + star->begin;
-    for (uint32_t i = star->open; i < star->count; i++) {
-        const uint32_t before = i ? i - 1 : star->count - 1U;
-        if (is_unmarked(s, corners[order[i]], corners[order[before]])) continue;
-        t->edge[star->begin + i] = EDGE_CUT | (t->edge[star->begin + i] & EDGE_UNSURE);
-    }
+static void cut_marked(const core_prepared_mesh *s, const star_list *list, fan_batch *t) {
+    for (size_t c = 0; c < list->corner_count; c++)
+        if (t->other[c] != c && !is_unmarked(s, list->corners[c], list->corners[t->other[c]]))
+            t->edge[c] = EDGE_CUT | (t->edge[c] & EDGE_UNSURE);
 }
 
-/* Edges to positions of higher number: one at each face's previous, and at the first one's next if
- * that is another. */
-static void count_edges(const core_prepared_mesh *s, const star_list *list, const fan_batch *t,
-    const listed_star *star, norma_edges *edges) {
+/* ---- fans: corners joined by smooth edges */
+
+typedef struct star_links {
+    uint32_t link[ORDINARY_CORNERS]; /* of each corner, as a bit, the one across a smooth edge to
+                                        next; 0: none */
+    uint32_t to[ORDINARY_CORNERS];   /* its number, or the corner's own */
+} star_links;
+
+static inline uint32_t lowest(uint32_t bits) { return (uint32_t)__builtin_ctz(bits); }
+
+/* Whether all corners are one fan: from the one that no edge leads to, if there is one, along
+ * smooth edges. reached: the others. */
+CORE_INLINE int is_one_fan(
+    const star_links *l, uint32_t count, uint32_t corners, uint32_t reached) {
+    const uint32_t all = (1U << count) - 1, first = all & ~reached;
+    uint32_t seen = 0, at = lowest(first ? first : 1);
+    for (uint32_t i = 0; i < corners; i++) {
+        seen |= 1U << at;
+        at = l->to[at];
+    }
+    return seen == all;
+}
+
+/* UNSURE: some direction is, or some edge too near the crease to tell by the cosine. */
+enum { UNSURE = 0, SEVERAL_FANS, ONE_FAN };
+
+CORE_INLINE uint32_t link_half(
+    const fan_batch *t, const listed_star *star, uint32_t half, star_links *l) {
+    const uint32_t from = star->begin + HALF * half, begin = star->begin, count = star->count;
+    uint32_t any = 0;
+    CORE_EACH_LANE {
+        const uint32_t c = HALF * half + (uint32_t)i, back = t->back[from + (uint32_t)i],
+                       how = t->edge[from + (uint32_t)i],
+                       other = t->other[from + (uint32_t)i] - begin,
+                       link = how & EDGE_CUT ? 0 : back,
+                       unsure = how & (back ? EDGE_UNSURE | EDGE_NEAR_CREASE : EDGE_UNSURE);
+        l->link[c] = link;
+        l->to[c] = link ? other : c;
+        any |= c < count ? link | unsure << ORDINARY_CORNERS : 0;
+    }
+    return any;
+}
+
+CORE_INLINE int link_star(
+    const fan_batch *t, const listed_star *star, uint32_t halves, star_links *l) {
+    uint32_t reached = 0;
+    for (uint32_t h = 0; h < halves; h++) reached |= link_half(t, star, h, l);
+    if (reached >> ORDINARY_CORNERS) return UNSURE;
+    return is_one_fan(l, star->count, HALF * halves, reached) ? ONE_FAN : SEVERAL_FANS;
+}
+
+/* Edges to positions of higher number, each with one face out and one back, or one alone. */
+static void count_edges(
+    const fan_batch *t, const listed_star *star, const star_links *l, norma_edges *edges) {
     for (uint32_t i = 0; i < star->count; i++) {
-        const size_t corner = (size_t)star->begin + t->order[star->begin + i];
-        const size_t higher = star->position < norma_core_welded(&s->mesh, list->previous[corner]);
-        const uint32_t following = i + 1U == star->count ? 0 : i + 1;
-        edges->count += higher;
-        if (!following && star->open)
-            edges->open += higher;
-        else if (t->edge[star->begin + following] & EDGE_CUT)
-            edges->hard += higher;
-        else
-            edges->smooth += higher;
-        if (!star->open || i) continue;
-        const size_t first = star->position < norma_core_welded(&s->mesh, list->next[corner]);
-        edges->count += first;
-        edges->open += first;
+        const uint32_t c = star->begin + i;
+        const int is_open = !t->back[c];
+        const size_t next = star->position < t->next[c],
+                     previous = !t->out[c] && star->position < t->previous[c];
+        edges->count += next + previous;
+        edges->open += previous;
+        *(is_open ? &edges->open : l->link[i] ? &edges->smooth : &edges->hard) += next;
     }
 }
 
-/* ---- fans: from one cut to the next; the last one, where no cut ends it, goes on in the first */
-
-/* Returns how many there are; 0: some direction is unsure, or some edge too near the crease to tell
- * by the cosine. Corners of a last fan that goes on in the first get that number. */
-CORE_INLINE uint32_t number_fans(fan_batch *t, const listed_star *star) {
-    const uint8_t *order = t->order + star->begin;
-    const uint32_t *cut = t->edge + star->begin;
-    const uint32_t first = star->open ? EDGE_CUT | (cut[0] & EDGE_UNSURE) : cut[0];
-    uint32_t *fan_of = t->fan_of + star->begin, fan = 0, all = first;
-    fan_of[order[0]] = 0;
-    for (uint32_t i = 1; i < star->count; i++) {
-        fan += cut[i] & EDGE_CUT;
-        all |= cut[i];
-        fan_of[order[i]] = fan;
+/* Returns how many there are. */
+static uint32_t number_fans(const star_links *l, uint32_t count, uint32_t *fan_of) {
+    uint32_t left = (1U << count) - 1, first = left, fans = 0;
+    for (uint32_t c = 0; c < count; c++) first &= ~l->link[c];
+    for (; left; fans++) {
+        uint32_t at = lowest(first & left ? first & left : left), next;
+        do {
+            fan_of[at] = fans;
+            left &= ~(1U << at);
+            next = l->link[at] & left;
+            at = lowest(next | 1U << 31);
+        } while (next);
     }
-    if (all & (EDGE_NEAR_CREASE | EDGE_UNSURE)) return 0;
-    return fan + (first & EDGE_CUT || !fan);
+    return fans;
 }
 
 /* The one fan of most stars, in a register: a sum in memory would wait for its last store. */
-CORE_INLINE void sum_one_fan(fan_batch *t, const star_list *list, const listed_star *star) {
-    const uint32_t *turn = list->turn + star->begin;
-    const uint16_t *place = t->place + star->begin;
-    row_lanes normal, sum = {0};
-    for (uint32_t i = 0; i < star->count; i++) {
-        const measured_face *face = &t->faces[place[i]];
-        memcpy(&normal, face->normal, sizeof normal);
-        sum += normal * face->weight[turn[i]];
-        t->fan_of[star->begin + i] = 0;
-    }
+CORE_INLINE void sum_one_fan(fan_batch *t, const uint32_t *key, const listed_star *star) {
+    const double *rows = t->kept.row[0];
+    row_lanes sum = {0};
+    for (uint32_t i = 0; i < star->count; i++)
+        sum += load_row(rows + (key[i] & ~7U)) * rows[key[i] + 4];
     memcpy(t->row[star->first_fan], &sum, sizeof sum);
+    memset(t->fan_of + star->begin, 0, ORDINARY_CORNERS * sizeof *t->fan_of);
 }
 
 /* Several fans, each in the order of its corners. */
-CORE_INLINE void sum_fans(fan_batch *t, const star_list *list, const listed_star *star) {
-    const uint32_t *turn = list->turn + star->begin, fans = star->fan_count;
-    const uint16_t *place = t->place + star->begin;
-    const measured_face *faces = t->faces;
-    uint32_t *fan_of = t->fan_of + star->begin;
+static void sum_fans(fan_batch *t, const uint32_t *key, const listed_star *star, uint32_t fans) {
+    const double *rows = t->kept.row[0];
+    const uint32_t *fan_of = t->fan_of + star->begin;
     double(*sums)[4] = t->row + star->first_fan;
-    for (uint32_t i = 0; i < fans; i++)
-        for (int k = 0; k < 4; k++) sums[i][k] = 0;
-    for (uint32_t i = 0; i < star->count; i++) {
-        const measured_face *face = &faces[place[i]];
-        fan_of[i] = fan_of[i] == fans ? 0 : fan_of[i];
-        core_add_row(sums[fan_of[i]], face->normal, face->weight[turn[i]]);
-    }
+    memset(sums, 0, fans * sizeof *sums);
+    for (uint32_t i = 0; i < star->count; i++)
+        core_add_row(sums[fan_of[i]], rows + (key[i] & ~7U), rows[key[i] + 4]);
 }
 
-/* Returns how many. */
-CORE_INLINE uint32_t settle_star(const core_prepared_mesh *s, const star_list *list, fan_batch *t,
-    listed_star *star, uint32_t first_fan, norma_edges *edges) {
-    if (s->mesh.hard_edges || s->mesh.smoothing_groups) cut_marked(s, list, star, t);
-    star->first_fan = (uint16_t)first_fan;
-    star->fan_count = (uint16_t)number_fans(t, star);
-    if (!star->fan_count) return 0;
-    if (star->fan_count == 1)
-        sum_one_fan(t, list, star);
-    else
-        sum_fans(t, list, star);
-    if (edges) count_edges(s, list, t, star, edges);
-    return star->fan_count;
+/* Returns how many fans; 0: the star is not ordinary. */
+CORE_INLINE uint32_t settle_star(
+    fan_batch *t, const uint32_t *key, const listed_star *star, norma_edges *edges) {
+    star_links l;
+    uint32_t fans = 1;
+    const int found = star->count <= HALF ? link_star(t, star, 1, &l) : link_star(t, star, 2, &l);
+    if (found == UNSURE) return 0;
+    if (found == ONE_FAN) {
+        sum_one_fan(t, key, star);
+    } else {
+        fans = number_fans(&l, star->count, t->fan_of + star->begin);
+        sum_fans(t, key, star, fans);
+    }
+    if (edges) count_edges(t, star, &l, edges);
+    return fans;
 }
 
 /* ---- normals */
@@ -545,38 +544,39 @@ CORE_INLINE void name_fans(fan_batch *t, size_t count) {
     }
 }
 
-CORE_INLINE void measure_faces(const core_prepared_mesh *s, const star_list *list, fan_batch *t) {
-    t->faces = s->measured ? s->measured : t->measured.room;
-    if (s->faces) {
-        measure_polygons(s, list, t);
-        return;
+CORE_INLINE void measure_list(const core_prepared_mesh *s, star_list *list, fan_batch *t) {
+    const uint32_t *at = t->kept.at[0];
+    if (s->faces)
+        measure_polygons(s, list, &t->kept);
+    else
+        measure_triangles(s, list, &t->kept);
+    for (size_t i = 0; i < list->corner_count; i++) {
+        t->next[i] = at[list->key[i] + 1];
+        t->previous[i] = at[list->key[i] + 2];
     }
-    for (size_t i = 0; i < list->corner_count; i++)
-        t->place[i] = s->measured ? (uint16_t)list->face[i]
-                                  : norma_core_place_of_face(&t->measured, list->face[i], i);
-    norma_core_measure_waiting(s, &t->measured);
 }
 
 CORE_INLINE int settle(
     const core_prepared_mesh *s, star_list *list, fan_batch *t, norma_edges *edges) {
     uint32_t fans = 0;
     int all = 1;
-    for (size_t i = 0; i < list->star_count; i++) {
-        listed_star *star = &list->stars[i];
-        if (star->scattered) norma_core_ask_for_targets(list, star);
-        star->fan_count = (uint16_t)order_star(&s->mesh, list, star, t);
+    for (size_t i = 0; list->scattered && i < list->star_count; i++) {
+        ask_for_targets(list, &list->stars[i]);
+        ask_for_corners(s, &list->stars[i]);
     }
-    measure_faces(s, list, t);
-    for (size_t i = 0; i < list->star_count; i++) {
-        if (list->stars[i].scattered) norma_core_ask_for_corners(s, &list->stars[i]);
-        multiply_normals(t, &list->stars[i]);
-    }
+    measure_list(s, list, t);
+    for (size_t i = 0; i < list->star_count; i++)
+        list->stars[i].fan_count = (uint16_t)meet_any_star(s, t, &list->stars[i], edges != NULL);
+    multiply_normals(list->key, t, list->corner_count);
     find_cuts(&s->crease, t, list->corner_count);
+    if (s->mesh.hard_edges || s->mesh.smoothing_groups) cut_marked(s, list, t);
     for (size_t i = 0; i < list->star_count; i++) {
         listed_star *star = &list->stars[i];
-        const uint32_t added = star->fan_count ? settle_star(s, list, t, star, fans, edges) : 0;
-        fans += added;
-        all &= added != 0;
+        star->first_fan = (uint16_t)fans;
+        if (star->fan_count)
+            star->fan_count = (uint16_t)settle_star(t, list->key + star->begin, star, edges);
+        fans += star->fan_count;
+        all &= star->fan_count != 0;
     }
     memset(t->row[fans], 0, CORE_LANES * sizeof t->row[0]);
     decide(t, fans);

@@ -314,8 +314,8 @@ static void see_ordinary(
 
 /* Lists ordinary stars from position on, as many as fit; what cannot be ordinary is visited at
  * once. Returns where the next list begins. */
-static size_t list_stars(
-    const visit_all *v, size_t position, size_t end, star_list *list, stars_part *part) {
+static size_t list_stars(const visit_all *v, size_t position, size_t end, fan_batch *batch,
+    star_list *list, stars_part *part) {
     norma_core_clear_list(list, v->visit);
     for (; position < end; position++) {
         const size_t size = star_size(v, position);
@@ -324,7 +324,7 @@ static size_t list_stars(
         if (size == 0 || size > ORDINARY_CORNERS) continue;
         if (!norma_core_list_star(v->prepared, (uint32_t)position, (uint32_t)size, list)) break;
     }
-    norma_core_read_list(v->prepared, list);
+    norma_core_read_list(v->prepared, batch, list);
     return position;
 }
 
@@ -334,9 +334,9 @@ static void visit_in_batches(const visit_all *v, size_t position, size_t end, st
     fan_batch batch;
     int at = 0;
     norma_core_clear_batch(&batch);
-    position = list_stars(v, position, end, &lists[at], part);
+    position = list_stars(v, position, end, &batch, &lists[at], part);
     while (lists[at].star_count) {
-        position = list_stars(v, position, end, &lists[!at], part);
+        position = list_stars(v, position, end, &batch, &lists[!at], part);
         const int all = v->settle(
             v->prepared, &lists[at], &batch, v->visit->counting ? &part->counts.edges : NULL);
         see_ordinary(v, &lists[at], &batch, part);
@@ -401,12 +401,10 @@ static norma_result visit_in_parallel(visit_all *v, stars_part *sum) {
     core_call *call = v->prepared->call;
     const size_t count = v->prepared->mesh.positions.count,
                  chunks = count / POSITIONS_IN_CHUNK + (count % POSITIONS_IN_CHUNK != 0);
-    norma_result result = go_in_batches(v) ? norma_core_measure_small(v->prepared) : NORMA_OK;
-    if (result != NORMA_OK) return result;
     v->parts = norma_core_allocate(call, chunks, sizeof *v->parts);
     if (!v->parts) return NORMA_ERROR_MEMORY;
     memset(v->parts, 0, chunks * sizeof *v->parts);
-    result = norma_core_parallel(call, chunks, visit_chunk, v);
+    norma_result result = norma_core_parallel(call, chunks, visit_chunk, v);
     if (result == NORMA_OK) result = visit_large_stars(v, sum);
     for (size_t i = 0; i < chunks; i++) add_part(sum, &v->parts[i]);
     norma_core_release(call, v->parts, chunks, sizeof *v->parts);
