@@ -229,10 +229,10 @@ void norma_core_star_see_some(
 
 /* The corner at which the face's longest edge begins; ties: the first one's. */
 uint32_t norma_core_longest_edge(const core_mesh *mesh, size_t face);
-/* For flat faces whose longest edge (by face) runs between this position and one of higher number:
- * who lends them a direction. */
+/* For flat faces whose longest edge runs between this position and one of higher number: who lends
+ * them a direction. longest: by face, UINT32_MAX where nobody has asked yet. */
 void norma_core_star_borrow_directions(const core_prepared_mesh *prepared, core_star *star,
-    const uint32_t *longest, uint32_t *borrowed_from);
+    uint32_t *longest, uint32_t *borrowed_from);
 
 /* The axis of the smallest cone round unit vectors; 0 where no open hemisphere holds them. O(count)
  * for each of the few vectors that widen it. */

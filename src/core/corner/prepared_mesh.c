@@ -69,18 +69,9 @@ static norma_result survey_faces(face_survey *survey, int *any_flat) {
     return result;
 }
 
-static void find_longest_edges(const core_prepared_mesh *s, uint32_t *longest) {
-    for (size_t f = 0; f < s->mesh.face_count; f++) {
-        core_face face;
-        norma_core_prepared_mesh_face(s, f, &face);
-        const int flat = (face.flags & (CORE_FACE_DIRECTED | CORE_FACE_FINITE | CORE_FACE_EDGED)) ==
-                         (CORE_FACE_FINITE | CORE_FACE_EDGED);
-        longest[f] = flat ? norma_core_longest_edge(&s->mesh, f) : UINT32_MAX;
-    }
-}
-
 static void borrow_at_each(
-    core_prepared_mesh *s, const uint32_t *longest, core_star *star, uint32_t *borrowed_from) {
+    core_prepared_mesh *s, uint32_t *longest, core_star *star, uint32_t *borrowed_from) {
+    memset(longest, 0xff, s->mesh.face_count * sizeof *longest);
     memset(borrowed_from, 0xff, s->mesh.face_count * sizeof *borrowed_from);
     for (size_t p = 0; p < s->mesh.positions.count; p++) {
         if (!atomic_load_explicit(&s->flat_at[p], memory_order_relaxed)) continue;
@@ -98,7 +89,6 @@ static norma_result borrow_directions(core_prepared_mesh *s) {
                               ? norma_core_star_allocate(s->call, &star, s->corners_of.most)
                               : NORMA_ERROR_MEMORY;
     if (result == NORMA_OK) {
-        find_longest_edges(s, longest);
         borrow_at_each(s, longest, &star, borrowed_from);
         norma_core_star_release(s->call, &star, s->corners_of.most);
         s->borrowed_from = borrowed_from;

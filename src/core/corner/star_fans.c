@@ -417,19 +417,20 @@ static uint32_t find_borrowed_from(const core_prepared_mesh *prepared, const cor
 }
 
 static void borrow_for_side(const core_prepared_mesh *prepared, const core_star *star,
-    const edge_side *own, const edge_side *other, const uint32_t *longest,
-    uint32_t *borrowed_from) {
+    const edge_side *own, const edge_side *other, uint32_t *longest, uint32_t *borrowed_from) {
     for (size_t i = 0; i < own->count; i++) {
         const star_corner *c = &star->corners[own->edges[i].corner];
         if (!(c->flags & STAR_FLAT)) continue;
         const uint32_t begin = own->edges[i].back ? c->previous_corner : c->corner;
+        if (longest[c->face] == UINT32_MAX)
+            longest[c->face] = norma_core_longest_edge(&prepared->mesh, c->face);
         if (longest[c->face] == begin)
             borrowed_from[c->face] = find_borrowed_from(prepared, star, &own->edges[i], own, other);
     }
 }
 
 void norma_core_star_borrow_directions(const core_prepared_mesh *prepared, core_star *star,
-    const uint32_t *longest, uint32_t *borrowed_from) {
+    uint32_t *longest, uint32_t *borrowed_from) {
     norma_core_list_edges(star);
     for (size_t begin = 0, end; begin < star->edge_count; begin = end) {
         const edge e = norma_core_edge_at(star, begin, &end);
