@@ -22,7 +22,7 @@ typedef struct cone {
     int count;
 } cone;
 
-static double least(double a, double b) { return a < b ? a : b; }
+static double lesser_cosine(double a, double b) { return a < b ? a : b; }
 
 /* As norma_core_normalise; 0: no length. */
 static int make_unit(const double a[3], double unit[3]) {
@@ -56,7 +56,7 @@ static int axis_of(cone *c) {
         for (int k = 0; k < 3; k++) c->axis[k] = -c->axis[k];
     c->cosine = 1;
     for (int i = 0; i < c->count; i++)
-        c->cosine = least(c->cosine, norma_core_dot(c->axis, c->rim[i]));
+        c->cosine = lesser_cosine(c->cosine, norma_core_dot(c->axis, c->rim[i]));
     return 1;
 }
 
@@ -126,8 +126,8 @@ static int is_surely_outside(
     across(p, q, r, a);
     const double margin = 0x1p-44 * (fabs(a[0]) + fabs(a[1]) + fabs(a[2])),
                  first = norma_core_dot(a, p), sign = first < 0 ? -1 : 1;
-    const double rim =
-        least(sign * first, least(sign * norma_core_dot(a, q), sign * norma_core_dot(a, r)));
+    const double rim = lesser_cosine(
+        sign * first, lesser_cosine(sign * norma_core_dot(a, q), sign * norma_core_dot(a, r)));
     return (sign * first > margin) & (sign * norma_core_dot(a, fourth) < rim - margin);
 }
 
@@ -136,12 +136,12 @@ static unsigned sets_of_four(
     const double ab = norma_core_dot(a, b), ac = norma_core_dot(a, c), bc = norma_core_dot(b, c);
     const double af = norma_core_dot(a, further), bf = norma_core_dot(b, further),
                  cf = norma_core_dot(c, further);
-    const double with_a = least(excess(af, ab, bf), excess(af, ac, cf)),
-                 with_b = least(excess(bf, ab, af), excess(bf, bc, cf)),
-                 with_c = least(excess(cf, ac, af), excess(cf, bc, bf));
-    const double of_ab = least(excess(ab, ac, bc), excess(ab, af, bf)),
-                 of_ac = least(excess(ac, ab, bc), excess(ac, af, cf)),
-                 of_bc = least(excess(bc, ab, ac), excess(bc, bf, cf));
+    const double with_a = lesser_cosine(excess(af, ab, bf), excess(af, ac, cf)),
+                 with_b = lesser_cosine(excess(bf, ab, af), excess(bf, bc, cf)),
+                 with_c = lesser_cosine(excess(cf, ac, af), excess(cf, bc, bf));
+    const double of_ab = lesser_cosine(excess(ab, ac, bc), excess(ab, af, bf)),
+                 of_ac = lesser_cosine(excess(ac, ab, bc), excess(ac, af, cf)),
+                 of_bc = lesser_cosine(excess(bc, ab, ac), excess(bc, bf, cf));
     if (!(are_apart(ab) & are_apart(ac) & are_apart(bc) & are_apart(af) & are_apart(bf) &
             are_apart(cf)))
         return all_sets(4);
@@ -212,7 +212,7 @@ CORE_INLINE outmost farthest(
         if (!at(context, i, n)) continue;
         const double dot = norma_core_dot(along, n);
         const int further = dot < far.least;
-        far.next = further ? far.least : least(far.next, dot);
+        far.next = further ? far.least : lesser_cosine(far.next, dot);
         far.least = further ? dot : far.least;
         far.found = further ? i : far.found;
     }
@@ -244,7 +244,7 @@ CORE_INLINE int begin(norma_core_cone_at *at, const void *context, size_t count,
     at(context, far.found, normal);
     hold(*c, far.found, normal);
     const double along[3] = {one[0] + other[0], one[1] + other[1], one[2] + other[2]},
-                 rim = least(norma_core_dot(along, one), norma_core_dot(along, other));
+                 rim = lesser_cosine(norma_core_dot(along, one), norma_core_dot(along, other));
     far = farthest(at, context, count, along);
     if (far.least >= rim) return make_unit(along, axis) ? SETTLED : CANCELLED;
     const double lacks = rim - far.least, square = norma_core_dot(along, along);

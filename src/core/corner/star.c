@@ -294,7 +294,7 @@ static void swap(star_member *a, star_member *b) {
     *b = m;
 }
 
-static void insertion_sort(star_member *members, size_t count) {
+static void sort_few_members(star_member *members, size_t count) {
     for (size_t i = 1; i < count; i++)
         for (size_t at = i; at > 0 && member_less(&members[at], &members[at - 1]); at--)
             swap(&members[at], &members[at - 1]);
@@ -304,7 +304,7 @@ enum { FEW_MEMBERS = 24 };
 
 void norma_core_sort_corners(star_member *members, size_t count) {
     if (count <= FEW_MEMBERS)
-        insertion_sort(members, count);
+        sort_few_members(members, count);
     else
         norma_core_sort(members, count, sizeof *members, member_less);
 }

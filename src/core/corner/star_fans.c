@@ -48,7 +48,7 @@ static int edge_less(const star_edge *a, const star_edge *b) {
     return a->corner < b->corner;
 }
 
-static void insertion_sort(star_edge *edges, size_t count) {
+static void sort_run(star_edge *edges, size_t count) {
     for (size_t i = 1; i < count; i++) {
         const star_edge moved = edges[i];
         size_t at = i;
@@ -74,7 +74,7 @@ static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 void norma_core_sort_edges(core_star *star) {
     const size_t count = star->edge_count;
     for (size_t begin = 0; begin < count; begin += SORTED_RUN)
-        insertion_sort(star->edges + begin, least(SORTED_RUN, count - begin));
+        sort_run(star->edges + begin, least(SORTED_RUN, count - begin));
     for (size_t run = SORTED_RUN; run < count; run *= 2) {
         for (size_t begin = 0; begin < count; begin += 2 * run)
             merge(star->edges, begin, least(begin + run, count), least(begin + 2 * run, count),

@@ -20,7 +20,7 @@ CORE_INLINE void load_edges(
 }
 
 /* Eight of the faces that wait, from first on. */
-CORE_INLINE void measure_eight(
+CORE_INLINE void measure_waiting(
     const core_prepared_mesh *s, const star_list *list, uint32_t first, kept_faces *out) {
     core_batch b;
     core_rows normals, weights;
@@ -39,12 +39,13 @@ CORE_INLINE void measure_eight(
     }
 }
 
-CORE_INLINE void measure_triangles(const core_prepared_mesh *s, star_list *list, kept_faces *out) {
+CORE_INLINE void measure_all_waiting(
+    const core_prepared_mesh *s, star_list *list, kept_faces *out) {
     for (uint32_t i = list->waiting; i % CORE_LANES; i++) {
         memcpy(list->at[i], list->at[0], sizeof list->at[i]);
         list->place[i] = list->place[0];
     }
-    for (uint32_t i = 0; i < list->waiting; i += CORE_LANES) measure_eight(s, list, i, out);
+    for (uint32_t i = 0; i < list->waiting; i += CORE_LANES) measure_waiting(s, list, i, out);
 }
 
 /* ---- what memory has to say about a batch of stars. In meshes of random order each of a corner's
@@ -86,7 +87,7 @@ int norma_core_list_star(
     return 1;
 }
 
-static uint32_t place_of_corner(size_t corner) { return FACES_KEPT + (uint32_t)corner; }
+static uint32_t place_behind(size_t corner) { return FACES_KEPT + (uint32_t)corner; }
 
 /* The place of each corner's face, there already or once none waits. Which of the two is written
  * beyond the end of those that wait, or not: no branch could foretell it. */
@@ -98,7 +99,7 @@ static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *l
         const uint64_t held = kept->held[own];
         const int waits = (uint32_t)held != face,
                   is_taken = waits & (held >> 32 == lists >> 32); /* by another of this list */
-        const uint32_t place = is_taken ? place_of_corner(i) : own;
+        const uint32_t place = is_taken ? place_behind(i) : own;
         kept->held[own] = is_taken ? held : lists | face;
         list->key[i] = 8 * place + (corner - 3 * face);
         list->face[waiting] = face;
@@ -117,7 +118,7 @@ static void read_polygon_corners(const core_prepared_mesh *prepared, star_list *
         const size_t corner = list->corners[i],
                      face = norma_core_face_of(&prepared->corners_of, corner);
         list->face[i] = (uint32_t)face;
-        list->key[i] = 8 * place_of_corner(i);
+        list->key[i] = 8 * place_behind(i);
         list->at[i][0] = norma_core_corner(mesh, corner);
         list->at[i][1] = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, corner));
         list->at[i][2] = norma_core_corner(mesh, norma_core_previous_in_face(mesh, face, corner));
@@ -228,7 +229,7 @@ static void load_polygon(const core_prepared_mesh *s, const star_list *list, siz
 }
 
 /* Each corner's face has a place of its own, its corner there the first. */
-CORE_INLINE void measure_polygons(
+CORE_INLINE void weigh_polygons(
     const core_prepared_mesh *s, const star_list *list, kept_faces *out) {
     polygon_lanes t;
     for (size_t from = 0; from < list->corner_count; from += CORE_LANES) {
@@ -238,7 +239,7 @@ CORE_INLINE void measure_polygons(
             load_polygon(s, list, from + (i < count ? i : 0), &t, i);
         CORE_LOOP_FOR_WEIGHT(s->call->options.weight, measure_lanes, &t)
         for (size_t i = 0; i < count; i++) {
-            const uint32_t place = place_of_corner(from + i);
+            const uint32_t place = place_behind(from + i);
             const double row[5] = {
                 t.normal[0][i], t.normal[1][i], t.normal[2][i], t.sure[i], t.weight[i]};
             memcpy(out->row[place], row, sizeof row);
@@ -255,7 +256,7 @@ CORE_INLINE void measure_polygons(
 enum { HALF = CORE_LANES };
 _Static_assert(ORDINARY_CORNERS == 2 * HALF, "a star has two halves");
 
-static int is_one(uint32_t bits) { return bits && !(bits & (bits - 1)); }
+static int is_one_bit(uint32_t bits) { return bits && !(bits & (bits - 1)); }
 
 /* Where more than two faces meet, each has those across the edge as partners that are not its
  * twins; of triangles, twins share both edges. Two that are each other's only one stay. */
@@ -265,9 +266,9 @@ static void keep_only_partners(uint32_t *back, uint32_t *out, uint32_t count) {
         const uint32_t twins = back[c] & out[c];
         back[c] &= ~twins;
         out[c] &= ~twins;
-        outs |= (uint32_t)is_one(out[c]) << c;
+        outs |= (uint32_t)is_one_bit(out[c]) << c;
     }
-    for (uint32_t c = 0; c < count; c++) back[c] = is_one(back[c]) ? back[c] & outs : 0;
+    for (uint32_t c = 0; c < count; c++) back[c] = is_one_bit(back[c]) ? back[c] & outs : 0;
 }
 
 /* The place of a number's only bit, from its exponent as a float: there is an instruction for that
@@ -437,7 +438,7 @@ CORE_INLINE uint32_t link_half(
     return any;
 }
 
-CORE_INLINE int link_star(
+CORE_INLINE int link_ordinary(
     const fan_batch *t, const listed_star *star, uint32_t halves, star_links *l) {
     uint32_t reached = 0;
     for (uint32_t h = 0; h < halves; h++) reached |= link_half(t, star, h, l);
@@ -460,7 +461,7 @@ static void count_edges(
 }
 
 /* Returns how many there are. */
-static uint32_t number_fans(const star_links *l, uint32_t count, uint32_t *fan_of) {
+static uint32_t number_linked_fans(const star_links *l, uint32_t count, uint32_t *fan_of) {
     uint32_t left = (1U << count) - 1, first = left, fans = 0;
     for (uint32_t c = 0; c < count; c++) first &= ~l->link[c];
     for (; left; fans++) {
@@ -500,12 +501,13 @@ CORE_INLINE uint32_t settle_star(
     fan_batch *t, const uint32_t *key, const listed_star *star, norma_edges *edges) {
     star_links l;
     uint32_t fans = 1;
-    const int found = star->count <= HALF ? link_star(t, star, 1, &l) : link_star(t, star, 2, &l);
+    const int found =
+        star->count <= HALF ? link_ordinary(t, star, 1, &l) : link_ordinary(t, star, 2, &l);
     if (found == UNSURE) return 0;
     if (found == ONE_FAN) {
         sum_one_fan(t, key, star);
     } else {
-        fans = number_fans(&l, star->count, t->fan_of + star->begin);
+        fans = number_linked_fans(&l, star->count, t->fan_of + star->begin);
         sum_fans(t, key, star, fans);
     }
     if (edges) count_edges(t, star, &l, edges);
@@ -547,9 +549,9 @@ CORE_INLINE void name_fans(fan_batch *t, size_t count) {
 CORE_INLINE void measure_list(const core_prepared_mesh *s, star_list *list, fan_batch *t) {
     const uint32_t *at = t->kept.at[0];
     if (s->faces)
-        measure_polygons(s, list, &t->kept);
+        weigh_polygons(s, list, &t->kept);
     else
-        measure_triangles(s, list, &t->kept);
+        measure_all_waiting(s, list, &t->kept);
     for (size_t i = 0; i < list->corner_count; i++) {
         t->next[i] = at[list->key[i] + 1];
         t->previous[i] = at[list->key[i] + 2];
