@@ -42,12 +42,16 @@ typedef struct conflict { /* two faces that run along an edge in the same direct
     uint32_t first, second;
 } conflict;
 
-typedef struct edge_part {
-    check_hits many, bow_ties, duplicates, twins;
-    double duplicate_area; /* twice */
-    conflict *conflicts;
-    size_t conflict_count, conflict_room;
+typedef struct conflict_list {
+    conflict *each;
+    size_t count, room;
     int failed;
+} conflict_list;
+
+typedef struct edge_part {
+    check_hits many, bow_ties, duplicates;
+    double duplicate_area;          /* twice */
+    conflict_list conflicts, pairs; /* pairs: of faces back to back */
 } edge_part;
 
 typedef struct edge_pass {
@@ -57,18 +61,18 @@ typedef struct edge_pass {
 
 /* ---- what is seen while edges are paired */
 
-static void keep_conflict(edge_part *part, uint32_t first, uint32_t second) {
-    if (part->conflict_count == part->conflict_room) {
-        size_t room = part->conflict_room ? 2 * part->conflict_room : 64;
-        conflict *conflicts = realloc(part->conflicts, room * sizeof *conflicts);
-        if (!conflicts) {
-            part->failed = 1;
+static void keep_conflict(conflict_list *list, uint32_t first, uint32_t second) {
+    if (list->count == list->room) {
+        const size_t room = list->room ? 2 * list->room : 64;
+        conflict *each = realloc(list->each, room * sizeof *each);
+        if (!each) {
+            list->failed = 1;
             return;
         }
-        part->conflicts = conflicts;
-        part->conflict_room = room;
+        list->each = each;
+        list->room = room;
     }
-    part->conflicts[part->conflict_count++] =
+    list->each[list->count++] =
         (conflict){first < second ? first : second, first < second ? second : first};
 }
 
@@ -111,7 +115,7 @@ static void see_edge(
     const edge_pass *pass = context;
     edge_part *part = &pass->parts[block];
     const check_mesh *m = pass->m;
-    if (count == 2) keep_conflict(part, runs[0].corner, runs[1].corner);
+    if (count == 2) keep_conflict(&part->conflicts, runs[0].corner, runs[1].corner);
     core_edge_run directed[MOST_RUNS];
     if (count <= 2 || !norma_check_wants(m, RULE_N303)) return;
     const size_t kept = gather_faces(m, runs, count, directed);
@@ -141,8 +145,7 @@ static void see_twins(void *context, size_t block, const core_twin *twins, size_
     if (!norma_check_directed(&pass->m->faces[twins[0].face])) return; /* nor have its twins */
     for (size_t i = 0; i < count && told < pairs; i++)
         if (twins[i].way != twins[0].way) {
-            norma_check_hit(
-                pass->m->run, &part->twins, (double)count, norma_check_face(twins[i].face));
+            keep_conflict(&part->pairs, twins[0].face, twins[i].face);
             told++;
         }
 }
@@ -163,9 +166,9 @@ typedef struct conflict_count {
 } conflict_count;
 
 static void count_conflicts(const check_mesh *m, const edge_part *part, uint8_t *edges) {
-    for (size_t i = 0; i < part->conflict_count; i++) {
-        size_t faces[2] = {norma_core_topology_face(&m->topology, part->conflicts[i].first),
-            norma_core_topology_face(&m->topology, part->conflicts[i].second)};
+    for (size_t i = 0; i < part->conflicts.count; i++) {
+        size_t faces[2] = {norma_core_topology_face(&m->topology, part->conflicts.each[i].first),
+            norma_core_topology_face(&m->topology, part->conflicts.each[i].second)};
         for (int k = 0; k < 2; k++)
             edges[faces[k]] = (uint8_t)(edges[faces[k]] + (edges[faces[k]] < 255));
     }
@@ -263,8 +266,8 @@ static norma_result add_judged(check_mesh *m, const edge_part *parts, size_t blo
     const uint8_t *edges, const uint8_t *sides) {
     conflict_sum sums[CONFLICT_KINDS] = {{.twice_area = 0}};
     for (size_t i = 0; i < blocks; i++)
-        for (size_t k = 0; k < parts[i].conflict_count; k++) {
-            const conflict *c = &parts[i].conflicts[k];
+        for (size_t k = 0; k < parts[i].conflicts.count; k++) {
+            const conflict *c = &parts[i].conflicts.each[k];
             add_conflict(
                 m, &m->topology, c->first, c->second, sides, conflict_spot(m, c, edges), sums);
         }
@@ -326,43 +329,41 @@ static norma_result add_duplicates(check_mesh *m, check_hits *hits, double twice
         norma_check_plural(hits->count));
 }
 
-static norma_result add_twins(check_mesh *m, check_hits *hits) {
-    int print = m->run->profile == NORMA_CHECK_PROFILE_PRINT;
-    return norma_check_report(m,
-        &(check_report){.rule = RULE_N306,
-            .severity = print ? NORMA_SEVERITY_ERROR : NORMA_SEVERITY_INFO,
-            .no_value = 1,
-            .hits = hits},
-        print ? "%z pair%s of back-to-back faces: walls without thickness"
-              : "%z pair%s of back-to-back faces: a sheet modelled with two sides",
-        hits->count, norma_check_plural(hits->count));
+static norma_result add_pairs(check_mesh *m, const edge_part *parts, size_t blocks, size_t count) {
+    uint32_t *faces = norma_core_allocate(&m->run->call, count, sizeof *faces), *at = faces;
+    if (!faces) return NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < blocks; i++)
+        for (size_t k = 0; k < parts[i].pairs.count; k++) *at++ = parts[i].pairs.each[k].second;
+    const norma_result result = norma_check_back_to_back(m, faces, count);
+    norma_core_release(&m->run->call, faces, count, sizeof *faces);
+    return result;
 }
 
 static norma_result add_edge_findings(check_mesh *m, edge_part *parts, size_t blocks) {
-    edge_part sum = {.failed = 0};
-    size_t conflicts = 0;
+    edge_part sum = {.duplicate_area = 0};
+    size_t conflicts = 0, pairs = 0;
+    int failed = 0;
     for (size_t i = 0; i < blocks; i++) {
         norma_check_hits_merge(m->run, &sum.many, &parts[i].many);
         norma_check_hits_merge(m->run, &sum.bow_ties, &parts[i].bow_ties);
         norma_check_hits_merge(m->run, &sum.duplicates, &parts[i].duplicates);
-        norma_check_hits_merge(m->run, &sum.twins, &parts[i].twins);
         sum.duplicate_area += parts[i].duplicate_area;
-        sum.failed |= parts[i].failed;
-        conflicts += parts[i].conflict_count;
+        failed |= parts[i].conflicts.failed | parts[i].pairs.failed;
+        pairs += parts[i].pairs.count;
+        conflicts += parts[i].conflicts.count;
     }
-    norma_result result = sum.failed ? NORMA_ERROR_MEMORY : NORMA_OK;
+    norma_result result = failed ? NORMA_ERROR_MEMORY : NORMA_OK;
     if (!result && conflicts && norma_check_wants(m, RULE_N301) && !m->siblings)
         result = add_conflicts(m, parts, blocks);
     if (!result && sum.many.count + sum.bow_ties.count && norma_check_wants(m, RULE_N303))
         result = add_many(m, &sum);
     if (!result && sum.duplicates.count && norma_check_wants(m, RULE_N305))
         result = add_duplicates(m, &sum.duplicates, sum.duplicate_area);
-    if (!result && sum.twins.count && norma_check_wants(m, RULE_N306))
-        result = add_twins(m, &sum.twins);
+    if (!result && pairs && norma_check_wants(m, RULE_N306))
+        result = add_pairs(m, parts, blocks, pairs);
     norma_check_hits_free(&sum.many);
     norma_check_hits_free(&sum.bow_ties);
     norma_check_hits_free(&sum.duplicates);
-    norma_check_hits_free(&sum.twins);
     return result;
 }
 
@@ -370,11 +371,11 @@ static norma_result add_edge_findings(check_mesh *m, edge_part *parts, size_t bl
 
 static void free_parts(const check_mesh *m, edge_part *parts, size_t blocks) {
     for (size_t i = 0; parts && i < blocks; i++) {
-        free(parts[i].conflicts);
+        free(parts[i].conflicts.each);
+        free(parts[i].pairs.each);
         norma_check_hits_free(&parts[i].many);
         norma_check_hits_free(&parts[i].bow_ties);
         norma_check_hits_free(&parts[i].duplicates);
-        norma_check_hits_free(&parts[i].twins);
     }
     norma_core_release(&m->run->call, parts, blocks, sizeof *parts);
 }

@@ -64,6 +64,10 @@ static inline double norma_check_cosine_to(const check_mesh *m, size_t face, siz
     return square > .99 && square < 1.01 ? dot : dot / sqrt(square);
 }
 
+/* back_to_back.c: N306, of faces that have a twin wound the other way, one of each pair; edges are
+ * paired. */
+norma_result norma_check_back_to_back(check_mesh *m, const uint32_t *faces, size_t count);
+
 /* edges.c: fills topology.partners, and adds the findings of edges that are wanted; once a mesh. */
 norma_result norma_check_pairs(check_mesh *m);
 

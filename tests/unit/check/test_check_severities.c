@@ -296,6 +296,60 @@ static void nothing_to_compare(void **state) {
     }
 }
 
+/* ---- N306 */
+
+/* A square of two triangles, far away, and each of them the other way round. */
+static void add_sheet(surface *s, int faces) {
+    const float up[3] = {0, 0, 1}, corners[4][3] = {{30, 0, 0}, {31, 0, 0}, {31, 1, 0}, {30, 1, 0}};
+    uint32_t v[4];
+    for (int k = 0; k < 4; k++) v[k] = surface_add_vertex(s, corners[k], up);
+    for (int f = 0; f < faces; f++) {
+        (void)surface_add_face(s, (uint32_t[]){v[0], v[1 + f], v[2 + f]});
+        (void)surface_add_face(s, (uint32_t[]){v[0], v[2 + f], v[1 + f]});
+    }
+}
+
+static void back_to_back(void **state) {
+    (void)state;
+    surface s = surface_box(origin, 1, 0);
+    add_sheet(&s, 1);
+    assert_found(&s, "N306", 0, 0, 1);
+    assert_printed(&s, "N306", 0, 1, 0);
+    s.mesh.material.not_opaque = 1;
+    assert_found(&s, "N306", 0, 0, 1);
+    s.mesh.material.double_sided = 1;
+    assert_found(&s, "N306", 0, 1, 0);
+    surface_free(&s);
+    s = surface_box(origin, 1, 0);
+    add_sheet(&s, 2);
+    assert_found(&s, "N306", 0, 0, 2);
+    assert_printed(&s, "N306", 2, 0, 0);
+    surface_free(&s);
+}
+
+/* A box and the same box inside out; without one of its faces, the copy is a sheet. */
+static void a_solid_twice(void **state) {
+    (void)state;
+    surface s = surface_join(surface_box(origin, 1, 0), surface_box(origin, 1, 1));
+    memcpy(s.corners + 3 * 12, s.corners, 3 * 12 * sizeof *s.corners); /* cut along one diagonal */
+    for (size_t f = 12; f < 24; f++) surface_turn_face(&s, f);
+    assert_found(&s, "N306", 0, 12, 0);
+    assert_non_null(
+        strstr(finding_of(found, "N306", NORMA_SEVERITY_WARNING)->message, "inside out"));
+    assert_counts("N302", NORMA_SEVERITY_WARNING, 0);
+    assert_printed(&s, "N306", 12, 0, 0);
+    add_sheet(&s, 2);
+    assert_found(&s, "N306", 0, 12, 2);
+    assert_printed(&s, "N306", 14, 0, 0);
+    surface_free(&s);
+    s = surface_join(surface_box(origin, 1, 0), surface_box(origin, 1, 1));
+    memcpy(s.corners + 3 * 12, s.corners, 3 * 12 * sizeof *s.corners);
+    for (size_t f = 12; f < 24; f++) surface_turn_face(&s, f);
+    s.faces--;
+    assert_found(&s, "N306", 0, 0, 11);
+    surface_free(&s);
+}
+
 /* ---- N302, N303, N805 */
 
 static void inside_out_and_double_sided(void **state) {
@@ -344,6 +398,8 @@ int main(void) {
         cmocka_unit_test(far_normals_of_small_faces),
         cmocka_unit_test(few_positions),
         cmocka_unit_test(nothing_to_compare),
+        cmocka_unit_test(back_to_back),
+        cmocka_unit_test(a_solid_twice),
         cmocka_unit_test(inside_out_and_double_sided),
         cmocka_unit_test(bow_ties_alone),
         cmocka_unit_test(no_tangents),
