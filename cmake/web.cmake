@@ -36,7 +36,7 @@ endif()
 
 # Files of the core that run seldom, or once for a mesh that moves: they are made small as well.
 set(web_seldom "call_|topology_|mesh_(weld_distance|kdtree|nearest|scattered)|plan_(plan_build|morph)")
-string(APPEND web_seldom "|tangent_(build|mikk_groups|steady|tangent_plan|tangent_vertices|tangents)|vertex_queued|matrix_matrix")
+string(APPEND web_seldom "|tangent_(build|mikk_groups|steady|tangent_plan|tangent_vertices|tangents)|vertex_queued|matrix_(matrix|encode)")
 string(APPEND web_seldom "|corner_(crowded|borrowed|large_star|fallback|find_fault|index_corners|normal_cone|visit|prepared|star_edges|fans.c|measured)|face_(exact|cut|reflex|twin)|smooth_split")
 
 # Compressed glTF: meshoptimizer's codecs and libdraco, from the sources that scripts/install-deps.sh web puts there.

@@ -35,6 +35,7 @@ _FACES, _VERTICES, _CORNERS = 0, 1, 2
 _MODES = {"steady": 0, "mikk": 1}
 _OPEN = {"kept": 0, "rays": 1}
 _PER = {"vertex": 0, "corner": 1}
+_ENCODINGS = {"oct8": 0, "oct12": 1, "oct16": 2, "10-10-10-2": 3}
 _KINDS = (
     "identity",
     "translation",
@@ -601,3 +602,69 @@ def transform_normals(matrix: ArrayLike, normals: ArrayLike, *, out: Optional[Fl
     if answer is not None:
         refuse(answer)
     return result
+
+
+@overload
+def encode_normals(
+    normals: ArrayLike, encoding: str = ..., *, report: Literal[False] = ...,
+) -> NDArray[np.uint32]: ...
+@overload
+def encode_normals(
+    normals: ArrayLike, encoding: str = ..., *, report: Literal[True],
+) -> Tuple[NDArray[np.uint32], NormalReport]: ...
+def encode_normals(
+    normals: ArrayLike, encoding: str = "oct16", *, report: bool = False
+) -> Union[NDArray[np.uint32], Tuple[NDArray[np.uint32], NormalReport]]:
+    """The nearest code of each normal, (n,) uint32, x in the lowest bits.
+
+    normals: (n, 3) numbers of any length; zero and what is not finite become (0, 0, 1).
+    encoding: octahedral with two numbers of 8, 12 or 16 bits, "oct8", "oct12" or "oct16", or
+        "10-10-10-2", three numbers of 10 bits.
+    report: return (codes, NormalReport), which counts normals that are zero or not finite.
+
+    >>> import norma_mesh as norma
+    >>> norma.encode_normals([[0, 0, 1], [1, 0, 0]], "oct8")
+    array([  0, 127], dtype=uint32)
+    """
+    array, kind = vectors("normals", normals)
+    codes = np.empty(array.shape[0], np.uint32)
+    answer = _norma.encode_normals(_address(array), array.shape[0], stride(array), kind,
+                                   choice("encoding", encoding, _ENCODINGS), _address(codes))
+    if len(answer) != 6:
+        refuse(answer)
+    return (codes, report_of(answer)) if report else codes
+
+
+def decode_normals(codes: ArrayLike, encoding: str = "oct16", *, out: Optional[Floats] = None) -> Floats:
+    """The unit normals of codes, (n, 3) float32.
+
+    codes: (n,) integers of 32 bits.  encoding: as for `encode_normals`.  out: an array to write to.
+
+    >>> import norma_mesh as norma
+    >>> norma.decode_normals([0, 127], "oct8")
+    array([[0., 0., 1.],
+           [1., 0., 0.]], dtype=float32)
+    """
+    given = integers("codes", codes)
+    if given.ndim != 1:
+        raise ValueError(f"codes: shape (n,) is needed, not {given.shape}")
+    wrong = np.flatnonzero((given < 0) | (given > 0xFFFFFFFF))
+    if wrong.size:
+        raise ValueError(f"codes[{wrong[0]}] is {given[wrong[0]]}; 32 bits are needed")
+    words = np.ascontiguousarray(given, np.uint32)
+    result = output("out", out, words.shape[0], 3, words)
+    answer = _norma.decode_normals(_address(words), words.shape[0], choice("encoding", encoding, _ENCODINGS),
+                                   _address(result), stride(result))
+    if answer is not None:
+        refuse(answer)
+    return result
+
+
+def encoding_error_deg(encoding: str) -> float:
+    """The largest angle between any unit vector and what its code is decoded to, proven.
+
+    >>> import norma_mesh as norma
+    >>> round(norma.encoding_error_deg("oct16"), 5)
+    0.00248
+    """
+    return math.degrees(_norma.encoding_error_rad(choice("encoding", encoding, _ENCODINGS)))

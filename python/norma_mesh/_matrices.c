@@ -1,6 +1,6 @@
-/* _matrices.c: normal matrices, and normals through them. Matrices of Python are rows, those of the
- * library columns: what is handed over is the transpose, and the cofactors of a transpose are the
- * transposed cofactors. */
+/* _matrices.c: normal matrices, normals through them, and normals in few bits. Matrices of Python
+ * are rows, those of the library columns: what is handed over is the transpose, and the cofactors
+ * of a transpose are the transposed cofactors. */
 #include "_norma.h"
 
 static PyObject *normal_matrices(PyObject *self, PyObject *arguments) {
@@ -69,6 +69,50 @@ static PyObject *transform_normals(PyObject *self, PyObject *arguments) {
     Py_RETURN_NONE;
 }
 
+/* encode_normals(normals, count, stride, format, encoding, codes) -> counts, or why it was refused
+ */
+static PyObject *encode_normals(PyObject *self, PyObject *arguments) {
+    address in, codes;
+    Py_ssize_t count, stride;
+    int format, encoding;
+    norma_report report;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "KnniiK", &in, &count, &stride, &format, &encoding, &codes))
+        return NULL;
+    watch w = norma_py_give_up_lock();
+    const norma_vec3_view view = {at(in), (size_t)count, (size_t)stride, (norma_format)format};
+    const norma_result result =
+        norma_encode_normals(view, (norma_encoding)encoding, at(codes), 0, (size_t)count, &report);
+    if (norma_py_take_lock(&w)) return NULL;
+    return result == NORMA_OK ? norma_py_counts(&report) : norma_py_refusal(result, NULL);
+}
+
+/* decode_normals(codes, count, encoding, out, stride) -> None, or why it was refused */
+static PyObject *decode_normals(PyObject *self, PyObject *arguments) {
+    address codes, out;
+    Py_ssize_t count, out_stride;
+    int encoding;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "KniKn", &codes, &count, &encoding, &out, &out_stride))
+        return NULL;
+    watch w = norma_py_give_up_lock();
+    const norma_result result = norma_decode_normals(
+        at(codes), 0, (size_t)count, (norma_encoding)encoding, at(out), (size_t)out_stride);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_OK) return norma_py_refusal(result, NULL);
+    Py_RETURN_NONE;
+}
+
+static PyObject *encoding_error_rad(PyObject *self, PyObject *argument) {
+    const long encoding = PyLong_AsLong(argument);
+    (void)self;
+    if (PyErr_Occurred()) return NULL;
+    return PyFloat_FromDouble(norma_encoding_error_rad((norma_encoding)encoding));
+}
+
 PyMethodDef norma_py_matrices[] = {{"normal_matrices", normal_matrices, METH_VARARGS, NULL},
     {"matrix_info", matrix_info, METH_O, NULL},
-    {"transform_normals", transform_normals, METH_VARARGS, NULL}, {NULL, NULL, 0, NULL}};
+    {"transform_normals", transform_normals, METH_VARARGS, NULL},
+    {"encode_normals", encode_normals, METH_VARARGS, NULL},
+    {"decode_normals", decode_normals, METH_VARARGS, NULL},
+    {"encoding_error_rad", encoding_error_rad, METH_O, NULL}, {NULL, NULL, 0, NULL}};

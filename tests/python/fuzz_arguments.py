@@ -16,7 +16,7 @@ import norma_mesh as norma
 KINDS = ["f4", "f8", "f2", ">f4", ">f8", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", ">i4", "c8", "?", "O", "S3", "M8[s]"]
 FINE = (ValueError, TypeError, IndexError, MemoryError)
 NAMES = "positions faces face_starts out weight weld fallback threads crease non_manifold per mode open smoothing_groups hard_edges " \
-    "normals texcoords normal_faces texcoord_faces streams moved model models matrix"
+    "normals texcoords normal_faces texcoord_faces streams moved model models matrix encoding codes"
 NAMED = re.compile(rf"({NAMES.replace(' ', '|')})(\[[\d, ]+\])*(: .| is )")
 
 
@@ -161,6 +161,9 @@ def one(r):
         norma.matrix_info(many[0] if len(many) else many)
     else:
         norma.transform_normals(numbers(r, (3, 3)), positions, out=some_out(r, points, 3))
+        encoding = r.choice(["oct8", "oct12", "oct16", "10-10-10-2", "oct9", None])
+        norma.decode_normals(norma.encode_normals(positions, encoding), encoding, out=some_out(r, points, 3))
+        norma.decode_normals(numbers(r, (points,)), encoding)
     if before is not None:
         assert positions.tobytes() == before, "an input was changed"
 

@@ -102,6 +102,25 @@ class ClosedForms(unittest.TestCase):
         self.assertLess(abs(out @ (model @ [1, 0, 0])), 1e-6)
         self.assertLess(abs(out @ (model @ [0, 0.8, -0.6])), 1e-6)
 
+    def test_codes(self):
+        directions = np.random.default_rng(7).normal(size=(5000, 3))
+        directions /= np.linalg.norm(directions, axis=1)[:, None]
+        for encoding, degrees in (("oct8", 0.638), ("oct12", 0.0396), ("oct16", 0.00248), ("10-10-10-2", 0.0793)):
+            self.assertLess(abs(norma.encoding_error_deg(encoding) - degrees), degrees / 200)
+            codes = norma.encode_normals(directions, encoding)
+            self.assertEqual((codes.dtype, codes.shape), (np.uint32, (5000,)))
+            back = norma.decode_normals(codes, encoding).astype(np.float64)
+            off = np.degrees(np.arcsin(np.linalg.norm(np.cross(directions, back), axis=1)))
+            self.assertLess(off.max(), norma.encoding_error_deg(encoding))
+            self.assertGreater(off.max(), norma.encoding_error_deg(encoding) * 0.9)
+            self.assertGreater((directions * back).sum(axis=1).min(), 0.99)
+        codes, report = norma.encode_normals([[0, 0, 0], [0, np.nan, 1], [-3, 0, 0]], "oct8", report=True)
+        self.assertEqual((codes.tolist(), report.cancelled, report.non_finite), ([0, 0, 0x80], 1, 1))
+        wide = np.zeros((2, 4), np.float32)
+        norma.decode_normals([0, 0x00008000], out=wide[:, :3])
+        self.assertEqual(wide.tolist(), [[0, 0, 1, 0], [-1, 0, 0, 0]])
+        self.assertEqual(norma.encode_normals(np.zeros((0, 3))).size, 0)
+
     def test_tangents_follow_u(self):
         uv = SQUARE[:, :2] @ np.array([[0, 1], [-1, 0]])  # u = -y, v = x
         found, report = norma.tangents(SQUARE, np.tile([0, 0, 1.0], (4, 1)), uv, [[0, 1, 2, 3]], report=True)
@@ -336,6 +355,11 @@ class Refusals(unittest.TestCase):
         for kind in (np.float32, np.float64):
             self.refused(ValueError, "models[1]: the upper 3x3", norma.normal_matrices, bad.astype(kind))
         self.refused(ValueError, "matrix: shape", norma.transform_normals, np.eye(4), [[0, 0, 1]])
+        self.refused(ValueError, "encoding: one of 'oct8'", norma.encode_normals, [[0, 0, 1]], "oct10")
+        self.refused(ValueError, "encoding: one of", norma.encoding_error_deg, 3)
+        self.refused(ValueError, "codes[1] is -1", norma.decode_normals, [0, -1])
+        self.refused(TypeError, "codes: integers", norma.decode_normals, [0.5])
+        self.refused(ValueError, "codes: shape", norma.decode_normals, [[0]])
 
 
 class Threads(unittest.TestCase):

@@ -19,7 +19,7 @@ const anything = () => pick([array, array, strided, strided, gone, () => null, (
 const value = () => pick([anything, () => "angle", () => "none", () => 60, () => new Float32Array(200), () => true, () => "visible", () => 0.5, () => "nearest", () => "steady", () => "corner"])();
 function options() {
   const made = {};
-  for (const name of ["weight", "weld", "crease", "out", "report", "per", "mode", "winding", "fallback", "nonManifold", "moved", "bogus"]) if (random() < 0.06) made[name] = value();
+  for (const name of ["weight", "weld", "crease", "out", "report", "per", "mode", "winding", "fallback", "nonManifold", "moved", "encoding", "bogus"]) if (random() < 0.06) made[name] = value();
   return random() < 0.9 ? made : anything();
 }
 const vectors = () => pick([() => positions, () => positions.slice(), () => Float64Array.from(positions), anything])(), corners = () => pick([() => indices, () => Uint16Array.from(indices), () => null, anything])();
@@ -27,9 +27,9 @@ const vectors = () => pick([() => positions, () => positions.slice(), () => Floa
 let fine = 0, refused = 0;
 const wrong = new Map();
 for (let i = 0; i < 40000; i++) {
-  const call = pick(["faceNormals", "vertexNormals", "cornerNormals", "split", "tangents", "plan", "normalMatrix", "normalMatrices", "matrixInfo", "transformNormals"]);
+  const call = pick(["faceNormals", "vertexNormals", "cornerNormals", "split", "tangents", "plan", "normalMatrix", "normalMatrices", "matrixInfo", "transformNormals", "encodeNormals", "decodeNormals", "encodingErrorDeg"]);
   try {
-    const result = norma[call](...(call === "tangents" ? [vectors(), vectors(), pick([() => new Float32Array(16), anything])(), corners(), options()] : /atri|transform/.test(call) ? [anything(), pick([vectors, options])(), options()] : [vectors(), corners(), options()]));
+    const result = norma[call](...(call === "tangents" ? [vectors(), vectors(), pick([() => new Float32Array(16), anything])(), corners(), options()] : /codeN/.test(call) ? [pick([vectors, () => Uint32Array.of(1, 2, 3)])(), options()] : /atri|transform|coding/.test(call) ? [anything(), pick([vectors, options])(), options()] : [vectors(), corners(), options()]));
     if (call === "plan") try { result.update(vectors(), options()); } finally { result.free(); }
     fine++;
   } catch (error) {

@@ -51,6 +51,19 @@ const inverse = norma.normalMatrix(diagonal(2, 0.5, 1));
 check("the normal matrix of diag(2, 0.5, 1) is along diag(1/2, 2, 1)", near(inverse[4] / inverse[0], 4, 1e-6) && near(inverse[8] / inverse[0], 2, 1e-6) && inverse[1] === 0);
 const leaning = norma.transformNormals(inverse, Float32Array.of(Math.SQRT1_2, Math.SQRT1_2, 0));
 check("and takes (1, 1, 0) to (0.243, 0.970, 0)", near(leaning[0], 1 / Math.sqrt(17), 1e-6) && near(leaning[1], 4 / Math.sqrt(17), 1e-6) && leaning[2] === 0);
+for (const [encoding, degrees] of [["oct8", 0.638], ["oct12", 0.0396], ["oct16", 0.00248], ["10-10-10-2", 0.0793]]) {
+  const back = norma.decodeNormals(norma.encodeNormals(round.positions, { encoding }), { encoding }), bound = norma.encodingErrorDeg(encoding);
+  let worst = 0;
+  for (let i = 0; i < back.length; i += 3) {
+    const [x, y, z] = round.positions.subarray(i, i + 3), [a, b, c] = back.subarray(i, i + 3);
+    worst = Math.max(worst, (Math.asin(Math.hypot(y * c - z * b, z * a - x * c, x * b - y * a) / Math.hypot(x, y, z)) * 180) / Math.PI);
+  }
+  check(`${encoding}: codes of a sphere's normals are within ${degrees} degrees`, near(bound, degrees, degrees / 200) && worst <= bound && worst > bound / 2, `${worst} of ${bound}`);
+}
+check("codes of axes, and of what has no direction", norma.encodeNormals(Float32Array.of(0, 0, 1, 1, 0, 0, -1, 0, 0, 0, 0, 0), { encoding: "oct8" }).join() === "0,127,128,0");
+const unknown = norma.encodeNormals(Float32Array.of(0, 0, 0, NaN, 0, 1, 0, 1, 0), { report: true });
+check("and how many those are", unknown.codes.length === 3 && unknown.report.cancelled === 1 && unknown.report.nonFinite === 1);
+check("codes are written where they are wanted", (() => { const codes = new Uint32Array(2); return norma.encodeNormals(Int8Array.of(0, 5, 0), { encoding: "10-10-10-2", out: codes }) === codes && codes[0] === 511 << 10 && codes[1] === 0; })());
 const mirror = diagonal(-1, 1, 1);
 check("a mirror: kept and reversed are opposite", norma.normalMatrix(mirror, { winding: "kept" }).every((x, i) => x === -norma.normalMatrix(mirror)[i] || x === 0));
 check("matrixInfo knows kinds", ["identity", "translation", "uniform-scale", "non-uniform-scale", "shear", "singular"].every((kind, i) => {
@@ -193,6 +206,10 @@ const faults = [
   ["a plan that has been freed", "argument", () => freed.update(positions), "plan: it has been freed"],
   ["its room", "argument", () => freed.normals, "plan: it has been freed"],
   ["a normal matrix of 16 numbers", "argument", () => norma.transformNormals(mirror, new Float32Array(3)), "normalMatrix: 16 numbers are not 9"],
+  ["an unknown encoding", "argument", () => norma.encodeNormals(positions, { encoding: "oct9" }), 'encoding: "oct9"'],
+  ["codes that are floats", "argument", () => norma.decodeNormals(positions), "codes: Float32Array"],
+  ["room for codes of another kind", "argument", () => norma.encodeNormals(positions, { out: new Float32Array(99) }), "out: Float32Array is not a Uint32Array"],
+  ["room for too few codes", "capacity", () => norma.encodeNormals(positions, { out: new Uint32Array(1) }), "out: 1 numbers, but 8 are written"],
   ["an unknown mode of tangents", "argument", () => tangentsOf(straight, { mode: "fast" }), 'mode: "fast"'],
   ["texture coordinates for no element", "argument", () => tangentsOf(straight.subarray(2)), "texcoords: 3 values, but the mesh has 4 vertices and 6 corners"],
   ["texture coordinates of an odd length", "argument", () => tangentsOf(straight.subarray(1)), "texcoords: 7 numbers"],

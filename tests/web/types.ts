@@ -20,6 +20,9 @@ export async function uses(): Promise<void> {
   normals = norma.normalMatrix([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], { winding: "kept" });
   normals = norma.normalMatrices(new Float64Array(32));
   normals = norma.transformNormals(normals, new Int8Array(3));
+  const codes: Uint32Array = norma.encodeNormals(normals, { encoding: "oct12" });
+  normals = norma.decodeNormals(codes, { encoding: "oct12", out: normals });
+  const zeros: number = norma.encodeNormals(normals, { report: true }).report.cancelled + norma.encodingErrorDeg("10-10-10-2");
   const info: MatrixInfo = norma.matrixInfo(new Float32Array(16));
   const degrees: number = info.worstErrorDeg;
   const error: Error = new Error(String(degrees));
@@ -37,7 +40,7 @@ export async function uses(): Promise<void> {
   const moving = await worker.plan(positions, indices);
   normals = await moving.update(positions, { out: normals });
   worker.terminate();
-  console.log(rules, inline.version);
+  console.log(rules, inline.version, zeros, await worker.encodeNormals(normals, { transfer: true }));
 
   // @ts-expect-error a view needs a stride
   norma.vertexNormals({ array: positions });

@@ -14,8 +14,9 @@ const model = [2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 for (const [name, call] of Object.entries({
   faceNormals: (n) => n.faceNormals(positions, indices), vertexNormals: (n) => n.vertexNormals(positions, indices, { weight: "area" }), cornerNormals: (n) => n.cornerNormals(positions, indices, { crease: 3 }),
   tangents: (n) => n.tangents(positions, normals, texcoords, indices), normalMatrix: (n) => n.normalMatrix(model), normalMatrices: (n) => n.normalMatrices([...model, ...model]),
-  transformNormals: (n) => n.transformNormals([1, 0, 0, 0, 2, 0, 0, 0, 3], normals), "a view with a stride": (n) => n.faceNormals({ array: positions, stride: 6, count: 3 }),
-})) await attempt(`${name} in a worker`, async () => { if (!same(await call(worker), call(norma))) throw new Error("other numbers"); });
+  transformNormals: (n) => n.transformNormals([1, 0, 0, 0, 2, 0, 0, 0, 3], normals), encodeNormals: (n) => n.encodeNormals(normals), decodeNormals: (n) => n.decodeNormals(Uint32Array.of(5, 6, 7), { encoding: "oct8" }),
+  encodingErrorDeg: async (n) => [await n.encodingErrorDeg("oct8")], "a view with a stride": (n) => n.faceNormals({ array: positions, stride: 6, count: 3 }),
+})) await attempt(`${name} in a worker`, async () => { if (!same(await call(worker), await call(norma))) throw new Error("other numbers"); });
 for (const [name, call] of Object.entries({ split: (n) => n.split(box.positions, box.indices, { report: true }), matrixInfo: (n) => n.matrixInfo(model), "a report": (n) => n.vertexNormals(positions, indices, { report: true }) }))
   await attempt(`${name} in a worker`, async () => { if (!sameObjects(await call(worker), call(norma))) throw new Error(JSON.stringify(await call(worker))); });
 check("the worker has the version", worker.version === norma.version);

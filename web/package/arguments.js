@@ -11,6 +11,7 @@ const FALLBACKS = ["zero", "nearest"];
 const WINDINGS = ["kept", "reversed"];
 const ELEMENTS = ["vertex", "corner"];
 const TANGENT_MODES = ["steady", "mikk"];
+const ENCODINGS = ["oct8", "oct12", "oct16", "10-10-10-2"];
 const PROFILES = ["auto", "render", "print", "generated"];
 
 /* norma_format of each kind of array. */
@@ -50,6 +51,7 @@ export const fallback = (value = "zero") => numberOf(FALLBACKS, value, "fallback
 export const winding = (value = "reversed") => numberOf(WINDINGS, value, "winding");
 export const element = (value = "vertex") => numberOf(ELEMENTS, value, "per");
 export const tangentMode = (value = "mikk") => numberOf(TANGENT_MODES, value, "mode");
+export const encoding = (value = "oct16") => numberOf(ENCODINGS, value, "encoding");
 export const profile = (value = "auto") => numberOf(PROFILES, value, "profile");
 
 export const flag = (value, what) => (value === undefined || typeof value === "boolean" ? value === true : fail(`${what}: ${spell(value)} is neither true nor false`));
@@ -131,12 +133,18 @@ export const failAtIndex = (indices, vertices) => {
   fail(corner < 0 ? `indices: a vertex does not exist; there are ${vertices}` : `indices: number ${corner} is ${indices[corner]}, but there are only ${vertices} positions`, RESULT.INDEX);
 };
 
-/* Room for length floats: a new array if none is given. */
-export const output = (array, length) => {
-  if (array === undefined || array === null) return new Float32Array(length);
-  if (kindOf(array) !== "Float32Array") fail(`out: ${spell(array)} is not a Float32Array`);
+/* Room for length numbers, floats or another kind: a new array if none is given. */
+export const output = (array, length, kind = "Float32Array") => {
+  if (array === undefined || array === null) return new globalThis[kind](length);
+  if (kindOf(array) !== kind) fail(`out: ${spell(array)} is not a ${kind}`);
   alive(array, "out");
-  return array.length < length ? fail(`out: ${array.length} floats, but ${length} are written`, RESULT.CAPACITY) : array;
+  return array.length < length ? fail(`out: ${array.length} ${kind === "Float32Array" ? "floats" : "numbers"}, but ${length} are written`, RESULT.CAPACITY) : array;
+};
+
+export const codes = (array) => {
+  if (kindOf(array) !== "Uint32Array") fail(`codes: ${spell(array)} is not a Uint32Array`);
+  alive(array, "codes");
+  return array;
 };
 
 /* length numbers, or a multiple of them, as floats. */

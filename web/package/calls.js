@@ -223,6 +223,30 @@ export function bindCalls(wasm, check) {
     });
   };
 
+  const encodeNormals = (vectors, options) => {
+    const view = given.vectors(vectors, "normals"), chosen = given.options(options, "encoding out report");
+    const encoding = given.encoding(chosen.encoding), wanted = given.flag(chosen.report, "report"), out = given.output(chosen.out, view.count, "Uint32Array");
+    return heap.lend((lender) => {
+      const written = lender.output(out, view.count), report = lendReport(lender, wanted);
+      expect(wasm.web_encode_normals(lender.input(view.array), view.count, view.stride, view.format, encoding, written.at, report.at));
+      const codes = written.fetch();
+      if (!wanted) return codes;
+      const { nonFinite, cancelled } = report.read();
+      return { codes, report: { nonFinite, cancelled } };
+    });
+  };
+
+  const decodeNormals = (array, options) => {
+    const codes = given.codes(array), chosen = given.options(options, "encoding out"), encoding = given.encoding(chosen.encoding), out = given.output(chosen.out, 3 * codes.length);
+    return heap.lend((lender) => {
+      const written = lender.output(out, 3 * codes.length);
+      expect(wasm.web_decode_normals(lender.input(codes), codes.length, encoding, written.at));
+      return written.fetch();
+    });
+  };
+
+  const encodingErrorDeg = (encoding) => wasm.web_encoding_error_deg(given.encoding(encoding));
+
   /* For the package's own use: tangents in place, made perpendicular to normals; four and three floats each. */
   const orthogonaliseTangents = (array, normalArray) => heap.lend((lender) => {
     const written = lender.output(array, array.length, true);
@@ -231,7 +255,8 @@ export function bindCalls(wasm, check) {
   });
 
   const plan = makePlans({ wasm, heap, expect, readMesh, hand, lendReport });
-  const calls = { version: heap.text(wasm.web_version()), faceNormals, vertexNormals, cornerNormals, split, tangents, plan, normalMatrix, normalMatrices, matrixInfo, transformNormals };
+  const calls = { version: heap.text(wasm.web_version()), faceNormals, vertexNormals, cornerNormals, split, tangents, plan, normalMatrix, normalMatrices, matrixInfo, transformNormals,
+                  encodeNormals, decodeNormals, encodingErrorDeg };
   if (check) calls.check = check;
   /* Not among the calls that a user sees. */
   for (const [name, value] of Object.entries({ creaseVertices, tangentVertices, orthogonaliseTangents })) Object.defineProperty(calls, name, { value });

@@ -129,6 +129,26 @@ export interface MatrixOptions {
   out?: Float32Array | null | undefined;
 }
 
+/** Octahedral with two numbers of 8, 12 or 16 bits, or three numbers of 10 bits. */
+export type Encoding = "oct8" | "oct12" | "oct16" | "10-10-10-2";
+
+export interface EncodeOptions {
+  encoding?: Encoding | undefined;
+  out?: Uint32Array | null | undefined;
+  report?: boolean | undefined;
+}
+
+export interface DecodeOptions {
+  encoding?: Encoding | undefined;
+  out?: Float32Array | null | undefined;
+}
+
+/** The report counts normals that were encoded as (0, 0, 1): zero ones, and those that are not finite. */
+export interface EncodedNormals {
+  codes: Uint32Array;
+  report: { nonFinite: number; cancelled: number };
+}
+
 export interface MatrixInfo {
   kind: "identity" | "translation" | "rotation" | "uniform-scale" | "non-uniform-scale" | "shear" | "singular";
   rank: number;
@@ -243,6 +263,13 @@ export interface Norma {
   matrixInfo(model: ArrayLike<number>): MatrixInfo;
   /** Normals through a normal matrix, each made unit again. Zero stays zero. */
   transformNormals(normalMatrix: ArrayLike<number>, normals: Vectors, options?: { out?: Float32Array | null | undefined }): Float32Array;
+  /** The nearest code of each normal, x in the lowest bits; "oct16" unless another is named. Zero and what is not finite become (0, 0, 1). */
+  encodeNormals(normals: Vectors, options: Reporting<EncodeOptions>): EncodedNormals;
+  encodeNormals(normals: Vectors, options?: Plain<EncodeOptions>): Uint32Array;
+  /** The unit normals of codes, three floats each. */
+  decodeNormals(codes: Uint32Array, options?: DecodeOptions): Float32Array;
+  /** The largest angle, in degrees, between any unit vector and what its code is decoded to; proven. */
+  encodingErrorDeg(encoding: Encoding): number;
   /** Looks for what is wrong with the normals and surfaces of a file in memory. The first call loads a second module, check.wasm. */
   check(bytes: Bytes, options: CheckOptions): Promise<CheckReport>;
 }
@@ -278,6 +305,10 @@ export interface NormaWorker {
   normalMatrices(models: ArrayLike<number>, options?: MatrixOptions & Transfer): Promise<Float32Array>;
   matrixInfo(model: ArrayLike<number>): Promise<MatrixInfo>;
   transformNormals(normalMatrix: ArrayLike<number>, normals: Vectors, options?: { out?: Float32Array | null | undefined } & Transfer): Promise<Float32Array>;
+  encodeNormals(normals: Vectors, options: Reporting<EncodeOptions & Transfer>): Promise<EncodedNormals>;
+  encodeNormals(normals: Vectors, options?: Plain<EncodeOptions & Transfer>): Promise<Uint32Array>;
+  decodeNormals(codes: Uint32Array, options?: DecodeOptions & Transfer): Promise<Float32Array>;
+  encodingErrorDeg(encoding: Encoding): Promise<number>;
   check(bytes: Bytes, options: CheckOptions & Transfer): Promise<CheckReport>;
   /** Ends the worker. Calls that wait are rejected. */
   terminate(): void;

@@ -1,7 +1,7 @@
 /* The calls as promises, answered by a worker. Arrays that go there are copied, or handed over with `transfer: true`; out is always handed over, and what comes back lies in its memory. */
 import { NormaError, fail, options as checkOptions } from "./arguments.js";
 
-const CALLS = ["faceNormals", "vertexNormals", "cornerNormals", "split", "tangents", "normalMatrix", "normalMatrices", "matrixInfo", "transformNormals"];
+const CALLS = ["faceNormals", "vertexNormals", "cornerNormals", "split", "tangents", "normalMatrix", "normalMatrices", "matrixInfo", "transformNormals", "encodeNormals", "decodeNormals", "encodingErrorDeg"];
 
 const isOptions = (value) => typeof value === "object" && value !== null && !ArrayBuffer.isView(value) && !Array.isArray(value) && !("array" in value);
 

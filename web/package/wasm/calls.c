@@ -142,6 +142,22 @@ norma_result WEB_EXPORT(web_matrix_info)(const float *model, double numbers[10])
     return result;
 }
 
+/* codes: 32 bits each. */
+norma_result WEB_EXPORT(web_encode_normals)(const void *normals, size_t count, size_t stride,
+    norma_format format, norma_encoding encoding, uint32_t *codes, norma_report *report) {
+    return norma_encode_normals(
+        (norma_vec3_view){normals, count, stride, format}, encoding, codes, 0, count, report);
+}
+
+norma_result WEB_EXPORT(web_decode_normals)(
+    const uint32_t *codes, size_t count, norma_encoding encoding, float *normals) {
+    return norma_decode_normals(codes, 0, count, encoding, normals, 0);
+}
+
+double WEB_EXPORT(web_encoding_error_deg)(norma_encoding encoding) {
+    return norma_encoding_error_rad(encoding) * (180 / PI);
+}
+
 norma_result WEB_EXPORT(web_transform_normals)(const float *normal_matrix, const void *normals,
     size_t count, size_t stride, norma_format format, float *out) {
     return norma_transform_normals(
