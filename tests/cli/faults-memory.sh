@@ -55,6 +55,8 @@ cases() {
     echo "compute to standard output|$NORMA compute cube.obj -o - --threads 1"
     echo "compute to a folder|$NORMA compute cube.obj roof.ply --out-dir out --threads 1"
     echo "compute of what Draco packed|$NORMA compute packed/draco.glb -o out.glb --smooth --quiet --threads 1"
+    echo "compare|$NORMA compare roof.gltf cube.obj --threads 1"
+    echo "compare --json|$NORMA compare cube.obj cube.obj --json --threads 1"
     echo "matrix|$NORMA matrix --scale 2,0.5,1 --rotate 0,1,0,30"
     echo "explain|$NORMA explain N501"
     [ -z "$has_renderer" ] || echo "render|$NORMA render cube.obj -o picture.png --size 16x16 --renderer software --threads 1"

@@ -53,6 +53,7 @@ typedef struct compare_work {
         size_t first, end; /* pieces of other */
         int named;         /* compared with the mesh of that name */
         int same_faces;
+        norma_comparison sum;
     } * groups; /* pieces of one name */
     size_t group_count;
     norma_comparison all;
@@ -107,6 +108,9 @@ static norma_result compare_group(compare_work *work, struct compared_group *gro
     if (!result)
         result = norma_compare(&base, &other, options, work->samples + first->first_corner, corners,
             &group->same_faces);
+    if (!result)
+        result = norma_compare_summary(
+            work->samples + first->first_corner, corners, work->max_rad, options, &group->sum);
     if (group->named) compared_surface_free(&base);
     compared_surface_free(&other);
     return result;
@@ -129,9 +133,11 @@ static norma_result compare_groups(compare_work *work, const norma_options *opti
         result = compare_group(work, group, &whole, options);
     }
     compared_surface_free(&whole);
-    return result ? result
-                  : norma_compare_summary(
-                        work->samples, work->corners, work->max_rad, NULL, &work->all);
+    if (result || work->group_count == 1) {
+        work->all = work->groups ? work->groups->sum : work->all;
+        return result;
+    }
+    return norma_compare_summary(work->samples, work->corners, work->max_rad, options, &work->all);
 }
 
 static norma_document_result compare_files(compare_work *work, norma_document_error *error) {
@@ -262,16 +268,11 @@ static void write_groups(cli_json *json, const compare_work *work) {
     cli_json_open(json, "meshes", '[');
     for (size_t i = 0; i < work->group_count; ++i) {
         const struct compared_group *group = &work->groups[i];
-        const compared_piece *first = &work->other.pieces[group->first],
-                             *last = &work->other.pieces[group->end - 1];
-        norma_comparison sum = {.worst = SIZE_MAX};
-        norma_compare_summary(work->samples + first->first_corner,
-            last->first_corner + last->corners - first->first_corner, work->max_rad, NULL, &sum);
         cli_json_open(json, NULL, '{');
-        cli_json_string(json, "name", first->name);
+        cli_json_string(json, "name", work->other.pieces[group->first].name);
         cli_json_bool(json, "same_name", group->named);
         cli_json_string(json, "compared", group->same_faces ? "corners" : "nearest");
-        write_comparison(json, work, &sum);
+        write_comparison(json, work, &group->sum);
         cli_json_close(json, '}');
     }
     cli_json_close(json, ']');
