@@ -11,6 +11,7 @@ and indices raise a ValueError, TypeError or IndexError that names the argument.
 """
 from ._calls import (
     Plan,
+    compare,
     corner_normals,
     decode_normals,
     encode_normals,
@@ -29,10 +30,11 @@ from ._calls import (
 from ._check import Deviation, Finding, Report, Rule, Sample, check, rules
 from ._files import ComputeSummary, Document, FileError, FileMesh, FixSummary, open
 from ._norma import version as _version
-from ._results import Indexed, MatrixInfo, NormalReport, OrientReport, Split, TangentReport
+from ._results import Comparison, Indexed, MatrixInfo, NormalReport, OrientReport, Split, TangentReport
 
 __version__: str = _version()
 __all__ = [
+    "Comparison",
     "ComputeSummary",
     "Deviation",
     "Document",
@@ -51,6 +53,7 @@ __all__ = [
     "Split",
     "TangentReport",
     "check",
+    "compare",
     "corner_normals",
     "decode_normals",
     "encode_normals",

@@ -224,6 +224,43 @@ static PyObject *orient(PyObject *self, PyObject *arguments) {
         (Py_ssize_t)r.non_manifold_edges);
 }
 
+/* compare(base, normals, other, normals, options, most, samples, capacity) -> what was found, or
+ * why it was refused */
+static PyObject *compare(PyObject *self, PyObject *arguments) {
+    PyObject *meshes[2], *normals_of[2], *options;
+    double most;
+    address samples;
+    Py_ssize_t capacity;
+    mesh_call calls[2];
+    norma_surface surfaces[2];
+    norma_comparison c;
+    int same;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "OOOOOdKn", &meshes[0], &normals_of[0], &meshes[1],
+            &normals_of[1], &options, &most, &samples, &capacity))
+        return NULL;
+    for (int i = 0; i < 2; i++) {
+        norma_attribute n;
+        if (!parse_mesh_call(meshes[i], options, &calls[i]) || !parse_attribute(normals_of[i], &n))
+            return NULL;
+        surfaces[i] =
+            (norma_surface){calls[i].mesh, {n.data, n.count, n.stride, n.format}, n.corners};
+    }
+    watch w;
+    begin_call(&calls[0], &w);
+    norma_result result = norma_compare(
+        &surfaces[0], &surfaces[1], &calls[0].options, at(samples), (size_t)capacity, &same);
+    if (result == NORMA_OK)
+        result = norma_compare_summary(at(samples), (size_t)capacity, most, NULL, &c);
+    if (norma_py_take_lock(&w)) return NULL;
+    for (int i = 0; i < 2 && result != NORMA_OK; i++)
+        if (i || norma_find_fault(&calls[i].mesh, NULL, NULL, NULL) != NORMA_OK)
+            return refused_mesh(result, &calls[i], NULL);
+    return Py_BuildValue("innddddddddn", same, (Py_ssize_t)c.corners, (Py_ssize_t)c.missing, c.area,
+        c.p50_rad, c.p99_rad, c.max_rad, c.p50_distance, c.p99_distance, c.max_distance,
+        c.share_above, (Py_ssize_t)(c.worst == SIZE_MAX ? -1 : (Py_ssize_t)c.worst));
+}
+
 /* ---- plans */
 
 static const char PLAN[] = "norma_plan";
@@ -289,5 +326,6 @@ static PyObject *plan_bytes(PyObject *self, PyObject *capsule) {
 PyMethodDef norma_py_calls[] = {{"normals", normals, METH_VARARGS, NULL},
     {"split", split, METH_VARARGS, NULL}, {"tangents", tangents, METH_VARARGS, NULL},
     {"index_corners", index_corners, METH_VARARGS, NULL}, {"orient", orient, METH_VARARGS, NULL},
-    {"plan", plan, METH_VARARGS, NULL}, {"plan_update", plan_update, METH_VARARGS, NULL},
-    {"plan_bytes", plan_bytes, METH_O, NULL}, {NULL, NULL, 0, NULL}};
+    {"compare", compare, METH_VARARGS, NULL}, {"plan", plan, METH_VARARGS, NULL},
+    {"plan_update", plan_update, METH_VARARGS, NULL}, {"plan_bytes", plan_bytes, METH_O, NULL},
+    {NULL, NULL, 0, NULL}};

@@ -21,6 +21,7 @@ from ._arguments import (
     indices,
     integers,
     mesh,
+    number,
     options,
     output,
     raise_index,
@@ -29,7 +30,7 @@ from ._arguments import (
     thread_count,
     vectors,
 )
-from ._results import Indexed, MatrixInfo, NormalReport, OrientReport, Split, TangentReport, report_of
+from ._results import Comparison, Indexed, MatrixInfo, NormalReport, OrientReport, Split, TangentReport, report_of
 
 _FACES, _VERTICES, _CORNERS = 0, 1, 2
 _MODES = {"steady": 0, "mikk": 1}
@@ -373,6 +374,61 @@ def _stream(number: int, values: ArrayLike) -> NDArray[Any]:
     if not one.flags.c_contiguous or (array.shape[0] > 1 and array.strides[0] < one.nbytes):
         array = np.ascontiguousarray(array)
     return array
+
+
+_SAMPLE = np.dtype([("area", "f8"), ("angle", "f4"), ("distance", "f4"), ("face", "u4"), ("normal", "f4", 3)])
+
+
+def compare(
+    base: Tuple[Any, Faces, ArrayLike],
+    other: Tuple[Any, Faces, ArrayLike],
+    *,
+    max_deg: float = 0.0,
+    threads: Optional[int] = None,
+) -> Comparison:
+    """By how many degrees the normals of one surface differ from those of another: corner by corner
+    if both have the same faces, else at the nearest points of the base, whose normals are
+    interpolated there.
+
+    base, other: (positions, faces, normals), with a normal for each position or for each corner.
+    max_deg: the largest angle allowed, for `share_above`.
+
+    >>> import norma_mesh as norma
+    >>> roof, faces = [[0, 0, 0], [0, 0, 1], [1, 1, 0], [1, 1, 1], [2, 0, 0], [2, 0, 1]], [[0, 1, 3, 2], [2, 3, 5, 4]]
+    >>> flat, smooth = norma.corner_normals(roof, faces, crease=0), norma.vertex_normals(roof, faces)
+    >>> found = norma.compare((roof, faces, flat), (roof, faces, smooth), max_deg=30)
+    >>> round(found.max_deg, 3), round(found.share_above, 3), found.same_faces
+    (45.0, 0.5, True)
+    """
+    most = number("max_deg", max_deg)
+    if not 0 <= most <= 180:
+        raise ValueError(f"max_deg: degrees from 0 to 180 are needed, not {max_deg!r}")
+    surfaces: list[Any] = []
+    held: list[Any] = []
+    for name, given in (("base", base), ("other", other)):
+        if not isinstance(given, tuple) or len(given) != 3:
+            raise TypeError(f"{name}: a tuple of positions, faces and normals is needed")
+        m = mesh(given[0], given[1])
+        each = np.arange(m.corner_count, dtype=np.uint32)
+        rows = as_array("normals", given[2]).shape[:1]
+        own = each if rows == (m.corner_count,) and rows != m.positions.shape[:1] else None
+        held.append((m, each, _attribute("normals", given[2], 3, m, own)))
+        surfaces += [m.call, held[-1][2][2]]
+    count = held[1][0].corner_count
+    samples = np.empty(count, _SAMPLE)
+    answer = _norma.compare(surfaces[0], surfaces[1], surfaces[2], surfaces[3], options(threads=threads),
+                            math.radians(most), _address(samples), count)
+    if len(answer) == 4:
+        refuse(answer)
+    same, corners, missing, area, p50, p99, largest, d50, d99, furthest, share, worst = answer
+    angles, distances = samples["angle"].astype(float), samples["distance"].astype(float)
+    angles[angles < 0] = np.nan
+    distances[distances < 0] = np.nan
+    faces = samples["face"].astype(np.int64)
+    faces[faces == 0xFFFFFFFF] = -1
+    return Comparison(bool(same), corners, missing, area, math.degrees(p50), math.degrees(p99), math.degrees(largest),
+                      d50, d99, furthest, share, worst, np.degrees(angles), distances, samples["area"].copy(), faces,
+                      samples["normal"].copy())
 
 
 @overload

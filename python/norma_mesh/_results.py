@@ -50,6 +50,30 @@ class OrientReport:
     non_manifold_edges: int
 
 
+@dataclass(frozen=True)
+class Comparison:
+    """By how much the normals of one surface differ from those of another. Angles are in degrees;
+    percentiles and shares are of area. One value for each corner in the arrays."""
+
+    same_faces: bool  #: corners were compared with corners, else with the nearest points
+    corners: int  #: that were compared
+    missing: int  #: without a normal
+    area: float
+    p50_deg: float
+    p99_deg: float
+    max_deg: float
+    p50_distance: float
+    p99_distance: float
+    max_distance: float
+    share_above: float  #: the part of the area above the largest angle allowed, or missing
+    worst: int  #: the corner with the largest angle; -1: none
+    angles: NDArray[np.float64]  #: NaN: not compared
+    distances: NDArray[np.float64]  #: to the base; NaN: unknown
+    areas: NDArray[np.float64]
+    faces: NDArray[np.int64]  #: of the base; -1: none
+    normals: NDArray[np.float32]  #: of the base there
+
+
 class Split(NamedTuple):
     """An indexed mesh whose vertices have one normal each."""
 

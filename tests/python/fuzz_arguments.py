@@ -146,6 +146,8 @@ def one(r):
         norma.index_corners(vectors(r, points, 3), vectors(r, points, 2), **some_options(r, ["threads"]))
     elif call == 5:
         norma.orient(positions, faces, **some_options(r, ["open", "weld", "threads", "report"]))
+        surface = (positions, faces, vectors(r, points, 3))
+        norma.compare(surface, surface, **some_options(r, ["threads"]))
     elif call == 6:
         plan = norma.Plan(positions, faces, **some_options(r, ["per", "crease", "weld", "non_manifold", "threads"]))
         for _ in range(3):

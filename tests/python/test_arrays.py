@@ -158,6 +158,44 @@ class ClosedForms(unittest.TestCase):
         self.assertTrue(np.array_equal(corners.reshape(-1, 3), outward))
 
 
+class Compare(unittest.TestCase):
+    """Known angles, and surfaces in another order."""
+
+    def test_octahedron_in_a_sphere(self):
+        points, faces = sphere(90, 91)
+        points = points / np.linalg.norm(points, axis=1)[:, None]
+        eight = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
+        corners = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
+        flat = norma.corner_normals(eight, corners, crease=0)
+        found = norma.compare((points, faces, points), (eight, corners, flat), max_deg=50)
+        self.assertFalse(found.same_faces)
+        self.assertLess(abs(found.p50_deg - np.degrees(np.arccos(3**-0.5))), 1.5)
+        self.assertAlmostEqual(found.share_above, 2 / 3)  # the sphere is open at its poles
+
+    def test_another_order(self):
+        points, faces = sphere(9, 11)
+        normals = norma.vertex_normals(points, faces)
+        found = norma.compare((points, faces, normals), (points, faces[::-1], normals))
+        self.assertLess(found.max_deg, 1e-4)
+        self.assertEqual((found.same_faces, found.missing), (False, 0))
+        normals[3] = np.nan
+        found = norma.compare((points, faces, points), (points, faces, normals))
+        self.assertTrue(found.same_faces)
+        self.assertEqual(found.missing, int(np.count_nonzero(np.isnan(found.angles) & (found.areas > 0))))
+        self.assertGreater(found.missing, 0)
+
+    def test_refusals(self):
+        points, faces = sphere(4, 5)
+        good = (points, faces, points)
+        for bad, kind in (((points, faces), TypeError), ((points, faces, points[1:]), ValueError)):
+            with self.assertRaises(kind):
+                norma.compare(good, bad)
+        with self.assertRaises(ValueError):
+            norma.compare(good, good, max_deg=-1)
+        with self.assertRaises(IndexError):
+            norma.compare((points, [[0, 1, 999]], points), good)
+
+
 class Forms(unittest.TestCase):
     """The same mesh in any dress gives the same bits."""
 
