@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char compare_usage[] =
     "norma compare BASE OTHER: by how many degrees the normals of OTHER differ from BASE\n"
@@ -12,6 +13,8 @@ static const char compare_usage[] =
     "  norma compare scan.ply small.ply --max 5       status 1 if any normal is off by more than "
     "5 degrees\n"
     "  norma compare a.glb b.glb --max 5 --share 0.01 allows that on 1 % of the area\n"
+    "  norma compare reference/ built/ --max 5        each file of built with the one of the same "
+    "path in reference\n"
     "\n"
     "Options\n"
     "  --max DEG             exit status 1 if the normals of some of the area are off by more\n"
@@ -45,7 +48,7 @@ typedef struct compare_work {
     cli_files files;
     double max_rad, share;
     int given;
-    const char *output;
+    const char *output, *names[2]; /* names: BASE and OTHER */
     compared_scene base, other;
     norma_compare_sample *samples; /* of each corner of other */
     size_t corners;
@@ -146,14 +149,13 @@ static norma_document_result compare_files(compare_work *work, norma_document_er
         .threads = work->common.threads,
         .progress = cli_progress_elapsed,
         .progress_user = &progress};
-    const char **words = work->files.words.words;
-    const int standard = strcmp(words[0], "-") == 0 || strcmp(words[1], "-") == 0;
+    const int standard = strcmp(work->names[0], "-") == 0 || strcmp(work->names[1], "-") == 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (int i = 0; i < 2 && !result; ++i) {
         cli_files files = work->files;
-        if (standard && strcmp(words[i], "-") != 0) files.format = NORMA_FILE_UNKNOWN;
+        if (standard && strcmp(work->names[i], "-") != 0) files.format = NORMA_FILE_UNKNOWN;
         result = compared_scene_open(
-            &files, &work->common, words[i], i ? &work->other : &work->base, error);
+            &files, &work->common, work->names[i], i ? &work->other : &work->base, error);
     }
     if (result) return error->result = result;
     cli_progress_start(&progress, "comparing", work->other.input, work->common.quiet, 0);
@@ -308,8 +310,8 @@ static void write_compare_json(
     const compare_work *work, const worst_place *places, size_t count, const char *error) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
-    cli_json_string(&json, "base", work->files.words.words[0]);
-    cli_json_string(&json, "other", work->files.words.words[1]);
+    cli_json_string(&json, "base", work->names[0]);
+    cli_json_string(&json, "other", work->names[1]);
     if (error) {
         cli_json_string(&json, "error", error);
     } else {
@@ -415,6 +417,31 @@ static int compare_and_report(compare_work *work) {
     free(work->groups);
     compared_scene_close(&work->base);
     compared_scene_close(&work->other);
+    work->samples = NULL;
+    work->groups = NULL;
+    work->group_count = 0;
+    return status;
+}
+
+static int names_folder(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+/* Each file of OTHER with the file of the same path in BASE. */
+static int compare_folders(
+    const cli_subcommand *command, compare_work *work, const char *base, const char *other) {
+    work->files.words = (cli_words){&other, 1};
+    int status = cli_find_inputs(command, &work->files);
+    for (size_t i = 0; i < work->files.inputs.count && status != CLI_USAGE; ++i) {
+        const char *path = work->files.inputs.paths[i];
+        char *counterpart = cli_join(base, path + work->files.inputs.within[i]);
+        if (!counterpart) return cli_out_of_memory();
+        work->names[0] = counterpart;
+        work->names[1] = path;
+        status = cli_worse(status, compare_and_report(work));
+        free(counterpart);
+    }
     return status;
 }
 
@@ -427,9 +454,10 @@ static int compare_run(const cli_subcommand *command, int count, char **argument
     };
     int status = cli_read_files(command, &work.files, tables, CLI_COUNT(tables), count, arguments);
     if (status) return status;
-    const cli_words *words = &work.files.words;
+    const cli_words given = work.files.words, *words = &given;
     if (words->count != 2)
-        status = cli_usage(command, "expected two files, BASE and OTHER, not %zu", words->count);
+        status = cli_usage(
+            command, "expected two files or two folders, BASE and OTHER, not %zu", words->count);
     else if (strcmp(words->words[0], "-") == 0 && strcmp(words->words[1], "-") == 0)
         status = cli_usage(command, "only one of the two files can be standard input");
     else if (work.output)
@@ -437,8 +465,13 @@ static int compare_run(const cli_subcommand *command, int count, char **argument
                                     "errors of one file");
     else if (work.given == SHARE_GIVEN)
         status = cli_usage(command, "--share needs --max");
-    else
+    else if (names_folder(words->words[0]) && names_folder(words->words[1]))
+        status = compare_folders(command, &work, words->words[0], words->words[1]);
+    else {
+        memcpy((void *)work.names, (const void *)words->words, sizeof work.names);
         status = compare_and_report(&work);
+    }
+    work.files.words = given;
     cli_files_end(&work.files);
     return cli_finish(status);
 }
