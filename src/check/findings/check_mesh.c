@@ -2,6 +2,7 @@
  * each face, the corners around each position. */
 #include "check/findings/check_run.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- loops in blocks */
@@ -161,6 +162,58 @@ norma_result norma_check_faces(check_mesh *m) {
     }
     norma_core_release(call, pass.degenerate, blocks, sizeof *pass.degenerate);
     return result;
+}
+
+/* ---- several meshes as one */
+
+static void append_mesh(check_joined *joined, const core_mesh *mesh) {
+    norma_mesh *whole = &joined->mesh;
+    for (size_t v = 0; v < mesh->positions.count; v++)
+        norma_view_read(&mesh->positions, v, joined->positions + 3 * (whole->positions.count + v));
+    for (size_t f = 0; joined->starts && f < mesh->face_count; f++)
+        joined->starts[whole->face_count + f] =
+            (uint32_t)(whole->corner_count + norma_core_face_begin(mesh, f));
+    for (size_t c = 0; c < mesh->corner_count; c++)
+        joined->corners[whole->corner_count + c] =
+            (uint32_t)whole->positions.count + norma_core_corner(mesh, c);
+    whole->positions.count += mesh->positions.count;
+    whole->corner_count += mesh->corner_count;
+    whole->face_count += mesh->face_count;
+}
+
+norma_result norma_check_join(const core_mesh *meshes, size_t count, check_joined *joined) {
+    size_t vertices = 0, corners = 0, faces = 0;
+    int polygons = 0;
+    *joined = (check_joined){.positions = NULL};
+    for (size_t i = 0; i < count; i++) {
+        if (meshes[i].positions.count >= UINT32_MAX - 1 - vertices ||
+            meshes[i].corner_count >= UINT32_MAX - 1 - corners)
+            return NORMA_ERROR_OVERFLOW;
+        vertices += meshes[i].positions.count;
+        corners += meshes[i].corner_count;
+        faces += meshes[i].face_count;
+        polygons |= meshes[i].face_starts != NULL;
+    }
+    joined->positions = malloc((vertices + 1) * 3 * sizeof *joined->positions);
+    joined->corners = malloc((corners + 1) * sizeof *joined->corners);
+    joined->starts = polygons ? malloc((faces + 1) * sizeof *joined->starts) : NULL;
+    if (!joined->positions || !joined->corners || (polygons && !joined->starts)) {
+        norma_check_unjoin(joined);
+        return NORMA_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) append_mesh(joined, &meshes[i]);
+    if (polygons) joined->starts[faces] = (uint32_t)corners;
+    joined->mesh.positions = (norma_vec3_view){joined->positions, vertices, 0, NORMA_FORMAT_DOUBLE};
+    joined->mesh.corners = joined->corners;
+    joined->mesh.face_starts = joined->starts;
+    return NORMA_OK;
+}
+
+void norma_check_unjoin(check_joined *joined) {
+    free(joined->positions);
+    free(joined->corners);
+    free(joined->starts);
+    *joined = (check_joined){.positions = NULL};
 }
 
 /* ---- normals */

@@ -46,17 +46,32 @@ typedef struct check_hits {
 typedef struct check_member check_member;             /* rules/seams.c */
 typedef struct check_solid_member check_solid_member; /* rules/solids.c */
 
+/* Several meshes as one, of positions of its own: its faces are theirs, one after another.
+ * (check_mesh.c) */
+typedef struct check_joined {
+    norma_mesh mesh;
+    double *positions;
+    uint32_t *corners, *starts; /* starts: NULL where all are triangles */
+} check_joined;
+/* MEMORY, OVERFLOW: there is nothing to free. */
+norma_result norma_check_join(const core_mesh *meshes, size_t count, check_joined *joined);
+void norma_check_unjoin(check_joined *joined);
+
+/* Which sides the faces of a group have: made when first asked for (rules/sides.c). */
+typedef struct check_judge {
+    core_side_judge sides;
+    int is_open;
+    check_joined whole; /* whose faces they are, where that had to be made */
+} check_judge;
+
 /* The primitives of one glTF mesh, or the one mesh of another file. */
 typedef struct check_group {
     const norma_check_mesh *meshes;
     size_t count;
     const size_t *orders; /* of their places; NULL: as they come */
-    /* Made when first asked for, freed with the group (rules/sides.c). */
-    core_side_judge judge; /* of all their faces together */
-    int has_judge;
-    double *positions; /* of all of them, where they are several */
-    uint32_t *corners;
-    size_t vertices, corner_count;
+    check_judge
+        *judge; /* of all their faces together: own, or that of a surface that is the same */
+    check_judge own;
 } check_group;
 
 /* Where the mesh that is looked at lies in its file, if it is a part of it. */
@@ -74,6 +89,7 @@ typedef struct check_run {
     core_call call;                  /* memory, threads, progress */
     norma_findings *findings;
     const norma_findings *known; /* of a document that differs little; or NULL */
+    check_judge *judge;          /* of a surface that the next group's is the same as; or NULL */
     const check_part *part; /* what is hit has the numbers of this part; NULL: those of the file */
     size_t next_order;      /* places are numbered as they come */
     check_group *group;     /* the meshes that are looked at together now */

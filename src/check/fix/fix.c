@@ -6,6 +6,7 @@
  * offer. */
 #include "check/fix/fix.h"
 #include "check/findings/check_run.h"
+#include "check/rules/rules.h"
 #include "io/format/for_fixes.h"
 #include <stdlib.h>
 #include <string.h>
@@ -25,6 +26,7 @@ typedef struct fixing {
     fix_left_out *places; /* the request's */
     size_t place_room;
     harm *harms;                     /* of each rule */
+    size_t judge_count;              /* of the request's */
     norma_findings *given;           /* what a check found in the document; NULL: not known */
     uint8_t again[CHECK_RULE_COUNT]; /* of which the given findings do not have every element */
     fix_measure before;
@@ -75,7 +77,9 @@ static norma_document_result begin_fixing(
         own->progress_user = progress;
     }
     f->harms = calloc(CHECK_RULE_COUNT, sizeof *f->harms);
-    return f->harms ? NORMA_DOCUMENT_OK : fail_memory(f->error);
+    f->judge_count = norma_document_mesh_count(f->document);
+    f->request.judges = calloc(f->judge_count + 1, sizeof *f->request.judges);
+    return f->harms && f->request.judges ? NORMA_DOCUMENT_OK : fail_memory(f->error);
 }
 
 static void forget_places(fixing *f, size_t count) {
@@ -86,6 +90,9 @@ static void end_fixing(fixing *f) {
     forget_places(f, 0);
     free(f->places);
     free(f->harms);
+    for (size_t i = 0; f->request.judges && i < f->judge_count; i++)
+        norma_check_close_judge(&f->request.judges[i]);
+    free(f->request.judges);
     norma_findings_free(f->given);
     norma_fix_trial_free(&f->best);
     norma_fix_measure_free(&f->before);
@@ -95,7 +102,7 @@ static void end_fixing(fixing *f) {
 
 /* Every element that any rule finds, once: plans are made of it, and trials compared with it. */
 static norma_document_result look_once(fixing *f) {
-    const check_known known = {f->document, f->given, f->again};
+    const check_known known = {f->document, f->given, f->again, f->request.judges};
     if (f->before.findings) return NORMA_DOCUMENT_OK;
     f->checks++;
     return norma_fix_find(f->document, &f->request, f->request.reads_maps, f->given ? &known : NULL,
@@ -124,7 +131,7 @@ static norma_document_result try_request(
         norma_fix_plan_free(&plan);
         return result;
     }
-    const check_known known = {f->document, f->before.findings, NULL};
+    const check_known known = {f->document, f->before.findings, NULL, f->request.judges};
     result = norma_fix_try(&known, &f->request, &plan, trial, f->error);
     f->checks += trial->count;
     if (!result) *is_worse = norma_fix_find_worse(&f->before, &trial->after, harmful->by);

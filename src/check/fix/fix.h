@@ -20,6 +20,7 @@ typedef struct fix_request {
     norma_severity from; /* of unsafe fixes: findings below this severity are left as they are */
     int reads_maps;      /* normal maps are looked at before anything is fixed */
     int changes_maps;    /* and measured afterwards */
+    check_judge *judges; /* as in check_known, of the document as it is; or NULL */
 
     uint8_t left_out[CHECK_RULE_COUNT];
     const fix_left_out *places; /* a rule at one mesh or node */
@@ -138,16 +139,12 @@ norma_document_result norma_fix_seams(
 typedef struct fix_whole { /* fix_mesh.c */
     const fix_group *group;
     core_mesh *meshes;
-    size_t vertices, corner_count, face_count; /* of all */
-    norma_mesh mesh;                           /* all of them as one; after norma_fix_join */
-    double *positions;
-    uint32_t *corners, *starts;
+    size_t face_count; /* of all */
 } fix_whole;
 /* To be closed in any case. */
 norma_document_result norma_fix_open_whole(
     const fix_group *group, fix_whole *whole, norma_result *how);
 void norma_fix_close_whole(fix_whole *whole);
-int norma_fix_join(fix_whole *whole); /* 0: out of memory */
 
 norma_result norma_fix_faces(fix_mesh *m);     /* fix_faces.c: N301, N302, N305, N401 */
 norma_result norma_fix_polygons(fix_mesh *m);  /* fix_faces.c: N404, N405 */

@@ -342,9 +342,11 @@ static norma_document_result find_weight(
     norma_mesh_info info;
     norma_mesh_data data;
     norma_deviation deviation;
+    const norma_deviation *known = norma_findings_deviation(g->findings, g->wheres[0]);
+    if (known) *weight = known->weight;
     norma_document_result result = norma_document_mesh_info(g->document, g->indices[0], &info);
     if (!result) result = norma_document_mesh_data(g->document, g->indices[0], &data, g->error);
-    if (result) return result;
+    if (result || known) return result;
     *how = norma_explain_normals(&data, info.normals, &options, &deviation);
     *weight = !*how && deviation.corners ? deviation.weight : NORMA_WEIGHT_ANGLE;
     return NORMA_DOCUMENT_OK;
@@ -371,28 +373,35 @@ static norma_result share_out(
     return NORMA_OK;
 }
 
+static norma_result share_normals(
+    const fix_whole *w, const seam_place *places, size_t count, norma_weight weight) {
+    const norma_options options = {.struct_size = sizeof options,
+        .weight = weight,
+        .threads = w->group->request->options.threads};
+    check_joined whole;
+    norma_result result = norma_check_join(w->meshes, w->group->count, &whole);
+    if (result) return result;
+    const size_t vertices = whole.mesh.positions.count;
+    float *normals = malloc((vertices + 1) * 3 * sizeof *normals);
+    result = normals ? norma_vertex_normals(&whole.mesh, &options, normals, vertices, NULL)
+                     : NORMA_ERROR_MEMORY;
+    if (!result) result = share_out(w, places, count, normals);
+    free(normals);
+    norma_check_unjoin(&whole);
+    return result;
+}
+
 norma_document_result norma_fix_seams(const fix_group *group, norma_result *how) {
     fix_whole w;
     size_t count = 0;
     norma_weight weight = NORMA_WEIGHT_ANGLE;
-    float *normals = NULL;
     norma_document_result result = norma_fix_open_whole(group, &w, how);
     seam_place *places = !result && !*how ? gather_seam_places(&w, &count) : NULL;
     if (!result && !*how && !places) *how = NORMA_ERROR_MEMORY;
     if (!result && !*how && count) result = find_weight(group, &weight, how);
-    if (!result && !*how && count) {
-        const norma_options options = {.struct_size = sizeof options,
-            .weight = weight,
-            .threads = group->request->options.threads};
-        normals = malloc((w.vertices + 1) * 3 * sizeof *normals);
-        *how = normals && norma_fix_join(&w)
-                   ? norma_vertex_normals(&w.mesh, &options, normals, w.vertices, NULL)
-                   : NORMA_ERROR_MEMORY;
-        if (!*how) *how = share_out(&w, places, count, normals);
-    }
+    if (!result && !*how && count) *how = share_normals(&w, places, count, weight);
     norma_fix_close_whole(&w);
     free(places);
-    free(normals);
     return result;
 }
 

@@ -183,12 +183,17 @@ static norma_result count_odd_edges(
     return result;
 }
 
-static norma_result measure_size(const norma_mesh *mesh, fix_measure *measure) {
+static norma_result measure_whole(
+    const fix_whole *whole, size_t group, uint32_t threads, fix_measure *measure) {
+    check_joined joined;
     core_mesh shape;
-    const norma_result result = norma_core_mesh_shape(mesh, &shape);
+    norma_result result = norma_check_join(whole->meshes, whole->group->count, &joined);
     if (result) return result;
+    result = count_odd_edges(&joined.mesh, group, threads, measure);
+    if (!result) result = norma_core_mesh_shape(&joined.mesh, &shape);
     shape.scale = 1;
-    measure->size = fmax(measure->size, norma_check_diagonal(&shape));
+    if (!result) measure->size = fmax(measure->size, norma_check_diagonal(&shape));
+    norma_check_unjoin(&joined);
     return result;
 }
 
@@ -271,10 +276,7 @@ norma_document_result norma_fix_measure_shape(norma_document *document, const fi
         these.count = of;
         result = norma_fix_open_whole(&these, &whole, &how);
         if (!result && !how && whole.face_count)
-            how = norma_fix_join(&whole)
-                      ? count_odd_edges(&whole.mesh, indices[0], request->options.threads, measure)
-                      : NORMA_ERROR_MEMORY;
-        if (!result && !how && whole.face_count) how = measure_size(&whole.mesh, measure);
+            how = measure_whole(&whole, indices[0], request->options.threads, measure);
         norma_fix_close_whole(&whole);
         for (size_t i = 0; i < of && !result && !how; i++)
             result = measure_normals(&these, indices[i], measure, &how);
@@ -391,6 +393,7 @@ static norma_document_result look_at_copy(norma_document *copy, const fix_reques
 static norma_document_result take_steps(norma_document *copy, const fix_request *request,
     const check_known *known, fix_trial *trial, norma_document_error *error) {
     fix_request next = *request;
+    next.judges = NULL;
 
     norma_document_result result = NORMA_DOCUMENT_OK;
     int changed = 1;

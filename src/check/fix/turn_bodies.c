@@ -135,17 +135,20 @@ static norma_result ask_rays(fix_whole *t, uint8_t *marks) {
     const norma_options options = {
         .struct_size = sizeof options, .threads = t->group->request->options.threads};
     norma_orient_report report;
+    check_joined whole;
     uint8_t *alike = malloc(t->face_count + 1), *rays = malloc(t->face_count + 1);
-    norma_result result = alike && rays && norma_fix_join(t) ? NORMA_OK : NORMA_ERROR_MEMORY;
+    norma_result result = norma_check_join(t->meshes, t->group->count, &whole);
+    if (!result && !(alike && rays)) result = NORMA_ERROR_MEMORY;
     if (!result)
         result =
-            norma_orient(&t->mesh, NORMA_ORIENT_OPEN_KEPT, &options, alike, t->face_count, NULL);
+            norma_orient(&whole.mesh, NORMA_ORIENT_OPEN_KEPT, &options, alike, t->face_count, NULL);
     if (!result)
         result = norma_orient(
-            &t->mesh, NORMA_ORIENT_OPEN_BY_RAYS, &options, rays, t->face_count, &report);
+            &whole.mesh, NORMA_ORIENT_OPEN_BY_RAYS, &options, rays, t->face_count, &report);
     for (size_t f = 0; f < t->face_count && !result; f++)
         marks[f] = marks[f] && alike[f] != rays[f];
     if (!result && report.open) add_votes(t->group->plan, &report);
+    norma_check_unjoin(&whole);
     free(alike);
     free(rays);
     return result;
@@ -198,14 +201,18 @@ static norma_result turn_shells(fix_whole *t, uint8_t *marks) {
     core_call call;
     core_mesh checked;
     core_topology topology;
+    check_joined whole;
     norma_result result = norma_core_begin(&call, &options);
-    if (!result && !norma_fix_join(t)) result = NORMA_ERROR_MEMORY;
-    if (!result) result = norma_core_mesh_shape(&t->mesh, &checked);
+    if (!result) result = norma_check_join(t->meshes, t->group->count, &whole);
+    if (result) return result;
+    result = norma_core_mesh_shape(&whole.mesh, &checked);
     if (!result) result = norma_core_mesh_content(&call, &checked);
     if (!result) result = norma_core_topology_open(&call, &checked, &topology);
-    if (result) return result;
-    result = judge_shells(&topology, marks);
-    norma_core_topology_close(&topology);
+    if (!result) {
+        result = judge_shells(&topology, marks);
+        norma_core_topology_close(&topology);
+    }
+    norma_check_unjoin(&whole);
     return result;
 }
 
@@ -308,13 +315,27 @@ static uint8_t *mark_asked_faces(const fix_whole *whole, const core_topology *to
     return asked;
 }
 
+static norma_result ask_sides(const fix_whole *whole, check_judge *judge, uint8_t *sides) {
+    const fix_group *group = whole->group;
+    norma_result result = NORMA_OK;
+    if (!judge->is_open)
+        result = norma_check_open_judge(
+            whole->meshes, group->count, group->request->options.threads, judge);
+    if (result) return result;
+    norma_core_side_judge_forget(&judge->sides);
+    uint8_t *asked = mark_asked_faces(whole, &judge->sides.topology);
+    result = asked ? norma_core_side_judge_ask(&judge->sides, 0, whole->face_count, asked, sides)
+                   : NORMA_ERROR_MEMORY;
+    free(asked);
+    return result ? result : norma_check_sides_at_folds(&judge->sides, 0, whole->face_count, sides);
+}
+
 /* Those of an STL by their stored normals, where nothing else decides. */
 static norma_document_result judge_group_sides(
     fix_whole *whole, uint8_t *sides, norma_result *how) {
     const fix_group *group = whole->group;
-    const norma_options options = {
-        .struct_size = sizeof options, .threads = group->request->options.threads};
-    core_side_judge judge;
+    check_judge own = {.is_open = 0},
+                *judge = group->request->judges ? &group->request->judges[group->indices[0]] : &own;
     norma_mesh_info info;
     norma_mesh_data data;
     norma_document_result result =
@@ -322,16 +343,10 @@ static norma_document_result judge_group_sides(
     if (!result)
         result = norma_document_mesh_data(group->document, group->indices[0], &data, group->error);
     if (result || !whole->face_count) return result;
-    *how = norma_core_side_judge_open(&whole->mesh, &options, &judge);
-    if (*how) return result;
-    uint8_t *asked = mark_asked_faces(whole, &judge.topology);
-    *how = asked ? norma_core_side_judge_ask(&judge, 0, whole->face_count, asked, sides)
-                 : NORMA_ERROR_MEMORY;
-    free(asked);
-    if (!*how) *how = norma_check_sides_at_folds(&judge, 0, whole->face_count, sides);
+    *how = ask_sides(whole, judge, sides);
     if (!*how && info.normals == NORMA_NORMALS_PER_FACET)
-        *how = norma_check_sides_by_facets(&judge, &data.normals, sides);
-    norma_core_side_judge_close(&judge);
+        *how = norma_check_sides_by_facets(&judge->sides, &data.normals, sides);
+    norma_check_close_judge(&own);
     return result;
 }
 
@@ -339,7 +354,7 @@ norma_document_result norma_fix_sides(const fix_group *group, norma_result *how)
     fix_whole whole;
     norma_document_result result = norma_fix_open_whole(group, &whole, how);
     uint8_t *sides = !result && !*how ? malloc(whole.face_count + 1) : NULL;
-    if (!result && !*how && !(sides && norma_fix_join(&whole))) *how = NORMA_ERROR_MEMORY;
+    if (!result && !*how && !sides) *how = NORMA_ERROR_MEMORY;
     if (!result && !*how) result = judge_group_sides(&whole, sides, how);
     if (!result && !*how) result = share_sides(&whole, sides, how);
     norma_fix_close_whole(&whole);

@@ -77,7 +77,10 @@ norma_result norma_check_is_of_another_frame(check_mesh *m, int *is);
 /* sides.c: which faces are turned, as core_side_judge says; asked: a mark for each face that
  * matters. sides: of each face of the mesh. */
 norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides);
-void norma_check_sides_drop(check_run *run);
+/* judge: all zero, or open; threads: 0: all. */
+norma_result norma_check_open_judge(
+    const core_mesh *meshes, size_t count, uint32_t threads, check_judge *judge);
+void norma_check_close_judge(check_judge *judge);
 /* Of an STL's facets whose sides neither volume nor rays decide: a normal within 25 degrees of its
  * winding, or of its winding's opposite, that agrees with its neighbours' says which it is. */
 #define CHECK_LEAN_COSINE 0.9063077870366499

@@ -3,6 +3,7 @@
 #include "check/findings/check_run.h"
 #include "core/face/unit_length.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- Which of the faces that somebody doubts are turned (core/topology/orient.c), with the
@@ -10,55 +11,33 @@
  * both sides. Where neither volume nor rays say anything, the stored normals of facets do: a
  * program that turns a facet seldom turns its normal. */
 
-/* All primitives as one mesh; they are triangles. */
-static norma_result join_primitives(check_run *run, norma_mesh *whole) {
-    check_group *g = run->group;
-    for (size_t i = 0; i < g->count; i++) {
-        const norma_mesh *mesh = &g->meshes[i].data.mesh;
-        core_mesh shape;
-        const norma_result result = norma_core_mesh_shape(mesh, &shape);
-        if (result) return result;
-        if (shape.positions.count >= UINT32_MAX - 1 - g->vertices || shape.face_starts)
-            return NORMA_ERROR_OVERFLOW;
-        g->vertices += shape.positions.count;
-        g->corner_count += shape.corner_count;
-    }
-    g->positions = norma_core_allocate(&run->call, g->vertices, 3 * sizeof *g->positions);
-    g->corners = norma_core_allocate(&run->call, g->corner_count, sizeof *g->corners);
-    if (!g->positions || !g->corners) return NORMA_ERROR_MEMORY;
-    size_t vertex = 0, corner = 0;
-    for (size_t i = 0; i < g->count; i++) {
-        core_mesh shape;
-        const norma_result result = norma_core_mesh_shape(&g->meshes[i].data.mesh, &shape);
-        if (result) return result;
-        for (size_t c = 0; c < shape.corner_count; c++)
-            g->corners[corner++] = (uint32_t)vertex + norma_core_corner(&shape, c);
-        for (size_t v = 0; v < shape.positions.count; v++)
-            norma_view_read(&shape.positions, v, &g->positions[3 * vertex++]);
-    }
-    *whole = (norma_mesh){.positions = {g->positions, g->vertices, 0, NORMA_FORMAT_DOUBLE},
-        .corners = g->corners,
-        .corner_count = g->corner_count};
-    return NORMA_OK;
-}
-
-static norma_result open_judge(check_run *run) {
-    check_group *g = run->group;
-    if (g->has_judge) return NORMA_OK;
-    norma_mesh whole = g->meshes[0].data.mesh;
-    norma_result result = g->count > 1 ? join_primitives(run, &whole) : NORMA_OK;
-    const norma_options options = {.struct_size = sizeof options, .threads = run->options.threads};
-    if (!result) result = norma_core_side_judge_open(&whole, &options, &g->judge);
-    g->has_judge = !result;
+/* A judge that is kept has positions of its own. */
+norma_result norma_check_open_judge(
+    const core_mesh *meshes, size_t count, uint32_t threads, check_judge *judge) {
+    const norma_options options = {.struct_size = sizeof options, .threads = threads};
+    norma_result result = norma_check_join(meshes, count, &judge->whole);
+    if (!result) result = norma_core_side_judge_open(&judge->whole.mesh, &options, &judge->sides);
+    judge->is_open = !result;
     return result;
 }
 
-void norma_check_sides_drop(check_run *run) {
-    check_group *g = run->group;
-    if (g->has_judge) norma_core_side_judge_close(&g->judge);
-    norma_core_release(&run->call, g->positions, g->vertices, 3 * sizeof *g->positions);
-    norma_core_release(&run->call, g->corners, g->corner_count, sizeof *g->corners);
-    *g = (check_group){.meshes = g->meshes, .count = g->count, .orders = g->orders};
+void norma_check_close_judge(check_judge *judge) {
+    if (judge->is_open) norma_core_side_judge_close(&judge->sides);
+    norma_check_unjoin(&judge->whole);
+    judge->is_open = 0;
+}
+
+static norma_result open_group_judge(check_run *run) {
+    const check_group *g = run->group;
+    norma_result result = NORMA_OK;
+    if (g->judge->is_open) return result;
+    core_mesh *meshes = calloc(g->count, sizeof *meshes);
+    if (!meshes) return NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < g->count && !result; i++)
+        result = norma_core_mesh_shape(&g->meshes[i].data.mesh, &meshes[i]);
+    if (!result) result = norma_check_open_judge(meshes, g->count, run->options.threads, g->judge);
+    free(meshes);
+    return result;
 }
 
 /* Of the mesh's faces among all of the group. */
@@ -188,7 +167,7 @@ int norma_check_is_turned(uint8_t side) {
 
 size_t norma_check_count_turned(
     const check_mesh *m, const uint8_t *asked, const uint8_t *sides, double *twice_area) {
-    const core_components *parts = &m->run->group->judge.parts;
+    const core_components *parts = &m->run->group->judge->sides.parts;
     const size_t first = first_face(m);
     size_t count = 0;
     *twice_area = 0;
@@ -204,20 +183,21 @@ size_t norma_check_count_turned(
 
 norma_result norma_check_sides(check_mesh *m, const uint8_t *asked, uint8_t *sides) {
     const size_t first = first_face(m);
-    norma_result result = open_judge(m->run);
+    norma_result result = open_group_judge(m->run);
     if (!result && m->on_purpose) { /* nothing asks rays, which would say nothing */
         memset(sides, 0, m->mesh.face_count);
         asked = sides;
     }
     if (!result)
         result = norma_core_side_judge_ask(
-            &m->run->group->judge, first, m->mesh.face_count, asked, sides);
+            &m->run->group->judge->sides, first, m->mesh.face_count, asked, sides);
     if (!result)
-        result =
-            norma_check_sides_at_folds(&m->run->group->judge, first, m->mesh.face_count, sides);
+        result = norma_check_sides_at_folds(
+            &m->run->group->judge->sides, first, m->mesh.face_count, sides);
     return result || m->given->info.normals != NORMA_NORMALS_PER_FACET
                ? result
-               : norma_check_sides_by_facets(&m->run->group->judge, &m->given->data.normals, sides);
+               : norma_check_sides_by_facets(
+                     &m->run->group->judge->sides, &m->given->data.normals, sides);
 }
 
 /* ---- N205: the normals of STL facets against their winding. */

@@ -253,16 +253,22 @@ static norma_document_result compare_with_known(
     return result;
 }
 
-static norma_document_result compare_group(
+/* Where the surface is the same, its judge is. */
+static norma_document_result compare_known(
     document_check *d, size_t begin, size_t end, size_t first, check_change *change) {
     norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t group = SIZE_MAX;
     *change = d->known ? CHECK_SAME : CHECK_ALL_CHANGED;
     for (size_t i = begin; i < end && !result && *change != CHECK_ALL_CHANGED; i++) {
         norma_mesh_info info;
         result = norma_document_mesh_info(d->document, i, &info);
-        if (!result && !info.not_read)
-            result = compare_with_known(d, i, &d->meshes[first++], change);
+        if (result || info.not_read) continue;
+        result = compare_with_known(d, i, &d->meshes[first++], change);
+        group = group == SIZE_MAX ? i : group;
     }
+    d->run.judge = *change != CHECK_ALL_CHANGED && group != SIZE_MAX && d->known->judges
+                       ? &d->known->judges[group]
+                       : NULL;
     return result;
 }
 
@@ -318,7 +324,7 @@ static norma_document_result check_group_of(document_check *d, size_t *index, si
         result = read_mesh(d, *index);
     check_change change;
     if (result || d->mesh_count == first) return result;
-    result = compare_group(d, begin, *index, first, &change);
+    result = compare_known(d, begin, *index, first, &change);
     if (result) return result;
     norma_core_stage(&d->run.call, (double)begin / (double)count, (double)*index / (double)count);
     const norma_result checked = run_group(d, first, change);

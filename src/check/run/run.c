@@ -150,11 +150,13 @@ norma_result norma_check_run_group(
     check_run *run, const norma_check_mesh *meshes, size_t count, const size_t *orders) {
     check_group group = {.meshes = meshes, .count = count, .orders = orders};
     norma_result result = NORMA_OK;
+    group.judge = run->judge ? run->judge : &group.own;
+    if (group.judge->is_open) norma_core_side_judge_forget(&group.judge->sides);
     run->group = &group;
     for (size_t i = 0; i < count && !result; i++) result = run_mesh(run, i);
     if (!result) result = norma_check_seams_joined(run);
     if (!result) result = norma_check_solids_joined(run);
-    norma_check_sides_drop(run);
+    norma_check_close_judge(&group.own);
     run->group = NULL;
     return result;
 }

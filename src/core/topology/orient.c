@@ -34,9 +34,14 @@ static norma_result find_side_parts(core_side_judge *j) {
     turn_inward_parts(&j->parts);
     j->room = j->pieces.count + 1;
     j->known = norma_core_allocate(&j->call, j->room, 1);
-    if (j->known) memset(j->known, UNASKED, j->room);
-    return j->known ? NORMA_OK : NORMA_ERROR_MEMORY;
+    j->cast = norma_core_allocate(&j->call, j->room, 1);
+    if (!j->known || !j->cast) return NORMA_ERROR_MEMORY;
+    memset(j->cast, UNASKED, j->room);
+    norma_core_side_judge_forget(j);
+    return NORMA_OK;
 }
+
+void norma_core_side_judge_forget(core_side_judge *j) { memset(j->known, UNASKED, j->room); }
 
 norma_result norma_core_side_judge_open(
     const norma_mesh *mesh, const norma_options *options, core_side_judge *judge) {
@@ -55,6 +60,7 @@ norma_result norma_core_side_judge_open(
 
 void norma_core_side_judge_close(core_side_judge *j) {
     norma_core_ray_scene_close(j->rays);
+    norma_core_release(&j->call, j->cast, j->room, 1);
     norma_core_release(&j->call, j->known, j->room, 1);
     norma_core_release_components(&j->call, &j->pieces);
     norma_core_release_components(&j->call, &j->parts);
@@ -87,6 +93,8 @@ static size_t choose_pieces(core_side_judge *j, size_t first, size_t count, cons
         if ((asked && !asked[f - first]) || piece == UINT32_MAX || j->known[piece] != UNASKED ||
             !is_for_rays(j, f) || has_flags(j, f, COMPONENT_ONE_SIDED))
             continue;
+        j->known[piece] = j->cast[piece];
+        if (j->cast[piece] != UNASKED) continue;
         pieces->each[piece].flags |= COMPONENT_OPEN;
         chosen++;
     }
@@ -102,9 +110,9 @@ static norma_result ask_side_rays(core_side_judge *j) {
     for (size_t i = 0; i < pieces->count; i++) {
         core_component *piece = &pieces->each[i];
         if (piece->flags & COMPONENT_OPEN && result == NORMA_OK)
-            j->known[i] = piece->flags & COMPONENT_UNDECIDED                  ? UNDECIDED
-                          : pieces->reverse[pieces->faces[pieces->starts[i]]] ? TURNED
-                                                                              : RIGHT;
+            j->known[i] = j->cast[i] = piece->flags & COMPONENT_UNDECIDED ? UNDECIDED
+                                       : pieces->reverse[pieces->faces[pieces->starts[i]]] ? TURNED
+                                                                                           : RIGHT;
         piece->flags = 0;
     }
     return result;

@@ -257,7 +257,8 @@ typedef struct core_side_judge {
     core_topology topology;
     core_components parts, pieces;
     core_ray_scene *rays; /* NULL: nothing was asked yet that rays must say */
-    uint8_t *known;       /* of each piece: what rays said */
+    uint8_t *known;       /* of each piece: what rays said, since all was forgotten */
+    uint8_t *cast;        /* the same, ever: they would say it again */
     size_t room;
 } core_side_judge;
 norma_result norma_core_side_judge_open(
@@ -266,5 +267,7 @@ norma_result norma_core_side_judge_open(
  * from pieces in which one is marked. */
 norma_result norma_core_side_judge_ask(
     core_side_judge *judge, size_t first, size_t count, const uint8_t *asked, uint8_t *sides);
+/* What was asked counts no more, as if the judge were new; nothing is cast twice. */
+void norma_core_side_judge_forget(core_side_judge *judge);
 void norma_core_side_judge_close(core_side_judge *judge);
 #endif
