@@ -254,7 +254,7 @@ static norma_document_result compare_with_known(
 }
 
 /* Where the surface is the same, its judge is. */
-static norma_document_result compare_known(
+static norma_document_result compare_meshes(
     document_check *d, size_t begin, size_t end, size_t first, check_change *change) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     size_t group = SIZE_MAX;
@@ -324,7 +324,7 @@ static norma_document_result check_group_of(document_check *d, size_t *index, si
         result = read_mesh(d, *index);
     check_change change;
     if (result || d->mesh_count == first) return result;
-    result = compare_known(d, begin, *index, first, &change);
+    result = compare_meshes(d, begin, *index, first, &change);
     if (result) return result;
     norma_core_stage(&d->run.call, (double)begin / (double)count, (double)*index / (double)count);
     const norma_result checked = run_group(d, first, change);
