@@ -256,21 +256,6 @@ CORE_INLINE void weigh_polygons(
 enum { HALF = CORE_LANES };
 _Static_assert(ORDINARY_CORNERS == 2 * HALF, "a star has two halves");
 
-static int is_one_bit(uint32_t bits) { return bits && !(bits & (bits - 1)); }
-
-/* Where more than two faces meet, each has those across the edge as partners that are not its
- * twins; of triangles, twins share both edges. Two that are each other's only one stay. */
-static void keep_only_partners(uint32_t *back, uint32_t *out, uint32_t count) {
-    uint32_t outs = 0;
-    for (uint32_t c = 0; c < count; c++) {
-        const uint32_t twins = back[c] & out[c];
-        back[c] &= ~twins;
-        out[c] &= ~twins;
-        outs |= (uint32_t)is_one_bit(out[c]) << c;
-    }
-    for (uint32_t c = 0; c < count; c++) back[c] = is_one_bit(back[c]) ? back[c] & outs : 0;
-}
-
 /* The place of a number's only bit, from its exponent as a float: there is an instruction for that
  * on every machine. */
 CORE_INLINE uint32_t place_of_bit(uint32_t bit) {
@@ -280,22 +265,15 @@ CORE_INLINE uint32_t place_of_bit(uint32_t bit) {
     return (number >> 23) - 127;
 }
 
-/* The faces across the edges to next, or the corners themselves. */
-CORE_INLINE void name_others(fan_batch *t, uint32_t begin, uint32_t half) {
-    const uint32_t from = begin + HALF * half;
-    CORE_EACH_LANE {
-        const uint32_t c = (uint32_t)i, back = t->back[from + c];
-        t->other[from + c] = back ? begin + place_of_bit(back) : from + c;
-    }
-}
+CORE_INLINE uint32_t all_but_lowest(uint32_t bits) { return bits & (bits - 1); }
 
 /* Of half a star of so many corners at most. Returns nonzero where an edge has more than one face
  * that runs out or back, or two faces share both edges, as twins do. */
-CORE_INLINE uint32_t find_edges(
-    fan_batch *t, const listed_star *star, uint32_t half, uint32_t corners) {
+CORE_INLINE uint32_t find_edges(const fan_batch *t, const listed_star *star, uint32_t half,
+    uint32_t corners, uint32_t *back, uint32_t *out) {
     const uint32_t *next = t->next + star->begin, *previous = t->previous + star->begin;
     const uint32_t count = star->count, from = HALF * half;
-    uint32_t back[HALF], out[HALF], odd = 0;
+    uint32_t odd = 0;
     CORE_EACH_LANE {
         const uint32_t c = from + (uint32_t)i;
         uint32_t backs = 0, outs = 0;
@@ -307,13 +285,38 @@ CORE_INLINE uint32_t find_edges(
         out[i] = outs & ((1U << count) - 1);
     }
     CORE_EACH_LANE {
-        const uint32_t twice =
-            (back[i] & (back[i] - 1)) | (out[i] & (out[i] - 1)) | (back[i] & out[i]);
-        odd |= from + (uint32_t)i < count ? twice : 0;
+        const uint32_t own = from + (uint32_t)i < count ? UINT32_MAX : 0;
+        back[i] &= own;
+        out[i] &= own;
+        odd |= all_but_lowest(back[i]) | all_but_lowest(out[i]) | (back[i] & out[i]);
     }
-    memcpy(t->back + star->begin + from, back, sizeof back);
-    memcpy(t->out + star->begin + from, out, sizeof out);
     return odd;
+}
+
+/* Where more than two faces meet, each has those across the edge as partners that are not its
+ * twins; of triangles, twins share both edges. Two that are each other's only one stay. In lanes,
+ * as what is written in pieces is read late. */
+CORE_INLINE void keep_only_partners(
+    uint32_t back[2][HALF], const uint32_t out[2][HALF], uint32_t halves) {
+    uint32_t wanted = 0; /* by one only */
+    for (uint32_t h = 0; h < halves; h++) CORE_EACH_LANE {
+            const uint32_t outs = out[h][i] & ~back[h][i];
+            wanted |= all_but_lowest(outs) ? 0 : (uint32_t)(outs != 0) << (HALF * h + (uint32_t)i);
+        }
+    for (uint32_t h = 0; h < halves; h++) CORE_EACH_LANE {
+            const uint32_t backs = back[h][i] & ~out[h][i];
+            back[h][i] = all_but_lowest(backs) ? 0 : backs & wanted;
+        }
+}
+
+CORE_INLINE void name_others(
+    fan_batch *t, uint32_t begin, uint32_t half, const uint32_t *back, const uint32_t *out) {
+    const uint32_t from = begin + HALF * half;
+    CORE_EACH_LANE {
+        t->back[from + (uint32_t)i] = back[i];
+        t->out[from + (uint32_t)i] = out[i];
+        t->other[from + (uint32_t)i] = back[i] ? begin + place_of_bit(back[i]) : from + (uint32_t)i;
+    }
 }
 
 /* Whether two run the same way along an edge, which only those ask who count it. */
@@ -326,24 +329,25 @@ static int some_run_alike(const fan_batch *t, const listed_star *star) {
     return alike;
 }
 
-CORE_INLINE int meet_star(const core_prepared_mesh *s, fan_batch *t, const listed_star *star,
-    uint32_t halves, int counting) {
-    uint32_t odd = 0;
-    for (uint32_t h = 0; h < halves; h++) odd |= find_edges(t, star, h, HALF * halves);
-    if (odd) {
-        if (counting || s->faces || s->call->options.non_manifold != NORMA_NON_MANIFOLD_HARD)
-            return 0;
-        keep_only_partners(t->back + star->begin, t->out + star->begin, star->count);
-    }
-    for (uint32_t h = 0; h < halves; h++) name_others(t, star->begin, h);
-    return !counting || !some_run_alike(t, star);
+/* plain: only stars with one face out and one back at most along each edge, and no twins, are
+ * ordinary. */
+CORE_INLINE int meet_star(
+    fan_batch *t, const listed_star *star, uint32_t halves, int plain, int counting) {
+    uint32_t back[2][HALF], out[2][HALF], odd = 0;
+    for (uint32_t h = 0; h < halves; h++)
+        odd |= find_edges(t, star, h, HALF * halves, back[h], out[h]);
+    if (odd) keep_only_partners(back, (const uint32_t(*)[HALF])out, halves);
+    for (uint32_t h = 0; h < halves; h++) name_others(t, star->begin, h, back[h], out[h]);
+    return !(plain && odd) && !(counting && some_run_alike(t, star));
 }
 
 /* 0: the star is not ordinary, and of its corners each is across from itself. */
 CORE_INLINE int meet_any_star(
     const core_prepared_mesh *s, fan_batch *t, const listed_star *star, int counting) {
-    if (star->count <= HALF ? meet_star(s, t, star, 1, counting)
-                            : meet_star(s, t, star, 2, counting))
+    const int plain =
+        counting || s->faces != NULL || s->call->options.non_manifold != NORMA_NON_MANIFOLD_HARD;
+    if (star->count <= HALF ? meet_star(t, star, 1, plain, counting)
+                            : meet_star(t, star, 2, plain, counting))
         return 1;
     for (uint32_t i = star->begin; i < (uint32_t)star->begin + star->count; i++) t->other[i] = i;
     return 0;
