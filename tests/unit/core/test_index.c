@@ -72,6 +72,39 @@ static void corners_that_agree_are_one_vertex(void **state) {
     }
 }
 
+/* Positions that agree are neighbours in some places and far apart in others, in several slices and
+ * buckets: a soup's normals are those of the mesh that names each position once. */
+static void many_near_and_far(void **state) {
+    (void)state;
+    enum { MANY = 150000, VALUES = 40000 };
+    uint32_t *values = malloc(MANY * sizeof *values);
+    float(*at)[3] = malloc(VALUES * sizeof *at), (*soup)[3] = malloc(MANY * sizeof *soup),
+    (*named)[3] = malloc(VALUES * sizeof *named), (*normals)[3] = malloc(MANY * sizeof *normals);
+    uint64_t seed = 7;
+    assert_true(values && at && soup && named && normals);
+    for (uint32_t v = 0; v < VALUES; v++)
+        for (int k = 0; k < 3; k++) at[v][k] = (float)random_below(&seed, 1000);
+    for (uint32_t c = 0; c < MANY; c++) {
+        values[c] = random_below(&seed, 3) ? (c / 5 + random_below(&seed, 400)) % VALUES
+                                           : random_below(&seed, VALUES);
+        memcpy(soup[c], at[values[c]], sizeof soup[c]);
+    }
+    const norma_mesh once = {.positions = {at, VALUES}, .corners = values, .corner_count = MANY},
+                     mesh = {.positions = {soup, MANY}, .corner_count = MANY};
+    assert_ok(norma_vertex_normals(&once, NULL, named[0], VALUES, NULL));
+    for (uint32_t threads = 1; threads < 6; threads += 2) {
+        const norma_options options = {.threads = threads};
+        assert_ok(norma_vertex_normals(&mesh, &options, normals[0], MANY, NULL));
+        for (uint32_t c = 0; c < MANY; c++)
+            assert_memory_equal(normals[c], named[values[c]], sizeof normals[c]);
+    }
+    free(values);
+    free(at);
+    free(soup);
+    free(named);
+    free(normals);
+}
+
 /* As 65535 starts a new strip, 65535 vertices are the most. */
 static void sixteen_bits(void **state) {
     enum { MOST = 65536 };
@@ -311,8 +344,9 @@ static void builds_from_a_soup(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(corners_that_agree_are_one_vertex),
-        cmocka_unit_test(sixteen_bits), cmocka_unit_test(copies_nothing_between),
-        cmocka_unit_test(faults), cmocka_unit_test(split_by_tangents),
-        cmocka_unit_test(builds_a_cube), cmocka_unit_test(builds_from_a_soup)};
+        cmocka_unit_test(many_near_and_far), cmocka_unit_test(sixteen_bits),
+        cmocka_unit_test(copies_nothing_between), cmocka_unit_test(faults),
+        cmocka_unit_test(split_by_tangents), cmocka_unit_test(builds_a_cube),
+        cmocka_unit_test(builds_from_a_soup)};
     return cmocka_run_group_tests_name("index", tests, NULL, NULL);
 }
