@@ -561,6 +561,8 @@ typedef struct norma_compute_options {
     norma_progress *progress;
     void *progress_user;
     norma_stored_tangents tangents;
+    const uint8_t *meshes; /* nonzero for each mesh that gets normals; NULL: all do. glTF only; a
+                            * mesh that shares vertices with one that gets none gets none either */
 } norma_compute_options;
 
 typedef struct norma_compute_summary {

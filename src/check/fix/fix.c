@@ -306,6 +306,8 @@ static const char *why_idle(check_rule rule) {
            : rule == RULE_N201 || rule == RULE_N202 || rule == RULE_N206
                ? "no normal at these vertices would fix it: the faces at them face opposite ways, "
                  "are degenerate, or occur twice"
+           : rule == RULE_N207 ? "its vertices belong to other primitives as well, which are "
+                                 "shaded as they should be"
            : rule == RULE_N404 || rule == RULE_N405
                ? "a polygon that crosses itself has no inside that could be cut into triangles"
                : "no change that this fix can make would help";

@@ -44,6 +44,7 @@ typedef struct fix_plan {
     uint8_t *recentred; /* marks of meshes, or NULL */
     uint8_t *greens;    /* the same: green channels of their normal maps are inverted */
     uint8_t *tangents;  /* the same: broken and missing tangents are computed */
+    uint8_t *smoothed;  /* the same: normals are computed with a crease */
     int replaces, computes, morphs, bakes;
     uint8_t asked[CHECK_RULE_COUNT]; /* rules whose fixes these are */
     size_t by_rays, undecided;       /* as in norma_fix_summary */

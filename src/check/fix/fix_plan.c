@@ -157,6 +157,7 @@ void norma_fix_plan_free(fix_plan *plan) {
     free(plan->recentred);
     free(plan->greens);
     free(plan->tangents);
+    free(plan->smoothed);
     *plan = (fix_plan){0};
 }
 
@@ -168,11 +169,11 @@ static int has_edit(const fix_plan *plan) {
 
 int norma_fix_plan_is_empty(const fix_plan *plan) {
     return !has_edit(plan) && !plan->recentred && !plan->greens && !plan->tangents &&
-           !plan->replaces && !plan->computes && !plan->bakes;
+           !plan->smoothed && !plan->replaces && !plan->computes && !plan->bakes;
 }
 
 int norma_fix_plan_moves(const fix_plan *plan) {
-    int moves = plan->recentred || plan->tangents || plan->bakes;
+    int moves = plan->recentred || plan->tangents || plan->smoothed || plan->bakes;
     for (size_t i = 0; i < plan->mesh_count; i++)
         moves |= plan->edits[i].drop_faces || plan->edits[i].cut_faces ||
                  plan->edits[i].set_positions || plan->edits[i].source_vertices;
@@ -213,7 +214,8 @@ static norma_document_result plan_rest(mender *m) {
     plan->computes = asked[RULE_N104] || asked[RULE_N106] || asked[RULE_N806] || asked[RULE_N901];
     plan->morphs = asked[RULE_N901];
     plan->bakes = asked[RULE_N601] || asked[RULE_N602] || asked[RULE_N604];
-    const norma_document_result result = mark_meshes(m, RULE_N701, &plan->recentred);
+    norma_document_result result = mark_meshes(m, RULE_N701, &plan->recentred);
+    if (!result) result = mark_meshes(m, RULE_N207, &plan->smoothed);
     return result ? result : mark_meshes(m, RULE_N812, &plan->greens);
 }
 
@@ -310,6 +312,12 @@ static norma_document_result bake(
 norma_document_result norma_fix_apply(norma_document *document, const fix_plan *plan,
     uint32_t threads, int *changed, norma_document_error *error) {
     const norma_compute_options all = {.struct_size = sizeof all, .threads = threads},
+                                creased = {.struct_size = sizeof creased,
+                                    .shading = NORMA_SHADING_CREASE,
+                                    .crease_angle_rad = NORMA_PI / 3,
+                                    .groups = NORMA_GROUPS_IGNORE,
+                                    .threads = threads,
+                                    .meshes = plan->smoothed},
                                 missing = {.struct_size = sizeof missing,
                                     .only = NORMA_ONLY_MISSING,
                                     .morphs = plan->morphs,
@@ -330,6 +338,7 @@ norma_document_result norma_fix_apply(norma_document *document, const fix_plan *
         result = norma_document_turn_green(document, plan->greens, &turned, error);
     *changed |= turned;
     if (!result && plan->replaces) result = compute_normals_of(document, &all, changed, error);
+    if (!result && plan->smoothed) result = compute_normals_of(document, &creased, changed, error);
     if (!result && plan->computes) result = compute_normals_of(document, &missing, changed, error);
     if (!result && plan->tangents)
         result = compute_tangents(document, plan, threads, changed, error);

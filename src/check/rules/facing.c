@@ -168,7 +168,7 @@ static norma_result find_placeholder(check_mesh *m, placeholder *p) {
     return result;
 }
 
-static norma_result check_is_placeholder(check_mesh *m, int *is) {
+norma_result norma_check_is_placeholder(check_mesh *m, int *is) {
     placeholder p;
     const norma_result result = m->placeholder ? NORMA_OK : find_placeholder(m, &p);
     *is = m->placeholder == CHECK_YES;
@@ -295,7 +295,7 @@ norma_result norma_check_is_of_another_frame(check_mesh *m, int *is) {
     if (result || is_near) return result;
     result = check_deviation_of(m, &deviation);
     if (result || !deviation->corners || !(deviation->p50_rad > OTHER_FRAME_RAD)) return result;
-    result = check_is_placeholder(m, &is_placeholder);
+    result = norma_check_is_placeholder(m, &is_placeholder);
     if (!result && !is_placeholder) result = is_winding_in_doubt(m, &in_doubt);
     if (result || is_placeholder || in_doubt) return result;
     m->frame = CHECK_YES;

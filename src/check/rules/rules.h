@@ -14,6 +14,7 @@ norma_result norma_check_facing(check_mesh *m);            /* facing.c: N201, N2
 norma_result norma_check_placeholder(check_mesh *m);       /* facing.c: N203 */
 norma_result norma_check_deviation(check_mesh *m);         /* facing.c: N204 */
 norma_result norma_check_frame(check_mesh *m);             /* facing.c: N206 */
+norma_result norma_check_smoothed(check_mesh *m);          /* smoothed.c: N207 */
 norma_result norma_check_facets(check_mesh *m);            /* sides.c: N205 */
 norma_result norma_check_edges(check_mesh *m);             /* edges.c: N301, N303, N305, N306 */
 norma_result norma_check_open_edges(check_mesh *m);        /* edges.c: N307 */
@@ -71,7 +72,8 @@ norma_result norma_check_back_to_back(check_mesh *m, const uint32_t *faces, size
 /* edges.c: fills topology.partners, and adds the findings of edges that are wanted; once a mesh. */
 norma_result norma_check_pairs(check_mesh *m);
 
-/* facing.c: N206 holds: N201, N202 and N501 are silent then. */
+/* facing.c: N203 holds; N206 holds: N201, N202 and N501 are silent then. */
+norma_result norma_check_is_placeholder(check_mesh *m, int *is);
 norma_result norma_check_is_of_another_frame(check_mesh *m, int *is);
 
 /* sides.c: which faces are turned, as core_side_judge says; asked: a mark for each face that

@@ -185,7 +185,7 @@ static int needs_neighbours(const large_check *c, check_rule rule) {
     static const check_rule both[] = {RULE_N301, RULE_N302, RULE_N303, RULE_N304, RULE_N305,
         RULE_N306, RULE_N307, RULE_N503},
                             of_vertices[] = {RULE_N201, RULE_N202, RULE_N203, RULE_N204, RULE_N206,
-                                RULE_N403, RULE_N501, RULE_N502};
+                                RULE_N207, RULE_N403, RULE_N501, RULE_N502};
     int needs = 0;
     for (size_t i = 0; i < sizeof both / sizeof *both; i++) needs |= rule == both[i];
     for (size_t i = 0; i < sizeof of_vertices / sizeof *of_vertices; i++)

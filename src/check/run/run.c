@@ -113,6 +113,7 @@ static norma_result run_mesh(check_run *run, size_t number) {
         norma_check_deviation,
         norma_check_frame,
         norma_check_facing,
+        norma_check_smoothed,
         norma_check_facets,
         norma_check_edges,
         norma_check_solids,

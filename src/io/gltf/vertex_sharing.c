@@ -151,11 +151,14 @@ static norma_document_result join_set(gltf_job *job, uint32_t primitive, uint32_
     return result;
 }
 
-/* Vertices that a locked primitive draws keep their normals, whoever else draws them. */
+/* Vertices that a primitive draws which is locked, or not asked for, keep their normals, whoever
+ * else draws them. */
 static int is_locked_set(const gltf_job *job, uint32_t primitive) {
     const shared_normals *shared = job->g->document->shared;
-    return shared && shared->locked && shared->locked[primitive] &&
-           job->set_of[primitive] != GLTF_NONE;
+    const uint8_t *asked = job->options->meshes;
+    const int locked =
+        (shared && shared->locked && shared->locked[primitive]) || (asked && !asked[primitive]);
+    return locked && job->set_of[primitive] != GLTF_NONE;
 }
 
 norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job) {

@@ -158,6 +158,48 @@ static void facets(void **state) {
     }
 }
 
+/* ---- N207 */
+
+/* Two squares beside a torus, each half of which has so much of the area, whose edge bends by so
+ * many degrees; all their normals are so far off the first of them, towards the other. Positions of
+ * the second are doubled, with normals that are apart degrees further on. */
+static surface smoothed_edge(double share, double bend, double off, double apart) {
+    surface s = surface_torus(64, 32);
+    const double area = 4 * 3.141592653589793 * 3.141592653589793 * 3 * .995,
+                 side = sqrt(share * area / (.5 - 2 * share));
+    uint32_t v[8];
+    for (int k = 0; k < 8; k++) {
+        const double along = k % 4 / 2 ? side : 0, y = k % 2 ? side : 0,
+                     lean = (off + (k < 4 ? 0 : apart)) / DEGREES, a = k < 4 ? 0 : bend / DEGREES,
+                     x = k < 4 ? -along : along * cos(a);
+        v[k] = surface_add_vertex(&s,
+            (const float[3]){(float)(30 + x), (float)y, k < 4 ? 0 : (float)(-along * sin(a))},
+            (const float[3]){(float)sin(lean), 0, (float)cos(lean)});
+    }
+    static const int faces[4][3] = {{0, 1, 3}, {0, 3, 2}, {4, 7, 5}, {4, 6, 7}};
+    for (int f = 0; f < 4; f++)
+        (void)surface_add_face(&s, (uint32_t[]){v[faces[f][0]], v[faces[f][1]], v[faces[f][2]]});
+    return s;
+}
+
+static void smoothed_over_edges(void **state) {
+    (void)state;
+    static const struct {
+        double share, bend, off, apart;
+        int found;
+    } rows[] = {{.052, 70, 60, 0, 1}, {.048, 70, 60, 0, 0}, /* of the area */
+        {.052, 61, 60, 0, 1}, {.052, 59, 60, 0, 0}, {.052, 70, 46, 0, 1}, {.052, 70, 44, 0, 0},
+        {.052, 70, 60, .9, 1}, {.052, 70, 60, 1.1, 0}};
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        surface s = smoothed_edge(rows[i].share, rows[i].bend, rows[i].off, rows[i].apart);
+        const size_t faces = rows[i].found ? 1 : 0; /* the one at the edge of the first square */
+        assert_found(&s, "N207", 0, faces, 0);
+        s.mesh.material.not_opaque = 1;
+        assert_found(&s, "N207", 0, 0, faces);
+        surface_free(&s);
+    }
+}
+
 /* ---- N301 */
 
 /* A pyramid over an equilateral triangle of this side, whose other faces rise by so many degrees;
@@ -392,6 +434,7 @@ int main(void) {
         cmocka_unit_test(opposed_area),
         cmocka_unit_test(repeated_area),
         cmocka_unit_test(facets),
+        cmocka_unit_test(smoothed_over_edges),
         cmocka_unit_test(turned_area),
         cmocka_unit_test(undecided_area),
         cmocka_unit_test(folded_faces),
