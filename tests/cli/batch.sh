@@ -49,6 +49,12 @@ done
 if [ "$once" = yes ]; then pass "each file is told once"; else fail "each file is told once" "$once"; fi
 FAULTY_SIGNAL=9 faulty check models
 expect "a file for which the system kills the process is named" lines said '-faulty.obj: error N001 unreadable: norma ended by signal 9 (Killed) .*perhaps memory ran out' 3
+# Where all files were done, none is at fault.
+for command in "check $(echo models/[1-2].obj)" "info $(echo models/[1-2].obj)"; do
+    # shellcheck disable=SC2086
+    FAULTY_END=1 faulty $command
+    expect "${command%% *}: a worker that ends after the last file" lines errors '^norma: the worker process ended by signal 9 (Killed) after all files were done; perhaps memory ran out$' 1
+done
 printf 'models/%s\n' 9-faulty.obj 1.obj >list
 faulty check --files-from list --quiet
 expect "a list" lines said '1 not checked' 1

@@ -1,5 +1,6 @@
 /* faulty_file.c: preloaded, it ends a program that opens a file with "faulty" in its name, by the
- * signal FAULTY_SIGNAL: what a fault of the library would do, without one. */
+ * signal FAULTY_SIGNAL: what a fault of the library would do, without one. With FAULTY_END a
+ * process that the program forked ends so when it exits. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -7,6 +8,15 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+static pid_t first;
+
+__attribute__((constructor)) static void begin(void) { first = getpid(); }
+
+__attribute__((destructor)) static void end(void) {
+    if (getenv("FAULTY_END") && getpid() != first) raise(SIGKILL);
+}
 
 typedef int open_call(const char *path, int flags, ...);
 

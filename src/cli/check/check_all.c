@@ -405,7 +405,7 @@ static int check_alone(check_collector *all, check_configs *configs, size_t file
     if (side < 0) return check_range(all, configs, NULL, file, file + 1);
     if (side == 0) check_in_worker(all, configs, &worker, file, file + 1);
     const int status = listen_to(all, &worker, &next);
-    if (!cli_worker_wait(&worker, why) && !all->parts[file % WINDOW].done && all->told <= file)
+    if (!cli_worker_wait(&worker, 1, why) && !all->parts[file % WINDOW].done && all->told <= file)
         report_lost_check(all, configs, file, why);
     return status;
 }
@@ -428,8 +428,9 @@ static int check_in_workers(check_collector *all, check_configs *configs) {
         if (side < 0) return cli_worse(status, check_range(all, configs, NULL, next, count));
         if (side == 0) check_in_worker(all, configs, &worker, next, count);
         status = cli_worse(status, listen_to(all, &worker, &next));
-        if (cli_worker_wait(&worker, why)) break;
-        if (next == count && all->told == count) { /* all is known: its end was no file's fault */
+        const int is_done = next == count && all->told == count;
+        if (cli_worker_wait(&worker, !is_done, why)) break;
+        if (is_done) { /* its end was no file's fault */
             cli_error("%s", why);
             return CLI_FILE;
         }

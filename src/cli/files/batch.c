@@ -44,7 +44,7 @@ int cli_run_each(const cli_each *each) {
             status = cli_worse(status, one);
             cli_guard_receive(each->guard, &worker);
         }
-        if (cli_worker_wait(&worker, why)) continue;
+        if (cli_worker_wait(&worker, next < each->count, why)) continue;
         status = CLI_FILE;
         if (next < each->count)
             each->lost(each->user, next, why);

@@ -555,23 +555,24 @@ int cli_worker_receive(const cli_worker *worker, void *bytes, size_t size) {
     return 1;
 }
 
-static void say_why(int status, char why[CLI_WHY_ROOM]) {
+static void say_why(int status, int had_file, char why[CLI_WHY_ROOM]) {
+    const char *who = had_file ? "norma" : "the worker process",
+               *when = had_file ? "while it worked on this file" : "after all files were done";
     if (WIFSIGNALED(status))
-        snprintf(why, CLI_WHY_ROOM, "norma ended by signal %d (%s) while it worked on this file%s",
-            WTERMSIG(status), strsignal(WTERMSIG(status)),
+        snprintf(why, CLI_WHY_ROOM, "%s ended by signal %d (%s) %s%s", who, WTERMSIG(status),
+            strsignal(WTERMSIG(status)), when,
             WTERMSIG(status) == SIGKILL ? "; perhaps memory ran out" : "");
     else
-        snprintf(why, CLI_WHY_ROOM, "norma ended with status %d while it worked on this file",
-            WEXITSTATUS(status));
+        snprintf(why, CLI_WHY_ROOM, "%s ended with status %d %s", who, WEXITSTATUS(status), when);
 }
 
-int cli_worker_wait(cli_worker *worker, char why[CLI_WHY_ROOM]) {
+int cli_worker_wait(cli_worker *worker, int had_file, char why[CLI_WHY_ROOM]) {
     int status = 0;
     close(worker->channel);
     while (waitpid((pid_t)worker->process, &status, 0) < 0 && errno == EINTR) {
     }
     cli_watch_worker(0);
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return 1;
-    say_why(status, why);
+    say_why(status, had_file, why);
     return 0;
 }

@@ -99,7 +99,7 @@ _Noreturn void cli_worker_finish(const cli_worker *worker);
 
 /* In the caller. 0: the worker has ended. */
 int cli_worker_receive(const cli_worker *worker, void *bytes, size_t size);
-/* Waits for its end. 1: it ended as it should; else why says by what. Ends this process as well,
- * where a signal asked for that. */
-int cli_worker_wait(cli_worker *worker, char why[CLI_WHY_ROOM]);
+/* Waits for its end. 1: it ended as it should; else why says by what, and whether a file was at
+ * fault. Ends this process as well, where a signal asked for that. */
+int cli_worker_wait(cli_worker *worker, int had_file, char why[CLI_WHY_ROOM]);
 #endif
