@@ -20,7 +20,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
 
 # g++: the one file that calls libdraco.
-packages="gcc g++ libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libdraco-dev libjansson-dev libpng-dev libjpeg-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
+packages="gcc g++ libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libdraco-dev libpng-dev libjpeg-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
 python_packages="python3-dev python3-numpy python3-setuptools python3-wheel python3-venv"
 # libc++, xz-utils: for libdraco, of which WebAssembly is made as well.
 web_packages="clang lld wasi-libc libclang-rt-dev-wasm32 libc++-dev-wasm32 xz-utils esbuild"
@@ -38,8 +38,8 @@ fi
 [ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ] || [ "$what" = test ]; then
-    # clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; mandoc: the manual's lint; glslang: compiles the shaders of the guide; python3: makes files.
-    packages="$packages clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev mandoc locales clang-format glslang-tools python3"
+    # clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; jansson: a second reader of glTF in fuzz targets; mandoc: the manual's lint; glslang: compiles the shaders of the guide; python3: makes files.
+    packages="$packages clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev libjansson-dev mandoc locales clang-format glslang-tools python3"
 fi
 if [ "$what" = all ]; then
     # admesh: a judge of fixed STL files; curl: fetches a release in the test of the action; chromium: the page's tests; mypy and pytest: those of the Python package.

@@ -16,8 +16,6 @@ mkdir -p "$place"
 
 flags=(-DCMAKE_BUILD_TYPE=Release -DNORMA_WITH_RENDER=OFF -DNORMA_WITH_DRACO=OFF -DNORMA_WEB=OFF -DNORMA_TESTS=OFF -DNORMA_BITS=OFF -DNORMA_EXAMPLES=OFF -DNORMA_SHARED=ON -DNORMA_TOOL_SHARED=ON -DNORMA_INSTALL=OFF
     -DCMAKE_BUILD_RPATH_USE_ORIGIN=ON "-DCMAKE_BUILD_RPATH=\$ORIGIN/../lib")
-jansson=$(find /usr/lib /usr/local/lib -name libjansson.a 2>/dev/null | head -n 1 || true)
-[ -z "$jansson" ] || flags+=("-DNORMA_JANSSON=$jansson")
 command -v ccache >/dev/null && flags+=(-DCMAKE_C_COMPILER_LAUNCHER=ccache)
 export CFLAGS="" LDFLAGS=""
 [ -z "$kind" ] || flags+=(-DCMAKE_C_COMPILER=gcc -DNORMA_SANITIZE=address "-DCMAKE_C_FLAGS_RELEASE=-O1 -g1")

@@ -18,7 +18,7 @@ const date = /[0-9]{4}-[0-9]{2}-[0-9]{2}/.exec(changes)?.[0] ?? "2026-11-21";
 const known = {
     meshoptimizer: ["MIT", "https://github.com/zeux/meshoptimizer", "RUNTIME_DEPENDENCY_OF", "the library: decodes EXT_meshopt_compression", "libmeshoptimizer-dev"],
     draco: ["Apache-2.0", "https://github.com/google/draco", "RUNTIME_DEPENDENCY_OF", "the library: decodes KHR_draco_mesh_compression", "libdraco-dev"],
-    jansson: ["MIT", "https://github.com/akheron/jansson", "RUNTIME_DEPENDENCY_OF", "the tool: reads .norma.json and baselines", "libjansson-dev"],
+    jansson: ["MIT", "https://github.com/akheron/jansson", "TEST_DEPENDENCY_OF", "fuzz targets: a second reader of glTF", "libjansson-dev"],
     png: ["libpng-2.0", "http://www.libpng.org/pub/png/libpng.html", "RUNTIME_DEPENDENCY_OF", "the library: looks into normal maps; the tool: writes pictures", "libpng-dev"],
     jpeg: ["IJG AND BSD-3-Clause AND Zlib", "https://libjpeg-turbo.org/", "RUNTIME_DEPENDENCY_OF", "the library: looks into normal maps; the tool: reads images", "libjpeg-dev"],
     egl_headers: ["Apache-2.0 AND MIT", "https://registry.khronos.org/EGL/", "BUILD_DEPENDENCY_OF", "the tool: headers of EGL and OpenGL ES 3; their libraries are opened when a picture is drawn", "libegl-dev, libgles-dev"],

@@ -50,6 +50,8 @@ cases() {
     echo "check of a folder, two threads|$NORMA check . --threads 2"
     echo "check --write-baseline|$NORMA check cube.obj roof.ply --write-baseline=packed/base.json --threads 1"
     echo "check --baseline|$NORMA check cube.obj roof.ply --baseline=known/base.json --threads 1"
+    echo "check --config|$NORMA check cube.obj --config=known/config.json --threads 1"
+    echo "report --merge|$NORMA report --merge known/a.json known/b.json -o out.html"
     echo "tangents|$NORMA tangents charts.gltf -o out.gltf --threads 1"
     echo "info --json|$NORMA info cube.obj roof.gltf --json"
     echo "compute to standard output|$NORMA compute cube.obj -o - --threads 1"
@@ -78,7 +80,9 @@ rm "$fast/from/malformed.obj"
 mkdir "$fast/from/packed"
 cp "$root/tests/fuzz/corpus/glb/draco" "$fast/from/packed/draco.glb"
 mkdir "$fast/from/known"
-(cd "$fast/from" && "$NORMA" check cube.obj roof.ply --write-baseline=known/base.json >/dev/null)
+(cd "$fast/from" && "$NORMA" check cube.obj roof.ply --write-baseline=known/base.json >/dev/null
+    "$NORMA" check cube.obj roof.ply --shard 1/2 -o known/a.json && "$NORMA" check cube.obj roof.ply --shard 2/2 -o known/b.json)
+echo '{"profile": "pr\u0069nt", "overrides": [{"files": ["a*", "*"], "ignore": ["N1"]}]}' >"$fast/from/known/config.json"
 chmod u+w "$fast/from"/*
 cases | grep -E -- "${1:-.}" >"$scratch/cases"
 FAULT_PLACE=$fast xargs -P "${JOBS:-$(nproc)}" -d '\n' -n 1 bash "$0" --one <"$scratch/cases" >"$scratch/verdicts" 2>"$scratch/errors"

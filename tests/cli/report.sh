@@ -168,7 +168,23 @@ for form in json sarif html; do
     if [ $status -eq 3 ] && grep -q 'shards \[2, 3\] of 4 are missing' err && grep -qE 'missing_shards": \[2, 3\]' partial.$form; then pass "$form: --partial says what is missing"; else fail "$form: --partial says what is missing" "status $status: $(cat err)"; fi
 done
 refuses 'a shard of other options' 'other.json: was made with other options than part1.json' part1.json part2.json other.json part4.json -o refused.json
+# Its options say the same in another order, between other blanks.
+python3 -c 'import json, sys; r = json.load(open("part3.json")); r["options"] = dict(reversed(r["options"].items())); json.dump(r, open("turned.json", "w"), indent=1)'
+norma report --merge part1.json part2.json turned.json part4.json -o turned-all.json 2>err
+check "a shard whose options stand in another order is one of the set: $(cat err)" test -s turned-all.json
 refuses 'a shard of another set' 'five.json: is one of 5 shards' part1.json part2.json five.json part4.json -o refused.json
+# hostile NAME WORDS SED: the whole report, changed by sed, is refused.
+hostile() {
+    LC_ALL=C sed -E "$3" whole.json >hostile.json
+    if cmp -s whole.json hostile.json; then fail "$1" "sed '$3' changed nothing"; else refuses "$1" "$2" hostile.json -o refused.json; fi
+}
+hostile 'a member of the report that is there twice' "near 'schema': expected each member of an object once" 's/^\{("schema": [^,]*,)/{\1 \1/'
+hostile 'a member of a file that is there twice' "near 'status': expected each member of an object once" '0,/"status"/s/("status": "[a-z]*",)/\1 \1/'
+hostile 'bytes that are no UTF-8' 'expected valid UTF-8' '0,/"path": "/s//"path": "\xff/'
+hostile 'a half of a pair' 'expected a character' '0,/"path": "/s//"path": "\\ud800/'
+hostile 'a number beyond doubles' "near '1e999" '0,/"errors": [0-9]+/s//"errors": 1e999/'
+hostile 'a report that ends too early' 'expected a comma or a closing brace' '$s/}[^}]*$//'
+hostile 'values nested deeply' 'nested at most 256 deep' "0,/\"errors\": [0-9]+/s//\"errors\": $(printf '[%.0s' $(seq 300))/"
 refuses 'a shard and a whole report' 'whole.json is a whole report' part1.json whole.json -o refused.json
 norma report --merge --partial part1.json part4.json --format text >said 2>/dev/null
 check "--partial: text says what is missing" grep -q '; shards \[2, 3\] are missing$' said

@@ -26,8 +26,8 @@ told() {
 }
 told "render says that it is left out" 3 "render is not in this build" "$norma" render assets/goathead.obj -o "$scratch/picture.png"
 cp assets/goathead.obj "$scratch/mesh.obj"
-echo '{}' >"$scratch/.norma.json"
-told "a configuration that cannot be read is an error" 2 "built without jansson" "$norma" check "$scratch/mesh.obj"
+echo '{"spelling": 1}' >"$scratch/.norma.json"
+told "a configuration is read" 2 "spelling: expected profile, strict" "$norma" check "$scratch/mesh.obj"
 rm "$scratch/.norma.json"
 # A triangle whose positions are said to be compressed.
 cat >"$scratch/packed.gltf" <<'GLTF'

@@ -5,7 +5,6 @@ vcpkg_check_features(OUT_FEATURE_OPTIONS options
   FEATURES
     files NORMA_FILES
     tool NORMA_TOOL
-    tool NORMA_WITH_JANSSON
     tool NORMA_WITH_IMAGES
     tool NORMA_WITH_RENDER
     meshopt NORMA_WITH_MESHOPTIMIZER

@@ -236,10 +236,9 @@ void check_baseline_free(check_baseline *baseline);
 
 /* ---- JSON that someone wrote (load_json.c) */
 
-struct json_t;
 int check_open_regular(const char *path); /* a descriptor; -1: reported already */
 /* expected: what it should be, for messages. NULL: reported already. */
-struct json_t *check_load_json(const char *path, const char *expected);
+cli_parsed *check_load_json(const char *path, const char *expected);
 
 /* ---- words */
 

@@ -7,7 +7,6 @@
 #include "cli/files/files.h"
 #include <errno.h>
 #include <fcntl.h>
-#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -30,55 +29,53 @@ int check_open_regular(const char *path) {
     return -1;
 }
 
-static FILE *open_file(const char *path) {
-    const int number = check_open_regular(path);
-    if (number < 0) return NULL;
-    FILE *file = fdopen(number, "r");
-    if (file) return file;
-    close(number);
-    cli_out_of_memory();
-    return NULL;
-}
-
-/* jansson says of memory that is out that the text is wrong, or leaves out what it had no room for:
- * seen here instead. */
-static _Thread_local int has_run_out;
-
-static void *allocate_json(size_t size) {
-    void *block = malloc(size);
-    if (!block && size) has_run_out = 1;
-    return block;
-}
-
-static json_t *load_json(FILE *file, json_error_t *error) {
-    has_run_out = 0;
-    json_set_alloc_funcs(allocate_json, free);
-    json_t *root = json_loadf(file, JSON_REJECT_DUPLICATES, error);
-    if (!has_run_out) return root;
-    json_decref(root);
-    return NULL;
-}
-
-json_t *check_load_json(const char *path, const char *expected) {
-    json_error_t error;
-    FILE *file = open_file(path);
-    if (!file) return NULL;
-    json_t *root = load_json(file, &error);
-    fclose(file);
-    if (has_run_out) {
+/* The whole of it; *size bytes, to be freed. NULL: reported already; errno shows memory. */
+static char *read_text(const char *path, size_t *size) {
+    const int file = check_open_regular(path);
+    size_t room = 4096;
+    char *text = file < 0 ? NULL : malloc(room);
+    ssize_t got = 0;
+    for (*size = 0; text && (got = read(file, text + *size, room - *size)) != 0;) {
+        if (got < 0 && errno != EINTR) break;
+        *size += got > 0 ? (size_t)got : 0;
+        if (*size < room) continue;
+        char *grown = realloc(text, room *= 2);
+        if (!grown) free(text);
+        text = grown;
+    }
+    if (file < 0) return NULL;
+    if (text && got < 0) {
+        cli_error("%s: cannot be read: %s", path, strerror(errno));
+        free(text);
+        text = NULL;
+    } else if (!text) {
         cli_out_of_memory();
         errno = ENOMEM;
-        return NULL;
     }
-    if (!root && error.line > 0)
-        cli_error("%s:%d: %s; expected %s", path, error.line, error.text, expected);
-    else if (!root)
-        cli_error("%s: %s; expected %s", path, error.text, expected);
-    return root;
+    close(file);
+    return text;
+}
+
+cli_parsed *check_load_json(const char *path, const char *expected) {
+    size_t size;
+    cli_json_fault fault;
+    char *text = read_text(path, &size);
+    if (!text) return NULL;
+    cli_parsed *parsed = cli_json_parse(text, size, &fault);
+    free(text);
+    if (!parsed && fault.expected)
+        cli_error("%s:%zu: %s%s%s: expected %s, in %s", path, fault.line,
+            fault.near[0] ? "near '" : "at the end", fault.near, fault.near[0] ? "'" : "",
+            fault.expected, expected);
+    else if (!parsed) {
+        cli_out_of_memory();
+        errno = ENOMEM;
+    }
+    return parsed;
 }
 
 /* ---- .norma.json, found in a file's folder or the nearest one above it: what norma check is
- * to look for there. Read by jansson; every key that is not known is an error, since a misspelt one
+ * to look for there. Every key that is not known is an error, since a misspelt one
  * would silence nothing or everything unseen.
  *
  *   {"profile": "print", "strict": true, "fail-on": "warning", "select": ["N1", "N3"], "ignore":
@@ -129,17 +126,14 @@ static int fail_rule(const check_config *config, const char *where, const char *
 }
 
 static int read_rules(
-    const check_config *config, const char *where, const json_t *list, uint8_t *mask) {
-    size_t i;
-    json_t *word;
+    const check_config *config, const char *where, cli_value list, uint8_t *mask) {
     char unknown[64] = "";
-    if (!json_is_array(list))
+    if (!cli_is_array(list))
         return fail_config(
             config, where, "a list of rules, such as [\"N301\", \"N5\", \"sliver-face\"]");
-    json_array_foreach(list, i, word) {
+    for (cli_value word = cli_first(list); word.in; word = cli_next(word)) {
         uint8_t some[CHECK_RULES] = {0};
-        if (!json_is_string(word) ||
-            norma_rules_select(json_string_value(word), some, unknown) != NORMA_OK)
+        if (!cli_string(word) || norma_rules_select(cli_string(word), some, unknown) != NORMA_OK)
             return fail_rule(config, where, unknown);
         for (size_t rule = 0; rule < CHECK_RULES; ++rule) mask[rule] |= some[rule];
     }
@@ -147,21 +141,19 @@ static int read_rules(
 }
 
 static int read_severities(
-    const check_config *config, const char *where, json_t *table, uint8_t *severity) {
-    const char *key;
-    json_t *value;
+    const check_config *config, const char *where, cli_value table, uint8_t *severity) {
     char unknown[64] = "";
-    if (!json_is_object(table))
+    if (!cli_is_object(table))
         return fail_config(
             config, where, "an object of rules and \"off\", \"info\", \"warning\" or \"error\"");
-    json_object_foreach(table, key, value) {
+    for (cli_value value = cli_first(table); value.in; value = cli_next(value)) {
         uint8_t mask[CHECK_RULES] = {0};
-        const char *word = json_string_value(value);
+        const char *word = cli_string(value);
         const int number =
             word && strcmp(word, "off") == 0 ? CHECK_SEVERITY_OFF : (int)cli_find_severity(word);
         if (!number)
             return fail_word(config, where, word, "\"off\", \"info\", \"warning\" or \"error\"");
-        if (norma_rules_select(key, mask, unknown) != NORMA_OK)
+        if (norma_rules_select(cli_key(value), mask, unknown) != NORMA_OK)
             return fail_rule(config, where, unknown);
         for (size_t rule = 0; rule < CHECK_RULES; ++rule)
             if (mask[rule]) severity[rule] = (uint8_t)number;
@@ -175,18 +167,17 @@ static void free_words(char **words) {
 }
 
 static int read_patterns(
-    const check_config *config, const char *where, const json_t *list, char ***patterns) {
-    size_t i;
-    json_t *word;
-    if (!json_is_array(list))
+    const check_config *config, const char *where, cli_value list, char ***patterns) {
+    size_t i = 0;
+    if (!cli_is_array(list))
         return fail_config(config, where, "a list of patterns, such as [\"leaf*\"]");
     free_words(*patterns);
-    *patterns = calloc(json_array_size(list) + 1, sizeof **patterns);
+    *patterns = calloc(cli_elements(list) + 1, sizeof **patterns);
     if (!*patterns) return fail_config(config, where, "memory for it");
-    json_array_foreach(list, i, word) {
-        if (!json_is_string(word))
+    for (cli_value word = cli_first(list); word.in; word = cli_next(word), ++i) {
+        if (!cli_string(word))
             return fail_config(config, where, "a list of patterns, such as [\"leaf*\"]");
-        (*patterns)[i] = strdup(json_string_value(word));
+        (*patterns)[i] = strdup(cli_string(word));
         if (!(*patterns)[i]) return fail_config(config, where, "memory for it");
     }
     return 1;
@@ -197,11 +188,10 @@ static void turn_off(const uint8_t *mask, uint8_t *severity) {
         if (mask[rule]) severity[rule] = CHECK_SEVERITY_OFF;
 }
 
-static int read_override(const check_config *config, json_t *table, check_override *override) {
-    const char *key;
-    json_t *value;
-    if (!json_is_object(table)) return fail_config(config, "overrides", "a list of objects");
-    json_object_foreach(table, key, value) {
+static int read_override(const check_config *config, cli_value table, check_override *override) {
+    if (!cli_is_object(table)) return fail_config(config, "overrides", "a list of objects");
+    for (cli_value value = cli_first(table); value.in; value = cli_next(value)) {
+        const char *key = cli_key(value);
         uint8_t ignore[CHECK_RULES] = {0};
         int fine = 0;
         if (strcmp(key, "files") == 0)
@@ -222,40 +212,36 @@ static int read_override(const check_config *config, json_t *table, check_overri
     return 1;
 }
 
-static int read_overrides(check_config *config, const json_t *list) {
-    size_t i;
-    json_t *table;
-    if (!json_is_array(list)) return fail_config(config, "overrides", "a list of objects");
+static int read_overrides(check_config *config, cli_value list) {
+    if (!cli_is_array(list)) return fail_config(config, "overrides", "a list of objects");
     if (config->overrides) return fail_config(config, "overrides", "them once");
-    config->overrides = calloc(json_array_size(list) + 1, sizeof *config->overrides);
+    config->overrides = calloc(cli_elements(list) + 1, sizeof *config->overrides);
     if (!config->overrides) return fail_config(config, "overrides", "memory for them");
-    json_array_foreach(list, i, table) {
-        config->override_count = i + 1;
-        if (!read_override(config, table, &config->overrides[i])) return 0;
-    }
+    for (cli_value table = cli_first(list); table.in; table = cli_next(table))
+        if (!read_override(config, table, &config->overrides[config->override_count++])) return 0;
     return 1;
 }
 
-static int read_config_profile(check_config *config, const json_t *value) {
-    const char *word = json_string_value(value);
+static int read_config_profile(check_config *config, cli_value value) {
+    const char *word = cli_string(value);
     return check_find_profile(word, &config->profile) ||
            fail_word(config, "profile", word, "\"render\", \"print\" or \"generated\"");
 }
 
-static int read_fail_on(check_config *config, const json_t *value) {
-    const char *word = json_string_value(value);
+static int read_fail_on(check_config *config, cli_value value) {
+    const char *word = cli_string(value);
     config->fail_on =
         word && strcmp(word, "never") == 0 ? CHECK_FAIL_NEVER : (int)cli_find_severity(word);
     return config->fail_on > 0 ||
            fail_word(config, "fail-on", word, "\"error\", \"warning\", \"info\" or \"never\"");
 }
 
-static int read_key(check_config *config, const char *key, json_t *value) {
+static int read_key(check_config *config, const char *key, cli_value value) {
     if (strcmp(key, "profile") == 0) return read_config_profile(config, value);
     if (strcmp(key, "fail-on") == 0) return read_fail_on(config, value);
     if (strcmp(key, "strict") == 0) {
-        config->strict = json_is_true(value);
-        return json_is_boolean(value) || fail_config(config, key, "true or false");
+        config->strict = cli_is_true(value);
+        return config->strict || cli_is_false(value) || fail_config(config, key, "true or false");
     }
     if (strcmp(key, "select") == 0) {
         config->has_select = 1;
@@ -304,18 +290,19 @@ static check_config *without_memory(void) {
 static check_config *read_config(const char *path) {
     check_config *config = calloc(1, sizeof *config);
     if (!config) return without_memory();
-    const char *key;
-    json_t *value, *root = check_load_json(path, "a configuration in JSON");
     config->strict = config->fail_on = -1;
     config->path = strdup(path);
     config->folder = absolute_folder_of(path);
+    cli_parsed *root = check_load_json(path, "a configuration in JSON"); /* last: errno stays */
     int fine = config->path && config->folder && root;
     if (root && (!config->path || !config->folder))
         without_memory();
-    else if (root && !json_is_object(root))
+    else if (root && !cli_is_object(cli_json_root(root)))
         fine = fail_config(config, "the file", "an object");
-    if (fine) json_object_foreach(root, key, value) fine = fine && read_key(config, key, value);
-    json_decref(root);
+    for (cli_value v = fine ? cli_first(cli_json_root(root)) : (cli_value){0}; v.in && fine;
+         v = cli_next(v))
+        fine = read_key(config, cli_key(v), v);
+    cli_json_free(root);
     if (fine) return config;
     free_config(config);
     return NULL;
@@ -466,8 +453,7 @@ const check_config *check_config_of(check_configs *configs, const char *path) {
 
 /* ---- Findings of old, kept in a file, so that a repository with many can begin to check
  * today: known findings are hidden unless they get worse. Paths are relative to the baseline's own
- * folder, so it does not matter from where the check is run or how a file is spelt. Read by
- * jansson.
+ * folder, so it does not matter from where the check is run or how a file is spelt.
  *
  *   {"schema": "norma-baseline/1", "findings": [{"path", "rule", "where", "severity", "count"},
  * ...]} */
@@ -646,23 +632,19 @@ void check_baseline_free(check_baseline *baseline) {
 
 int check_baseline_is_new(const check_baseline *baseline) { return baseline->is_new; }
 
-static int read_known(check_baseline *baseline, const json_t *root) {
-    const json_t *list = json_object_get(root, "findings"),
-                 *schema = json_object_get(root, "schema");
-    size_t i;
-    json_t *entry;
-    if (!json_is_array(list) || !json_is_string(schema) ||
-        strcmp(json_string_value(schema), "norma-baseline/1") != 0)
-        return 0;
-    json_array_foreach(list, i, entry) {
-        const char *path = json_string_value(json_object_get(entry, "path")),
-                   *rule = json_string_value(json_object_get(entry, "rule"));
-        const char *where = json_string_value(json_object_get(entry, "where"));
-        norma_severity severity =
-            cli_find_severity(json_string_value(json_object_get(entry, "severity")));
-        json_int_t count = json_integer_value(json_object_get(entry, "count"));
-        if (!path || !rule || !where || !severity || count < 0 ||
-            !add_known(baseline, path, rule, where, severity, (size_t)count))
+static int read_known(check_baseline *baseline, cli_value root) {
+    const cli_value list = cli_get(root, "findings");
+    const char *schema = cli_string(cli_get(root, "schema"));
+    if (!cli_is_array(list) || !schema || strcmp(schema, "norma-baseline/1") != 0) return 0;
+    for (cli_value entry = cli_first(list); entry.in; entry = cli_next(entry)) {
+        const char *path = cli_string(cli_get(entry, "path")),
+                   *rule = cli_string(cli_get(entry, "rule")),
+                   *where = cli_string(cli_get(entry, "where"));
+        const norma_severity severity = cli_find_severity(cli_string(cli_get(entry, "severity")));
+        size_t count;
+        if (!path || !rule || !where || !severity ||
+            !cli_count_of(cli_get(entry, "count"), &count) ||
+            !add_known(baseline, path, rule, where, severity, count))
             return 0;
     }
     if (baseline->count)
@@ -673,11 +655,11 @@ static int read_known(check_baseline *baseline, const json_t *root) {
 check_baseline *check_baseline_read(const char *path) {
     static const char expected[] = "a baseline that --write-baseline wrote";
     check_baseline *baseline = check_baseline_new(path);
-    json_t *root = baseline ? check_load_json(path, expected) : NULL;
+    cli_parsed *root = baseline ? check_load_json(path, expected) : NULL;
     errno = 0;
-    if (root && read_known(baseline, root)) {
+    if (root && read_known(baseline, cli_json_root(root))) {
         baseline->is_new = 0;
-        json_decref(root);
+        cli_json_free(root);
         return baseline;
     }
     if (!baseline) return NULL;
@@ -685,7 +667,7 @@ check_baseline *check_baseline_read(const char *path) {
         cli_out_of_memory();
     else if (root)
         cli_error("%s: expected %s", path, expected);
-    json_decref(root);
+    cli_json_free(root);
     check_baseline_free(baseline);
     return NULL;
 }

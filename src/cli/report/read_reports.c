@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* ---- Where the entries of a report in JSON or SARIF stand. The report is gone through
- * once, and jansson reads its values one by one, so that memory does not grow with the report. */
+ * once, and its values are parsed one by one, so that memory does not grow with the report. */
 
 typedef struct report_scan {
     report_merge *merged;
@@ -69,7 +69,7 @@ static int ends_string(nesting *state, char byte) {
     return ends;
 }
 
-/* How many of the bytes belong to a value. What it is, jansson sees. */
+/* How many of the bytes belong to a value. What it is, the parser sees. */
 static size_t span_of_value(nesting *state, const char *bytes, size_t size) {
     for (size_t i = 0; i < size; ++i) {
         const char byte = bytes[i];
@@ -111,40 +111,67 @@ static int take_value(report_scan *scan) {
     return state.ended && scan->size;
 }
 
-static json_t *load_value(report_scan *scan) {
-    json_error_t error;
-    return take_value(scan) ? json_loadb(scan->merged->entry, scan->size,
-                                  JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error)
-                            : NULL;
+static cli_parsed *load_value(report_scan *scan) {
+    cli_json_fault fault;
+    if (!take_value(scan)) return NULL;
+    cli_parsed *value = cli_json_parse(scan->merged->entry, scan->size, &fault);
+    if (!value && !fault.expected) scan->status = cli_out_of_memory();
+    return value;
 }
 
 /* ---- objects and arrays whose values are taken one by one; 0: not to be read any further */
 
 typedef int take(report_scan *scan, const char *key);
 
-static json_t *load_key(report_scan *scan, json_t *keys) {
-    json_t *key = next(scan) == '"' ? load_value(scan) : NULL;
-    const char *name = json_string_value(key);
-    if (name && !json_object_get(keys, name) && !json_object_set_new(keys, name, json_true()))
-        return key;
-    json_decref(key);
-    return NULL;
+/* Names are compared by their hashes, once all are known: an object of a report may have many. */
+typedef struct key_hashes {
+    uint64_t *hashes;
+    size_t count, room;
+} key_hashes;
+
+static int note_key(report_scan *scan, key_hashes *keys, const char *name) {
+    if (keys->count == keys->room) {
+        const size_t room = keys->room ? 2 * keys->room : 16;
+        uint64_t *grown = realloc(keys->hashes, room * sizeof *grown);
+        if (!grown) {
+            scan->status = cli_out_of_memory();
+            return 0;
+        }
+        keys->hashes = grown;
+        keys->room = room;
+    }
+    keys->hashes[keys->count++] = cli_hash(CLI_HASH, name, strlen(name));
+    return 1;
 }
 
-static int take_member(report_scan *scan, json_t *keys, take *member) {
-    json_t *key = load_key(scan, keys);
-    const int fine = key && expect(scan, ':') && member(scan, json_string_value(key));
-    json_decref(key);
+static int compare_hashes(const void *a, const void *b) {
+    const uint64_t one = *(const uint64_t *)a, other = *(const uint64_t *)b;
+    return one < other ? -1 : one > other;
+}
+
+static int has_key_twice(key_hashes *keys) {
+    if (keys->count) qsort(keys->hashes, keys->count, sizeof *keys->hashes, compare_hashes);
+    for (size_t i = 1; i < keys->count; ++i)
+        if (keys->hashes[i] == keys->hashes[i - 1]) return 1;
+    return 0;
+}
+
+static int take_member(report_scan *scan, key_hashes *keys, take *member) {
+    cli_parsed *key = next(scan) == '"' ? load_value(scan) : NULL;
+    const char *name = key ? cli_string(cli_json_root(key)) : NULL;
+    const int fine = name && note_key(scan, keys, name) && expect(scan, ':') && member(scan, name);
+    cli_json_free(key);
     return fine;
 }
 
 static int walk_object(report_scan *scan, take *member) {
-    json_t *keys = json_object();
+    key_hashes keys = {0};
     int fine = expect(scan, '{');
     if (fine && next(scan) != '}') do
-            fine = take_member(scan, keys, member);
+            fine = take_member(scan, &keys, member);
         while (fine && expect(scan, ','));
-    json_decref(keys);
+    fine = fine && !has_key_twice(&keys);
+    free(keys.hashes);
     return fine && expect(scan, '}');
 }
 
@@ -159,28 +186,22 @@ static int walk_array(report_scan *scan, take *element) {
 /* ---- JSON */
 
 /* What is read of an entry must be there. */
-static int is_file(const json_t *file) {
-    const json_t *findings = json_object_get(file, "findings");
-    size_t i;
-    json_t *finding;
-    if (!json_string_value(json_object_get(file, "path")) ||
-        !json_string_value(json_object_get(file, "status")) || !json_is_array(findings))
+static int is_file(cli_value file) {
+    const cli_value findings = cli_get(file, "findings");
+    if (!cli_string(cli_get(file, "path")) || !cli_string(cli_get(file, "status")) ||
+        !cli_is_array(findings))
         return 0;
-    json_array_foreach(findings, i, finding) {
-        if (!report_severity(finding) || !json_string_value(json_object_get(finding, "rule")) ||
-            !json_string_value(json_object_get(finding, "where")) ||
-            !json_string_value(json_object_get(finding, "message")))
+    for (cli_value finding = cli_first(findings); finding.in; finding = cli_next(finding))
+        if (!report_severity(finding) || !cli_string(cli_get(finding, "rule")) ||
+            !cli_string(cli_get(finding, "where")) || !cli_string(cli_get(finding, "message")))
             return 0;
-    }
     return 1;
 }
 
-static void count_file(const json_t *file, check_totals *totals) {
-    size_t i;
-    json_t *finding;
+static void count_file(cli_value file, check_totals *totals) {
     size_t problems = 0;
-    json_array_foreach(json_object_get(file, "findings"), i, finding) {
-        const norma_severity severity = report_severity(finding);
+    for (cli_value v = cli_first(cli_get(file, "findings")); v.in; v = cli_next(v)) {
+        const norma_severity severity = report_severity(v);
         totals->errors += severity == NORMA_SEVERITY_ERROR;
         totals->warnings += severity == NORMA_SEVERITY_WARNING;
         totals->infos += severity == NORMA_SEVERITY_INFO;
@@ -188,8 +209,7 @@ static void count_file(const json_t *file, check_totals *totals) {
     }
     ++totals->files;
     totals->files_with_trouble += problems > 0;
-    totals->not_checked +=
-        strcmp(json_string_value(json_object_get(file, "status")), "checked") != 0;
+    totals->not_checked += strcmp(cli_string(cli_get(file, "status")), "checked") != 0;
 }
 
 /* Results of one file that follow one another as norma check writes them are one part, so that
@@ -232,85 +252,83 @@ static int add_encoded(report_scan *scan, const char *text) {
 }
 
 /* What the file alone would have ended with: the severity that fails is its own. */
-static int status_of(const json_t *file) {
+static int status_of(cli_value file) {
     const int least = report_fail_on(file);
-    const json_t *finding;
-    size_t i;
     int status = CLI_OK;
-    if (strcmp(json_string_value(json_object_get(file, "status")), "unreadable") == 0)
-        return CLI_FILE;
-    json_array_foreach(json_object_get(file, "findings"), i, finding) {
-        if ((int)report_severity(finding) >= least) status = CLI_FINDINGS;
-    }
+    if (strcmp(cli_string(cli_get(file, "status")), "unreadable") == 0) return CLI_FILE;
+    for (cli_value v = cli_first(cli_get(file, "findings")); v.in; v = cli_next(v))
+        if ((int)report_severity(v) >= least) status = CLI_FINDINGS;
     return status;
 }
 
-static int note_file(report_scan *scan, const json_t *file) {
-    const char *bytes = json_string_value(json_object_get(file, "path_bytes"));
+static int note_file(report_scan *scan, cli_value file) {
+    const char *bytes = cli_string(cli_get(file, "path_bytes"));
     count_file(file, &scan->merged->totals);
     scan->merged->status = cli_worse(scan->merged->status, status_of(file));
-    return bytes ? add_encoded(scan, bytes)
-                 : note_entry(scan, json_string_value(json_object_get(file, "path")));
+    return bytes ? add_encoded(scan, bytes) : note_entry(scan, cli_string(cli_get(file, "path")));
 }
 
 /* A fault is reported in the end: an error in the JSON goes before it. */
 static int take_file(report_scan *scan, const char *key) {
     (void)key;
-    json_t *file = load_value(scan);
+    cli_parsed *file = load_value(scan);
     int fine = file != NULL;
     if (fine && !scan->has_runs) {
-        scan->has_fault |= !is_file(file);
-        fine = scan->has_fault || note_file(scan, file);
+        scan->has_fault |= !is_file(cli_json_root(file));
+        fine = scan->has_fault || note_file(scan, cli_json_root(file));
     }
-    json_decref(file);
+    cli_json_free(file);
     return fine;
 }
 
 /* ---- SARIF */
 
-static const char *uri_of(const json_t *result) {
-    const json_t *location = json_array_get(json_object_get(result, "locations"), 0),
-                 *physical = json_object_get(location, "physicalLocation"),
-                 *artifact = json_object_get(physical, "artifactLocation");
-    const char *uri = json_string_value(json_object_get(artifact, "uri"));
+static const char *uri_of(cli_value result) {
+    const cli_value location = cli_element(cli_get(result, "locations"), 0),
+                    physical = cli_get(location, "physicalLocation");
+    const char *uri = cli_string(cli_get(cli_get(physical, "artifactLocation"), "uri"));
     return uri ? uri : "";
 }
 
-static int result_status(const json_t *result) {
-    const char *level = json_string_value(json_object_get(result, "level")),
-               *rule = json_string_value(json_object_get(result, "ruleId"));
-    const json_t *fails = json_object_get(json_object_get(result, "properties"), "fails");
+static int result_status(cli_value result) {
+    const char *level = cli_string(cli_get(result, "level")),
+               *rule = cli_string(cli_get(result, "ruleId"));
+    const cli_value fails = cli_get(cli_get(result, "properties"), "fails");
     if (rule && strcmp(rule, "N001") == 0) return CLI_FILE;
-    return (fails ? json_is_true(fails) : level && strcmp(level, "error") == 0) ? CLI_FINDINGS
-                                                                                : CLI_OK;
+    return (fails.in ? cli_is_true(fails) : level && strcmp(level, "error") == 0) ? CLI_FINDINGS
+                                                                                  : CLI_OK;
 }
 
 static int take_result(report_scan *scan, const char *key) {
     (void)key;
-    json_t *result = load_value(scan);
-    if (result) scan->merged->status = cli_worse(scan->merged->status, result_status(result));
-    const int fine = result && add_encoded(scan, uri_of(result));
-    json_decref(result);
+    cli_parsed *parsed = load_value(scan);
+    if (!parsed) return 0;
+    const cli_value result = cli_json_root(parsed);
+    scan->merged->status = cli_worse(scan->merged->status, result_status(result));
+    const int fine = add_encoded(scan, uri_of(result));
+    cli_json_free(parsed);
     return fine;
 }
 
 /* Results name rules by their numbers, which other versions may have changed. */
-static int is_of_this_version(const json_t *tool) {
-    const json_t *driver = json_object_get(tool, "driver");
-    const char *version = json_string_value(json_object_get(driver, "semanticVersion"));
+static int is_of_this_version(cli_value tool) {
+    const char *version = cli_string(cli_get(cli_get(tool, "driver"), "semanticVersion"));
     return version && strcmp(version, norma_version()) == 0;
 }
 
 static int take_of_run(report_scan *scan, const char *key) {
     if (strcmp(key, "results") == 0 && next(scan) == '[') return walk_array(scan, take_result);
-    json_t *value = load_value(scan);
+    cli_parsed *parsed = load_value(scan);
+    if (!parsed) return 0;
+    const cli_value value = cli_json_root(parsed);
     if (strcmp(key, "tool") == 0) scan->run_fits = is_of_this_version(value);
-    if (strcmp(key, "properties") == 0) report_note_shard(scan->merged, scan->text->report, value);
+    if (strcmp(key, "properties") == 0)
+        scan->status = report_note_shards(scan->merged, scan->text->report, value);
     if (strcmp(key, "invocations") == 0 &&
-        json_is_false(json_object_get(json_array_get(value, 0), "executionSuccessful")))
+        cli_is_false(cli_get(cli_element(value, 0), "executionSuccessful")))
         scan->merged->status = CLI_FILE;
-    json_decref(value);
-    return value != NULL;
+    cli_json_free(parsed);
+    return !scan->status;
 }
 
 static int take_run(report_scan *scan, const char *key) {
@@ -320,9 +338,9 @@ static int take_run(report_scan *scan, const char *key) {
     if (next(scan) == '{') {
         fine = walk_object(scan, take_of_run);
     } else {
-        json_t *run = load_value(scan);
+        cli_parsed *run = load_value(scan);
         fine = run != NULL;
-        json_decref(run);
+        cli_json_free(run);
     }
     scan->run_fault |= !scan->run_fits;
     return fine;
@@ -336,13 +354,9 @@ static int take_runs(report_scan *scan) {
     return walk_array(scan, take_run);
 }
 
-/* Of members that stand alone. */
-static void note_member(report_scan *scan, const char *key, json_t *value) {
-    json_t *object = json_object();
-    if (object && !json_object_set(object, key, value))
-        report_note_shard(scan->merged, scan->text->report, object);
-    json_decref(object);
-    if (strcmp(key, "summary") == 0 && json_is_false(json_object_get(value, "complete"))) {
+static void note_member(report_scan *scan, const char *key, cli_value value) {
+    scan->status = report_note_shard(scan->merged, scan->text->report, key, value);
+    if (strcmp(key, "summary") == 0 && cli_is_false(cli_get(value, "complete"))) {
         scan->merged->status = CLI_FILE;
         scan->merged->totals.incomplete = 1;
     }
@@ -355,25 +369,27 @@ static int take_of_report(report_scan *scan, const char *key) {
         scan->has_files = 1;
         return walk_array(scan, take_file);
     }
-    json_t *value = load_value(scan);
-    const char *text = json_string_value(value);
+    cli_parsed *parsed = load_value(scan);
+    if (!parsed) return 0;
+    const cli_value value = cli_json_root(parsed);
+    const char *text = cli_string(value);
     if (strcmp(key, "schema") == 0) scan->is_norma = text && strcmp(text, "norma-check/1") == 0;
-    if (value && !scan->has_runs) note_member(scan, key, value);
-    json_decref(value);
-    return value != NULL;
+    if (!scan->has_runs) note_member(scan, key, value);
+    cli_json_free(parsed);
+    return !scan->status;
 }
 
 static const char no_report[] = "is not a report of norma check; expected one in JSON or SARIF";
 
-/* jansson says where and why, for which it reads the whole report. */
+/* Where and why: the whole report is read for that. */
 static int refuse_text(const report_scan *scan) {
     if (scan->status || scan->text->files->failed) return CLI_FILE;
-    json_t *report =
+    cli_parsed *report =
         check_load_json(scan->text->files->paths[scan->text->report], "a report of norma check");
     if (!report) return CLI_FILE;
-    const int is_array = json_is_array(report);
-    json_decref(report);
-    return refuse_report(scan, is_array ? no_report : "changed while it was read");
+    const int is_object = cli_is_object(cli_json_root(report));
+    cli_json_free(report);
+    return refuse_report(scan, is_object ? "changed while it was read" : no_report);
 }
 
 static int note_report(report_scan *scan) {
@@ -419,15 +435,16 @@ static int refuse_page(const report_text *text) {
 
 /* ---- totals */
 
-static size_t count_in(const json_t *object, const char *key) {
-    const json_int_t number = json_integer_value(json_object_get(object, key));
-    return number > 0 ? (size_t)number : 0;
+static size_t count_in(cli_value object, const char *key) {
+    size_t number = 0;
+    cli_count_of(cli_get(object, key), &number);
+    return number;
 }
 
-static void add_rule(const json_t *entry, check_totals *totals) {
+static void add_rule(cli_value entry, check_totals *totals) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
-    const char *id = json_string_value(json_object_get(entry, "rule"));
+    const char *id = cli_string(cli_get(entry, "rule"));
     const norma_severity severity = report_severity(entry);
     for (size_t rule = 0; rule < count && id && severity; ++rule)
         if (strcmp(rules[rule].id, id) == 0) {
@@ -436,9 +453,7 @@ static void add_rule(const json_t *entry, check_totals *totals) {
         }
 }
 
-static void add_page_totals(const json_t *page, check_totals *totals) {
-    size_t i;
-    json_t *entry;
+static void add_page_totals(cli_value page, check_totals *totals) {
     totals->errors += count_in(page, "errors");
     totals->warnings += count_in(page, "warnings");
     totals->infos += count_in(page, "infos");
@@ -446,8 +461,9 @@ static void add_page_totals(const json_t *page, check_totals *totals) {
     totals->files_with_trouble += count_in(page, "files_with_trouble");
     totals->not_checked += count_in(page, "not_checked");
     totals->known += count_in(page, "known");
-    totals->incomplete |= json_is_false(json_object_get(page, "complete"));
-    json_array_foreach(json_object_get(page, "rules"), i, entry) add_rule(entry, totals);
+    totals->incomplete |= cli_is_false(cli_get(page, "complete"));
+    for (cli_value v = cli_first(cli_get(page, "rules")); v.in; v = cli_next(v))
+        add_rule(v, totals);
 }
 
 /* The bytes from one place to another, in merged->entry. 0: reported. */
@@ -461,19 +477,19 @@ static int read_between(report_merge *merged, report_text *text, uint64_t from, 
 
 static int read_totals(report_merge *merged, report_text *text) {
     static const char begin[] = CHECK_HTML_TOTALS;
-    json_error_t error;
+    cli_json_fault fault;
     uint64_t at = report_text_find(text, 0, begin), last = at;
     if (at != UINT64_MAX) last = report_text_find(text, at, "</script>");
     if (last == UINT64_MAX) return refuse_page(text);
     at += sizeof begin - 1;
     if (!read_between(merged, text, at, last)) return CLI_FILE;
-    json_t *page = json_loadb(merged->entry, (size_t)(last - at), 0, &error);
-    if (!page) return refuse_page(text);
-    add_page_totals(page, &merged->totals);
-    report_note_shard(merged, text->report, page);
+    cli_parsed *page = cli_json_parse(merged->entry, (size_t)(last - at), &fault);
+    if (!page) return fault.expected ? refuse_page(text) : cli_out_of_memory();
+    add_page_totals(cli_json_root(page), &merged->totals);
+    const int status = report_note_shards(merged, text->report, cli_json_root(page));
     if (merged->totals.incomplete) merged->status = CLI_FILE;
-    json_decref(page);
-    return CLI_OK;
+    cli_json_free(page);
+    return status;
 }
 
 /* ---- sections */

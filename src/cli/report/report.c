@@ -13,11 +13,11 @@
 /* ---- as it is */
 
 /* An entry that is what it was when it was read first can be read again. */
-static json_t *load_entry(report_merge *merged, const report_part *part, int *status) {
-    json_error_t error;
+static cli_parsed *load_entry(report_merge *merged, const report_part *part, int *status) {
+    cli_json_fault fault;
     *status = report_load_part(merged, part);
     if (*status) return NULL;
-    json_t *entry = json_loadb(merged->entry, (size_t)part->size, JSON_DECODE_ANY, &error);
+    cli_parsed *entry = cli_json_parse(merged->entry, (size_t)part->size, &fault);
     if (!entry) *status = cli_out_of_memory();
     return entry;
 }
@@ -63,24 +63,25 @@ int report_write_sarif(report_merge *merged, FILE *out) {
 
 /* ---- JSON in another form */
 
-static const char *text_of(const json_t *object, const char *key) {
-    const char *text = json_string_value(json_object_get(object, key));
+static const char *text_of(cli_value object, const char *key) {
+    const char *text = cli_string(cli_get(object, key));
     return text ? text : "";
 }
 
-static size_t index_of(const json_t *object, const char *key) {
-    const json_t *value = json_object_get(object, key);
-    return json_is_integer(value) ? (size_t)json_integer_value(value) : SIZE_MAX;
+static size_t index_of(cli_value object, const char *key) {
+    size_t index = SIZE_MAX;
+    cli_count_of(cli_get(object, key), &index);
+    return index;
 }
 
-static norma_sample read_sample(const json_t *object) {
-    const json_t *position = json_object_get(object, "position");
+static norma_sample read_sample(cli_value object) {
+    const cli_value position = cli_get(object, "position");
     norma_sample sample = {.vertex = index_of(object, "vertex"),
         .face = index_of(object, "face"),
         .normal = SIZE_MAX,
-        .has_position = json_array_size(position) == 3};
-    for (size_t i = 0; i < 3 && sample.has_position; ++i)
-        sample.position[i] = json_number_value(json_array_get(position, i));
+        .has_position = cli_elements(position) == 3};
+    for (uint32_t i = 0; i < 3 && sample.has_position; ++i)
+        cli_number_of(cli_element(position, i), &sample.position[i]);
     return sample;
 }
 
@@ -94,15 +95,16 @@ static const norma_rule *find_rule(const char *id) {
 
 /* The rule is that of the table, so one that this version does not know has no place in another
  * form. */
-static int read_finding(const json_t *object, norma_finding *finding) {
-    const json_t *worst = json_object_get(object, "worst"),
-                 *value = json_object_get(worst, "value");
+static int read_finding(cli_value object, norma_finding *finding) {
+    const cli_value worst = cli_get(object, "worst");
+    double value = NAN;
+    cli_number_of(cli_get(worst, "value"), &value);
     *finding = (norma_finding){.rule = find_rule(text_of(object, "rule")),
         .severity = report_severity(object),
         .where = text_of(object, "where"),
         .label = text_of(object, "where"),
         .count = index_of(object, "count"),
-        .worst_value = json_is_number(value) ? json_number_value(value) : NAN,
+        .worst_value = value,
         .unit = text_of(worst, "unit"),
         .worst = read_sample(worst),
         .message = text_of(object, "message")};
@@ -110,17 +112,17 @@ static int read_finding(const json_t *object, norma_finding *finding) {
     return finding->rule != NULL;
 }
 
-static norma_check_profile read_profile(const json_t *file) {
+static norma_check_profile read_profile(cli_value file) {
     norma_check_profile profile = NORMA_CHECK_PROFILE_RENDER;
     check_find_profile(text_of(file, "profile"), &profile);
     return profile;
 }
 
 /* A status. */
-static int write_file_as(const report_merge *merged, const char *path, const json_t *file,
+static int write_file_as(const report_merge *merged, const char *path, cli_value file,
     const check_format *format, FILE *out, check_totals *totals) {
-    const json_t *list = json_object_get(file, "findings");
-    const size_t room = json_array_size(list) + 1;
+    const cli_value list = cli_get(file, "findings");
+    const size_t room = cli_elements(list) + 1;
     norma_finding *findings = calloc(room, sizeof *findings);
     check_item *items = calloc(room, sizeof *items);
     const int fine = findings && items;
@@ -130,12 +132,11 @@ static int write_file_as(const report_merge *merged, const char *path, const jso
         .status = text_of(file, "status"),
         .items = items,
         .fail_on = report_fail_on(file)};
-    size_t i;
-    json_t *object;
-    json_array_foreach(list, i, object) {
-        if (!fine || !read_finding(object, &findings[i])) continue;
-        items[report.count++] = (check_item){&findings[i], findings[i].severity,
-            (char *)(uintptr_t)json_string_value(json_object_get(object, "command"))};
+    for (cli_value object = cli_first(list); object.in && fine; object = cli_next(object)) {
+        norma_finding *finding = &findings[report.count];
+        if (!read_finding(object, finding)) continue;
+        items[report.count++] = (check_item){
+            finding, finding->severity, (char *)(uintptr_t)cli_string(cli_get(object, "command"))};
     }
     if (fine) check_write_file(&report, format, out, totals);
     free(items);
@@ -148,11 +149,12 @@ static int write_part_as(report_merge *merged, const report_part *part, const ch
     FILE *out, check_totals *totals, int *any) {
     cli_memory_stream written;
     int status;
-    json_t *entry = load_entry(merged, part, &status);
+    cli_parsed *entry = load_entry(merged, part, &status);
     if (!entry) return status;
     if (cli_memory_open(&written))
-        status = write_file_as(merged, part->path, entry, format, written.out, totals);
-    json_decref(entry);
+        status =
+            write_file_as(merged, part->path, cli_json_root(entry), format, written.out, totals);
+    cli_json_free(entry);
     if (!cli_memory_close(&written)) return status ? status : cli_out_of_memory();
     if (written.size && *any) fputs(format->between, out);
     *any |= written.size > 0;

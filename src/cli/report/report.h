@@ -3,7 +3,6 @@
 #ifndef NORMA_CLI_REPORT_REPORT_H
 #define NORMA_CLI_REPORT_REPORT_H
 #include "cli/check/check.h"
-#include <jansson.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -82,12 +81,14 @@ int report_merge_begin(report_merge *merged, const char *const *reports, size_t 
 void report_merge_free(report_merge *merged);
 void report_sort(report_merge *merged); /* by path, and else as they were read */
 
-norma_severity report_severity(const json_t *finding); /* NONE where none is called so */
-int report_fail_on(const json_t *file);                /* the least severity that fails it */
+norma_severity report_severity(cli_value finding); /* NONE where none is called so */
+int report_fail_on(cli_value file);                /* the least severity that fails it */
 /* The bytes of percent-encoded text, in its place. */
 void report_decode(char *text);
-/* What a report says of shards, in members "shard", "options", "missing_shards". */
-void report_note_shard(report_merge *merged, size_t report, const json_t *object);
+/* What a report says of shards, in members "shard", "options", "missing_shards" of an object, or in
+ * one of its members. A status. */
+int report_note_shards(report_merge *merged, size_t report, cli_value object);
+int report_note_shard(report_merge *merged, size_t report, const char *key, cli_value value);
 /* The path is copied. A status. */
 int report_add_part(report_merge *merged, report_part part);
 void report_drop_parts(report_merge *merged, size_t count); /* all but so many */

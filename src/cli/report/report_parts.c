@@ -103,8 +103,9 @@ uint64_t report_text_find(report_text *text, uint64_t offset, const char *words)
 int report_merge_begin(report_merge *merged, const char *const *reports, size_t count) {
     report_files_open(&merged->files, reports);
     merged->shards = calloc(count + 1, sizeof *merged->shards);
+    if (!merged->shards) return cli_out_of_memory();
     merged->report_count = count;
-    return merged->shards ? CLI_OK : cli_out_of_memory();
+    return CLI_OK;
 }
 
 static int digit_of(char digit) {
@@ -186,12 +187,12 @@ void report_merge_free(report_merge *merged) {
     free(merged->entry);
 }
 
-norma_severity report_severity(const json_t *finding) {
-    return cli_find_severity(json_string_value(json_object_get(finding, "severity")));
+norma_severity report_severity(cli_value finding) {
+    return cli_find_severity(cli_string(cli_get(finding, "severity")));
 }
 
-int report_fail_on(const json_t *file) {
-    const char *name = json_string_value(json_object_get(file, "fail_on"));
+int report_fail_on(cli_value file) {
+    const char *name = cli_string(cli_get(file, "fail_on"));
     const int severity = (int)cli_find_severity(name ? name : "error");
     return severity ? severity : CHECK_FAIL_NEVER;
 }
@@ -244,22 +245,30 @@ int report_copy_part(report_merge *merged, const report_part *part, FILE *out) {
 /* ---- Reports of shards are put together only as a whole set: a shard that is missing,
  * or there twice, would make a wrong report that looks right. */
 
-static size_t whole_number(const json_t *value) {
-    return json_is_integer(value) && json_integer_value(value) > 0
-               ? (size_t)json_integer_value(value)
-               : 0;
+static size_t whole_number(cli_value value) {
+    size_t number = 0;
+    cli_count_of(value, &number);
+    return number;
 }
 
-void report_note_shard(report_merge *merged, size_t report, const json_t *object) {
+int report_note_shard(report_merge *merged, size_t report, const char *key, cli_value value) {
     report_shard *shard = &merged->shards[report];
-    const json_t *of = json_object_get(object, "shard"),
-                 *options = json_object_get(object, "options");
-    if (json_array_size(json_object_get(object, "missing_shards"))) merged->status = CLI_FILE;
-    if (of) {
-        shard->number = whole_number(json_array_get(of, 0));
-        shard->count = whole_number(json_array_get(of, 1));
+    if (strcmp(key, "missing_shards") == 0 && cli_elements(value)) merged->status = CLI_FILE;
+    if (strcmp(key, "shard") == 0) {
+        shard->number = whole_number(cli_element(value, 0));
+        shard->count = whole_number(cli_element(value, 1));
     }
-    if (options && !shard->options) shard->options = json_dumps(options, JSON_SORT_KEYS);
+    if (strcmp(key, "options") != 0 || shard->options) return CLI_OK;
+    shard->options = cli_json_sorted(value);
+    return shard->options ? CLI_OK : cli_out_of_memory();
+}
+
+int report_note_shards(report_merge *merged, size_t report, cli_value object) {
+    int status = CLI_OK;
+    for (cli_value v = cli_is_object(object) ? cli_first(object) : (cli_value){0}; v.in && !status;
+         v = cli_next(v))
+        status = report_note_shard(merged, report, cli_key(v), v);
+    return status;
 }
 
 static const char *name_of_report(const report_merge *merged, size_t report) {

@@ -69,6 +69,42 @@ void cli_json_bool(cli_json *json, const char *key, int value);
 void cli_json_null(cli_json *json, const char *key);
 char *cli_shortest(char text[32], double number); /* the fewest digits that read back as the same */
 
+/* ---- JSON that was read. Strict: besides what RFC 8259 forbids, members that are there twice and
+ * numbers beyond the range of doubles are faults. */
+
+typedef struct cli_parsed cli_parsed;
+typedef struct cli_value { /* a part of it, as long as that lives; in NULL: none */
+    const cli_parsed *in;
+    uint32_t at;
+} cli_value;
+
+typedef struct cli_json_fault {
+    size_t line;
+    const char *expected; /* NULL: out of memory */
+    char near[24];        /* what stands there, cut; "" at the end */
+} cli_json_fault;
+
+cli_parsed *cli_json_parse(const char *text, size_t size, cli_json_fault *fault); /* NULL: fault */
+void cli_json_free(cli_parsed *parsed);
+cli_value cli_json_root(const cli_parsed *parsed);
+
+/* Of no value, or one of another kind: none, 0 or NULL. */
+int cli_is_object(cli_value value);
+int cli_is_array(cli_value value);
+int cli_is_true(cli_value value);
+int cli_is_false(cli_value value);
+cli_value cli_get(cli_value object, const char *key);
+size_t cli_elements(cli_value array);
+cli_value cli_element(cli_value array, uint32_t index);
+cli_value cli_first(cli_value container); /* of an array or an object */
+cli_value cli_next(cli_value value);      /* the one behind it in its container */
+const char *cli_key(cli_value member);
+const char *cli_string(cli_value value);
+int cli_number_of(cli_value value, double *number);
+int cli_count_of(cli_value value, size_t *count); /* whole, 0 to 2^53 */
+/* As text, members sorted by their keys; to be freed. NULL: out of memory. */
+char *cli_json_sorted(cli_value value);
+
 /* FNV-1a (Fowler, Noll, Vo), 64 bits, of bytes behind others; CLI_HASH: of none. */
 #define CLI_HASH UINT64_C(14695981039346656037)
 uint64_t cli_hash(uint64_t before, const void *bytes, size_t size);
