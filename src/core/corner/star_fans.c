@@ -557,7 +557,8 @@ static void join_repeated(const core_prepared_mesh *prepared, core_star *star) {
 }
 
 /* ---- ordinary stars, nearly all there are: along each edge runs one face out and one back, or one
- * alone; paired without sorting, to the same fans and counts */
+ * alone; paired without sorting, to the same fans and counts: a fifth of the most visible normals'
+ * time, a tenth of what dream-apartment takes where edges are counted */
 
 enum { FEW_CORNERS = 16, NO_PARTNER = -1 };
 
