@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const char compare_usage[] =
+static const char compare_help_text[] =
     "norma compare BASE OTHER: by how many degrees the normals of OTHER differ from BASE\n"
     "\n"
     "Examples\n"
@@ -476,5 +476,5 @@ static int compare_run(const cli_subcommand *command, int count, char **argument
     return cli_finish(status);
 }
 
-const cli_subcommand cli_subcommand_compare = {
-    "compare", "measures by how much the normals of two files differ", compare_usage, compare_run};
+const cli_subcommand cli_subcommand_compare = {"compare",
+    "measures by how much the normals of two files differ", compare_help_text, compare_run};
