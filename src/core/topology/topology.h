@@ -205,8 +205,8 @@ double norma_core_nearest_in_triangle(
  * INFINITY: there are none. */
 double norma_core_triangle_tree_nearest(
     const core_triangle_tree *tree, const double point[3], size_t *triangle);
-/* Returns how many are within a squared distance, and writes as many of their numbers as there is
- * room for. */
+/* Writes the numbers of those within a squared distance, as many as there is room for. Returns how
+ * many there are; where there is no room for all, any number above room. */
 size_t norma_core_triangle_tree_within(const core_triangle_tree *tree, const double point[3],
     double squared, uint32_t *triangles, size_t room);
 

@@ -219,17 +219,21 @@ double norma_core_triangle_tree_nearest(
 typedef struct triangles_near {
     uint32_t *triangles;
     size_t count, room;
+    double within;
 } triangles_near;
 
 static void take_triangle(void *context, size_t triangle, double distance) {
     triangles_near *near = context;
     (void)distance;
-    if (near->count++ < near->room) near->triangles[near->count - 1] = (uint32_t)triangle;
+    if (near->count++ < near->room)
+        near->triangles[near->count - 1] = (uint32_t)triangle;
+    else
+        near->within = -1; /* no more are asked for */
 }
 
 size_t norma_core_triangle_tree_within(const core_triangle_tree *tree, const double point[3],
     double squared, uint32_t *triangles, size_t room) {
-    triangles_near near = {triangles, 0, room};
-    visit_near(tree, point, &squared, take_triangle, &near);
+    triangles_near near = {triangles, 0, room, squared};
+    visit_near(tree, point, &near.within, take_triangle, &near);
     return near.count;
 }
