@@ -35,7 +35,7 @@ if(NORMA_WERROR)
 endif()
 
 # Files of the core that run seldom, or once for a mesh that moves: they are made small as well.
-set(web_seldom "call_|topology_|mesh_(weld_distance|kdtree|nearest|scattered)|plan_(plan_build|morph)")
+set(web_seldom "call_|topology_|mesh_(weld_distance|kdtree|nearest|scattered)|plan_(plan_(groups|blocks|build)|morph)")
 string(APPEND web_seldom "|tangent_(build|mikk_groups|steady|tangent_plan|tangent_vertices|tangents)|vertex_queued|matrix_(matrix|encode)")
 string(APPEND web_seldom "|corner_(crowded|borrowed|large_star|fallback|find_fault|index_corners|normal_cone|visit|prepared|star_edges|fans.c|measured)|face_(exact|cut|reflex|twin)|smooth_split")
 

@@ -2,8 +2,6 @@
  * a mesh that is then morphed; both normals come from that mesh, by one plan, so that no seam opens
  * and where nothing moves the delta is exactly zero. */
 #include "core/plan/plan.h"
-#include "core/face/face.h"
-#include "core/mesh/mesh.h"
 #include <math.h>
 
 typedef struct morph {

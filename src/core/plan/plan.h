@@ -5,14 +5,7 @@
 #ifndef NORMA_CORE_PLAN_H
 #define NORMA_CORE_PLAN_H
 #include "core/corner/corner.h"
-#include "core/call/call.h"
 #include <stdatomic.h>
-#include "core/face/face.h"
-
-/* ---- What of a mesh's normals depends on topology alone. Its unit is the group: the corners
- * whose votes make up one sum. Per corner a group is a fan; per vertex it is the fans that a
- * vertex's corners lie in, shared by all vertices of the same fans. A group's corners are listed in
- * ascending order, that of every sum. */
 
 enum { PLAN_MOST_BLOCKS = 24 };
 
@@ -75,7 +68,17 @@ static inline void norma_core_plan_give_back(const norma_plan *plan) {
     atomic_flag_clear_explicit(&plan->shared->taken, memory_order_release);
 }
 
-/* ---- plan_build.c: the groups at a position */
+/* Memory that is the plan's, from the allocator of its creation. */
+static inline void *norma_core_plan_keep(norma_plan *plan, size_t count, size_t size) {
+    if (plan->store_count == PLAN_MOST_BLOCKS) return NULL;
+    void *memory = norma_core_allocate(&plan->memory, count, size);
+    if (!memory) return NULL;
+    plan->stores[plan->store_count++] = (plan_store){memory, count, size};
+    plan->bytes += count * size;
+    return memory;
+}
+
+/* ---- plan_groups.c: the groups at a position */
 
 typedef void plan_group_receiver(void *context, const uint32_t *members, size_t member_count,
     const uint32_t *vertices, size_t vertex_count);
@@ -90,6 +93,18 @@ typedef struct plan_groups {
     struct group_vertex *sets;
     uint32_t *members, *vertices;
 } plan_groups;
+
+norma_result norma_core_plan_groups_open(
+    core_prepared_mesh *prepared, norma_element of, plan_groups *groups);
+void norma_core_plan_groups_close(plan_groups *groups);
+
+/* Tells of each group at a position, always in the same order; vertices per vertex only. */
+void norma_core_plan_groups_at(
+    plan_groups *groups, uint32_t position, plan_group_receiver *receive, void *context);
+
+/* plan_blocks.c: all positions whose stars a block has room for; overflow becomes nonzero at the
+ * others. */
+norma_result norma_core_plan_block(norma_plan *plan, plan_groups *groups, uint8_t *overflow);
 
 /* ---- one update */
 
@@ -106,6 +121,17 @@ typedef struct plan_work {
 /* What a sum of three components and a weight amounts to: NORMA_REASON_NONE and the normal,
  * UNREFERENCED where nobody voted (the weight is -0), or CANCELLED. */
 int norma_core_plan_decide(const double sum[4], float normal[3]);
+
+/* The same of the normals that voted, by the most visible one. */
+int norma_core_plan_decide_cone(
+    double weight, norma_core_cone_at *at, const void *context, size_t count, float normal[3]);
+
+/* face_block_update.c and overflow_group_update.c: an update's normals, and of each corner of their
+ * faces the vertex, by the corner's number in the mesh. */
+norma_result norma_core_plan_update_blocks(plan_work *work);
+void norma_core_plan_block_vertices(const norma_plan *plan, uint32_t *vertices);
+norma_result norma_core_plan_update_overflow(plan_work *work);
+void norma_core_plan_overflow_vertices(const norma_plan *plan, uint32_t *vertices);
 
 /* Tasks are few enough that what each one counts fits the stack. */
 enum { PLAN_MOST_TASKS = 128 };
@@ -278,7 +304,7 @@ typedef struct block_kernels {
 /* plan_kernel.c: the same bits from each. */
 block_kernels norma_core_block_kernels(norma_isa isa);
 
-/* ---- From vertices that moved to what of each block they touch. */
+/* ---- plan_moved.c: from vertices that moved to what of each block they touch. */
 
 enum { MARKS_IN_BLOCK = 1 << 17 }; /* occurrences that the stack has bits for */
 
@@ -301,4 +327,24 @@ typedef struct block_touch {
     uint8_t group_is_touched[BLOCK_VERTICES]; /* of groups; where each vertex has one to itself,
                                                while they are found, of vertices */
 } block_touch;
+
+static inline void norma_core_mark_bit(uint64_t *bits, size_t i) {
+    bits[i / 64] |= (uint64_t)1 << (i % 64);
+}
+
+void norma_core_marks_open(const plan_work *work, block_marks *marks);
+/* Marks what moved in the next blocks; 0 where none are left. */
+int norma_core_marks_next(const plan_work *work, block_marks *marks);
+void norma_core_marks_close(const plan_work *work, block_marks *marks);
+block_moved norma_core_block_moved(const block_marks *marks, const plan_block *block);
+
+/* Of a block that has moved in part, the groups whose normals may change, and the faces that vote
+ * in them. */
+void norma_core_block_touch(
+    const block_marks *marks, const block_view *t, norma_element of, block_touch *touch);
+
+/* Whether the normal of a member's corner (its vertex) is written: by a group of this block, and
+ * one of those that are written (NULL: all). */
+int norma_core_block_writes(
+    const block_view *t, norma_element of, uint32_t member, const uint8_t *group_is_written);
 #endif

@@ -87,6 +87,15 @@ int norma_core_plan_decide(const double sum[4], float normal[3]) {
     return NORMA_REASON_NONE;
 }
 
+int norma_core_plan_decide_cone(
+    double weight, norma_core_cone_at *at, const void *context, size_t count, float normal[3]) {
+    double axis[3];
+    if (signbit(weight)) return NORMA_REASON_UNREFERENCED;
+    if (!norma_core_smallest_cone_of(at, context, count, axis)) return NORMA_REASON_CANCELLED;
+    norma_core_direction(axis, normal);
+    return NORMA_REASON_NONE;
+}
+
 /* ---- The loops in which an update spends its time: eight triangles at a time are
  * read, measured and kept as rows; groups sum rows in the order of their members. Compiled for each
  * instruction set; what is computed is what norma_vertex_normals computes, by the same steps. */
