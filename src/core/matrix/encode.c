@@ -14,7 +14,6 @@
  * Angles are compared in doubles, with a bound of their error, and exactly where that does not
  * decide. */
 #include "core/matrix/matrix.h"
-#include "core/call/call.h"
 
 enum { CODES = 16 }; /* that are computed side by side */
 
@@ -308,7 +307,7 @@ static int points_within_a_step(const double n[3], int32_t most, int32_t points[
 static uint32_t decide_code(
     const double normal[3], int octahedral, const encoding_numbers *numbers) {
     const double n[3] = {fabs(normal[0]), fabs(normal[1]), fabs(normal[2])};
-    int32_t points[8][3], best = 0;
+    int32_t points[8][3] = {{0}}, best = 0;
     uint32_t code = 0;
     const int count = octahedral ? points_of_octahedron(n, numbers->most, points)
                                  : points_within_a_step(n, numbers->most, points);
@@ -325,51 +324,46 @@ static uint32_t decide_code(
 
 /* ---- kernels by instruction set */
 
-typedef void encode_kernel(encode_lanes *lanes, const encoding_numbers *numbers);
-typedef void decode_kernel(decode_lanes *lanes, const encoding_numbers *numbers);
+typedef void encode_kernel(encode_lanes *l, int octahedral, const encoding_numbers *numbers);
+typedef void decode_kernel(decode_lanes *l, int octahedral, const encoding_numbers *numbers);
 
-static void encode_octahedral_portable(encode_lanes *l, const encoding_numbers *numbers) {
-    encode_octahedral(l, numbers);
+CORE_INLINE void encode_all_lanes(
+    encode_lanes *l, int octahedral, const encoding_numbers *numbers) {
+    if (octahedral)
+        encode_octahedral(l, numbers);
+    else
+        encode_tens(l, numbers);
 }
-static void encode_tens_portable(encode_lanes *l, const encoding_numbers *numbers) {
-    encode_tens(l, numbers);
+
+static void encode_portable(encode_lanes *l, int octahedral, const encoding_numbers *numbers) {
+    encode_all_lanes(l, octahedral, numbers);
 }
-static void decode_octahedral_portable(decode_lanes *l, const encoding_numbers *numbers) {
-    decode_all_lanes(l, 1, numbers);
-}
-static void decode_tens_portable(decode_lanes *l, const encoding_numbers *numbers) {
-    decode_all_lanes(l, 0, numbers);
+static void decode_portable(decode_lanes *l, int octahedral, const encoding_numbers *numbers) {
+    decode_all_lanes(l, octahedral, numbers);
 }
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static void encode_octahedral_avx2(encode_lanes *l, const encoding_numbers *numbers) {
-    encode_octahedral(l, numbers);
+CORE_FOR_AVX2 static void encode_avx2(
+    encode_lanes *l, int octahedral, const encoding_numbers *numbers) {
+    encode_all_lanes(l, octahedral, numbers);
 }
-CORE_FOR_AVX2 static void encode_tens_avx2(encode_lanes *l, const encoding_numbers *numbers) {
-    encode_tens(l, numbers);
+CORE_FOR_AVX2 static void decode_avx2(
+    decode_lanes *l, int octahedral, const encoding_numbers *numbers) {
+    decode_all_lanes(l, octahedral, numbers);
 }
-CORE_FOR_AVX2 static void decode_octahedral_avx2(decode_lanes *l, const encoding_numbers *numbers) {
-    decode_all_lanes(l, 1, numbers);
+#endif
+#if defined(CORE_HAS_AVX512)
+CORE_FOR_AVX512 static void encode_avx512(
+    encode_lanes *l, int octahedral, const encoding_numbers *numbers) {
+    encode_all_lanes(l, octahedral, numbers);
 }
-CORE_FOR_AVX2 static void decode_tens_avx2(decode_lanes *l, const encoding_numbers *numbers) {
-    decode_all_lanes(l, 0, numbers);
+CORE_FOR_AVX512 static void decode_avx512(
+    decode_lanes *l, int octahedral, const encoding_numbers *numbers) {
+    decode_all_lanes(l, octahedral, numbers);
 }
 #endif
 
-static encode_kernel *choose_encoder(int octahedral) {
-#if defined(CORE_HAS_X86)
-    if (norma_core_level(NORMA_ISA_BEST) >= CORE_AVX2)
-        return octahedral ? encode_octahedral_avx2 : encode_tens_avx2;
-#endif
-    return octahedral ? encode_octahedral_portable : encode_tens_portable;
-}
-
-static decode_kernel *choose_decoder(int octahedral) {
-#if defined(CORE_HAS_X86)
-    if (norma_core_level(NORMA_ISA_BEST) >= CORE_AVX2)
-        return octahedral ? decode_octahedral_avx2 : decode_tens_avx2;
-#endif
-    return octahedral ? decode_octahedral_portable : decode_tens_portable;
-}
+static encode_kernel *const ENCODE[] = CORE_KERNELS(encode);
+static decode_kernel *const DECODE[] = CORE_KERNELS(decode);
 
 /* ---- arrays */
 
@@ -400,7 +394,7 @@ norma_result norma_encode_normals(norma_vec3_view normals, norma_encoding encodi
     if (!result)
         result = norma_output_check(codes, &stride, sizeof *codes, normals.count, capacity);
     if (result) return result;
-    encode_kernel *encode = choose_encoder(octahedral);
+    encode_kernel *encode = ENCODE[norma_core_level(NORMA_ISA_BEST)];
     core_tally tally = {.non_finite = {0, 0}};
     encode_lanes l;
     for (int k = 0; k < 3; k++)
@@ -408,7 +402,7 @@ norma_result norma_encode_normals(norma_vec3_view normals, norma_encoding encodi
     for (size_t first = 0; first < normals.count; first += CODES) {
         const int count = normals.count - first < CODES ? (int)(normals.count - first) : CODES;
         for (int i = 0; i < count; i++) load_normal(&normals, first + (size_t)i, &l, i, &tally);
-        encode(&l, numbers);
+        encode(&l, octahedral, numbers);
         for (int i = 0; i < count; i++) {
             const double n[3] = {l.normal[0][i], l.normal[1][i], l.normal[2][i]};
             const uint32_t code = l.certain[i] ? l.code[i] : decide_code(n, octahedral, numbers);
@@ -422,20 +416,18 @@ norma_result norma_encode_normals(norma_vec3_view normals, norma_encoding encodi
 norma_result norma_decode_normals(const uint32_t *codes, size_t stride, size_t count,
     norma_encoding encoding, float *normals, size_t normal_stride) {
     const encoding_numbers *numbers = numbers_or_null(encoding);
-    if (!numbers || (count && !codes)) return NORMA_ERROR_ARGUMENT;
-    if (!stride) stride = sizeof *codes;
-    if (stride < sizeof *codes) return NORMA_ERROR_ARGUMENT;
-    if (count > SIZE_MAX / stride) return NORMA_ERROR_OVERFLOW;
-    const norma_result result =
-        norma_output_check(normals, &normal_stride, 3 * sizeof *normals, count, count);
+    norma_result result = NORMA_ERROR_ARGUMENT;
+    if (numbers) result = norma_output_check(codes, &stride, sizeof *codes, count, count);
+    if (!result)
+        result = norma_output_check(normals, &normal_stride, 3 * sizeof *normals, count, count);
     if (result) return result;
-    decode_kernel *decode = choose_decoder(encoding != NORMA_ENCODING_10_10_10_2);
+    decode_kernel *decode = DECODE[norma_core_level(NORMA_ISA_BEST)];
     decode_lanes l = {.code = {0}};
     for (size_t first = 0; first < count; first += CODES) {
         const size_t size = count - first < CODES ? count - first : CODES;
         for (size_t i = 0; i < size; i++)
             memcpy(&l.code[i], (const unsigned char *)codes + (first + i) * stride, sizeof *codes);
-        decode(&l, numbers);
+        decode(&l, encoding != NORMA_ENCODING_10_10_10_2, numbers);
         for (size_t i = 0; i < size; i++) {
             const float n[3] = {l.normal[0][i], l.normal[1][i], l.normal[2][i]};
             memcpy((unsigned char *)normals + (first + i) * normal_stride, n, sizeof n);

@@ -4,7 +4,6 @@
 #define NORMA_CORE_MATRIX_INTERNAL_H
 #include "core/face/face.h"
 #include <norma/norma.h>
-#include "core/call/call.h"
 #include <float.h>
 #include <math.h>
 
@@ -47,7 +46,8 @@ void norma_core_perpendicular_tangent(
 /* ---- What every call that maps one array of vectors to another shares: the checks of its
  * arguments, and directions without a range. */
 
-/* An output of count elements of size bytes; *stride becomes size where it is 0. */
+/* An output, or codes that are read, of count elements of size bytes; *stride becomes size where it
+ * is 0. */
 static inline norma_result norma_output_check(
     const void *out, size_t *stride, size_t size, size_t count, size_t capacity) {
     if (!count) return NORMA_OK;

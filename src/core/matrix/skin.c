@@ -12,9 +12,7 @@
  * rotation (Shoemake, Duff 1992). Stretches are blended linearly, rotations and translations on the
  * sphere. */
 #include "core/matrix/matrix.h"
-#include "core/call/call.h"
 #include "core/face/eight_vectors.h"
-#include "core/face/face.h"
 
 enum {
     BLOCK = 16,       /* vertices whose normals are computed side by side */

@@ -1,6 +1,5 @@
 /* transform.c: normals, tangents and positions through matrices. */
 #include "core/matrix/matrix.h"
-#include "core/call/call.h"
 
 /* ---- Sixteen normals through a matrix in the registers of AVX-512, from
  * the line they are read from to the one they are written to. The numbers and their bits are those
