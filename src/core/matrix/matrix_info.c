@@ -1,8 +1,6 @@
 /* matrix_info.c: exact determinants and cofactors, what kind of matrix one is, and by how much
  * plain M errs. */
 #include "core/matrix/matrix.h"
-#include "core/call/call.h"
-#include "core/face/face.h"
 #include <math.h>
 #include <string.h>
 
@@ -264,9 +262,12 @@ void norma_singular_values(const double matrix[9], double values[3], double v[9]
  * ratio. */
 
 /* Of cosines between columns, of ratios of their lengths, and of a matrix beside the identity,
- * whose entries are 1: none hangs on the size of what the matrix is used on. */
+ * whose entries are 1: none hangs on the size of what the matrix is used on. 84 times the 2^-23 by
+ * which floats differ, so products of some rotations stay rotations, while what a kind leaves out
+ * turns a normal by 1e-5 radians, 0.0006 degrees. */
 #define KIND_TOLERANCE 1e-5
-/* Of the largest singular value. */
+/* Of the largest singular value. Rounding a matrix of rank 2 to floats gives it a third one of up
+ * to 3 * 2^-24 = 1.8e-7; this is five times as much. */
 #define RANK_TOLERANCE 1e-6
 #define HALF_PI        1.57079632679489661923
 

@@ -143,7 +143,8 @@ static void multiply_cofactors(const double view[9], const double model[9], cons
 }
 
 /* Whether view * model moves the origin, beyond what rounding makes of a view that undoes the
- * model's translation: relative to the terms of the sum. */
+ * model's translation: relative to the terms of the sum, each of two floats that may be off by
+ * 2^-24; 1e-5 is 80 times that, as much as kinds of matrices tolerate (matrix_info.c). */
 static int is_product_translated(const float view[16], const float model[16]) {
     for (int row = 0; row < 3; row++) {
         double sum = (double)view[12 + row], magnitude = fabs(sum);
