@@ -95,6 +95,12 @@ CORE_INLINE float cosine_of(vector previous, vector here, vector next, vector n)
     return cosine > 1 ? 1 : cosine < -1 ? -1 : cosine;
 }
 
+CORE_INLINE void put_vector(mikk_lane lanes[3], int l, vector v) {
+    lanes[0][l] = v.x;
+    lanes[1][l] = v.y;
+    lanes[2][l] = v.z;
+}
+
 /* Only of triangles that have a texture area. */
 CORE_INLINE void contribute(const mikk_batch *restrict b, mikk_corners *restrict out) {
     float cosines[MIKK_LANES];
@@ -107,12 +113,8 @@ CORE_INLINE void contribute(const mikk_batch *restrict b, mikk_corners *restrict
                      t = projected(unit(d.t, length_t, sign), n);
         cosines[l] = cosine_of(value_after(b, b->position, 2, l), value_after(b, b->position, 0, l),
             value_after(b, b->position, 1, l), n);
-        out->s[0][l] = s.x;
-        out->s[1][l] = s.y;
-        out->s[2][l] = s.z;
-        out->t[0][l] = t.x;
-        out->t[1][l] = t.y;
-        out->t[2][l] = t.z;
+        put_vector(out->s, l, s);
+        put_vector(out->t, l, t);
         out->length_s[l] = length_s / fabsf(d.area);
         out->length_t[l] = length_t / fabsf(d.area);
     }
@@ -138,12 +140,8 @@ CORE_INLINE void derive_directions(
         const float sign = d.area > 0 ? 1.0F : -1.0F, length_s = sqrtf(dot_3(d.s, d.s)),
                     length_t = sqrtf(dot_3(d.t, d.t)), area = fabsf(d.area);
         const vector s = unit(d.s, length_s, sign), t = unit(d.t, length_t, sign);
-        out->s[0][l] = s.x;
-        out->s[1][l] = s.y;
-        out->s[2][l] = s.z;
-        out->t[0][l] = t.x;
-        out->t[1][l] = t.y;
-        out->t[2][l] = t.z;
+        put_vector(out->s, l, s);
+        put_vector(out->t, l, t);
         lengths->area[l] = d.area;
         lengths->length_s[l] = none ? 0 : length_s / area;
         lengths->length_t[l] = none ? 0 : length_t / area;

@@ -1,7 +1,5 @@
 /* tangent_plan.c: tangents of meshes that move. */
 #include "core/tangent/tangents.h"
-#include "core/call/call.h"
-#include "core/mesh/mesh.h"
 
 /* ---- What a tangent plan keeps, from the allocator of its creation. */
 

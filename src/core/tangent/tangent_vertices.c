@@ -1,9 +1,7 @@
 /* tangent_vertices.c: positions, normals and texture coordinates brought together, and which of
  * them are equal; the tangents that are written. */
 #include "core/tangent/tangents.h"
-#include "core/call/call.h"
 #include "core/face/face.h"
-#include "core/mesh/mesh.h"
 #include <math.h>
 
 /* ---- Positions, normals and texture coordinates brought together, and which of

@@ -3,7 +3,6 @@
 #ifndef NORMA_CORE_TANGENTS_H
 #define NORMA_CORE_TANGENTS_H
 #include "core/mesh/mesh.h"
-#include "core/call/call.h"
 #include <float.h>
 #include <math.h>
 
