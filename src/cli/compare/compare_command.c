@@ -224,7 +224,7 @@ static size_t find_worst(const compare_work *work, worst_place places[MOST_WORST
                 const norma_compare_sample *s = &work->samples[i];
                 const double *at = scene->positions + 3 * (p->first_position + scene->corners[i]);
                 size_t k = 0;
-                if (!(s->area > 0) || !(s->angle_rad > 1e-6f)) continue;
+                if (!(s->area > 0) || !(s->angle_rad > 2e-5f)) continue; /* 0.001 degrees */
                 if (worst != SIZE_MAX && s->angle_rad <= work->samples[worst].angle_rad) continue;
                 while (k < count && apart(at, places[k].position) > near) ++k;
                 if (k == count) worst = i;
