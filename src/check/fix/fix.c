@@ -82,12 +82,18 @@ static norma_document_result begin_fixing(
     return f->harms && f->request.judges ? NORMA_DOCUMENT_OK : fail_memory(f->error);
 }
 
-static void forget_places(fixing *f, size_t count) {
-    while (f->request.place_count > count) free(f->places[--f->request.place_count].where);
+static void forget_places(fixing *f, check_rule rule) {
+    size_t kept = 0;
+    for (size_t i = 0; i < f->request.place_count; i++)
+        if (f->places[i].rule == rule)
+            free(f->places[i].where);
+        else
+            f->places[kept++] = f->places[i];
+    f->request.place_count = kept;
 }
 
 static void end_fixing(fixing *f) {
-    forget_places(f, 0);
+    for (size_t i = 0; i < f->request.place_count; i++) free(f->places[i].where);
     free(f->places);
     free(f->harms);
     for (size_t i = 0; f->request.judges && i < f->judge_count; i++)
@@ -147,20 +153,56 @@ static void keep_trial(fixing *f, fix_trial *trial) {
 
 /* ---- what harms is left out */
 
-static size_t count_at(const norma_findings *findings, const norma_rule *rule, const char *where) {
-    size_t sum = 0;
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
-        const norma_finding *finding = norma_findings_get(findings, i);
-        if (finding->rule == rule && finding->severity >= NORMA_SEVERITY_WARNING &&
-            strcmp(finding->where, where) == 0)
-            sum += finding->count;
-    }
-    return sum;
+/* What one rule finds at one mesh or node: sums of its findings. */
+typedef struct place_count {
+    const norma_rule *rule;
+    const char *where; /* the finding's */
+    size_t all, fixable, serious;
+} place_count;
+
+typedef struct place_counts {
+    place_count *items; /* sorted */
+    size_t count;
+} place_counts;
+
+static int compare_counts(const void *a, const void *b) {
+    const place_count *p = a, *q = b;
+    return p->rule != q->rule ? (p->rule > q->rule ? 1 : -1) : strcmp(p->where, q->where);
 }
 
-static int leave_out_at(fixing *f, check_rule rule, const char *where) {
-    for (size_t i = 0; i < f->request.place_count; i++)
-        if (f->places[i].rule == rule && strcmp(f->places[i].where, where) == 0) return 1;
+/* To be freed: items. 0: out of memory. */
+static int count_places(const norma_findings *findings, place_counts *counts) {
+    const size_t count = norma_findings_count(findings);
+    *counts = (place_counts){calloc(count + 1, sizeof *counts->items), 0};
+    for (size_t i = 0; counts->items && i < count; i++) {
+        const norma_finding *f = norma_findings_get(findings, i);
+        counts->items[i] =
+            (place_count){f->rule, f->where, f->count, f->fix != NORMA_FIX_NONE ? f->count : 0,
+                f->severity >= NORMA_SEVERITY_WARNING ? f->count : 0};
+    }
+    if (counts->items) qsort(counts->items, count, sizeof *counts->items, compare_counts);
+    for (size_t i = 0; counts->items && i < count; i++) {
+        const place_count *item = &counts->items[i];
+        if (!counts->count || compare_counts(&counts->items[counts->count - 1], item) != 0) {
+            counts->items[counts->count++] = *item;
+            continue;
+        }
+        place_count *sum = &counts->items[counts->count - 1];
+        sum->all += item->all;
+        sum->fixable += item->fixable;
+        sum->serious += item->serious;
+    }
+    return counts->items != NULL;
+}
+
+static place_count count_at(const place_counts *counts, const norma_rule *rule, const char *where) {
+    const place_count key = {.rule = rule, .where = where},
+                      *found = bsearch(&key, counts->items, counts->count, sizeof *counts->items,
+                          compare_counts);
+    return found ? *found : key;
+}
+
+static int add_place(fixing *f, check_rule rule, const char *where) {
     if (f->request.place_count == f->place_room) {
         const size_t room = 2 * f->place_room + 8;
         fix_left_out *grown = realloc(f->places, room * sizeof *grown);
@@ -177,30 +219,38 @@ static int leave_out_at(fixing *f, check_rule rule, const char *where) {
     return 1;
 }
 
-/* Leaves the rule out at the places where others report more. Returns how many those are; 0: out of
- * memory, or the harm has no place of its own. */
-static size_t leave_out_where_worse(
-    fixing *f, check_rule rule, const fix_trial *trial, const harm *harmful) {
+/* Those at which others report more than before. 0: out of memory, or there is none. */
+static int add_worse_places(fixing *f, check_rule rule, const place_counts *before,
+    const place_counts *after, const harm *harmful) {
     const size_t places = f->request.place_count;
-    size_t count;
-    for (size_t i = 0; i < norma_findings_count(trial->after.findings); i++) {
-        const norma_finding *finding = norma_findings_get(trial->after.findings, i);
-        if (!harmful->by[finding->rule - norma_rules(&count)] || !finding->where[0] ||
-            count_at(trial->after.findings, finding->rule, finding->where) <=
-                count_at(f->before.findings, finding->rule, finding->where))
-            continue;
-        if (!leave_out_at(f, rule, finding->where)) {
-            forget_places(f, places);
+    for (size_t i = 0; i < after->count; i++) {
+        const place_count *item = &after->items[i];
+        if (harmful->by[item->rule - norma_rules(NULL)] && item->where[0] &&
+            item->serious > count_at(before, item->rule, item->where).serious &&
+            !add_place(f, rule, item->where))
             return 0;
-        }
     }
-    return f->request.place_count - places;
+    return f->request.place_count > places;
+}
+
+/* Leaves the rule, which is left out nowhere, out at the places where others report more. 0: out of
+ * memory, or the harm has no place of its own. */
+static int leave_out_where_worse(
+    fixing *f, check_rule rule, const fix_trial *trial, const harm *harmful) {
+    place_counts before = {0}, after = {0};
+    int is_done = count_places(f->before.findings, &before) &&
+                  count_places(trial->after.findings, &after) &&
+                  add_worse_places(f, rule, &before, &after, harmful);
+    free(before.items);
+    free(after.items);
+    f->request.place_count = norma_fix_sort_left_out(f->places, f->request.place_count);
+    if (!is_done) forget_places(f, rule);
+    return is_done;
 }
 
 /* The rule alone, of which harmful is known: at the places where it does no harm, or nowhere. */
 static norma_document_result leave_out(
     fixing *f, check_rule rule, const fix_trial *failed, harm harmful) {
-    const size_t places = f->request.place_count;
     fix_trial trial = {0};
     int worse = 1;
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -211,7 +261,7 @@ static norma_document_result leave_out(
         keep_trial(f, &trial);
     } else {
         f->request.left_out[rule] = 1;
-        forget_places(f, places);
+        forget_places(f, rule);
     }
     norma_fix_trial_free(&trial);
     return result;
@@ -421,18 +471,6 @@ norma_document_result norma_fix_document(norma_document *document,
 
 /* ---- fixes that findings offer, tried */
 
-static size_t count_left(
-    const norma_findings *findings, const norma_finding *like, int only_fixed) {
-    size_t sum = 0;
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
-        const norma_finding *finding = norma_findings_get(findings, i);
-        if (finding->rule == like->rule && strcmp(finding->where, like->where) == 0 &&
-            (!only_fixed || finding->fix != NORMA_FIX_NONE))
-            sum += finding->count;
-    }
-    return sum;
-}
-
 static void describe_left(const fixing *f, check_rule rule, char why[CHECK_MESSAGE]) {
     const fix_note *note = find_note(&f->best, rule);
     if (is_left_out(f, rule))
@@ -445,13 +483,11 @@ static void describe_left(const fixing *f, check_rule rule, char why[CHECK_MESSA
 }
 
 /* What is not offered any more says why. 0: out of memory. */
-static int judge_offer(const fixing *f, norma_finding *finding, check_rule rule) {
-    const norma_findings *after =
-        f->best.after.findings ? f->best.after.findings : f->before.findings;
-    const size_t before = count_left(f->before.findings, finding, 0),
-                 fixable = count_left(f->before.findings, finding, 1),
-                 left = count_left(after, finding, 0),
-                 stays = fixable + left > before ? fixable + left - before : 0;
+static int judge_offer(const fixing *f, const place_counts *before, const place_counts *after,
+    norma_finding *finding, check_rule rule) {
+    const place_count was = count_at(before, finding->rule, finding->where);
+    const size_t fixable = was.fixable, left = count_at(after, finding->rule, finding->where).all,
+                 stays = fixable + left > was.all ? fixable + left - was.all : 0;
     char why[CHECK_MESSAGE], text[CHECK_MESSAGE];
     if (!stays) return 1;
     describe_left(f, rule, why);
@@ -461,6 +497,22 @@ static int judge_offer(const fixing *f, norma_finding *finding, check_rule rule)
     else
         norma_check_message(text, "%s; no fix: %s", finding->message, why);
     return norma_finding_withdraw(finding, text);
+}
+
+static int judge_offers(const fixing *f, check_rule rule, norma_fix fix, norma_severity from,
+    norma_findings *findings) {
+    const norma_findings *left =
+        f->best.after.findings ? f->best.after.findings : f->before.findings;
+    place_counts before = {0}, after = {0};
+    int is_done = count_places(f->before.findings, &before) && count_places(left, &after);
+    for (size_t i = 0; i < norma_findings_count(findings) && is_done; i++) {
+        norma_finding *finding = norma_findings_change(findings, i);
+        if (norma_fix_is_rule(finding, rule) && finding->fix == fix && finding->severity >= from)
+            is_done = judge_offer(f, &before, &after, finding, rule);
+    }
+    free(before.items);
+    free(after.items);
+    return is_done;
 }
 
 static norma_document_result try_offer(
@@ -476,13 +528,8 @@ static norma_document_result try_offer(
         norma_check_message(f->best.said, "it fails: %s", f->error->message);
         result = NORMA_DOCUMENT_OK;
     }
-    for (size_t i = 0; i < norma_findings_count(findings) && !result; i++) {
-        norma_finding *finding = norma_findings_change(findings, i);
-        if (norma_fix_is_rule(finding, rule) && finding->fix == fix && finding->severity >= from &&
-            !judge_offer(f, finding, rule))
-            result = fail_memory(f->error);
-    }
-    forget_places(f, 0);
+    if (!result && !judge_offers(f, rule, fix, from, findings)) result = fail_memory(f->error);
+    forget_places(f, rule);
     f->request.left_out[rule] = 0;
     norma_fix_trial_free(&f->best);
     return result;
@@ -514,13 +561,15 @@ static norma_document_result keep_given(
     fixing *f, norma_severity from, const norma_findings *findings) {
     if (!findings || !is_known(f, findings)) return NORMA_DOCUMENT_OK;
     norma_findings *given = norma_findings_new(findings->profile);
+    uint8_t offered[CHECK_RULE_COUNT];
     f->given = given;
+    for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
+        offered[rule] = (uint8_t)(is_offered(findings, (check_rule)rule, NORMA_FIX_SAFE, from) ||
+                                  is_offered(findings, (check_rule)rule, NORMA_FIX_UNSAFE, from));
     for (size_t i = 0; given && i < findings->count; i++) {
         const norma_finding *finding = &findings->entries[i].finding;
         const check_rule rule = (check_rule)(finding->rule - norma_rules(NULL));
-        f->again[rule] |= finding->sample_count >= findings->options.max_samples &&
-                          (is_offered(findings, rule, NORMA_FIX_SAFE, from) ||
-                              is_offered(findings, rule, NORMA_FIX_UNSAFE, from));
+        f->again[rule] |= finding->sample_count >= findings->options.max_samples && offered[rule];
         if (!norma_findings_copy(given, finding, findings->entries[i].order))
             return fail_memory(f->error);
     }

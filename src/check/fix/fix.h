@@ -23,9 +23,11 @@ typedef struct fix_request {
     check_judge *judges; /* as in check_known, of the document as it is; or NULL */
 
     uint8_t left_out[CHECK_RULE_COUNT];
-    const fix_left_out *places; /* a rule at one mesh or node */
+    const fix_left_out *places; /* a rule at one mesh or node; sorted */
     size_t place_count;
 } fix_request;
+/* Frees what is there twice. Returns how many are left. */
+size_t norma_fix_sort_left_out(fix_left_out *places, size_t count);
 int norma_fix_may(const fix_request *request, const norma_finding *finding);
 
 /* What could not be done. */

@@ -77,14 +77,28 @@ void norma_fix_close_whole(fix_whole *whole) { free(whole->meshes); }
 
 /* ---- which findings, which elements */
 
+static int compare_left_out(const void *a, const void *b) {
+    const fix_left_out *p = a, *q = b;
+    return p->rule != q->rule ? (p->rule > q->rule ? 1 : -1) : strcmp(p->where, q->where);
+}
+
+size_t norma_fix_sort_left_out(fix_left_out *places, size_t count) {
+    size_t kept = 0;
+    if (count) qsort(places, count, sizeof *places, compare_left_out);
+    for (size_t i = 0; i < count; i++)
+        if (kept && compare_left_out(&places[kept - 1], &places[i]) == 0)
+            free(places[i].where);
+        else
+            places[kept++] = places[i];
+    return kept;
+}
+
 static int is_finding_left_out(
     const fix_request *request, const norma_finding *finding, check_rule rule) {
-    if (request->left_out[rule]) return 1;
-    for (size_t i = 0; i < request->place_count; i++)
-        if (request->places[i].rule == rule &&
-            strcmp(request->places[i].where, finding->where) == 0)
-            return 1;
-    return 0;
+    const fix_left_out key = {rule, (char *)(uintptr_t)finding->where};
+    return request->left_out[rule] ||
+           (request->place_count && bsearch(&key, request->places, request->place_count, sizeof key,
+                                        compare_left_out) != NULL);
 }
 
 int norma_fix_may(const fix_request *request, const norma_finding *finding) {

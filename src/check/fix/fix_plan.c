@@ -10,6 +10,8 @@ typedef struct mender {
     norma_document *document;
     const fix_request *request;
     const norma_findings *findings;
+    const norma_finding **mended; /* those that may be: sorted by place, there as they are found */
+    size_t mended_count;
     fix_plan *plan;
     uint8_t **turned; /* of each mesh marks of faces, or NULL */
     uint8_t **sides;  /* of each mesh which faces are turned, or NULL */
@@ -32,15 +34,35 @@ static norma_document_result fail_plan(const mender *m, norma_result result) {
 
 /* ---- one mesh */
 
-static int gather_findings(const mender *m, fix_mesh *mesh) {
-    size_t count = norma_findings_count(m->findings);
-    mesh->findings = calloc(count + 1, sizeof *mesh->findings);
-    for (size_t i = 0; mesh->findings && i < count; i++) {
+static int compare_places(const void *a, const void *b) {
+    const norma_finding *const *p = a, *const *q = b;
+    const int order = strcmp((*p)->where, (*q)->where);
+    return order ? order : (*p > *q) - (*p < *q);
+}
+
+static int gather_mended(mender *m) {
+    const size_t count = norma_findings_count(m->findings);
+    m->mended = calloc(count + 1, sizeof *m->mended);
+    for (size_t i = 0; m->mended && i < count; i++) {
         const norma_finding *finding = norma_findings_get(m->findings, i);
-        if (norma_fix_may(m->request, finding) && strcmp(finding->where, mesh->info.where) == 0)
-            mesh->findings[mesh->finding_count++] = finding;
+        if (norma_fix_may(m->request, finding)) m->mended[m->mended_count++] = finding;
     }
-    return mesh->findings != NULL;
+    if (m->mended) qsort(m->mended, m->mended_count, sizeof *m->mended, compare_places);
+    return m->mended != NULL;
+}
+
+static void take_findings(const mender *m, fix_mesh *mesh) {
+    size_t low = 0, high = m->mended_count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (strcmp(m->mended[middle]->where, mesh->info.where) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    while (high < m->mended_count && strcmp(m->mended[high]->where, mesh->info.where) == 0) high++;
+    mesh->findings = m->mended + low;
+    mesh->finding_count = high - low;
 }
 
 static void strip_normals(fix_mesh *m) {
@@ -87,7 +109,7 @@ static norma_document_result fix_mesh_of(mender *m, size_t index) {
     norma_result mended = NORMA_OK;
     norma_document_result result = norma_document_mesh_info(m->document, index, &mesh.info);
     if (result || mesh.info.not_read) return result;
-    if (!gather_findings(m, &mesh)) return fail_plan(m, NORMA_ERROR_MEMORY);
+    take_findings(m, &mesh);
     if (mesh.finding_count > 0 || mesh.turned || mesh.smooth) {
         result = norma_document_mesh_data(m->document, index, &mesh.data, m->error);
         if (!result)
@@ -96,7 +118,6 @@ static norma_document_result fix_mesh_of(mender *m, size_t index) {
         if (!result) mended = fix_arrays(&mesh);
     }
     part_steps(&mesh);
-    free(mesh.findings);
     free(mesh.corners);
     free(mesh.surface);
     free(mesh.face_normals);
@@ -182,12 +203,8 @@ int norma_fix_plan_moves(const fix_plan *plan) {
 
 /* The rules whose fixes the document's findings ask for. */
 static void mark_asked(mender *m) {
-    size_t count;
-    for (size_t i = 0; i < norma_findings_count(m->findings); i++) {
-        const norma_finding *finding = norma_findings_get(m->findings, i);
-        if (norma_fix_may(m->request, finding))
-            m->plan->asked[finding->rule - norma_rules(&count)] = 1;
-    }
+    for (size_t i = 0; i < m->mended_count; i++)
+        m->plan->asked[m->mended[i]->rule - norma_rules(NULL)] = 1;
 }
 
 /* The meshes that a rule names. */
@@ -199,9 +216,8 @@ static norma_document_result mark_meshes(mender *m, check_rule rule, uint8_t **m
         fix_mesh mesh = {.document = m->document};
         const norma_document_result result = norma_document_mesh_info(m->document, i, &mesh.info);
         if (result) return result;
-        if (!gather_findings(m, &mesh)) return fail_plan(m, NORMA_ERROR_MEMORY);
+        take_findings(m, &mesh);
         (*marks)[i] = (uint8_t)norma_fix_has(&mesh, rule);
-        free(mesh.findings);
     }
     return NORMA_DOCUMENT_OK;
 }
@@ -237,7 +253,7 @@ static norma_document_result plan_all(mender *m) {
     m->turned = calloc(m->mesh_count + 1, sizeof *m->turned);
     m->sides = calloc(m->mesh_count + 1, sizeof *m->sides);
     m->smooth = calloc(m->mesh_count + 1, sizeof *m->smooth);
-    if (!m->plan->edits || !m->turned || !m->sides || !m->smooth)
+    if (!m->plan->edits || !m->turned || !m->sides || !m->smooth || !gather_mended(m))
         return fail_plan(m, NORMA_ERROR_MEMORY);
     mark_asked(m);
     const int turns = m->plan->asked[RULE_N302] || m->plan->asked[RULE_N304],
@@ -266,6 +282,7 @@ norma_document_result norma_fix_make_plan(norma_document *document, const fix_re
     free((void *)m.turned);
     free((void *)m.sides);
     free((void *)m.smooth);
+    free((void *)m.mended);
     if (result) norma_fix_plan_free(plan);
     return result;
 }
