@@ -34,7 +34,7 @@ names() {
     awk '
         function emit(name) { if (name != "" && name != "__attribute__") print FILENAME, name }
         /^#[ \t]*define[ \t]+[A-Za-z_]/ { s = $0; sub(/^#[ \t]*define[ \t]+/, "", s); match(s, /^[A-Za-z0-9_]+/); emit(substr(s, 1, RLENGTH)); next }
-        { sub(/^(CORE_(INLINE|FOR_[A-Z0-9]+( static)?|IN_[A-Z0-9]+)|IN_VECTORS|FOR_VECTORS static) /, "static ") }
+        { sub(/^(CORE_(INLINE|FOR_[A-Z0-9]+( static)?|IN_[A-Z0-9]+)|IN_VECTORS|FOR_(VECTORS|ROWS) static) /, "static ") }
         { sub(/ __attribute__\(\(vector_size\([^;]*\)\)\);/, ";") }
         /^static [^=;]*\(/ && !/^static [^(]*=/ { s = $0; sub(/\(.*/, "", s); sub(/[ \t]+$/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s); next }
         /^static / { s = $0; sub(/[=;].*/, "", s); sub(/\[.*/, "", s); sub(/[ \t]+$/, "", s); sub(/.*[^A-Za-z0-9_]/, "", s); emit(s); next }

@@ -287,11 +287,6 @@ norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task
 void norma_core_gather(core_call *call, size_t corners);
 void norma_core_dismiss(core_call *call);
 
-/* Until value, which another task raises, is at least this. Only for a task of a lower index, and
- * never in the caller's parallel_for: tasks of our own threads are begun in ascending order, so
- * that one of a lower index is at work or done. */
-void norma_core_wait(const atomic_size_t *value, size_t least);
-
 /* ---- the caller's normals, reasons and report: checked before anything is written, written once,
  * never read. */
 

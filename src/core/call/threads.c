@@ -34,7 +34,6 @@ static norma_result run_in_threads(const pool *c, size_t workers) {
     return run_in_order(c);
 }
 static size_t machine_threads(void) { return 1; }
-static void let_others_work(void) {}
 void norma_core_gather(core_call *call, size_t corners) {
     (void)call;
     (void)corners;
@@ -217,7 +216,6 @@ static size_t machine_threads(void) {
     return online > 0 ? (size_t)online : 1;
 }
 
-static void let_others_work(void) { sched_yield(); }
 #endif
 
 enum { FEWEST_CORNERS_TO_SHARE = 1 << 13 };
@@ -279,12 +277,4 @@ norma_result norma_core_write_chunks(core_call *call, size_t count, size_t in_ch
     for (size_t i = 0; i < chunks; i++) norma_core_tally_add(sum, &work.tallies[i]);
     norma_core_release(call, work.tallies, chunks, sizeof *work.tallies);
     return result;
-}
-
-/* Most waits are shorter than it takes to sleep and be woken. */
-void norma_core_wait(const atomic_size_t *value, size_t least) {
-    enum { LOOKS = 1000 };
-    for (int looks = 0; atomic_load_explicit(value, memory_order_acquire) < least;
-         looks += looks < LOOKS)
-        if (looks == LOOKS) let_others_work();
 }

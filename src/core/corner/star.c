@@ -137,8 +137,8 @@ static void load_triangle_corners(const core_prepared_mesh *prepared, int with_w
     for (int i = 0; i < CORE_LANES; i++)
         edged[i] =
             load_lane(&prepared->mesh, &corners[(size_t)i < count ? (size_t)i : 0], &batch, i);
-    norma_core_measure(prepared->call->level, &batch, prepared->call->options.weight,
-        with_weights ? CORE_ALL_CORNERS : CORE_NO_CORNER);
+    norma_core_kernels(prepared->call->level)
+        ->measure(&batch, with_weights ? prepared->call->options.weight : NORMA_WEIGHT_UNIFORM);
     for (int i = 0; (size_t)i < count; i++) {
         star_corner *c = &corners[i];
         if (!edged[i] || batch.sure[i] == 0) {

@@ -25,7 +25,7 @@ CORE_INLINE void measure_waiting(
     core_batch b;
     core_rows normals, weights;
     load_edges(&s->mesh, list->at[first], &b);
-    norma_core_measure(s->call->level, &b, s->call->options.weight, CORE_ALL_CORNERS);
+    norma_core_kernels(s->call->level)->measure(&b, s->call->options.weight);
     core_lanes_to_rows(b.normal[0], b.normal[1], b.normal[2], b.sure, &normals);
     core_lanes_to_rows(b.weight[0], b.weight[1], b.weight[2], b.sure, &weights);
     for (size_t i = 0; i < CORE_LANES; i++) {
@@ -165,7 +165,7 @@ static void ask_for_corners(const core_prepared_mesh *prepared, const listed_sta
 }
 
 /* ---- a batch of stars joined and summed: loops over lanes, compiled for each instruction set as
- * those of measure_faces.c are. */
+ * those of face_kernel.template.h are. */
 
 /* ---- weights of polygons' corners; triangles are measured as faces  */
 

@@ -146,7 +146,7 @@ unsigned norma_core_measure_triangles(const core_call *call, const core_mesh *me
     unsigned decided = 0;
     for (size_t i = 0; i < CORE_LANES; i++)
         edged[i] = load_into_lane(mesh, faces[i < count ? i : 0], batch, (int)i);
-    norma_core_measure(call->level, batch, weight, CORE_ALL_CORNERS);
+    norma_core_kernels(call->level)->measure(batch, weight);
     for (size_t i = 0; i < count; i++) decided |= edged[i] && batch->sure[i] != 0 ? 1U << i : 0;
     return decided;
 }

@@ -1,83 +1,6 @@
 /* plan_kernel.c: a block's faces measured and its groups summed. */
 #include "core/plan/plan.h"
 
-/* ---- Triangles weighed by their angles, eight in the registers of AVX-512, from
- * corners to rows. Loops over lanes take 16.8 cycles a triangle, these 14.4. */
-
-#if defined(CORE_HAS_AVX512)
-#include "core/face/vectors_avx512.h"
-
-#define VECTORS(name) core_avx512_##name
-#define IN_VECTORS    CORE_IN_REGISTERS
-typedef core_avx512_vector vector;
-typedef core_avx512_mask mask;
-#include "core/face/measure_triangles.template.h"
-
-CORE_IN_REGISTERS __m512d two_rows(const double *low, const double *high) {
-    return _mm512_insertf64x4(
-        _mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high), 1);
-}
-
-/* Corner k of eight triangles, axis by axis. at: their vertices, three by three. */
-CORE_IN_REGISTERS void read_corner_of_eight(
-    const double (*rows)[4], const uint16_t *at, int k, __m512d axis[3]) {
-    const __m512d a = two_rows(rows[at[k]], rows[at[6 + k]]),
-                  b = two_rows(rows[at[3 + k]], rows[at[9 + k]]);
-    const __m512d c = two_rows(rows[at[12 + k]], rows[at[18 + k]]),
-                  d = two_rows(rows[at[15 + k]], rows[at[21 + k]]);
-    const __m512d xz_low = _mm512_unpacklo_pd(a, b), xz_high = _mm512_unpacklo_pd(c, d);
-    axis[0] = _mm512_shuffle_f64x2(xz_low, xz_high, 0x88);
-    axis[1] = _mm512_shuffle_f64x2(_mm512_unpackhi_pd(a, b), _mm512_unpackhi_pd(c, d), 0x88);
-    axis[2] = _mm512_shuffle_f64x2(xz_low, xz_high, 0xdd);
-}
-
-CORE_IN_REGISTERS void open_eight_faces(
-    const double (*rows)[4], const uint16_t *at, opened_faces *o) {
-    __m512d p[3][3];
-    for (int k = 0; k < 3; k++) read_corner_of_eight(rows, at, k, p[k]);
-    open_points(p, NORMA_WEIGHT_ANGLE, o);
-}
-
-CORE_IN_REGISTERS void keep_eight_faces(
-    const opened_faces *o, const sloped_faces *s, uint32_t begin, block_room *room) {
-    __m512d weight[3];
-    weigh_faces(s, weight);
-    core_avx512_store_rows(
-        o->normal[0], o->normal[1], o->normal[2], _mm512_set1_pd(1), room->normals + begin);
-    for (int k = 0; k < 3; k++)
-        _mm512_storeu_pd(room->weights + ((size_t)k << BLOCK_FACE_BITS) + begin, weight[k]);
-}
-
-static void list_doubted_of_eight(
-    const block_view *t, uint32_t begin, unsigned sure, block_room *room) {
-    for (uint32_t i = 0; i < CORE_LANES && begin + i < t->face_count; i++)
-        if (!(sure >> i & 1U)) room->doubted[room->doubted_count++] = (uint16_t)(begin + i);
-}
-
-/* The next eight are read and multiplied while this one's divisions are under way: what waits for
- * them would otherwise keep the processor from seeing that far ahead. */
-CORE_FOR_AVX512 static void core_block_angles_avx512(
-    const block_view *t, block_some eights, block_room *room) {
-    const double(*rows)[4] = (const double(*)[4])room->positions;
-    uint32_t number = eights.count && eights.numbers ? eights.numbers[0] : 0;
-    opened_faces o;
-    if (eights.count) open_eight_faces(rows, t->corners + (size_t)3 * CORE_LANES * number, &o);
-    for (uint32_t i = 0; i < eights.count; i++) {
-        const uint32_t after = i + 1 < eights.count ? i + 1 : i,
-                       next = eights.numbers ? eights.numbers[after] : after;
-        sloped_faces s;
-        opened_faces opened;
-        slope_faces(&o, &s);
-        open_eight_faces(rows, t->corners + (size_t)3 * CORE_LANES * next, &opened);
-        norma_core_ask_ahead(&room->ahead);
-        keep_eight_faces(&o, &s, number * CORE_LANES, room);
-        if (o.sure != UINT8_MAX) list_doubted_of_eight(t, number * CORE_LANES, o.sure, room);
-        o = opened;
-        number = next;
-    }
-}
-#endif
-
 /* ---- the normal of a group, from its sum */
 
 int norma_core_plan_decide(const double sum[4], float normal[3]) {
@@ -104,8 +27,7 @@ int norma_core_plan_decide_cone(
 #pragma GCC optimize("no-tree-slp-vectorize") /* this compiler takes rows that are read whole      \
                                                  apart again, number by number */
 #endif
-#include "core/vertex/normalize_simd.h"
-#include "core/face/measure_simd.h"
+#include "core/face/eight_vectors.h"
 
 CORE_INLINE uint32_t number_of_some(block_some some, uint32_t i) {
     return some.numbers ? some.numbers[i] : i;
@@ -158,66 +80,36 @@ CORE_INLINE int load_vertex_floats(const block_view *t, const block_some *eights
 
 /* ---- triangles */
 
-/* at: the vertices of eight triangles, three by three. */
-#if defined(CORE_HAS_SHUFFLES)
-CORE_INLINE void read_four(
-    const double (*rows)[4], const uint16_t *at, int first, core_batch *batch) {
-    core_d4 p[3][4];
-    for (int k = 0; k < 3; k++) {
-        for (int i = 0; i < 4; i++) p[k][i] = core_load_row(rows[at[3 * (first + i) + k]]);
-        core_turn_rows(p[k]);
-    }
-    for (int x = 0; x < 3; x++) {
-        core_store_row(batch->u[x] + first, p[1][x] - p[0][x]);
-        core_store_row(batch->v[x] + first, p[2][x] - p[0][x]);
-        core_store_row(batch->a[x] + first, p[2][x] - p[1][x]);
-    }
-}
-
-CORE_INLINE void read_vertex_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch) {
-    for (int first = 0; first < CORE_LANES; first += 4) read_four(rows, at, first, batch);
-}
-#else
-CORE_INLINE void read_vertex_batch(const double (*rows)[4], const uint16_t *at, core_batch *batch) {
-    for (int x = 0; x < 3; x++)
-        for (int i = 0; i < CORE_LANES; i++) {
-            const double p0 = rows[at[3 * i]][x], p1 = rows[at[3 * i + 1]][x],
-                         p2 = rows[at[3 * i + 2]][x];
-            batch->u[x][i] = p1 - p0;
-            batch->v[x][i] = p2 - p0;
-            batch->a[x][i] = p2 - p1;
-        }
-}
-#endif
-
-CORE_INLINE void keep_batch(const core_batch *batch, uint32_t eight, block_room *room) {
-    static const double ones[CORE_LANES] = {1, 1, 1, 1, 1, 1, 1, 1};
-    const uint32_t begin = eight * CORE_LANES;
-    core_lanes_to_rows(batch->normal[0], batch->normal[1], batch->normal[2], ones,
-        (core_rows *)(void *)room->normals[begin]);
-    for (uint32_t k = 0; k < 3; k++)
-        memcpy(&room->weights[k << BLOCK_FACE_BITS | begin], batch->weight[k],
-            sizeof batch->weight[k]);
-}
-
 static void list_doubted_faces(
-    const block_view *t, const core_batch *batch, uint32_t eight, block_room *room) {
-    for (uint32_t i = 0; i < CORE_LANES && eight * CORE_LANES + i < t->face_count; i++)
-        if (batch->sure[i] == 0)
-            room->doubted[room->doubted_count++] = (uint16_t)(eight * CORE_LANES + i);
+    const block_view *t, unsigned sure, uint32_t begin, block_room *room) {
+    for (uint32_t i = 0; i < CORE_LANES && begin + i < t->face_count; i++)
+        if (!(sure >> i & 1U)) room->doubted[room->doubted_count++] = (uint16_t)(begin + i);
 }
 
-CORE_INLINE void measure_some(
-    const block_view *t, block_some eights, block_room *room, norma_weight weight) {
-    for (uint32_t i = 0; i < eights.count; i++) {
-        const uint32_t eight = number_of_some(eights, i);
-        core_batch batch;
-        read_vertex_batch((const double(*)[4])room->positions,
-            t->corners + (size_t)3 * CORE_LANES * eight, &batch);
-        norma_core_ask_ahead(&room->ahead);
-        core_lanes_measure(&batch, CORE_ALL_CORNERS, weight);
-        keep_batch(&batch, eight, room);
-        if (core_lanes_total(batch.sure) != CORE_LANES) list_doubted_faces(t, &batch, eight, room);
+enum { EIGHTS_AT_ONCE = 8 };
+
+static void measure_some(const core_kernels *kernels, const block_view *t, block_some eights,
+    norma_weight weight, block_room *room) {
+    const core_mesh mesh = {.positions = {room->positions, BLOCK_VERTICES,
+                                sizeof room->positions[0], NORMA_FORMAT_DOUBLE},
+        .scale = 1};
+    for (uint32_t i = 0, count; i < eights.count; i += count) {
+        uint32_t at[EIGHTS_AT_ONCE][3 * CORE_LANES];
+        core_eight_rows out[EIGHTS_AT_ONCE];
+        count = eights.count - i < EIGHTS_AT_ONCE ? eights.count - i : EIGHTS_AT_ONCE;
+        for (uint32_t k = 0; k < count; k++) {
+            const size_t begin = CORE_LANES * (size_t)number_of_some(eights, i + k);
+            for (size_t c = 0; c < 3 * CORE_LANES; c++) at[k][c] = t->corners[3 * begin + c];
+            out[k].row = room->normals + begin;
+            for (size_t c = 0; c < 3; c++)
+                out[k].weight[c] = room->weights + (c << BLOCK_FACE_BITS | begin);
+            norma_core_ask_ahead(&room->ahead);
+        }
+        kernels->measure_at(&mesh, at[0], count, out, weight);
+        for (uint32_t k = 0; k < count; k++)
+            if (out[k].sure != UINT8_MAX)
+                list_doubted_faces(
+                    t, out[k].sure, CORE_LANES * number_of_some(eights, i + k), room);
     }
 }
 
@@ -230,15 +122,15 @@ CORE_INLINE group_sum no_votes(void) { return (group_sum){0, 0, 0, -0.0}; }
 CORE_INLINE group_sum add_vote_row(group_sum sum, const double *row, double weight) {
     return sum + core_load_row(row) * (core_d4){weight, weight, weight, weight};
 }
-CORE_INLINE void keep_sum(group_sum sum, vertex_sum *out) { core_store_row(&out->x, sum); }
+CORE_INLINE void keep_sum(group_sum sum, core_vertex_sum *out) { core_store_row(&out->x, sum); }
 #else
-typedef vertex_sum group_sum;
+typedef core_vertex_sum group_sum;
 CORE_INLINE group_sum no_votes(void) { return (group_sum){0, 0, 0, -0.0}; }
 CORE_INLINE group_sum add_vote_row(group_sum sum, const double *row, double weight) {
     return (group_sum){sum.x + row[0] * weight, sum.y + row[1] * weight, sum.z + row[2] * weight,
         sum.weight + row[3] * weight};
 }
-CORE_INLINE void keep_sum(group_sum sum, vertex_sum *out) { *out = sum; }
+CORE_INLINE void keep_sum(group_sum sum, core_vertex_sum *out) { *out = sum; }
 #endif
 
 typedef struct group_members {
@@ -260,7 +152,7 @@ CORE_INLINE group_sum add_group_member(const block_view *t, const block_room *ro
 }
 
 CORE_INLINE void add_rest(const block_view *t, const block_room *room, group_members of,
-    uint32_t from, int polygons, group_sum sum, vertex_sum *out) {
+    uint32_t from, int polygons, group_sum sum, core_vertex_sum *out) {
     for (uint32_t i = from; i < of.count; i++)
         sum = add_group_member(t, room, of, i, polygons, sum);
     keep_sum(sum, out);
@@ -269,7 +161,7 @@ CORE_INLINE void add_rest(const block_view *t, const block_room *room, group_mem
 /* Four groups at a time as far as the shortest goes: what is added to one waits for what was added
  * before, not for the others'. */
 CORE_INLINE void sum_four(const block_view *t, const uint32_t groups[4], const block_room *room,
-    int polygons, vertex_sum *out) {
+    int polygons, core_vertex_sum *out) {
     const group_members a = members_of(t, groups[0]), b = members_of(t, groups[1]),
                         c = members_of(t, groups[2]), d = members_of(t, groups[3]);
     const uint32_t ab = a.count < b.count ? a.count : b.count,
@@ -289,7 +181,7 @@ CORE_INLINE void sum_four(const block_view *t, const uint32_t groups[4], const b
 
 /* The same of all groups in a row, where their members are listed by fours. */
 CORE_INLINE const uint16_t *sum_listed(
-    const uint16_t *members, uint32_t count, const block_room *room, vertex_sum *out) {
+    const uint16_t *members, uint32_t count, const block_room *room, core_vertex_sum *out) {
     group_sum sum_a = no_votes(), sum_b = sum_a, sum_c = sum_a, sum_d = sum_a;
     for (const uint16_t *end = members + (size_t)4 * count; members < end; members += 4) {
         sum_a = add_vote_row(
@@ -309,7 +201,7 @@ CORE_INLINE const uint16_t *sum_listed(
 }
 
 CORE_INLINE void sum_eight(const block_view *t, block_some groups, uint32_t begin,
-    const block_room *room, int polygons, vertex_sum *out) {
+    const block_room *room, int polygons, core_vertex_sum *out) {
     for (uint32_t i = 0; i < CORE_LANES; i += 4) {
         uint32_t names[4];
         name_some(groups, begin + i, 4, names);
@@ -320,11 +212,11 @@ CORE_INLINE void sum_eight(const block_view *t, block_some groups, uint32_t begi
 /* One by one, where not all have a normal. */
 CORE_INLINE int decide_each(
     const block_view *t, block_some groups, block_room *room, int polygons) {
-    vertex_sum sums[CORE_LANES];
+    core_vertex_sum sums[CORE_LANES];
     int all = 1;
     for (uint32_t i = 0; i < groups.count; i++) {
         if (i % CORE_LANES == 0) sum_eight(t, groups, i, room, polygons, sums);
-        const vertex_sum *s = &sums[i % CORE_LANES];
+        const core_vertex_sum *s = &sums[i % CORE_LANES];
         room->reasons[i] = (uint8_t)norma_core_plan_decide(
             (const double[4]){s->x, s->y, s->z, s->weight}, room->results[i]);
         all &= room->reasons[i] == NORMA_REASON_NONE;
@@ -333,17 +225,17 @@ CORE_INLINE int decide_each(
 }
 
 typedef struct finisher {
-    void (*lengths)(const vertex_sum *sums, core_lengths *out, double *fine);
+    void (*lengths)(const core_vertex_sum *sums, core_lengths *out, double *fine);
     void (*directions)(const core_lengths *of, float (*normals)[3]);
 } finisher;
 
-/* Eight sums become normals while the next ones are added up, in two steps: see normalize_simd.h.
+/* Eight sums become normals while the next ones are added up, in two steps: see eight_vectors.h.
  */
 CORE_INLINE int sum_all_groups(
     const block_view *t, block_some groups, finisher finish, block_room *room, int polygons) {
     const uint32_t eights = norma_core_block_eights(groups.count);
     const uint16_t *members = t->fours;
-    vertex_sum sums[2][CORE_LANES];
+    core_vertex_sum sums[2][CORE_LANES];
     core_lengths lengths[2];
     core_lane fine = {0};
     memset(room->reasons, NORMA_REASON_NONE, groups.count);
@@ -377,9 +269,9 @@ static int load_portable(const block_view *t, const block_some *eights, const un
 }
 static void measure_block_portable(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
-    CORE_LOOP_FOR_WEIGHT(weight, measure_some, t, eights, room)
+    measure_some(norma_core_kernels_portable(), t, eights, weight, room);
 }
-static void lengths_portable(const vertex_sum *sums, core_lengths *out, double *fine) {
+static void lengths_portable(const core_vertex_sum *sums, core_lengths *out, double *fine) {
     core_lanes_lengths(sums, out, fine);
 }
 static void directions_portable(const core_lengths *of, float (*normals)[3]) {
@@ -394,22 +286,18 @@ CORE_FOR_AVX2 static int load_avx2(const block_view *t, const block_some *eights
     const unsigned char *data, size_t stride, double (*out)[4]) {
     return load_vertex_floats(t, eights, data, stride, out);
 }
-CORE_INLINE void measure_triangles(const block_view *t, block_some eights, norma_weight weight,
-    block_room *room){CORE_LOOP_FOR_WEIGHT(weight, measure_some, t, eights, room)} CORE_FOR_AVX2
-    static void measure_block_avx2(
-        const block_view *t, block_some eights, norma_weight weight, block_room *room) {
-    measure_triangles(t, eights, weight, room);
+static void measure_block_avx2(
+    const block_view *t, block_some eights, norma_weight weight, block_room *room) {
+    measure_some(norma_core_kernels_avx2(), t, eights, weight, room);
 }
 #if defined(CORE_HAS_AVX512)
-CORE_FOR_AVX512 static void measure_block_avx512(
+static void measure_block_avx512(
     const block_view *t, block_some eights, norma_weight weight, block_room *room) {
-    if (weight == NORMA_WEIGHT_ANGLE)
-        core_block_angles_avx512(t, eights, room);
-    else
-        measure_triangles(t, eights, weight, room);
+    measure_some(norma_core_kernels_avx512(), t, eights, weight, room);
 }
 #endif
-CORE_FOR_AVX2 static void lengths_avx2(const vertex_sum *sums, core_lengths *out, double *fine) {
+CORE_FOR_AVX2 static void lengths_avx2(
+    const core_vertex_sum *sums, core_lengths *out, double *fine) {
     core_lanes_lengths(sums, out, fine);
 }
 CORE_FOR_AVX2 static void directions_avx2(const core_lengths *of, float (*normals)[3]) {

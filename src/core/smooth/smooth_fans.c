@@ -1,4 +1,4 @@
-/* smooth_fans.c: sums and chains (face_chain.h) of a range of positions at a time; then the normals
+/* smooth_fans.c: sums and chains (face.h) of a range of positions at a time; then the normals
  * of those that are smooth fans go to all their corners, in the order of faces, or to where the
  * vertices that begin there are written. */
 #include "core/smooth/smooth_fans.h"
@@ -17,11 +17,9 @@ enum {
 typedef struct smooth_work {
     const core_prepared_mesh *prepared;
     core_bins bins;
-    core_range *ranges; /* the bins' */
     const smooth_target *target;
-    core_add_faces *add;
-    core_finish_sums *finish;
-    vertex_sum *sums; /* buffers of bins.size each, as the chains */
+    const core_kernels *kernels;
+    core_vertex_sum *sums; /* buffers of bins.size each, as the chains */
     face_chains *chains;
     uint8_t *others;
     atomic_uchar *chunks; /* of each: whether it has a corner at others */
@@ -33,7 +31,7 @@ typedef struct smooth_work {
 typedef struct smooth_bin {
     smooth_work *work;
     const core_bin *bin;
-    vertex_sum *sums;
+    core_vertex_sum *sums;
     face_chains *chains;
     norma_edges *edges; /* NULL: nobody asks */
     size_t chunk;       /* that is gone through */
@@ -100,7 +98,7 @@ static inline face_chains *chains_at(const smooth_bin *b, uint32_t position) {
 /* ---- which positions are smooth: their normals in place of the axes */
 
 typedef struct fan_queue {
-    vertex_sum sums[CORE_LANES];
+    core_vertex_sum sums[CORE_LANES];
     face_chains *chains[CORE_LANES];
     size_t count;
 } fan_queue;
@@ -109,7 +107,7 @@ typedef struct fan_queue {
 static void finish_queue(const smooth_bin *b, fan_queue *queue) {
     float normals[CORE_LANES][3];
     for (size_t i = queue->count; i < CORE_LANES; i++) queue->sums[i] = queue->sums[0];
-    const int fine = queue->count && b->work->finish(queue->sums, normals);
+    const int fine = queue->count && b->work->kernels->finish(queue->sums, normals);
     for (size_t i = 0; i < queue->count; i++)
         if (fine)
             memcpy(queue->chains[i]->axis, normals[i], sizeof normals[i]);
@@ -297,14 +295,13 @@ static void add_faces(const smooth_bin *b) {
     core_adder adder = {.mesh = &work->prepared->mesh,
         .weight = NORMA_WEIGHT_ANGLE,
         .sums = b->sums,
-        .first = b->bin->first,
-        .count = b->bin->count,
         .add_face = ignore_face,
         .chains = b->chains,
         .chain_cosine = work->cosine};
     norma_core_clear_sums(b->sums, b->bin->count);
     for (size_t i = 0; i < b->bin->count; i++) core_clear_chains(&b->chains[i]);
-    norma_core_add_to_bin(&work->bins, b->bin, work->add, &adder);
+    norma_core_add_to_bin(
+        work->kernels, &work->bins, b->bin, (core_chunks){0, work->bins.chunks}, &adder);
 }
 
 /* Where most are left to stars, the rest may as well be. */
@@ -352,7 +349,7 @@ static void find_fans_of_bin(void *context, const core_bin *bin) {
 
 static const double LEAST_CREASE_RAD = 0.2; /* below it, few positions could be told smooth */
 
-/* Whether sums and chains can find smooth positions: what face_chain.h reckons with. */
+/* Whether sums and chains can find smooth positions: what face.h reckons with. */
 static int may_be_smooth(const core_call *call, const core_mesh *mesh, double crease_angle_rad) {
     return !mesh->hard_edges && !mesh->smoothing_groups &&
            call->options.weight == NORMA_WEIGHT_ANGLE &&
@@ -468,20 +465,6 @@ static int scattered_looks_smooth(const core_mesh *mesh, double cosine) {
 
 /* ---- all bins */
 
-static void range_of_chunk(void *context, size_t chunk) {
-    const smooth_work *work = context;
-    const core_mesh *mesh = &work->prepared->mesh;
-    core_range touched = {UINT32_MAX, 0};
-    const size_t begin = norma_core_face_begin(mesh, chunk * CORE_FACES_IN_CHUNK),
-                 end = norma_core_face_begin(mesh, norma_core_chunk_end(&work->bins, chunk));
-    for (size_t c = begin; c < end; c++) {
-        const uint32_t position = norma_core_welded_corner(mesh, c);
-        touched.least = position < touched.least ? position : touched.least;
-        touched.most = position > touched.most ? position : touched.most;
-    }
-    work->ranges[chunk] = touched;
-}
-
 static norma_result take_memory(const core_call *call, smooth_work *work, int counting) {
     const size_t records = work->bins.buffers * work->bins.size, chunks = work->bins.chunks;
     work->sums = norma_core_allocate(call, records, sizeof *work->sums);
@@ -506,7 +489,7 @@ static void give_memory_back(const core_call *call, smooth_work *work) {
 }
 
 static core_bin_limits limits_for(const core_mesh *mesh) {
-    const size_t faces = mesh->face_count / (sizeof(vertex_sum) + sizeof(face_chains));
+    const size_t faces = mesh->face_count / (sizeof(core_vertex_sum) + sizeof(face_chains));
     return (core_bin_limits){
         FEW_POSITIONS + MOST_BYTES_FOR_FACE * faces, FEW_POSITIONS + BYTES_FOR_FACE * faces};
 }
@@ -533,11 +516,8 @@ static norma_result find_fans(
     core_prepared_mesh *prepared, const smooth_target *target, int counting, smooth_fans *fans) {
     core_call *call = prepared->call;
     smooth_work work = {.prepared = prepared,
-        .ranges = fans->ranges,
         .target = target,
-        .add = prepared->mesh.face_starts ? norma_core_choose_add_polygons(call->options.isa)
-                                          : norma_core_choose_add(call->options.isa),
-        .finish = norma_core_choose_finish(call->options.isa),
+        .kernels = norma_core_kernels(call->level),
         .cosine = norma_core_chain_cosine(prepared->crease.angle)};
     norma_result result = NORMA_OK;
     atomic_init(&work.seen, 0);
@@ -545,11 +525,13 @@ static norma_result find_fans(
     if (!looks_smooth(&prepared->mesh, (double)work.cosine) &&
         !scattered_looks_smooth(&prepared->mesh, (double)work.cosine))
         return NORMA_OK;
-    work.bins =
-        (core_bins){.mesh = &prepared->mesh, .chunks = norma_core_count_chunks(&prepared->mesh)};
+    work.bins = (core_bins){.mesh = &prepared->mesh,
+        .ranges = fans->ranges,
+        .chunks = norma_core_count_chunks(&prepared->mesh)};
     if (prepared->mesh.weld)
-        result = norma_core_parallel(call, work.bins.chunks, range_of_chunk, &work);
-    if (result != NORMA_OK || !norma_core_plan_bins(call, &prepared->mesh, work.ranges,
+        result =
+            norma_core_parallel(call, work.bins.chunks, norma_core_range_of_welded, &work.bins);
+    if (result != NORMA_OK || !norma_core_plan_bins(call, &prepared->mesh, fans->ranges,
                                   limits_for(&prepared->mesh), &work.bins))
         return result;
     return compute_bins(call, &work, counting, fans);

@@ -9,7 +9,7 @@ enum { VERTICES_IN_CHUNK = 16384 };
 typedef struct vertex_work {
     core_vertices vertices;
     const core_output *output;
-    core_finish_sums *finish;
+    const core_kernels *kernels;
 } vertex_work;
 
 static int normal_of_vertex(const void *context, size_t vertex, float normal[3]) {
@@ -30,10 +30,10 @@ static void write_some(const vertex_work *work, size_t begin, size_t end, core_t
 static int write_batch(const vertex_work *work, size_t begin) {
     const core_vertices *vertices = &work->vertices;
     const uint32_t *weld = vertices->prepared->mesh.weld;
-    vertex_sum welded[CORE_LANES];
+    core_vertex_sum welded[CORE_LANES];
     float normals[CORE_LANES][3];
     for (size_t i = 0; weld && i < CORE_LANES; i++) welded[i] = vertices->sums[weld[begin + i]];
-    if (!work->finish(weld ? welded : vertices->sums + begin, normals)) return 0;
+    if (!work->kernels->finish(weld ? welded : vertices->sums + begin, normals)) return 0;
     norma_core_write_normals(work->output, begin, CORE_LANES, (const float(*)[3])normals);
     return 1;
 }
@@ -48,11 +48,10 @@ static void write_vertex_normals(const void *context, size_t begin, size_t end, 
 }
 
 static norma_result sum_vertices(
-    core_prepared_mesh *prepared, core_vertices *vertices, core_tally *tally) {
+    core_prepared_mesh *prepared, core_range *ranges, core_vertices *vertices, core_tally *tally) {
     return prepared->call->options.weight == NORMA_WEIGHT_VISIBLE
                ? norma_core_cone_vertices(prepared, vertices, tally)
-               : norma_core_sum_vertices(
-                     prepared, norma_core_is_scattered(&prepared->mesh), vertices, tally);
+               : norma_core_sum_vertices(prepared, ranges, vertices, tally);
 }
 
 static size_t without_normal(const core_tally *tally) {
@@ -61,18 +60,18 @@ static size_t without_normal(const core_tally *tally) {
 
 /* Who has no normal and takes the nearest has to find it among all sums. Bins keep none: there they
  * are taken once more, and only what was left open is written. */
-static norma_result compute_vertices(core_prepared_mesh *prepared, const core_range *ranges,
+static norma_result compute_vertices(core_prepared_mesh *prepared, core_range *ranges,
     const core_output *output, norma_report *report) {
     core_call *call = prepared->call;
     vertex_work work = {.vertices.prepared = prepared,
         .output = output,
-        .finish = norma_core_choose_finish(call->options.isa)};
+        .kernels = norma_core_kernels(call->level)};
     core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}}, again = tally;
     int written = 0;
     norma_core_stage(call, 0.5, 0.9);
     norma_result result = norma_core_bin_vertices(prepared, ranges, output, &tally, &written);
     if (result == NORMA_OK && !written) {
-        result = sum_vertices(prepared, &work.vertices, &tally);
+        result = sum_vertices(prepared, ranges, &work.vertices, &tally);
         norma_core_stage(call, 0.9, 0.97);
         if (result == NORMA_OK)
             result = norma_core_write_chunks(
@@ -81,7 +80,7 @@ static norma_result compute_vertices(core_prepared_mesh *prepared, const core_ra
     const size_t without = output->nearest ? without_normal(&tally) : 0;
     norma_core_stage(call, 0.9, 0.97);
     if (result == NORMA_OK && written && without)
-        result = sum_vertices(prepared, &work.vertices, &again);
+        result = sum_vertices(prepared, ranges, &work.vertices, &again);
     if (result == NORMA_OK && without) {
         const core_elements vertices = {
             &prepared->mesh, work.vertices.count, &work.vertices, normal_of_vertex, NULL};

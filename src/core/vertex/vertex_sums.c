@@ -1,19 +1,19 @@
 /* vertex_sums.c: the sums at all positions. Votes added one face at a time, and sums made normals
- * one at a time. The kernels of add_triangles.c do the same for many at once. */
+ * one at a time. The kernels of add_kernel.template.h do the same for many at once. */
 #include "core/vertex/vertex.h"
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"
 #include <stdatomic.h>
 
-void norma_core_add_vote(vertex_sum *sum, double weight, const double normal[3]) {
+void norma_core_add_vote(core_vertex_sum *sum, double weight, const double normal[3]) {
     sum->x += weight * normal[0];
     sum->y += weight * normal[1];
     sum->z += weight * normal[2];
     sum->weight += weight;
 }
 
-void norma_core_clear_sums(vertex_sum *sums, size_t count) {
-    for (size_t i = 0; i < count; i++) sums[i] = (vertex_sum){0, 0, 0, -0.0};
+void norma_core_clear_sums(core_vertex_sum *sums, size_t count) {
+    for (size_t i = 0; i < count; i++) sums[i] = (core_vertex_sum){0, 0, 0, -0.0};
 }
 
 void norma_core_add_face(void *context, size_t f) {
@@ -38,20 +38,20 @@ void norma_core_add_face(void *context, size_t f) {
     }
 }
 
-static void sum_of(const vertex_sum *s, double sum[3]) {
+static void sum_of(const core_vertex_sum *s, double sum[3]) {
     sum[0] = s->x;
     sum[1] = s->y;
     sum[2] = s->z;
 }
 
-int norma_core_record_cancels(const vertex_sum *s) {
+int norma_core_record_cancels(const core_vertex_sum *s) {
     double sum[3];
     sum_of(s, sum);
     return norma_core_has_votes(s) && norma_core_cancels(sum, s->weight);
 }
 
 int norma_core_resolve_record(
-    const core_mesh *mesh, const vertex_sum *s, size_t vertex, float normal[3]) {
+    const core_mesh *mesh, const core_vertex_sum *s, size_t vertex, float normal[3]) {
     double sum[3];
     if (!norma_core_has_votes(s)) {
         norma_core_position(mesh, (uint32_t)vertex, sum);
@@ -63,301 +63,275 @@ int norma_core_resolve_record(
     return NORMA_REASON_NONE;
 }
 
-/* ---- sums of a mesh whose faces name positions far apart, by several at once. Each measures
- * chunks of faces of its own and leaves what they add in queues; then each takes what waits for a
- * part of the positions, from the first face to the last. So no face is measured twice, and every
- * sum is taken in ascending order of faces by whichever thread takes it. A segment of the faces is
- * queued and drained at a time, so that the queues stay in the cache; the next segment is queued
- * into others, so that no thread waits for the last to be drained. All jobs are tasks of one call:
- * of each segment those that queue a chunk, then those that drain a part. Tasks are begun in order,
- * so that one that waits for others waits for some that are at work. Jobs of the caller's need not
- * be: they get the tasks that wait for nothing, stage by stage. */
+/* ---- sums of a range of positions at a time, in memory that stays in the cache: how large such
+ * bins are, and which thread works on which. */
 
-enum { MOST_CHUNKS = 64, LEAST_CHUNKS = 16, BYTES_FOR_EIGHT_FACES = 15, SETS = 2 };
+enum {
+    LEAST_IN_BIN = 1 << 10,
+    MOST_IN_BIN = 1 << 17, /* more than the cache holds gains nothing */
+    MOST_BUFFERS = 64,
+    SPANS_IN_BIN = 32,
+    LEAST_SPANS_IN_BIN = 6,
+    BINS_FOR_EACH = 4
+};
 
-typedef struct queue_work {
-    const core_prepared_mesh *prepared;
-    const core_mesh *mesh;
-    core_queue_triangles *queue_faces;
-    core_drain_queue *drain;
-    vertex_sum *sums;
-    core_queue *queues;                  /* of the chunks of two segments */
-    norma_count degenerate[MOST_CHUNKS]; /* met by each of them, in all segments */
-    size_t chunks, parts;                /* jobs of a segment */
-    size_t segments, first_job;          /* first_job: of the tasks that run_queues now */
-    uint64_t scale;                      /* of positions to parts */
-    atomic_size_t *queued;               /* of each segment, its chunks */
-    atomic_size_t drained[CORE_PARTS];   /* of each part, the segments */
-} queue_work;
+/* ---- is it worth it */
 
-/* ---- queueing */
+static double average_span(const core_range *ranges, size_t chunks) {
+    double sum = 0;
+    for (size_t i = 0; i < chunks; i++) sum += (double)(ranges[i].most - ranges[i].least) + 1;
+    return chunks ? sum / (double)chunks : 1;
+}
 
-typedef struct face_queuer {
-    const core_prepared_mesh *prepared;
-    core_queue *queue;
-    size_t begin;
-    norma_count *degenerate;
-} face_queuer;
+/* So large that few chunks touch two, so small that each who works has some. */
+static size_t choose_size(size_t workers, size_t positions, double span, size_t most) {
+    const size_t share = positions / (workers * BINS_FOR_EACH);
+    size_t size = (size_t)(SPANS_IN_BIN * span);
+    if (size > most) size = most - most % CORE_LANES;
+    if (workers > 1 && size > share) size = share;
+    if ((double)size < LEAST_SPANS_IN_BIN * span) size = (size_t)(LEAST_SPANS_IN_BIN * span);
+    if (size < LEAST_IN_BIN) size = LEAST_IN_BIN;
+    size = (size + CORE_LANES - 1) / CORE_LANES * CORE_LANES;
+    return size < positions ? size : positions;
+}
 
-/* A triangle that doubles do not decide, or whose corners are not three. */
-static void queue_face(void *context, size_t f) {
-    const face_queuer *q = context;
-    const core_mesh *mesh = &q->prepared->mesh;
-    const size_t in_chunk = f - q->begin;
-    core_face face;
-    norma_core_face_geometry(mesh, f, &face);
-    const int directed = face.flags & CORE_FACE_DIRECTED;
-    if (!directed && (face.flags & CORE_FACE_FINITE)) norma_core_count_one(q->degenerate, f);
-    for (size_t k = 0; k < 3; k++) {
-        q->queue->row[in_chunk][k] = face.normal[k];
-        if (directed && norma_core_is_kept(mesh, f, 3 * f + k))
-            q->queue->weight[in_chunk][k] = norma_core_corner_weight(
-                mesh, q->prepared->call->options.weight, f, &face, 3 * f + k);
-        else
-            q->queue->at[3 * in_chunk + k] = CORE_NOWHERE;
+/* Whether chunks are measured for one and a half bins each at most. */
+static int is_coherent(const core_bins *bins) {
+    size_t touched = 0;
+    for (size_t i = 0; i < bins->chunks; i++)
+        touched += bins->ranges[i].most / bins->size - bins->ranges[i].least / bins->size + 1;
+    return touched <= bins->chunks + bins->chunks / 2 + 1;
+}
+
+static size_t lesser_of(size_t a, size_t b) { return a < b ? a : b; }
+
+/* A quarter of all positions at most, however many work. */
+static size_t choose_buffers(const core_bins *bins, size_t workers, size_t most) {
+    const size_t quarter = lesser_of(MOST_BUFFERS, 1 + (bins->count - 1) / BINS_FOR_EACH),
+                 fit = most / bins->size;
+    return lesser_of(workers, lesser_of(quarter, fit ? fit : 1));
+}
+
+int norma_core_plan_bins(const core_call *call, const core_mesh *mesh, core_range *ranges,
+    core_bin_limits limits, core_bins *bins) {
+    const size_t workers = norma_core_shares(call), positions = mesh->positions.count,
+                 chunks = norma_core_count_chunks(mesh),
+                 most = lesser_of(MOST_IN_BIN, limits.in_one);
+    if (!positions) return 0;
+    *bins = (core_bins){.mesh = mesh,
+        .ranges = ranges,
+        .chunks = chunks,
+        .size = choose_size(workers, positions, average_span(ranges, chunks), most)};
+    bins->count = positions / bins->size + (positions % bins->size != 0);
+    bins->buffers = choose_buffers(bins, workers, limits.in_all);
+    bins->step =
+        call->options.parallel_for || bins->buffers < workers ? bins->buffers : bins->count;
+    return bins->size <= most && is_coherent(bins);
+}
+
+/* ---- who does what */
+
+typedef struct bin_tasks {
+    const core_bins *bins;
+    core_bin_work *work;
+    void *context;
+    atomic_int taken[MOST_BUFFERS]; /* of each buffer */
+} bin_tasks;
+
+/* There are as many buffers as ever work at once, so one is free. */
+static void work_on_bins(void *context, size_t task) {
+    bin_tasks *tasks = context;
+    const core_bins *bins = tasks->bins;
+    const size_t positions = bins->mesh->positions.count;
+    core_bin bin = {.buffer = 0};
+    while (atomic_exchange_explicit(&tasks->taken[bin.buffer], 1, memory_order_acquire))
+        bin.buffer = (bin.buffer + 1) % bins->buffers;
+    for (bin.number = task; bin.number < bins->count; bin.number += bins->step) {
+        bin.first = (uint32_t)(bin.number * bins->size);
+        bin.count = (uint32_t)lesser_of(positions - bin.first, bins->size);
+        tasks->work(tasks->context, &bin);
     }
-    q->queue->row[in_chunk][3] = 1;
+    atomic_store_explicit(&tasks->taken[bin.buffer], 0, memory_order_release);
 }
 
-/* Stage by stage there is nothing to wait for. */
-static void wait_for(const queue_work *work, const atomic_size_t *value, size_t least) {
-    if (!work->prepared->call->options.parallel_for) norma_core_wait(value, least);
+norma_result norma_core_each_bin(
+    core_call *call, const core_bins *bins, core_bin_work *work, void *context) {
+    bin_tasks tasks = {bins, work, context, {0}};
+    for (size_t i = 0; i < bins->buffers; i++) atomic_init(&tasks.taken[i], 0);
+    return norma_core_parallel(call, bins->step, work_on_bins, &tasks);
 }
 
-/* The queues of a segment are those of the last but one, when that is drained. */
-static void wait_until_free(const queue_work *work, size_t segment) {
-    if (segment < SETS) return;
-    for (size_t part = 0; part < work->parts; part++)
-        wait_for(work, &work->drained[part], segment - SETS + 1);
+void norma_core_add_to_bin(const core_kernels *kernels, const core_bins *bins, const core_bin *bin,
+    core_chunks chunks, core_adder *adder) {
+    adder->first = bin->first;
+    adder->count = bin->count;
+    for (size_t chunk = norma_core_chunk_of_bin(bins, bin, chunks.begin); chunk < chunks.end;
+         chunk = norma_core_chunk_of_bin(bins, bin, chunk + 1)) {
+        adder->owns_all = norma_core_bin_owns(bins, bin, chunk);
+        norma_core_add_faces(
+            kernels, adder, chunk * CORE_FACES_IN_CHUNK, norma_core_chunk_end(bins, chunk));
+    }
 }
 
-static void queue_faces(queue_work *work, size_t queue, size_t begin, size_t end) {
-    face_queuer queuer = {work->prepared, &work->queues[queue], begin, &work->degenerate[queue]};
-    const norma_options *o = &work->prepared->call->options;
-    const core_adder adder = {.mesh = work->mesh,
+/* Votes of a prepared mesh, into the sums of the bin. */
+static void add_votes_of_bin(const core_prepared_mesh *prepared, const core_bins *bins,
+    const core_bin *bin, core_chunks chunks, int scattered, core_vertex_sum *sums,
+    norma_count *degenerate) {
+    const norma_options *o = &prepared->call->options;
+    core_face_adder face_adder = {prepared, sums, bin->first, bin->count, degenerate};
+    core_adder adder = {.mesh = &prepared->mesh,
         .weight = o->weight,
-        .sums = work->sums,
-        .scattered = 1,
-        .by_distance = o->weld == NORMA_WELD_DISTANCE,
-        .add_face = queue_face,
-        .context = &queuer};
-    work->queue_faces(&adder, begin, end, work->scale, &work->queues[queue]);
-}
-
-static void queue_chunk(queue_work *work, size_t segment, size_t number) {
-    const size_t begin = (segment * work->chunks + number) * CORE_FACES_IN_CHUNK,
-                 faces = work->mesh->face_count;
-    wait_until_free(work, segment);
-    if (begin < faces)
-        queue_faces(work, segment % SETS * work->chunks + number, begin,
-            faces - begin < CORE_FACES_IN_CHUNK ? faces : begin + CORE_FACES_IN_CHUNK);
-    atomic_fetch_add_explicit(&work->queued[segment], 1, memory_order_release);
-}
-
-/* ---- draining */
-
-static void clear_part(void *context, size_t part) {
-    const queue_work *work = context;
-    const uint64_t count = work->mesh->positions.count, begin = count * part / work->parts,
-                   end = count * (part + 1) / work->parts;
-    norma_core_clear_sums(work->sums + begin, (size_t)(end - begin));
-}
-
-static void drain_part(queue_work *work, size_t segment, size_t part) {
-    wait_for(work, &work->queued[segment], work->chunks);
-    wait_for(work, &work->drained[part], segment);
-    for (size_t chunk = 0;
-         chunk < work->chunks &&
-         (segment * work->chunks + chunk) * CORE_FACES_IN_CHUNK < work->mesh->face_count;
-         chunk++)
-        work->drain(&work->queues[segment % SETS * work->chunks + chunk], part, work->sums);
-    atomic_store_explicit(&work->drained[part], segment + 1, memory_order_release);
-}
-
-/* ---- jobs */
-
-static void run_queue_job(void *context, size_t task) {
-    queue_work *work = context;
-    const size_t job = work->first_job + task, jobs = work->chunks + work->parts,
-                 segment = job / jobs, number = job % jobs;
-    if (number < work->chunks)
-        queue_chunk(work, segment, number);
-    else
-        drain_part(work, segment, number - work->chunks);
-}
-
-static norma_result run_staged(core_call *call, queue_work *work) {
-    const double from = call->progress_from, to = call->progress_to;
-    norma_result result = NORMA_OK;
-    for (size_t segment = 0; segment < work->segments && result == NORMA_OK; segment++) {
-        norma_core_stage(call, from + (to - from) * (double)segment / (double)work->segments,
-            from + (to - from) * (double)(segment + 1) / (double)work->segments);
-        work->first_job = segment * (work->chunks + work->parts);
-        result = norma_core_parallel(call, work->chunks, run_queue_job, work);
-        work->first_job += work->chunks;
-        if (result == NORMA_OK)
-            result = norma_core_parallel(call, work->parts, run_queue_job, work);
-    }
-    norma_core_stage(call, from, to);
-    return result;
-}
-
-static norma_result run_queues(core_call *call, queue_work *work) {
-    const double from = call->progress_from, to = call->progress_to,
-                 cleared = from + 0.1 * (to - from);
-    for (size_t i = 0; i < work->segments; i++) atomic_init(&work->queued[i], 0);
-    for (size_t i = 0; i < work->parts; i++) atomic_init(&work->drained[i], 0);
-    norma_core_stage(call, from, cleared);
-    norma_result result = norma_core_parallel(call, work->parts, clear_part, work);
-    norma_core_stage(call, cleared, to);
-    if (result == NORMA_OK)
-        result = call->options.parallel_for
-                     ? run_staged(call, work)
-                     : norma_core_parallel(call, work->segments * (work->chunks + work->parts),
-                           run_queue_job, work);
-    norma_core_stage(call, from, to);
-    return result;
-}
-
-/* No more than there are at work: each part reads most of the queues. */
-static size_t parts_for(const core_call *call) {
-    size_t parts = 1;
-    while (parts < CORE_PARTS && parts < norma_core_shares(call)) parts *= 2;
-    return parts;
-}
-
-norma_result norma_core_queue_vertices(const core_prepared_mesh *prepared, const core_mesh *mesh,
-    vertex_sum *sums, norma_count *degenerate, int *done) {
-    core_call *call = prepared->call;
-    size_t chunks = mesh->face_count / 8 * BYTES_FOR_EIGHT_FACES / sizeof(core_queue);
-    *done = 0;
-    if (chunks < LEAST_CHUNKS) return NORMA_OK;
-    if (chunks > MOST_CHUNKS) chunks = MOST_CHUNKS;
-    const size_t chunks_in_all =
-        mesh->face_count / CORE_FACES_IN_CHUNK + (mesh->face_count % CORE_FACES_IN_CHUNK != 0);
-    queue_work work = {.prepared = prepared,
-        .mesh = mesh,
         .sums = sums,
-        .queue_faces = norma_core_choose_queue(call->options.isa),
-        .drain = norma_core_choose_drain(call->options.isa),
-        .chunks = chunks / SETS,
-        .parts = parts_for(call)};
-    work.segments = chunks_in_all / work.chunks + (chunks_in_all % work.chunks != 0);
-    work.scale = ((uint64_t)work.parts << CORE_PART_BITS) / mesh->positions.count;
-    work.queues = norma_core_allocate(call, chunks, sizeof *work.queues);
-    work.queued = norma_core_allocate(call, work.segments, sizeof *work.queued);
-    const int has_memory = work.queues && work.queued;
-    const norma_result result = has_memory ? run_queues(call, &work) : NORMA_OK;
-    norma_core_release(call, work.queues, chunks, sizeof *work.queues);
-    norma_core_release(call, work.queued, work.segments, sizeof *work.queued);
-    for (size_t i = 0; i < chunks; i++) norma_core_count_add(degenerate, &work.degenerate[i]);
-    *done = has_memory;
+        .scattered = scattered,
+        .by_distance = o->weld == NORMA_WELD_DISTANCE,
+        .add_face = norma_core_add_face,
+        .context = &face_adder};
+    if (!chunks.begin) norma_core_clear_sums(sums, bin->count);
+    norma_core_add_to_bin(norma_core_kernels(prepared->call->level), bins, bin, chunks, &adder);
+}
+
+/* ---- vertex normals where faces in a row touch positions near each other. Each bin, a range of
+ * positions, has its sums in memory that stays in the cache from one bin to the next; the chunks of
+ * faces that touch it are added, and its normals written. The sums of all positions, which would be
+ * written, read and written, and read again, never reach memory: that alone was 60 of the 100 bytes
+ * that a triangle moved. A chunk that touches two bins is measured for both. */
+
+enum { AT_ONCE = 64 };
+
+typedef struct bin_work {
+    const core_prepared_mesh *prepared;
+    core_bins bins;
+    const core_output *output;
+    const core_kernels *kernels;
+    core_tally *tallies;   /* of each bin */
+    core_vertex_sum *sums; /* buffers of bins.size each */
+} bin_work;
+
+/* ---- a bin */
+
+static void write_one(
+    const bin_work *work, const core_vertex_sum *sum, size_t vertex, core_tally *tally) {
+    float normal[3];
+    const int reason = norma_core_resolve_record(&work->prepared->mesh, sum, vertex, normal);
+    norma_core_write_element(work->output, vertex, reason, normal, tally);
+}
+
+static void write_bin(const bin_work *work, const core_vertex_sum *sums, size_t first, size_t count,
+    core_tally *tally) {
+    float normals[AT_ONCE][3];
+    size_t held = 0, v = 0; /* normals[0 .. held) are of the vertices before v */
+    while (v < count) {
+        if (count - v >= CORE_LANES && work->kernels->finish(sums + v, normals + held)) {
+            held += CORE_LANES;
+            v += CORE_LANES;
+            if (held < AT_ONCE) continue;
+        }
+        norma_core_write_normals(work->output, first + v - held, held, (const float(*)[3])normals);
+        if (held < AT_ONCE)
+            for (size_t end = count - v < CORE_LANES ? count : v + CORE_LANES; v < end; v++)
+                write_one(work, &sums[v], first + v, tally);
+        held = 0;
+    }
+    norma_core_write_normals(work->output, first + v - held, held, (const float(*)[3])normals);
+}
+
+static void finish_bin(void *context, const core_bin *bin) {
+    const bin_work *work = context;
+    core_vertex_sum *sums = work->sums + bin->buffer * work->bins.size;
+    core_tally *tally = &work->tallies[bin->number];
+    add_votes_of_bin(work->prepared, &work->bins, bin, (core_chunks){0, work->bins.chunks}, 0, sums,
+        &tally->degenerate);
+    write_bin(work, sums, bin->first, bin->count, tally);
+}
+
+static norma_result finish_bins(bin_work *work, core_tally *sum) {
+    memset(work->tallies, 0, work->bins.count * sizeof *work->tallies);
+    const norma_result result =
+        norma_core_each_bin(work->prepared->call, &work->bins, finish_bin, work);
+    for (size_t i = 0; i < work->bins.count; i++) norma_core_tally_add(sum, &work->tallies[i]);
     return result;
 }
 
-/* ---- the weighted sum at each position. Faces are gone through in ascending order, and each adds
- * to the sums of its corners; when several work, each owns a range of positions and passes over the
- * chunks of faces that do not touch it. So every sum is taken in the same order by any number of
- * threads. */
+norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *ranges,
+    const core_output *output, core_tally *tally, int *written) {
+    core_call *call = prepared->call;
+    const core_mesh *mesh = &prepared->mesh;
+    bin_work work = {
+        .prepared = prepared, .output = output, .kernels = norma_core_kernels(call->level)};
+    *written = 0;
+    if (mesh->weld || call->options.weight == NORMA_WEIGHT_VISIBLE ||
+        !norma_core_plan_bins(
+            call, mesh, ranges, (core_bin_limits){SIZE_MAX, SIZE_MAX}, &work.bins))
+        return NORMA_OK;
+    const size_t records = work.bins.buffers * work.bins.size;
+    work.sums = norma_core_allocate(call, records, sizeof *work.sums);
+    work.tallies = norma_core_allocate(call, work.bins.count, sizeof *work.tallies);
+    norma_result result =
+        work.sums && work.tallies ? finish_bins(&work, tally) : NORMA_ERROR_MEMORY;
+    norma_core_release(call, work.sums, records, sizeof *work.sums);
+    norma_core_release(call, work.tallies, work.bins.count, sizeof *work.tallies);
+    norma_core_count_add(&tally->degenerate, &prepared->degenerate_faces);
+    *written = 1;
+    return result;
+}
 
-enum { FACES_IN_CHUNK = CORE_FACES_IN_CHUNK, FEWEST_FACES_TO_SHARE = 1 << 15, MOST_RANGES = 64 };
+/* ---- the weighted sum at each position, kept. Faces are gone through in ascending order, and each
+ * adds to the sums of its corners; when several work, each owns a range of positions and passes
+ * over the chunks of faces that do not touch it. So every sum is taken in the same order by any
+ * number of threads. */
 
-typedef struct position_range {
-    uint32_t begin, end;
-} position_range; /* from begin to before end; of a chunk of faces: what they touch */
+enum { FEWEST_FACES_TO_SHARE = 1 << 15, MOST_RANGES = 64, STEPS = 32 };
 
 typedef struct sum_work {
     core_vertices *vertices;
-    core_mesh mesh; /* the surface's, its positions perhaps copied */
+    core_bins bins; /* one for each who works */
     int scattered;
-    core_add_faces *add;
-    size_t ranges, chunks;
-    position_range *touched; /* by each chunk; NULL for one range */
+    core_chunks step;
     norma_count degenerate[MOST_RANGES];
 } sum_work;
 
-/* ---- chunks and ranges */
-
-static void chunk_faces(const sum_work *work, size_t chunk, size_t *begin, size_t *end) {
-    const size_t count = work->vertices->prepared->mesh.face_count;
-    *begin = chunk * FACES_IN_CHUNK;
-    *end = count - *begin < FACES_IN_CHUNK ? count : *begin + FACES_IN_CHUNK;
-}
-
-static void touch_chunk(void *context, size_t chunk) {
-    const sum_work *work = context;
-    const core_mesh *mesh = &work->vertices->prepared->mesh;
-    position_range touched = {UINT32_MAX, 0};
-    size_t begin, end;
-    chunk_faces(work, chunk, &begin, &end);
-    for (size_t c = norma_core_face_begin(mesh, begin); c < norma_core_face_end(mesh, end - 1);
-         c++) {
+void norma_core_range_of_welded(void *bins_of_mesh, size_t chunk) {
+    const core_bins *bins = bins_of_mesh;
+    const core_mesh *mesh = bins->mesh;
+    core_range touched = {UINT32_MAX, 0};
+    const size_t begin = norma_core_face_begin(mesh, chunk * CORE_FACES_IN_CHUNK),
+                 end = norma_core_face_begin(mesh, norma_core_chunk_end(bins, chunk));
+    for (size_t c = begin; c < end; c++) {
         const uint32_t position = norma_core_welded_corner(mesh, c);
-        if (position < touched.begin) touched.begin = position;
-        if (position >= touched.end) touched.end = position + 1;
+        touched.least = position < touched.least ? position : touched.least;
+        touched.most = position > touched.most ? position : touched.most;
     }
-    work->touched[chunk] = touched;
-}
-
-static void add_chunk(sum_work *work, size_t range_number, position_range range, size_t chunk) {
-    const core_prepared_mesh *prepared = work->vertices->prepared;
-    vertex_sum *sums = work->vertices->sums + range.begin;
-    const uint32_t count = range.end - range.begin;
-    size_t begin, end;
-    if (work->touched &&
-        (work->touched[chunk].begin >= range.end || work->touched[chunk].end <= range.begin))
-        return;
-    chunk_faces(work, chunk, &begin, &end);
-    core_face_adder face_adder = {
-        prepared, sums, range.begin, count, &work->degenerate[range_number]};
-    const core_adder adder = {.mesh = &work->mesh,
-        .weight = prepared->call->options.weight,
-        .sums = sums,
-        .first = range.begin,
-        .count = count,
-        .owns_all = work->ranges == 1,
-        .scattered = work->scattered,
-        .by_distance = prepared->call->options.weld == NORMA_WELD_DISTANCE,
-        .add_face = norma_core_add_face,
-        .context = &face_adder};
-    norma_core_add_chunk(work->add, &adder, begin, end);
-}
-
-static position_range range_of(const sum_work *work, size_t number) {
-    const uint64_t count = work->vertices->count;
-    return (position_range){
-        (uint32_t)(count * number / work->ranges), (uint32_t)(count * (number + 1) / work->ranges)};
+    bins->ranges[chunk] = touched;
 }
 
 static void sum_range(void *context, size_t number) {
     sum_work *work = context;
-    const position_range range = range_of(work, number);
-    norma_core_clear_sums(work->vertices->sums + range.begin, range.end - range.begin);
-    for (size_t chunk = 0; chunk < work->chunks; chunk++) add_chunk(work, number, range, chunk);
+    const core_bins *bins = &work->bins;
+    const size_t first = number * bins->size;
+    const core_bin bin = {
+        number, 0, (uint32_t)first, (uint32_t)lesser_of(work->vertices->count - first, bins->size)};
+    add_votes_of_bin(work->vertices->prepared, bins, &bin, work->step, work->scattered,
+        work->vertices->sums + first, &work->degenerate[number]);
 }
 
-/* Alone, chunks are what progress is told by. */
-static norma_result sum_alone(sum_work *work) {
-    enum { CHUNKS_BETWEEN_TELLING = 64 };
-    const position_range range = range_of(work, 0);
-    for (size_t v = 0; v < range.end; v++) work->vertices->sums[v] = (vertex_sum){0, 0, 0, -0.0};
-    for (size_t chunk = 0; chunk < work->chunks; chunk++) {
-        if (chunk % CHUNKS_BETWEEN_TELLING == 0 &&
-            norma_core_progress(
-                work->vertices->prepared->call, (double)chunk / (double)work->chunks))
-            return NORMA_CANCELLED;
-        add_chunk(work, 0, range, chunk);
-    }
-    return NORMA_OK;
-}
-
-static norma_result sum_shared(sum_work *work) {
+/* In steps where somebody is told of progress: who owns a range is done with it only at the end. */
+static norma_result sum_ranges(sum_work *work) {
     core_call *call = work->vertices->prepared->call;
-    work->touched = norma_core_allocate(call, work->chunks, sizeof *work->touched);
-    if (!work->touched) return NORMA_ERROR_MEMORY;
-    norma_result result = norma_core_parallel(call, work->chunks, touch_chunk, work);
-    if (result == NORMA_OK) result = norma_core_parallel(call, work->ranges, sum_range, work);
-    norma_core_release(call, work->touched, work->chunks, sizeof *work->touched);
+    const core_bins *bins = &work->bins;
+    const double begin = call->progress_from, to = call->progress_to,
+                 from = begin + 0.1 * (to - begin);
+    const size_t steps = call->options.progress ? lesser_of(STEPS, 1 + bins->chunks / 8) : 1;
+    norma_result result = NORMA_OK;
+    norma_core_stage(call, begin, from);
+    if (bins->count > 1 && bins->mesh->weld)
+        result = norma_core_parallel(call, bins->chunks, norma_core_range_of_welded, &work->bins);
+    for (size_t step = 0; step < steps && result == NORMA_OK; step++) {
+        work->step = (core_chunks){bins->chunks * step / steps, bins->chunks * (step + 1) / steps};
+        norma_core_stage(call, from + (to - from) * (double)step / (double)steps,
+            from + (to - from) * (double)(step + 1) / (double)steps);
+        result = norma_core_parallel(call, bins->count, sum_range, work);
+    }
+    norma_core_stage(call, begin, to);
     return result;
 }
 
@@ -452,7 +426,7 @@ static norma_result sum_own(core_vertices *vertices) {
 int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]) {
     const core_mesh *mesh = &vertices->prepared->mesh;
     if (vertices->own && vertices->own[vertex] != UINT32_MAX) {
-        const vertex_sum *own = &vertices->own_sums[vertices->own[vertex]];
+        const core_vertex_sum *own = &vertices->own_sums[vertices->own[vertex]];
         return norma_core_has_votes(own) ? norma_core_resolve_record(mesh, own, vertex, normal)
                                          : NORMA_REASON_CANCELLED;
     }
@@ -460,49 +434,25 @@ int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float n
         mesh, &vertices->sums[norma_core_welded(mesh, (uint32_t)vertex)], vertex, normal);
 }
 
-/* Faces are measured from positions in memory of our own where they are scattered. */
-static norma_result copy_positions(sum_work *work) {
-    core_prepared_mesh *prepared = work->vertices->prepared;
-    core_call *call = prepared->call;
-    const double from = call->progress_from, to = call->progress_to,
-                 copied = from + 0.1 * (to - from);
-    work->mesh = prepared->mesh;
-    if (!work->scattered) return NORMA_OK;
-    norma_core_stage(call, from, copied);
-    const norma_result result = norma_core_copy_scattered(call, &prepared->mesh, &work->mesh);
-    norma_core_stage(call, copied, to);
-    return result;
-}
-
-static norma_result sum_all(sum_work *work) {
-    core_prepared_mesh *prepared = work->vertices->prepared;
-    norma_result result = copy_positions(work);
-    int done = 0;
-    if (result == NORMA_OK && work->scattered && !prepared->mesh.face_starts && work->ranges > 1)
-        result = norma_core_queue_vertices(
-            prepared, &work->mesh, work->vertices->sums, &work->degenerate[0], &done);
-    if (result == NORMA_OK && !done) result = work->ranges > 1 ? sum_shared(work) : sum_alone(work);
-    norma_core_release_scattered(prepared->call, &prepared->mesh, &work->mesh);
-    return result;
-}
-
 norma_result norma_core_sum_vertices(
-    core_prepared_mesh *prepared, int scattered, core_vertices *vertices, core_tally *tally) {
-    const size_t count = prepared->mesh.positions.count, faces = prepared->mesh.face_count;
+    core_prepared_mesh *prepared, core_range *ranges, core_vertices *vertices, core_tally *tally) {
+    const core_mesh *mesh = &prepared->mesh;
+    const size_t count = mesh->positions.count, sharing = ranges_for(prepared),
+                 size = count / sharing + (count % sharing != 0);
     *vertices = (core_vertices){.prepared = prepared, .count = count};
     vertices->sums = norma_core_allocate(prepared->call, count, sizeof *vertices->sums);
     if (!vertices->sums) return NORMA_ERROR_MEMORY;
     sum_work work = {.vertices = vertices,
-        .scattered = scattered,
-        .add = prepared->mesh.face_starts
-                   ? norma_core_choose_add_polygons(prepared->call->options.isa)
-                   : norma_core_choose_add(prepared->call->options.isa),
-        .ranges = ranges_for(prepared),
-        .chunks = faces / FACES_IN_CHUNK + (faces % FACES_IN_CHUNK != 0)};
-    norma_result result = sum_all(&work);
+        .bins = {.mesh = mesh,
+            .ranges = ranges,
+            .chunks = norma_core_count_chunks(mesh),
+            .count = size ? count / size + (count % size != 0) : 0,
+            .size = size},
+        .scattered = norma_core_is_scattered(mesh)};
+    norma_result result = sum_ranges(&work);
     if (result == NORMA_OK) result = sum_own(vertices);
     norma_core_count_add(&tally->degenerate, &prepared->degenerate_faces);
-    for (size_t i = 0; i < work.ranges; i++)
+    for (size_t i = 0; i < work.bins.count; i++)
         norma_core_count_add(&tally->degenerate, &work.degenerate[i]);
     if (result != NORMA_OK) norma_core_release_vertices(vertices);
     return result;

@@ -94,7 +94,7 @@ static uint64_t mpi_face_of(const unsigned char *record) {
 }
 
 /* What becomes of a sum. */
-static int mpi_resolve(const vertex_sum *sum, float normal[3]) {
+static int mpi_resolve(const core_vertex_sum *sum, float normal[3]) {
     const double direction[3] = {sum->x, sum->y, sum->z};
     if (!norma_core_has_votes(sum)) return NORMA_REASON_UNREFERENCED;
     if (norma_core_cancels(direction, sum->weight)) return NORMA_REASON_CANCELLED;
@@ -197,13 +197,13 @@ static norma_result take_all(const mpi_home *home, vote_taker *take, void *conte
 /* ---- sums */
 
 typedef struct slot_sums {
-    vertex_sum *sums;
+    core_vertex_sum *sums;
     uint64_t first;
 } slot_sums;
 
 static void add_vote(void *context, const slot_vote *v) {
     const slot_sums *s = context;
-    vertex_sum *sum = &s->sums[v->slot - s->first];
+    core_vertex_sum *sum = &s->sums[v->slot - s->first];
     sum->x += v->row[0];
     sum->y += v->row[1];
     sum->z += v->row[2];
@@ -367,7 +367,7 @@ static void take_degenerate(void *context, size_t face) {
 static void send_loans(const sum_rounds *r) {
     const mpi_sharing *sharing = r->sums->sharing;
     for (size_t i = 0; i < sharing->loan_count; i++) {
-        const vertex_sum *sum = &r->sums->own[sharing->loans[i].sum];
+        const core_vertex_sum *sum = &r->sums->own[sharing->loans[i].sum];
         if (!is_now(r, sharing->loans[i].place) || !norma_core_has_votes(sum)) continue;
         send_vote(r, sharing->loans[i].place, UINT64_MAX,
             (const double[4]){sum->x, sum->y, sum->z, sum->weight});

@@ -145,7 +145,7 @@ typedef struct mpi_sums {
     const mpi_sharing *sharing;
     int numbered;            /* contributions carry the numbers of their faces */
     norma_count *degenerate; /* NULL: they are not counted */
-    vertex_sum *own;         /* of the sums that are taken here */
+    core_vertex_sum *own;    /* of the sums that are taken here */
     mpi_outcome *outcomes;   /* of the slots of this rank */
 } mpi_sums;
 

@@ -58,7 +58,7 @@ static unsigned measure(creases *c, size_t first, size_t count, norma_weight wei
             batch.a[axis][lane] = p[2][axis] - p[1][axis];
         }
     }
-    norma_core_measure(c->call.level, &batch, weight, CORE_ALL_CORNERS);
+    norma_core_kernels(c->call.level)->measure(&batch, weight);
     for (size_t lane = 0; lane < count; ++lane) {
         kept_face *face = &c->faces[first + lane];
         for (int i = 0; i < 3; ++i) {

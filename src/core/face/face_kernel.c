@@ -1,7 +1,17 @@
-/* measure_faces.c: the faces of a block are sorted by their number of corners, and those of each
- * number measured eight at a time. */
-#include "core/face/measure_faces_simd.h"
-#include "core/face/measure_simd.h"
+/* face_kernel.c: which kernels a machine runs. The faces of a block are sorted by their number of
+ * corners, and those of each number measured eight at a time. */
+#include "core/face/face.h"
+
+const core_kernels *norma_core_kernels(core_level level) {
+#if defined(CORE_HAS_AVX512)
+    if (level == CORE_AVX512) return norma_core_kernels_avx512();
+#endif
+#if defined(CORE_HAS_X86)
+    if (level == CORE_AVX2) return norma_core_kernels_avx2();
+#endif
+    (void)level;
+    return norma_core_kernels_portable();
+}
 
 /* ---- which faces, and their corners */
 
@@ -85,7 +95,6 @@ static void give_slots_in_order(
 
 void norma_core_measure_faces(core_level level, const core_mesh *mesh, size_t begin, size_t end,
     norma_weight weight, core_corners wanted, core_measured *out) {
-    static core_measure_alike *const measures[] = CORE_KERNELS(norma_core_measure_alike);
     const size_t first = norma_core_face_begin(mesh, begin),
                  corners = norma_core_face_begin(mesh, end) - first,
                  count = corners < CORE_CORNERS_AT_ONCE ? corners : CORE_CORNERS_AT_ONCE,
@@ -100,36 +109,37 @@ void norma_core_measure_faces(core_level level, const core_mesh *mesh, size_t be
         give_slots(mesh, begin, end, count, &begins, out);
     for (size_t n = 3; n <= CORE_MOST_CORNERS; n++)
         if (begins.of[n] < begins.of[n + 1])
-            measures[level](&faces, begins.of[n], begins.of[n + 1], n);
+            norma_core_kernels(level)->measure_alike(&faces, begins.of[n], begins.of[n + 1], n);
 }
 
-/* ---- batches measured, compiled for each instruction set of the machine's family and chosen at
- * run time. */
+/* ---- faces added */
 
-CORE_INLINE void measure_eight(core_batch *t, norma_weight weight, core_corners wanted) {
-    CORE_LOOP_FOR_WEIGHT(weight, core_lanes_measure, t, wanted)
+enum { FACES_TO_WIDEN = 256 };
+
+static void add_widened(
+    const core_kernels *kernels, const core_adder *adder, size_t begin, size_t end) {
+    uint32_t corners[3 * FACES_TO_WIDEN];
+    core_mesh mesh = *adder->mesh;
+    core_adder wide = *adder;
+    mesh.corner_count = 3 * (end - begin);
+    norma_core_read_corners(&mesh, 3 * begin, mesh.corner_count, corners);
+    mesh.corners = corners;
+    mesh.corner_size = sizeof *corners;
+    wide.mesh = &mesh;
+    wide.first_face = begin;
+    kernels->add_triangles(&wide, 0, end - begin);
 }
 
-static void measure_eight_portable(core_batch *t, norma_weight weight, core_corners wanted) {
-    measure_eight(t, weight, wanted);
-}
-
-#if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static void measure_eight_avx2(
-    core_batch *t, norma_weight weight, core_corners wanted) {
-    measure_eight(t, weight, wanted);
-}
-#if defined(CORE_HAS_AVX512)
-CORE_FOR_AVX512 static void measure_eight_avx512(
-    core_batch *t, norma_weight weight, core_corners wanted) {
-    measure_eight(t, weight, wanted);
-}
-#endif
-#endif
-
-void norma_core_measure(
-    core_level level, core_batch *batch, norma_weight weight, core_corners wanted) {
-    typedef void measure_for(core_batch * t, norma_weight weight, core_corners wanted);
-    static measure_for *const measures[] = CORE_KERNELS(measure_eight);
-    measures[level](batch, weight, wanted);
+void norma_core_add_faces(
+    const core_kernels *kernels, const core_adder *adder, size_t begin, size_t end) {
+    if (adder->mesh->face_starts) {
+        kernels->add_polygons(adder, begin, end);
+        return;
+    }
+    if (adder->mesh->corner_size == sizeof(uint32_t)) {
+        kernels->add_triangles(adder, begin, end);
+        return;
+    }
+    for (size_t f = begin; f < end; f += FACES_TO_WIDEN)
+        add_widened(kernels, adder, f, end - f < FACES_TO_WIDEN ? end : f + FACES_TO_WIDEN);
 }
