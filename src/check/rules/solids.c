@@ -55,6 +55,12 @@ static norma_result add_nested(check_mesh *m, check_hits *hits) {
         hits->count, norma_check_plural(hits->count));
 }
 
+/* Where a surface crosses itself, edges of more than two faces cut tetrahedra out of it, which are
+ * no bodies. */
+static int is_cut_out(const core_components *c, size_t number) {
+    return c->each[number].flags & COMPONENT_MANY && c->starts[number + 1] - c->starts[number] <= 4;
+}
+
 static norma_result tell_inward(const check_solids *s) {
     check_mesh *m = s->m;
     const core_components *c = s->components;
@@ -62,6 +68,7 @@ static norma_result tell_inward(const check_solids *s) {
     norma_result result = NORMA_OK;
     for (size_t i = 0; i < c->count; i++) {
         const core_component *component = &c->each[i];
+        if (is_cut_out(c, i)) continue;
         if (component->verdict == COMPONENT_INWARD && is_here(s, i))
             norma_check_hit(m->run, &inward, component->volume / 6, spot_of(s, i));
         else if (component->verdict == COMPONENT_NESTED && is_here(s, i))

@@ -407,6 +407,25 @@ static void inside_out_and_double_sided(void **state) {
     surface_free(&s);
 }
 
+/* A tetrahedron that looks inward: beside a box, and with an edge of the box. */
+static void tetrahedra_at_crowded_edges(void **state) {
+    (void)state;
+    for (int touches = 0; touches < 2; touches++) {
+        surface s = surface_box(origin, 1, 0);
+        const float x = touches ? 1 : 1.5F, up[3] = {0, 0, 1},
+                    corners[4][3] = {{x, 1, -1}, {x, 1, 1}, {3, 2, 0}, {2, 3, 0}};
+        static const size_t faces[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}};
+        uint32_t v[4];
+        for (int k = 0; k < 4; k++) v[k] = surface_add_vertex(&s, corners[k], up);
+        for (int f = 0; f < 4; f++)
+            (void)surface_add_face(
+                &s, (uint32_t[]){v[faces[f][0]], v[faces[f][1]], v[faces[f][2]]});
+        assert_found(&s, "N302", 0, !touches, 0);
+        assert_counts("N303", NORMA_SEVERITY_INFO, touches ? 1 : 0);
+        surface_free(&s);
+    }
+}
+
 static void bow_ties_alone(void **state) {
     (void)state;
     surface s = surface_join(surface_box(origin, 1, 0), surface_box((double[3]){2, 2, 2}, 1, 0));
@@ -444,6 +463,7 @@ int main(void) {
         cmocka_unit_test(back_to_back),
         cmocka_unit_test(a_solid_twice),
         cmocka_unit_test(inside_out_and_double_sided),
+        cmocka_unit_test(tetrahedra_at_crowded_edges),
         cmocka_unit_test(bow_ties_alone),
         cmocka_unit_test(no_tangents),
     };
