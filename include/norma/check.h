@@ -304,8 +304,10 @@ NORMA_API norma_document_result norma_fix_document(norma_document *document,
  *   findings   those of norma_check_document
  *   error      written on failure; or NULL
  *
- * Cost: two checks, and one to three more for each rule that offers a fix; memory for a copy of the
- * file. Errors: those of norma_fix_document. */
+ * Cost: at most about one check for each rule that offers a fix, and memory for a copy of the file:
+ * what findings tell is not looked for again if they are of the same options and all rules, nor
+ * what a fix cannot change. After twenty checks no more fixes are tried, and the findings say so.
+ * Errors: those of norma_fix_document. */
 NORMA_API norma_document_result norma_document_try_fixes(norma_document *document,
     const norma_check_options *options, norma_severity from, norma_findings *findings,
     norma_document_error *error);

@@ -13,6 +13,7 @@
 
 /* Trials end after so many checks: what is not tried by then is left out, and told. */
 enum { MOST_CHECKS = 40 };
+enum { MOST_OFFER_CHECKS = 20 }; /* of all that a file's findings offer */
 
 typedef struct harm { /* why the fix of a rule was left out */
     uint8_t by[CHECK_RULE_COUNT];
@@ -520,8 +521,11 @@ static norma_document_result try_offer(
     f->request.unsafe = fix == NORMA_FIX_UNSAFE;
     memset(f->request.wanted, 0, sizeof f->request.wanted);
     f->request.wanted[rule] = 1;
-    f->checks = 0;
-    norma_document_result result = find_fixes(f);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (f->checks < MOST_OFFER_CHECKS)
+        result = find_fixes(f);
+    else
+        leave_out_untried(f, &rule, 1);
     if (result && result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY &&
         f->before.findings) {
         /* The command would fail in the same way. */
@@ -531,6 +535,7 @@ static norma_document_result try_offer(
     if (!result && !judge_offers(f, rule, fix, from, findings)) result = fail_memory(f->error);
     forget_places(f, rule);
     f->request.left_out[rule] = 0;
+    f->harms[rule].untried = 0;
     norma_fix_trial_free(&f->best);
     return result;
 }

@@ -345,6 +345,40 @@ static void an_offer_keeps_its_promise(void **state) {
     norma_document_close(document);
 }
 
+/* A square of its own for each fault: to try all of them takes more than twenty checks. */
+static const char faults[] =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 3 0 0\nv 4 0 0\nv 4 1 0\nv 3 1 0\n"
+    "v 6 0 0\nv 7 0 0\nv 7 1 0\nv 6 1 0\nv 9 0 0\nv 10 0 0\nv 10 1 0\nv 9 1 0\n"
+    "v 12 0 0\nv 13 0 0\nv 13 1 0\nv 12 1 0\nv 15 0 0\nv 16 0 0\nv 16 1 0\nv 15 1 0\n"
+    "v 18 0 0\nv 20 0 0\nv 20 2 .5\nv 18 2 0\nv 21 0 0\nv 25 2 0\nv 21 4 0\nv 22 2 0\n"
+    "v 27 0 0\nv 28 0 0\nv 29 0 0\nv 31 0 0\nv 32 0 0\nv 32 1 0\nv 31 1 0\n"
+    "v 33.0000001 0 0\nv 33 0 0\nv 34 0 0\nv 34 1 0\nv 35 0 0\nv 36 0 0\nv 36 1 0\nv 35 1 0\n"
+    "vn 0 0 1\nvn 0 0 0\nvn 0 0 2\nvn 0 0 -1\nvn nan 0 1\nvn 1 0 -.5\n"
+    "f 1//2 2//1 3//1 4//1\nf 5//3 6//1 7//1 8//1\nf 9//4 10//4 11//4 12//4\n"
+    "f 13//5 14//1 15//1 16//1\nf 17 18 19 20\nf 21//1 22//1 23//1 24\n"
+    "f 25//1 26//1 27//1 28//1\nf 29//1 30//1 31//1 32//1\nf 33//1 34//1 35//1\n"
+    "f 36//1 37//1 38//1 39//1\nf 36//1 37//1 38//1 39//1\nf 40//1 42//1 43//1\n"
+    "f 41//1 43//1 42//1\nf 44//6 45//1 46//1 47//1\n";
+
+static void what_would_take_too_long_is_told(void **state) {
+    (void)state;
+    norma_document *document = scene_of_obj(faults);
+    norma_findings *findings = tried(document, NORMA_SEVERITY_INFO);
+    size_t offers = 0, untried = 0;
+    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        offers += finding->fix != NORMA_FIX_NONE;
+        if (!strstr(finding->message, "no fix: to find out whether it does harm takes too long"))
+            continue;
+        assert_int_equal(finding->fix, NORMA_FIX_NONE);
+        untried++;
+    }
+    assert_true(offers > 3);
+    assert_true(untried > 0);
+    norma_findings_free(findings);
+    norma_document_close(document);
+}
+
 /* A bent square (N405, an information) is cut where that is asked for by name. */
 static void informations_are_left(void **state) {
     (void)state;
@@ -377,6 +411,7 @@ int main(void) {
         cmocka_unit_test(no_edge_gets_a_third_face_for_another),
         cmocka_unit_test(no_face_gets_behind_its_normals_for_another),
         cmocka_unit_test(an_offer_keeps_its_promise),
+        cmocka_unit_test(what_would_take_too_long_is_told),
         cmocka_unit_test(informations_are_left),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
