@@ -9,7 +9,7 @@
 
 enum { CHECK_RULES = 128 }; /* room for a byte of each rule */
 
-/* ---- .norma.json (config.c) */
+/* ---- .norma.json (known.c) */
 
 enum { CHECK_SEVERITY_AS_IS = 0, CHECK_SEVERITY_OFF = 255 }; /* else a norma_severity */
 
@@ -77,7 +77,7 @@ typedef struct check_settings {
     size_t shard, shards;      /* shards 0: all files */
     const char *shard_options; /* JSON: what else the findings of a shard depend on */
     const char *missing;       /* of a merged report: JSON, a list of shards; NULL: none */
-    const char *lost;          /* why a file cannot be checked: it ended a worker (worker.h) */
+    const char *lost;          /* why a file cannot be checked: it ended a worker (process.h) */
     const char *command_options[COMMAND_OPTIONS]; /* what a fix must be told as well; NULL-ended */
     norma_progress *progress;                     /* of whatever takes long */
     void *progress_user;
@@ -85,7 +85,7 @@ typedef struct check_settings {
 enum { CHECK_FAIL_NEVER = 100 };
 enum { CHECK_FIX_NOTHING = 0, CHECK_FIX_SAFE, CHECK_FIX_UNSAFE };
 
-/* ---- the report on one file (check_file.c) */
+/* ---- the report on one file (check_one.c) */
 
 typedef struct check_item {
     const norma_finding *finding;
@@ -142,7 +142,7 @@ extern const check_format check_format_text, check_format_quiet, check_format_li
     check_format_json, check_format_sarif, check_format_html;
 
 /* The results of a SARIF report, of which it holds a limited number: rules with the most of them
- * lose some (findings_sarif.c). text: results as check_format_sarif writes them, each on a line. */
+ * lose some (findings_data.c). text: results as check_format_sarif writes them, each on a line. */
 typedef struct check_results check_results;
 check_results *check_results_new(void); /* NULL: out of memory */
 void check_results_free(check_results *results);
@@ -150,7 +150,7 @@ int check_results_add(check_results *results, const char *text, size_t size); /*
 /* Says on standard error, and in totals, what was left out. */
 void check_results_write(const check_results *results, FILE *out, check_totals *totals);
 
-/* report_formats.c */
+/* check_command.c */
 #define CHECK_FORMAT_NAMES "text, line, json, sarif or html"
 const check_format *check_find_format(const char *name);    /* NULL: none is called so */
 const check_format *check_format_of_name(const char *path); /* by its ending; NULL: none */
@@ -171,7 +171,7 @@ void check_write_counts(cli_json *json, const check_totals *totals, int whole);
 void check_write_bytes(FILE *out, const char *path);
 void check_write_verdict(FILE *out, const check_totals *totals); /* without a line end */
 
-/* ---- what the forms ask (report_facts.c) */
+/* ---- what the forms ask (findings_text.c) */
 
 /* Writes the part of a file, and adds it to the totals. */
 void check_write_file(
@@ -199,19 +199,19 @@ const char *check_node_path(norma_document *document, const char *where);
 void check_one_file(const check_settings *settings, const check_config *config,
     const check_format *format, size_t index, FILE *out, check_totals *totals);
 
-/* ---- a part of them (shard.c) */
+/* ---- a part of them (check_all.c) */
 
 /* "2/8": the second of eight parts. NULL, or what was expected. */
 const char *check_read_shard(const char *text, size_t *number, size_t *count);
 void check_keep_shard(cli_inputs *inputs, size_t number, size_t count);
 int check_sort_inputs(cli_inputs *inputs); /* by path, as bytes; a status */
 
-/* ---- all of them (thread_pool.c): so many at once as threads says; their parts go to out in the
+/* ---- all of them (check_all.c): so many at once as threads says; their parts go to out in the
  * order of inputs. */
 int check_all_files(const check_settings *settings, check_configs *configs,
     const check_format *format, FILE *out, check_totals *totals);
 
-/* ---- old findings (baseline.c) */
+/* ---- old findings (known.c) */
 
 typedef struct check_baseline check_baseline;
 check_baseline *check_baseline_read(const char *path); /* NULL: said already */
@@ -234,7 +234,7 @@ int check_baseline_write(check_baseline *baseline, cli_guard *guard); /* a statu
 int check_baseline_is_new(const check_baseline *baseline);
 void check_baseline_free(check_baseline *baseline);
 
-/* ---- JSON that someone wrote (load_json.c) */
+/* ---- JSON that someone wrote (known.c) */
 
 int check_open_regular(const char *path); /* a descriptor; -1: reported already */
 /* expected: what it should be, for messages. NULL: reported already. */

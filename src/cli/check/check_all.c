@@ -91,7 +91,7 @@ int check_sort_inputs(cli_inputs *inputs) {
 /* ---- Checks several files at once and reports them in their order. A thread takes the
  * next file and writes its part of the report into memory; parts go to the output in the order of
  * files. No file is started more than a window ahead of the output, so memory does not grow with
- * the number of files. Several files are checked in a process of their own (worker.h), which sends
+ * the number of files. Several files are checked in a process of their own (process.h), which sends
  * the parts: if it ends, the files that were being checked are checked again, each alone. */
 
 enum { WINDOW = 256, MOST_WORKERS = 64 };

@@ -22,7 +22,7 @@ void cli_guard_read(cli_guard *guard, const char *path);
 void cli_guard_document(cli_guard *guard, norma_document *document, const char *input);
 int cli_guard_watches(const cli_guard *guard); /* an output exists already */
 
-/* What was read and named in a worker (worker.h), through its channel: *first is behind what was
+/* What was read and named in a worker (process.h), through its channel: *first is behind what was
  * sent before. 0: the worker has ended. */
 struct cli_worker;
 size_t cli_guard_count(cli_guard *guard);
@@ -121,7 +121,7 @@ int cli_output_begin(cli_output *output, const char *path, cli_guard *guard);
 int cli_output_end(cli_output *output);   /* a status */
 void cli_output_drop(cli_output *output); /* as if it had never been begun */
 
-/* ---- Work on the files of a batch one after the other, in a process of its own (worker.h). */
+/* ---- Work on the files of a batch one after the other, in a process of its own (process.h). */
 
 typedef struct cli_each {
     size_t count;

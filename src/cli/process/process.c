@@ -1,7 +1,6 @@
 /* process.c: this process: errors and exit statuses, memory, progress and signals, workers. */
 #define _POSIX_C_SOURCE 200809L
-#define _DEFAULT_SOURCE /* BUS_ADRERR */
-#define _DEFAULT_SOURCE /* kill, strsignal */
+#define _DEFAULT_SOURCE /* BUS_ADRERR, kill, strsignal */
 #include "cli/process/process.h"
 #include "cli/text/text.h"
 #include <errno.h>
@@ -499,7 +498,6 @@ void cli_startup_checks(void) {
  */
 
 #if defined(__linux__)
-#include <signal.h>
 #include <sys/prctl.h>
 #endif
 

@@ -11,7 +11,7 @@ enum cli_status {
     CLI_OK = 0,
     CLI_FINDINGS = 1,
     CLI_USAGE = 2,
-    CLI_FILE = 3 /* a signal ends the process: 128 plus its number (progress.h) */
+    CLI_FILE = 3 /* a signal ends the process: 128 plus its number */
 };
 int cli_status_of(norma_document_result result);
 int cli_worse(int status, int other); /* of a batch: 3, then 2, then 0 */

@@ -62,10 +62,10 @@ extern const size_t render_option_count;
 void render_settings_default(render_settings *settings);
 /* What contradicts itself: CLI_USAGE, said already. */
 int render_settings_check(const cli_subcommand *command, render_settings *settings);
-/* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the
- * caller; NULL: out of memory. */
 /* Whether no picture that is to be written is a source, as far as it is known. A status. */
 int render_guard_outputs(const render_settings *settings);
+/* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the
+ * caller; NULL: out of memory. */
 char *render_output_of(const render_settings *settings, size_t index, int turn);
 
 /* ---- a document as a scene */
@@ -180,7 +180,7 @@ void render_plan_tell(void *user, render_sheet *sheet, const render_picture *pic
 int render_plan_check(const cli_subcommand *command, const render_settings *settings);
 /* The end of a message, behind the limit: Mesa's renderer alone was seen to take 70 to 100 MB. */
 #define RENDER_DRIVER_NEEDS "; a renderer needs at least 128M"
-/* render_driver.c: under --max-memory a driver that ends the program for want of memory is told of,
+/* Under --max-memory a driver that ends the program for want of memory is told of,
  * with status 3. */
 void render_watch_driver(void);
 

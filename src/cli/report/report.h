@@ -94,30 +94,30 @@ int report_add_part(report_merge *merged, report_part part);
 void report_drop_parts(report_merge *merged, size_t count); /* all but so many */
 int report_grow_entry(report_merge *merged, size_t size);   /* 0: out of memory, reported */
 
-/* ---- shards (merge_shards.c) */
+/* ---- shards (report_parts.c) */
 
 /* Whether all shards of a set are there, each once, of the same options. allows_missing: --partial,
  * and *missing is then the list of those that are not there, or NULL. A status. */
 int report_check_shards(report_merge *merged, size_t count, int allows_missing, char **missing);
 
-/* ---- JSON and SARIF (read_json.c) */
+/* ---- JSON and SARIF (read_reports.c) */
 
 int report_add_json(report_merge *merged, report_text *text);
 
-/* ---- pages (merge_html.c) */
+/* ---- pages (read_reports.c) */
 
 int report_is_html(report_text *text);
 int report_add_html(report_merge *merged, report_text *text);
 int report_write_html(report_merge *merged, FILE *out);
 
-/* ---- writing (write_merged.c). JSON may become any form; a status. */
+/* ---- writing (report.c). JSON may become any form; a status. */
 
 int report_write_json(report_merge *merged, FILE *out);
 int report_write_sarif(report_merge *merged, FILE *out);
 int report_write_as(
     report_merge *merged, const check_format *format, FILE *out, check_totals *totals);
 
-/* ---- entries on disk (entries.c) */
+/* ---- entries on disk (report_parts.c) */
 
 /* Reads the text of a part into merged->entry. A status: it may not be what it was. */
 int report_load_part(report_merge *merged, const report_part *part);
