@@ -12,7 +12,7 @@
 
 /* ---- the table */
 
-static size_t count_places(const norma_findings *findings, const norma_rule *rule) {
+static size_t places_of_rule(const norma_findings *findings, const norma_rule *rule) {
     size_t sum = 0;
     for (size_t i = 0; i < norma_findings_count(findings); ++i)
         if (norma_findings_get(findings, i)->rule == rule)
@@ -27,7 +27,7 @@ static char *make_table(const norma_findings *before, const norma_findings *now)
     if (!cli_memory_open(&table)) return NULL;
     fprintf(table.out, "    %-32s %10s %10s\n", "rule", "before", "after");
     for (size_t i = 0; i < count; ++i) {
-        size_t old = count_places(before, &rules[i]), left = count_places(now, &rules[i]);
+        size_t old = places_of_rule(before, &rules[i]), left = places_of_rule(now, &rules[i]);
         if (old || left)
             fprintf(table.out, "    %s %-27s %10zu %10zu\n", rules[i].id, rules[i].name, old, left);
     }

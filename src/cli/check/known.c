@@ -696,7 +696,7 @@ int check_baseline_add(check_baseline *baseline, const char *path, const norma_f
     return fine;
 }
 
-static int compare_places(const void *a, const void *b) {
+static int compare_known_places(const void *a, const void *b) {
     const known_finding *one = a, *other = b;
     int order = strcmp(one->path, other->path);
     if (!order) order = strcmp(one->where, other->where);
@@ -729,7 +729,7 @@ int check_baseline_write(check_baseline *baseline, cli_guard *guard) {
         return CLI_FILE;
     }
     if (baseline->count)
-        qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_places);
+        qsort(baseline->known, baseline->count, sizeof *baseline->known, compare_known_places);
     const int status = cli_output_begin(&output, baseline->path, guard);
     if (status) return status;
     write_known(output.out, baseline);
