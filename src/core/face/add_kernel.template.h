@@ -292,6 +292,8 @@ static void add_triangles(const core_adder *adder, size_t begin, size_t end) {
 
 /* ---- faces of any number of corners, measured a block at a time */
 
+static const core_kernels KERNELS;
+
 /* Asks for the positions of a block to come. */
 static void ask_for_polygons(const core_mesh *mesh, size_t begin, size_t end) {
     const size_t last = norma_core_face_begin(mesh, end);
@@ -391,7 +393,7 @@ FOR_VECTORS static void add_polygons(const core_adder *adder, size_t begin, size
     for (size_t f = begin, next; f < end; f = next) {
         next = end - f < CORE_FACES_AT_ONCE ? end : f + CORE_FACES_AT_ONCE;
         norma_core_measure_faces(
-            KERNEL_LEVEL, adder->mesh, f, next, adder->weight, CORE_ALL_CORNERS, &measured);
+            &KERNELS, adder->mesh, f, next, adder->weight, CORE_ALL_CORNERS, &measured);
         if (adder->scattered) {
             ask_for_sums(adder, &measured, next - f);
             ask_for_polygons(adder->mesh, next,

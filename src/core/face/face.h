@@ -274,9 +274,10 @@ typedef struct core_measured {
     uint32_t room[CORE_CORNERS_AT_ONCE]; /* for at, where it is not the mesh's */
 } core_measured;
 
+typedef struct core_kernels core_kernels;
 /* The faces from begin to before end, CORE_FACES_AT_ONCE at most. */
-void norma_core_measure_faces(core_level level, const core_mesh *mesh, size_t begin, size_t end,
-    norma_weight weight, core_corners wanted, core_measured *out);
+void norma_core_measure_faces(const core_kernels *kernels, const core_mesh *mesh, size_t begin,
+    size_t end, norma_weight weight, core_corners wanted, core_measured *out);
 
 /* ---- the direction and size of a face, and what each of its corners weighs. */
 
@@ -479,7 +480,7 @@ typedef struct core_eight_rows {
     unsigned sure;     /* a bit for each that doubles decide; nothing else is said of the others */
 } core_eight_rows;
 
-typedef struct core_kernels {
+struct core_kernels {
     /* Of all corners; the batch's edges are set. */
     void (*measure)(core_batch *batch, norma_weight weight);
     /* Of count eights, one and more, of the positions (floats or doubles) that these name, three
@@ -491,7 +492,7 @@ typedef struct core_kernels {
     /* The normals of CORE_LANES sums. Returns whether each is one; where one has no votes, cancels,
      * or is beyond what doubles square, none of them is to be used. */
     int (*finish)(const core_vertex_sum sums[CORE_LANES], float normals[CORE_LANES][3]);
-} core_kernels;
+};
 
 /* Every level gives the same bits. */
 const core_kernels *norma_core_kernels(core_level level);

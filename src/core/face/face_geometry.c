@@ -162,8 +162,8 @@ static void take_measured(const core_measured *measured, size_t i, core_face *ou
 void norma_core_faces_geometry(
     const core_call *call, const core_mesh *mesh, size_t face, size_t count, core_face *out) {
     core_measured measured;
-    norma_core_measure_faces(
-        call->level, mesh, face, face + count, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
+    norma_core_measure_faces(norma_core_kernels(call->level), mesh, face, face + count,
+        NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
     for (size_t i = 0; i < count; i++) {
         if (measured.corners[i])
             take_measured(&measured, i, &out[i]);

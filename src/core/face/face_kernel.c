@@ -1,17 +1,6 @@
-/* face_kernel.c: which kernels a machine runs. The faces of a block are sorted by their number of
- * corners, and those of each number measured eight at a time. */
+/* face_kernel.c: the faces of a block are sorted by their number of corners, and those of each
+ * number measured eight at a time. */
 #include "core/face/face.h"
-
-const core_kernels *norma_core_kernels(core_level level) {
-#if defined(CORE_HAS_AVX512)
-    if (level == CORE_AVX512) return norma_core_kernels_avx512();
-#endif
-#if defined(CORE_HAS_X86)
-    if (level == CORE_AVX2) return norma_core_kernels_avx2();
-#endif
-    (void)level;
-    return norma_core_kernels_portable();
-}
 
 /* ---- which faces, and their corners */
 
@@ -93,8 +82,8 @@ static void give_slots_in_order(
 
 /* ---- a block */
 
-void norma_core_measure_faces(core_level level, const core_mesh *mesh, size_t begin, size_t end,
-    norma_weight weight, core_corners wanted, core_measured *out) {
+void norma_core_measure_faces(const core_kernels *kernels, const core_mesh *mesh, size_t begin,
+    size_t end, norma_weight weight, core_corners wanted, core_measured *out) {
     const size_t first = norma_core_face_begin(mesh, begin),
                  corners = norma_core_face_begin(mesh, end) - first,
                  count = corners < CORE_CORNERS_AT_ONCE ? corners : CORE_CORNERS_AT_ONCE,
@@ -109,7 +98,7 @@ void norma_core_measure_faces(core_level level, const core_mesh *mesh, size_t be
         give_slots(mesh, begin, end, count, &begins, out);
     for (size_t n = 3; n <= CORE_MOST_CORNERS; n++)
         if (begins.of[n] < begins.of[n + 1])
-            norma_core_kernels(level)->measure_alike(&faces, begins.of[n], begins.of[n + 1], n);
+            kernels->measure_alike(&faces, begins.of[n], begins.of[n + 1], n);
 }
 
 /* ---- faces added */

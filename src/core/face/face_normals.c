@@ -7,7 +7,7 @@
 enum { FACES_IN_CHUNK = 8192 };
 
 typedef struct face_work {
-    core_level level;
+    const core_kernels *kernels;
     const core_mesh *mesh;
     const core_output *output;
 } face_work;
@@ -41,7 +41,7 @@ static void write_block(const face_work *work, size_t begin, size_t end, core_ta
     core_measured measured;
     float normals[CORE_FACES_AT_ONCE][3];
     norma_core_measure_faces(
-        work->level, work->mesh, begin, end, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
+        work->kernels, work->mesh, begin, end, NORMA_WEIGHT_UNIFORM, CORE_NO_CORNER, &measured);
     if (take_all_normals(&measured, end - begin, normals)) {
         norma_core_write_normals(work->output, begin, end - begin, (const float(*)[3])normals);
         return;
@@ -68,7 +68,7 @@ static uint32_t place_of_face(const void *mesh, size_t f) {
 
 static norma_result compute_faces(
     core_call *call, core_mesh *mesh, const core_output *output, norma_report *report) {
-    const face_work work = {call->level, mesh, output};
+    const face_work work = {norma_core_kernels(call->level), mesh, output};
     const core_elements faces = {mesh, mesh->face_count, mesh, normal_of_face, place_of_face};
     core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     norma_core_stage(call, 0.1, 0.3);

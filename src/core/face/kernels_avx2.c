@@ -9,7 +9,6 @@
 #if defined(CORE_HAS_X86)
 #define VECTORS(name) core_avx2_##name
 #define FOR_VECTORS   CORE_FOR_AVX2 __attribute__((noinline))
-#define KERNEL_LEVEL  CORE_AVX2
 #define FOR_ROWS      CORE_FOR_AVX2
 #define IN_VECTORS    CORE_IN_AVX2
 typedef core_avx2_vector vector;

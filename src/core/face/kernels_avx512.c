@@ -9,7 +9,6 @@
 #if defined(CORE_HAS_AVX512)
 #define VECTORS(name) core_avx512_##name
 #define FOR_VECTORS   CORE_FOR_AVX512 __attribute__((noinline))
-#define KERNEL_LEVEL  CORE_AVX512
 #define FOR_ROWS      CORE_FOR_AVX2
 #define IN_VECTORS    CORE_IN_REGISTERS
 typedef core_avx512_vector vector;

@@ -8,7 +8,6 @@
 
 #define VECTORS(name) core_portable_##name
 #define FOR_VECTORS
-#define KERNEL_LEVEL CORE_PORTABLE
 #define FOR_ROWS
 #define IN_VECTORS CORE_INLINE
 typedef core_portable_vector vector;
