@@ -118,6 +118,9 @@ typedef struct check_report { /* one finding to be added */
     const norma_deviation *deviation;
 } check_report;
 
+/* Room for one more element of size bytes than count. NULL: out of memory; the block stays. */
+void *norma_check_grow(void *block, size_t count, size_t *room, size_t size);
+
 /* value: how bad (NaN: nothing to compare). */
 void norma_check_hit(const check_run *run, check_hits *hits, double value, check_spot spot);
 /* into is followed by from; from is emptied. */

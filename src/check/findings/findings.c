@@ -248,16 +248,19 @@ static char *copy_text(const char *from) {
     return copy ? memcpy(copy, from, size) : NULL;
 }
 
+void *norma_check_grow(void *block, size_t count, size_t *room, size_t size) {
+    if (count < *room) return block;
+    const size_t more = *room ? 2 * *room : 8;
+    void *grown = more > SIZE_MAX / size ? NULL : realloc(block, more * size);
+    if (grown) *room = more;
+    return grown;
+}
+
 static findings_entry *new_entry(norma_findings *findings) {
-    if (findings->count == findings->room) {
-        size_t room = findings->room ? 2 * findings->room : 8;
-        findings_entry *entries = room > SIZE_MAX / sizeof *entries
-                                      ? NULL
-                                      : realloc(findings->entries, room * sizeof *entries);
-        if (!entries) return NULL;
-        findings->entries = entries;
-        findings->room = room;
-    }
+    findings_entry *entries =
+        norma_check_grow(findings->entries, findings->count, &findings->room, sizeof *entries);
+    if (!entries) return NULL;
+    findings->entries = entries;
     findings->entries[findings->count] = (findings_entry){.number = findings->count};
     return &findings->entries[findings->count];
 }

@@ -26,17 +26,9 @@ static double shape_key(const double p[3]) {
     return SHAPE_KEY[0] * p[0] + SHAPE_KEY[1] * p[1] + SHAPE_KEY[2] * p[2];
 }
 
-/* Room for one more. NULL: out of memory; the block stays. */
-static void *grow_shapes(void *block, size_t count, size_t *room, size_t size) {
-    if (count < *room) return block;
-    void *grown = realloc(block, (2 * *room + 64) * size);
-    if (grown) *room = 2 * *room + 64;
-    return grown;
-}
-
 /* Its points follow. 0: out of memory. */
 static int begin_shape(fix_shapes *s, size_t mesh) {
-    fix_shape *each = grow_shapes(s->each, s->count, &s->room, sizeof *each);
+    fix_shape *each = norma_check_grow(s->each, s->count, &s->room, sizeof *each);
     if (!each) return 0;
     s->each = each;
     s->each[s->count++] = (fix_shape){.begin = s->point_count, .mesh = mesh};
@@ -44,7 +36,8 @@ static int begin_shape(fix_shapes *s, size_t mesh) {
 }
 
 static int add_shape_point(fix_shapes *s, const double p[3]) {
-    double(*points)[3] = grow_shapes(s->points, s->point_count, &s->point_room, sizeof *points);
+    double(*points)[3] =
+        norma_check_grow(s->points, s->point_count, &s->point_room, sizeof *points);
     if (!points) return 0;
     s->points = points;
     memcpy(s->points[s->point_count++], p, sizeof *points);

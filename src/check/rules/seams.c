@@ -300,15 +300,10 @@ typedef struct joined {
 /* Those that are held are judged by norma_check_seams_joined. */
 static norma_result check_seams_hold(check_mesh *m) {
     check_run *run = m->run;
-    if (run->member_count == run->member_room) {
-        size_t room = run->member_room ? 2 * run->member_room : 8;
-        check_member *members = room > SIZE_MAX / sizeof *members
-                                    ? NULL
-                                    : realloc(run->members, room * sizeof *members);
-        if (!members) return NORMA_ERROR_MEMORY;
-        run->members = members;
-        run->member_room = room;
-    }
+    check_member *members =
+        norma_check_grow(run->members, run->member_count, &run->member_room, sizeof *members);
+    if (!members) return NORMA_ERROR_MEMORY;
+    run->members = members;
     run->members[run->member_count++] =
         (check_member){.given = m->given, .order = m->place.order, .mesh = m->mesh};
     return NORMA_OK;

@@ -185,14 +185,10 @@ static uint8_t *mark_loose(const check_mesh *m, const core_components *c) {
 /* Of a mesh that has siblings, until the last one has come. */
 static norma_result check_solids_hold(check_mesh *m, const core_components *components) {
     check_run *run = m->run;
-    if (run->solid_count == run->solid_room) {
-        size_t room = run->solid_room ? 2 * run->solid_room : 8;
-        check_solid_member *grown =
-            room > SIZE_MAX / sizeof *grown ? NULL : realloc(run->solids, room * sizeof *grown);
-        if (!grown) return NORMA_ERROR_MEMORY;
-        run->solids = grown;
-        run->solid_room = room;
-    }
+    check_solid_member *grown =
+        norma_check_grow(run->solids, run->solid_count, &run->solid_room, sizeof *grown);
+    if (!grown) return NORMA_ERROR_MEMORY;
+    run->solids = grown;
     check_solid_member *member = &run->solids[run->solid_count++];
     *member = (check_solid_member){.given = m->given,
         .mesh = m->mesh,
