@@ -913,11 +913,12 @@ typedef struct norma_compare_sample {
  * are equally near, within 2^-20 of the size of base, the one whose direction is nearest to that of
  * the corner's own face counts, so a corner at a crease is compared with its own side; among
  * triangles of that direction (within 2^-20 in its cosine), the one whose normal differs least.
- * A corner of base without a normal (UINT32_MAX, zero, not finite) has that of its triangle.
- * Errors: those of norma_face_normals for both meshes; NORMA_ERROR_ARGUMENT also if a surface has
- * corners but no normals; NORMA_ERROR_INDEX also if a corner refers to a normal that does not
- * exist.
- * Cost: O(n log n); O(n) if the faces are the same.
+ * If even that one faces more than 30 degrees away from the corner's face, the nearest triangle
+ * that does not is taken instead, if it is within an eighth of the face's shortest edge: a corner
+ * that a compression has moved over a crease. A corner of base without a normal (UINT32_MAX, zero,
+ * not finite) has that of its triangle. Errors: those of norma_face_normals for both meshes;
+ * NORMA_ERROR_ARGUMENT also if a surface has corners but no normals; NORMA_ERROR_INDEX also if a
+ * corner refers to a normal that does not exist. Cost: O(n log n); O(n) if the faces are the same.
  * Source: nearest points by Ericson 2005 (Real-Time Collision Detection, 5.1.5). */
 NORMA_API norma_result norma_compare(const norma_surface *base, const norma_surface *other,
     const norma_options *options, norma_compare_sample *samples, size_t capacity, int *same_faces);

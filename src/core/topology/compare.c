@@ -234,6 +234,28 @@ static size_t find_near(const comparing *c, const double point[3], size_t *neare
     return found;
 }
 
+/* Where the nearest triangles are those of another side of a crease, as the corner was moved a
+ * little: the nearest one that faces as the corner's face does, if it is within an eighth of the
+ * face's shortest edge. */
+static int find_own_side(const comparing *c, size_t face, const double point[3],
+    const double facing[3], near_triangles *own) {
+    const core_mesh *mesh = &c->other.mesh;
+    double a[3], b[3], edge[3], shortest = INFINITY;
+    for (size_t i = norma_core_face_begin(mesh, face); i < norma_core_face_end(mesh, face); i++) {
+        norma_core_position(mesh, norma_core_corner(mesh, i), a);
+        norma_core_position(
+            mesh, norma_core_corner(mesh, norma_core_next_in_face(mesh, face, i)), b);
+        norma_core_subtract(a, b, edge);
+        shortest = fmin(shortest, norma_core_dot(edge, edge));
+    }
+    const size_t found = norma_core_triangle_tree_facing(&c->tree, point, facing, shortest / 64);
+    own->count = found < c->tree.count;
+    if (!own->count) return 0;
+    own->numbers[0] = (uint32_t)found;
+    direction_of_triangle(&c->tree.triangles[found], own->directions[0]);
+    return 1;
+}
+
 /* Of triangles equally near, those that face as the corner's own face does; of these, the one whose
  * normal differs least. */
 static void compare_with_near(const comparing *c, size_t corner, size_t face, const double point[3],
@@ -244,6 +266,12 @@ static void compare_with_near(const comparing *c, size_t corner, size_t face, co
     for (int k = 0; k < 3; k++) facing[k] = (double)c->faces[face].direction[k];
     for (size_t i = 0; i < near->count; i++)
         best = fmax(best, scores[i] = norma_core_dot(near->directions[i], facing));
+    near_triangles own_side;
+    if (near->count && best < CORE_FACES_ALIKE &&
+        find_own_side(c, face, point, facing, &own_side)) {
+        near = &own_side;
+        best = scores[0] = 1;
+    }
     for (size_t i = 0; i < near->count; i++) {
         const core_triangle *t = &c->tree.triangles[near->numbers[i]];
         double weights[2], normal[3];

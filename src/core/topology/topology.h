@@ -205,6 +205,11 @@ double norma_core_nearest_in_triangle(
  * INFINITY: there are none. */
 double norma_core_triangle_tree_nearest(
     const core_triangle_tree *tree, const double point[3], size_t *triangle);
+/* The number of the nearest that faces within 30 degrees of a direction (unit), within a squared
+ * distance; tree->count: there is none. */
+#define CORE_FACES_ALIKE 0.8660254037844387
+size_t norma_core_triangle_tree_facing(
+    const core_triangle_tree *tree, const double point[3], const double facing[3], double squared);
 /* Writes the numbers of those within a squared distance, as many as there is room for. Returns how
  * many there are; where there is no room for all, any number above room. */
 size_t norma_core_triangle_tree_within(const core_triangle_tree *tree, const double point[3],

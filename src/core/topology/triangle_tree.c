@@ -197,23 +197,40 @@ static void visit_near(const core_triangle_tree *tree, const double point[3], co
 typedef struct nearest_triangle {
     double distance, within; /* nothing is nearer than 0 */
     size_t number;
+    const core_triangle_tree *tree;
+    const double *facing; /* NULL: any */
 } nearest_triangle;
 
 static void take_nearer(void *context, size_t triangle, double distance) {
-    *(nearest_triangle *)context =
-        (nearest_triangle){distance, distance > 0 ? distance : -1, triangle};
+    nearest_triangle *nearest = context;
+    const core_triangle *t = &nearest->tree->triangles[triangle];
+    double across[3];
+    norma_core_cross(t->u, t->v, across);
+    if (nearest->facing &&
+        !(norma_core_dot(across, nearest->facing) >= CORE_FACES_ALIKE * norma_core_length(across)))
+        return;
+    nearest->distance = distance;
+    nearest->within = distance > 0 ? distance : -1;
+    nearest->number = triangle;
 }
 
 double norma_core_triangle_tree_nearest(
     const core_triangle_tree *tree, const double point[3], size_t *triangle) {
     double weights[2];
-    nearest_triangle nearest = {INFINITY, INFINITY, *triangle};
+    nearest_triangle nearest = {INFINITY, INFINITY, *triangle, tree, NULL};
     if (*triangle < tree->count)
         take_nearer(&nearest, *triangle,
             norma_core_nearest_in_triangle(&tree->triangles[*triangle], point, weights));
     visit_near(tree, point, &nearest.within, take_nearer, &nearest);
     *triangle = nearest.number;
     return nearest.distance;
+}
+
+size_t norma_core_triangle_tree_facing(
+    const core_triangle_tree *tree, const double point[3], const double facing[3], double squared) {
+    nearest_triangle nearest = {INFINITY, squared, tree->count, tree, facing};
+    visit_near(tree, point, &nearest.within, take_nearer, &nearest);
+    return nearest.number;
 }
 
 typedef struct triangles_near {
