@@ -92,25 +92,6 @@ norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_docume
                                   : norma_document_fail_memory(g->document, error);
 }
 
-/* ---- bytes in order */
-
-void norma_gltf_write_bytes(gltf_output *out, const void *bytes, size_t size) {
-    if (!out->failed && size) out->failed = out->write(out->user, bytes, size);
-}
-
-void norma_gltf_write_fill(gltf_output *out, unsigned char fill, size_t size) {
-    unsigned char block[256];
-    memset(block, fill, sizeof block);
-    for (; size > 0 && !out->failed; size -= size < sizeof block ? size : sizeof block)
-        norma_gltf_write_bytes(out, block, size < sizeof block ? size : sizeof block);
-}
-
-void norma_gltf_write_u32(gltf_output *out, uint32_t value) {
-    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
-        (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
-    norma_gltf_write_bytes(out, bytes, 4);
-}
-
 static size_t padding(size_t size) { return (4 - size % 4) % 4; }
 
 static void put_segments(gltf_output *out, const patch_buffer *buffer) {

@@ -106,7 +106,26 @@ size_t norma_gltf_surplus(const gltf *g) {
     return g->tile.depth && size < ALIGNED ? 0 : size;
 }
 
-/* ---- writing */
+/* ---- writing: bytes in order */
+
+void norma_gltf_write_bytes(gltf_output *out, const void *bytes, size_t size) {
+    if (!out->failed && size) out->failed = out->write(out->user, bytes, size);
+}
+
+void norma_gltf_write_fill(gltf_output *out, unsigned char fill, size_t size) {
+    unsigned char block[256];
+    memset(block, fill, sizeof block);
+    for (; size > 0 && !out->failed; size -= size < sizeof block ? size : sizeof block)
+        norma_gltf_write_bytes(out, block, size < sizeof block ? size : sizeof block);
+}
+
+void norma_gltf_write_u32(gltf_output *out, uint32_t value) {
+    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
+        (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
+    norma_gltf_write_bytes(out, bytes, 4);
+}
+
+/* ---- what is around a GLB */
 
 /* How many zeros follow a GLB of so many bytes. */
 static size_t tile_padding(const gltf *g, size_t glb) {
