@@ -119,7 +119,8 @@ web_module(norma.wasm ${web_core_objects} ${web_call_objects})
 set(web_file_sources ${io_sources})
 list(FILTER web_file_sources EXCLUDE REGEX "/image/image(_left_out)?\\.c$") # in a browser no image is read
 list(FILTER web_file_sources EXCLUDE REGEX "/(file/file_read|file/file_write|large/[a-z_]+|together/[a-z_]+|meshopt_[a-z_]+|draco_left_out)\\.c$")
-list(APPEND web_file_sources src/io/image/image_left_out.c)
+list(FILTER web_file_sources EXCLUDE REGEX "/3mf/") # neither zlib nor expat is there
+list(APPEND web_file_sources src/io/image/image_left_out.c src/io/3mf/3mf_left_out.c)
 if(web_has_meshopt)
   list(APPEND web_file_sources src/io/gltf/meshopt_views.c)
 else()

@@ -31,7 +31,7 @@ _norma() {
     --views) values="front right back left top bottom three-quarter" ;;
     --background) values="paper white black grey transparent" ;;
     --renderer) values="auto software" ;;
-    --input-format) values="obj ply stl gltf glb b3dm i3dm cmpt" ;;
+    --input-format) values="obj ply stl gltf glb b3dm i3dm cmpt 3mf" ;;
     --select | --ignore | --max-samples | --lock | --crease | --texcoord | --threads | --max-memory | --scale | --rotate | --translate | --matrix) return ;;
     --out-dir)
         mapfile -t COMPREPLY < <(compgen -d -- "$word")
@@ -58,7 +58,7 @@ _norma() {
     if [[ $word == -* ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
     elif [ "$verb" != matrix ] && [ "$verb" != explain ] && [ "$verb" != help ]; then
-        mapfile -t COMPREPLY < <(compgen -d -S / -- "$word"; compgen -f -X '!*.@(obj|ply|stl|gltf|glb|vrm|b3dm|i3dm|cmpt|OBJ|PLY|STL|GLTF|GLB|VRM)' -- "$word")
+        mapfile -t COMPREPLY < <(compgen -d -S / -- "$word"; compgen -f -X '!*.@(obj|ply|stl|gltf|glb|vrm|b3dm|i3dm|cmpt|3mf|OBJ|PLY|STL|GLTF|GLB|VRM)' -- "$word")
         [[ ${COMPREPLY[0]:-} != */ ]] || compopt -o nospace 2>/dev/null
     fi
 }

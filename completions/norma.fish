@@ -26,7 +26,7 @@ set -l reads '__fish_seen_subcommand_from compute tangents transform check info 
 complete -c norma -n '__fish_seen_subcommand_from info compare view' -F
 complete -c norma -n '__fish_seen_subcommand_from view' -l out-dir -r -F -d 'A folder for the pages'
 complete -c norma -n '__fish_seen_subcommand_from view' -s o -l output -r -F -d 'The page'
-complete -c norma -n "$reads" -l input-format -x -a 'obj ply stl gltf glb b3dm i3dm cmpt' -d 'Format of the inputs'
+complete -c norma -n "$reads" -l input-format -x -a 'obj ply stl gltf glb b3dm i3dm cmpt 3mf' -d 'Format of the inputs'
 complete -c norma -n "$reads" -l threads -x -d 'Number of threads'
 complete -c norma -n "$reads" -l max-memory -x -d 'Limit of memory, such as 512M'
 complete -c norma -n "$reads" -l quiet -d 'Prints only errors'

@@ -26,7 +26,7 @@ targets() { find "$root/tests/fuzz" -name 'fuzz_*.c' -exec grep -l '^int LLVMFuz
 
 dictionary() {
     case $1 in
-    obj | ply | stl) echo "-dict=tests/fuzz/dictionaries/$1.dict" ;;
+    obj | ply | stl | 3mf) echo "-dict=tests/fuzz/dictionaries/$1.dict" ;;
     gltf | glb | tile | check | roundtrip) echo "-dict=tests/fuzz/dictionaries/gltf.dict" ;;
     esac
 }

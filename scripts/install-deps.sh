@@ -20,7 +20,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
 
 # g++: the one file that calls libdraco.
-packages="gcc g++ libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libdraco-dev libpng-dev libjpeg-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
+packages="gcc g++ libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libdraco-dev libpng-dev libjpeg-dev zlib1g-dev libexpat1-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
 python_packages="python3-dev python3-numpy python3-setuptools python3-wheel python3-venv"
 # libc++, xz-utils: for libdraco, of which WebAssembly is made as well.
 web_packages="clang lld wasi-libc libclang-rt-dev-wasm32 libc++-dev-wasm32 xz-utils esbuild"
@@ -42,8 +42,8 @@ if [ "$what" = all ] || [ "$what" = test ]; then
     packages="$packages clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev libjansson-dev mandoc locales clang-format glslang-tools python3"
 fi
 if [ "$what" = all ]; then
-    # admesh: a judge of fixed STL files; curl: fetches a release in the test of the action; chromium: the page's tests; mypy and pytest: those of the Python package.
-    packages="$packages admesh curl $web_packages chromium $python_packages mypy python3-pytest"
+    # admesh, lib3mf, unzip: judges of fixed STL and 3MF files; curl: fetches a release in the test of the action; chromium: the page's tests; mypy and pytest: those of the Python package.
+    packages="$packages admesh lib3mf1 unzip curl $web_packages chromium $python_packages mypy python3-pytest"
 fi
 
 missing=""

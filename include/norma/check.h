@@ -30,7 +30,7 @@ typedef enum norma_fix {
 } norma_fix;
 
 typedef enum norma_check_profile {
-    NORMA_CHECK_PROFILE_AUTO = 0, /* print for STL, render for other formats */
+    NORMA_CHECK_PROFILE_AUTO = 0, /* print for STL and 3MF, render for others */
     NORMA_CHECK_PROFILE_RENDER,
     NORMA_CHECK_PROFILE_PRINT,
 

@@ -57,10 +57,17 @@ typedef enum norma_file_format {
     NORMA_FILE_GLB,  /* .vrm as well */
     NORMA_FILE_B3DM, /* tiles of 3D Tiles 1.0, with a GLB inside: a model, ... */
     NORMA_FILE_I3DM, /* ... a model that is drawn at many places, ... */
-    NORMA_FILE_CMPT  /* ... several tiles, one of them with a GLB */
+    NORMA_FILE_CMPT, /* ... several tiles, one of them with a GLB */
+    NORMA_FILE_3MF
 } norma_file_format;
 
-/* Returns "obj", "ply", "stl", "gltf", "glb", "b3dm", "i3dm" or "cmpt"; "" for unknown. */
+/* Whether files of a format hold a glTF. */
+static inline int norma_file_format_is_gltf(norma_file_format format) {
+    return format >= NORMA_FILE_GLTF && format <= NORMA_FILE_CMPT;
+}
+
+/* Returns "obj", "ply", "stl", "gltf", "glb", "b3dm", "i3dm", "cmpt" or "3mf"; "" for
+ * unknown. */
 NORMA_API const char *norma_file_format_name(norma_file_format format);
 
 /* Returns the format that a path's extension stands for, ignoring case; GLB for .vrm. */

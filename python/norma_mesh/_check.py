@@ -313,7 +313,7 @@ def check(
 ) -> Report:
     """Checks the normals of a file, as `norma check` does; configuration files are not read.
 
-    profile: "render", "print", "generated" or "auto" (print for STL).  select, ignore: rules by id, beginning of
+    profile: "render", "print", "generated" or "auto" (print for STL and 3MF).  select, ignore: rules by id, beginning of
     an id ("N3") or name, in a list or with commas.  strict: lengths within 1e-4 of 1.
     A file that is there and cannot be read gives a report with the status "unreadable".
 

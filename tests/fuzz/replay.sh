@@ -13,6 +13,7 @@ export ASAN_OPTIONS=allocator_may_return_null=1:handle_abort=2 UBSAN_OPTIONS=pri
 # About four seconds of processor time each.
 case $target in
 stl) runs=60000 ;;
+3mf) runs=10000 ;;
 matrices) runs=40000 ;;
 ply) runs=20000 ;;
 obj | gltf | glb | tile) runs=10000 ;;
@@ -43,7 +44,7 @@ fi
 printf '%s,' "${seeds[@]}" | sed 's/,$//' >"$scratch/seeds"
 dictionary=()
 case $target in
-obj | ply | stl) dictionary=(-dict="dictionaries/$target.dict") ;;
+obj | ply | stl | 3mf) dictionary=(-dict="dictionaries/$target.dict") ;;
 gltf | glb | tile | check | roundtrip) dictionary=(-dict=dictionaries/gltf.dict) ;;
 esac
 quietly "$runs runs from seed 1" -seed=1 -runs="$runs" -use_cmp=0 -max_len=2048 -timeout=1200 -report_slow_units=100000 -rss_limit_mb=3072 -malloc_limit_mb=1024 -seed_inputs="@$scratch/seeds" "${dictionary[@]}"

@@ -188,7 +188,7 @@ static norma_result keep_closed(const core_mesh *mesh, uint8_t *drop) {
 /* A primitive of a glTF would not be valid without any face. */
 static void keep_one(const fix_mesh *m, uint8_t *drop) {
     const norma_file_format format = norma_document_format(m->document);
-    if (format >= NORMA_FILE_GLTF && !memchr(drop, 0, m->mesh.face_count)) drop[0] = 0;
+    if (norma_file_format_is_gltf(format) && !memchr(drop, 0, m->mesh.face_count)) drop[0] = 0;
 }
 
 /* Says which of the named faces stay, the first of them by their numbers. */

@@ -39,7 +39,8 @@ norma_result norma_fix_positions(fix_mesh *m) {
     uint8_t *marks = NULL;
     core_mesh mesh = m->mesh;
     core_call call;
-    int any = norma_fix_mark(m, RULE_N503, MEND_VERTEX, mesh.positions.count, &marks);
+    const int is_3mf = norma_document_format(m->document) == NORMA_FILE_3MF; /* keeps its numbers */
+    int any = is_3mf ? 0 : norma_fix_mark(m, RULE_N503, MEND_VERTEX, mesh.positions.count, &marks);
     const norma_options options = {.struct_size = sizeof options,
         .weld = NORMA_WELD_DISTANCE,
         .weld_distance = any > 0 ? NEAR * norma_check_diagonal(&mesh) : 0,
@@ -329,7 +330,8 @@ static norma_result split(fix_mesh *m) {
 
 static int has_vertices(const fix_mesh *m) {
     const norma_file_format format = norma_document_format(m->document);
-    return format >= NORMA_FILE_GLTF || format == NORMA_FILE_PLY || format == NORMA_FILE_OBJ;
+    return norma_file_format_is_gltf(format) || format == NORMA_FILE_PLY ||
+           format == NORMA_FILE_OBJ;
 }
 
 /* Vertices without normals, or normals without vertices, are another rule's (N106), which comes

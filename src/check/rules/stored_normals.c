@@ -269,7 +269,8 @@ static norma_result add_mismatch(check_mesh *m) {
 }
 
 norma_result norma_check_missing_normals(check_mesh *m) {
-    norma_result result = norma_check_wants(m, RULE_N104) ? add_faces_without(m) : NORMA_OK;
+    const int lacks = norma_check_wants(m, RULE_N104) && m->run->format != NORMA_FILE_3MF;
+    norma_result result = lacks ? add_faces_without(m) : NORMA_OK; /* a 3MF has none */
     if (!result && norma_check_wants(m, RULE_N105)) result = add_unused(m);
     return !result && norma_check_wants(m, RULE_N106) ? add_mismatch(m) : result;
 }

@@ -10,7 +10,8 @@ static norma_check_profile profile_of(
     const norma_check_options *options, norma_file_format format) {
     if (options->profile == NORMA_CHECK_PROFILE_GENERATED) return NORMA_CHECK_PROFILE_PRINT;
     if (options->profile != NORMA_CHECK_PROFILE_AUTO) return options->profile;
-    return format == NORMA_FILE_STL ? NORMA_CHECK_PROFILE_PRINT : NORMA_CHECK_PROFILE_RENDER;
+    return format == NORMA_FILE_STL || format == NORMA_FILE_3MF ? NORMA_CHECK_PROFILE_PRINT
+                                                                : NORMA_CHECK_PROFILE_RENDER;
 }
 
 /* The fields that the caller's header has. A later caller may not ask for what this library does

@@ -43,7 +43,7 @@ static const char check_help[] =
     "                        separated by commas\n"
     "  --ignore RULES        skips these rules\n"
     "  --profile render|print|generated\n"
-    "                        what the meshes are for (print for STL, else render); generated\n"
+    "                        what the meshes are for (print for STL, 3MF; else render); generated\n"
     "                        judges models that a program made\n"
     "  --strict              accepts lengths of normals that differ from 1 by at most 1e-4\n"
     "  --config FILE         reads this configuration (.norma.json in the file's folder, or in\n"

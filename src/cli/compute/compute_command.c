@@ -117,7 +117,7 @@ static const cli_option compute_options[] = {
 static norma_document_result refuse_tangents(
     const compute_work *work, norma_document_error *error) {
     if (!work->tangents_given || work->options.tangents == NORMA_STORED_TANGENTS_KEEP ||
-        work->format >= NORMA_FILE_GLTF)
+        norma_file_format_is_gltf(work->format))
         return NORMA_DOCUMENT_OK;
     snprintf(error->message, sizeof error->message,
         ": --tangents: this format cannot store tangents; glTF can");

@@ -73,7 +73,7 @@ static int look_into(void *user, size_t file) {
         .lenient = 1};
     norma_document *document;
     norma_document_error error; /* reported when the file is read for the work */
-    if (kind < NORMA_FILE_GLTF || strcmp(path, "-") == 0 ||
+    if (!norma_file_format_is_gltf(kind) || strcmp(path, "-") == 0 ||
         norma_document_open(path, &options, &document, &error))
         return CLI_OK;
     cli_guard_document(ahead->guard, document, path);
@@ -211,7 +211,7 @@ int cli_try_formats(const cli_files *files, const cli_changer *changer) {
         const char *input = files->inputs.paths[i];
         norma_file_format kind = files->format ? files->format : norma_file_format_of_path(input);
         if (kind == NORMA_FILE_UNKNOWN) continue;
-        if (kind > NORMA_FILE_GLTF) kind = NORMA_FILE_GLTF;
+        if (norma_file_format_is_gltf(kind)) kind = NORMA_FILE_GLTF;
         if (!(tried & 1 << kind)) status = try_format(changer, input, kind);
         tried |= 1 << kind;
     }

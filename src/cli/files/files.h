@@ -138,9 +138,9 @@ void cli_guard_look_ahead(cli_guard *guard, const cli_inputs *inputs, norma_file
 
 /* ---- Commands that change files: each is opened, changed and written, and a line says so. */
 
-#define CLI_FORMATS "obj, ply, stl, gltf, glb, b3dm, i3dm or cmpt"
+#define CLI_FORMATS "obj, ply, stl, gltf, glb, b3dm, i3dm, cmpt or 3mf"
 #define CLI_INPUT_FORMAT_HELP                                                                      \
-    "  --input-format FORMAT of IN if it is -: obj, ply, stl, gltf, glb, b3dm, i3dm, cmpt\n"
+    "  --input-format FORMAT if IN is -: obj, ply, stl, gltf, glb, b3dm, i3dm, cmpt, 3mf\n"
 #define CLI_FILES_HELP                                                                             \
     "Files\n"                                                                                      \
     "  IN                    a file, a folder, or a pattern in quotes\n"                           \

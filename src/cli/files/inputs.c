@@ -216,7 +216,7 @@ int cli_guard_output(cli_guard *guard, const char *output, const char *own) {
 
 const cli_option cli_input_options[] = {
     {"input-format", CLI_TO(CLI_CHOICE, cli_files, format), .number = NORMA_FILE_OBJ,
-        .words = "obj,ply,stl,gltf,glb,b3dm,i3dm,cmpt", .expected = CLI_FORMATS}};
+        .words = "obj,ply,stl,gltf,glb,b3dm,i3dm,cmpt,3mf", .expected = CLI_FORMATS}};
 const size_t cli_input_option_count = CLI_COUNT(cli_input_options);
 
 int cli_read_files(const cli_subcommand *command, cli_files *files, const cli_table *tables,
@@ -636,7 +636,7 @@ static int add_word(const cli_subcommand *command, cli_inputs *inputs, const cha
         const size_t before = inputs->count;
         const int result = walk_folder(inputs, word, NULL);
         if (result || inputs->count > before) return result;
-        cli_error("%s: holds no OBJ, PLY, STL or glTF file, nor a tile", word);
+        cli_error("%s: holds no OBJ, PLY, STL, glTF or 3MF file, nor a tile", word);
         return CLI_FILE;
     }
     if (is_there && norma_is_tileset(word)) return add_tiles(inputs, word);

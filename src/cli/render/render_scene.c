@@ -85,7 +85,7 @@ void render_file_set_up(
     const norma_file_format format = norma_document_format(file->document);
     file->up_guessed = 0;
     file->up = settings->up_given ? settings->up : RENDER_UP_Y;
-    if (settings->up_given || format >= NORMA_FILE_GLTF) return;
+    if (settings->up_given || norma_file_format_is_gltf(format)) return;
     file->up = render_guess_up(scene->surfaces, scene->surface_count,
         format == NORMA_FILE_OBJ ? RENDER_UP_Y : RENDER_UP_Z);
     file->up_guessed = 1;
@@ -222,7 +222,7 @@ norma_document_result render_file_set_material(const render_settings *settings,
     render_surface *surface, norma_document_error *error) {
     static const norma_texture_info plain = {.scale = {1, 1}};
     norma_material_info material;
-    const int gltf = norma_document_format(file->document) >= NORMA_FILE_GLTF;
+    const int gltf = norma_file_format_is_gltf(norma_document_format(file->document));
     const int known =
         gltf && attributes->material != SIZE_MAX &&
         !norma_document_material_info(file->document, attributes->material, &material);

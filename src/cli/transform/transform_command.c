@@ -74,7 +74,8 @@ static const char *what_flattening_does(const transform_work *work) {
 static void write_transformed_text(const void *user, const norma_document *document, FILE *out) {
     const transform_work *work = user;
     const norma_transform_summary *summary = &work->summary;
-    const int on_a_node = norma_document_format(document) >= NORMA_FILE_GLTF && !work->options.bake;
+    const int on_a_node =
+        norma_file_format_is_gltf(norma_document_format(document)) && !work->options.bake;
     if (!summary->changed) {
         fputs("nothing to do: the output is the input, byte for byte", out);
         return;

@@ -74,6 +74,8 @@ static const format_functions *format_functions_of(norma_file_format format) {
     case NORMA_FILE_I3DM:
     case NORMA_FILE_CMPT:
         return &norma_gltf_functions;
+    case NORMA_FILE_3MF:
+        return &norma_3mf_functions;
     default:
         return NULL;
     }
@@ -105,7 +107,7 @@ norma_document_result norma_document_read(norma_document *document, norma_docume
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "unknown kind of file; the name should end in .obj, .ply, .stl, .gltf, .glb, .vrm, "
             ".b3dm, "
-            ".i3dm or .cmpt, or the format must be given");
+            ".i3dm, .cmpt or .3mf, or the format must be given");
     document->functions = functions;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!norma_watch_cancelled(&document->watch)) result = functions->open(document, error);

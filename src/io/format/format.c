@@ -149,6 +149,7 @@ static const struct {
     {NORMA_FILE_B3DM, "b3dm"},
     {NORMA_FILE_I3DM, "i3dm"},
     {NORMA_FILE_CMPT, "cmpt"},
+    {NORMA_FILE_3MF, "3mf"},
 };
 enum { FORMAT_COUNT = sizeof FORMAT_NAMES / sizeof FORMAT_NAMES[0] };
 

@@ -177,7 +177,7 @@ static inline norma_watch *norma_document_watch(const norma_document *document) 
 }
 
 extern const format_functions norma_obj_functions, norma_ply_functions, norma_stl_functions,
-    norma_gltf_functions; /* gltf: .gltf and .glb */
+    norma_gltf_functions /* all that hold a glTF */, norma_3mf_functions;
 
 /* For visit_files: hands visit the file of a name, which is relative to the
  * document's folder or absolute. Returns 1 if visit stopped, -1 if memory is out, else 0. */

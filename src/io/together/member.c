@@ -139,7 +139,7 @@ static void take_from_parents(const gltf *g, uint32_t *levels) {
 /* Of each glTF node its place in the MSFT_lod of another one, or of one above it; 0: in none. To be
  * freed; NULL: out of memory, or the document is no glTF. */
 static uint32_t *levels_of_nodes(const norma_document *document) {
-    if (document->format < NORMA_FILE_GLTF) return NULL;
+    if (!norma_file_format_is_gltf(document->format)) return NULL;
     const gltf *g = norma_gltf_of(document);
     uint32_t *levels = norma_io_allocate(g->node_count, sizeof *levels);
     for (uint32_t n = 0; levels && n < g->node_count; ++n) take_ids(g, n, levels);
@@ -346,9 +346,13 @@ norma_document_result norma_member_open(const norma_together_file *file, size_t 
     if (m->document->format == NORMA_FILE_STL)
         return norma_document_fail(m->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "an STL holds facet normals only, which nothing can share; expected OBJ, PLY or glTF");
+    if (m->document->format == NORMA_FILE_3MF)
+        return norma_document_fail(m->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "a 3MF has no normals; expected OBJ, PLY or glTF");
     m->level = (uint32_t)number;
     m->has_level = options->levels || level_of_name(file->input, 1, &m->level);
-    if (m->document->format >= NORMA_FILE_GLTF && !(m->node_levels = levels_of_nodes(m->document)))
+    if (norma_file_format_is_gltf(m->document->format) &&
+        !(m->node_levels = levels_of_nodes(m->document)))
         return norma_document_fail_memory(m->document, error);
     return find_locked(m, file->input, options, error);
 }
@@ -357,7 +361,7 @@ norma_document_result norma_member_visit(
     member *m, visit_surface *visit, void *user, norma_document_error *error) {
     norma_mesh_data data;
     norma_mesh_info info;
-    if (m->document->format >= NORMA_FILE_GLTF)
+    if (norma_file_format_is_gltf(m->document->format))
         return norma_gltf_visit_surfaces(m->document, visit, user, error);
     if (norma_document_mesh_info(m->document, 0, &info) || info.not_read) return NORMA_DOCUMENT_OK;
     const norma_document_result result = norma_document_mesh_data(m->document, 0, &data, error);

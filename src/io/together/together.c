@@ -226,7 +226,7 @@ static int rounds(const norma_together_file *files, size_t count) {
     for (size_t i = 0; i < count; ++i) {
         const norma_file_format format =
             files[i].format ? files[i].format : norma_file_format_of_path(files[i].input);
-        if (format >= NORMA_FILE_GLTF) return 1;
+        if (norma_file_format_is_gltf(format)) return 1;
     }
     return 0;
 }

@@ -144,7 +144,7 @@ static void set_colour(const norma_material_info *material, int gltf, view_pack_
 norma_document_result view_pack_material(norma_document *document, size_t mesh,
     const uint32_t *vertices, view_pack_images *images, view_pack *pack, view_pack_mesh *record,
     norma_document_error *error) {
-    const int gltf = norma_document_format(document) >= NORMA_FILE_GLTF;
+    const int gltf = norma_file_format_is_gltf(norma_document_format(document));
     norma_mesh_attributes attributes;
     norma_material_info material;
     record->base_map = record->normal_map = record->texcoords = record->tangents = record->colours =

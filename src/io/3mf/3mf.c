@@ -1,0 +1,222 @@
+/* 3mf.c: 3MF packages as documents: a mesh for each object that has one. Triangles can be reversed
+ * and dropped; there is nowhere to write a normal. */
+#include "io/3mf/3mf.h"
+#include <stdlib.h>
+#include <string.h>
+
+static void tmf_free_content(void *content) {
+    tmf_state *state = content;
+    for (size_t i = 0; i < state->part_count; ++i) {
+        free(state->parts[i].name);
+        free(state->parts[i].text);
+    }
+    for (size_t i = 0; i < state->object_count; ++i) {
+        free(state->objects[i].name);
+        free(state->objects[i].where);
+        free(state->objects[i].positions);
+        free(state->objects[i].corners);
+    }
+    for (size_t i = 0; i < state->node_count; ++i) free(state->nodes[i].where);
+    free(state->parts);
+    free(state->objects);
+    free(state->components);
+    free(state->items);
+    free(state->nodes);
+    free(state->meshes);
+}
+
+static int tmf_has_edit(const void *content) { return (void)content, 0; }
+
+static norma_document_result number_meshes(norma_document *document, norma_document_error *error) {
+    tmf_state *state = document->state;
+    state->meshes = norma_io_allocate(state->object_count + 1, sizeof *state->meshes);
+    if (!state->meshes) return norma_document_fail_memory(document, error);
+    for (uint32_t i = 0; i < state->object_count; ++i)
+        if (state->objects[i].has_mesh) {
+            state->objects[i].mesh = state->mesh_count;
+            state->meshes[state->mesh_count++] = i;
+        }
+    return NORMA_DOCUMENT_OK;
+}
+
+/* Parts are added on the way, by items and components that name them. */
+static norma_document_result tmf_read(norma_document *document, norma_document_error *error) {
+    tmf_state *state = document->state;
+    norma_document_result result = norma_3mf_find_model(document, error);
+    for (uint32_t part = 0; part < state->part_count && !result; ++part) {
+        result = norma_3mf_unpack(document, part, error);
+        if (!result) result = norma_3mf_read_model(document, part, error);
+        free(state->parts[part].text);
+        state->parts[part].text = NULL;
+    }
+    if (!result) result = number_meshes(document, error);
+    return result ? result : norma_3mf_place(document, error);
+}
+
+static const edited_format TMF_EDITED = {
+    sizeof(tmf_state), 0, tmf_has_edit, tmf_free_content, tmf_read};
+
+/* ---- describing */
+
+static const tmf_object *object_of(const norma_document *document, size_t mesh) {
+    const tmf_state *state = document->state;
+    return &state->objects[state->meshes[mesh]];
+}
+
+static size_t tmf_mesh_count(const norma_document *document) {
+    return ((const tmf_state *)document->state)->mesh_count;
+}
+
+static norma_document_result tmf_mesh_info(
+    const norma_document *document, size_t index, norma_mesh_info *info) {
+    const tmf_object *object = object_of(document, index);
+    *info = (norma_mesh_info){.name = object->name,
+        .where = object->where,
+        .mesh = index,
+        .vertices = object->vertices,
+        .faces = object->faces,
+        .triangles = object->faces,
+        .normals = NORMA_NORMALS_NONE,
+        .encoding = ""};
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result tmf_mesh_data(
+    norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
+    const tmf_object *object = object_of(document, index);
+    (void)error;
+    data->mesh = (norma_mesh){.positions = {.data = object->positions,
+                                  .count = object->vertices,
+                                  .format = NORMA_FORMAT_DOUBLE},
+        .corners = object->corners,
+        .corner_count = 3 * object->faces};
+    return NORMA_DOCUMENT_OK;
+}
+
+static size_t tmf_node_count(const norma_document *document) {
+    return ((const tmf_state *)document->state)->node_count;
+}
+
+static norma_document_result tmf_node_info(
+    const norma_document *document, size_t index, norma_node_info *info) {
+    const tmf_node *node = &((const tmf_state *)document->state)->nodes[index];
+    info->name = info->path = node->name;
+    info->where = node->where;
+    info->node = index;
+    info->mesh = node->mesh;
+    memcpy(info->world, node->world, sizeof info->world);
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result tmf_instance_world(norma_document *document, size_t node,
+    size_t instance, double world[16], norma_document_error *error) {
+    (void)instance, (void)error;
+    memcpy(world, ((const tmf_state *)document->state)->nodes[node].world, 16 * sizeof *world);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* ---- changing */
+
+static norma_document_result refuse_normals(norma_document *document, norma_document_error *error) {
+    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+        "3MF has no normals: the order of a triangle's vertices says where outward is; check --fix "
+        "corrects that");
+}
+
+static norma_document_result tmf_compute(norma_document *document,
+    const norma_compute_options *options, norma_compute_summary *summary,
+    norma_document_error *error) {
+    (void)options, (void)summary;
+    return refuse_normals(document, error);
+}
+
+static norma_document_result tmf_transform(norma_document *document,
+    const norma_transform_options *options, norma_transform_summary *summary,
+    norma_document_error *error) {
+    (void)options, (void)summary;
+    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+        "a 3MF is not transformed: its build says where objects lie on a printer's bed");
+}
+
+static norma_document_result tmf_recentre(
+    norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error) {
+    (void)document, (void)meshes, (void)changed, (void)error;
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result check_edits(
+    const norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
+    for (size_t i = 0; i < tmf_mesh_count(document); ++i)
+        if (edits[i].cut_faces || edits[i].set_normals || edits[i].set_positions ||
+            edits[i].set_tangents || edits[i].strip_normals || edits[i].source_vertices)
+            return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT,
+                object_of(document, i)->where,
+                "triangles of a 3MF can only be reversed or dropped");
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result edit_parts(norma_document *document, const norma_mesh_edit *edits,
+    growing_bytes *texts, norma_document_error *error) {
+    tmf_state *state = document->state;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    state->unpacked = 0;
+    for (size_t i = 0; i < state->mesh_count; ++i)
+        if (edits[i].drop_faces && object_of(document, i)->has_sets)
+            norma_document_add_note(document,
+                "%s: no triangle is dropped, because sets name triangles by their numbers",
+                object_of(document, i)->where);
+    for (uint32_t part = 0; part < state->part_count && !result; ++part) {
+        int any = 0;
+        for (size_t i = 0; i < state->mesh_count; ++i)
+            any |= object_of(document, i)->part == part &&
+                   (edits[i].reverse_faces || edits[i].drop_faces);
+        if (!any) continue;
+        result = norma_3mf_unpack(document, part, error);
+        if (!result) result = norma_3mf_edit_model(document, part, edits, &texts[part], error);
+    }
+    return result;
+}
+
+static norma_document_result tmf_edit(
+    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
+    const tmf_state *state = document->state;
+    const size_t count = state->part_count;
+    growing_bytes package = {0}, *texts = norma_io_allocate(count + 1, sizeof *texts);
+    norma_document_result result =
+        texts ? check_edits(document, edits, error) : norma_document_fail_memory(document, error);
+    if (!result) result = edit_parts(document, edits, texts, error);
+    if (!result) result = norma_3mf_pack(document, texts, &package, error);
+    for (size_t i = 0; texts && i < count; ++i) free(texts[i].data);
+    free(texts);
+    if (!result) return norma_edited_replace(document, &package, error);
+    free(package.data);
+    return result;
+}
+
+static norma_document_result tmf_write(norma_document *document, const char *path,
+    norma_write *write, void *user, norma_document_error *error) {
+    (void)path;
+    if (document->source.size == 0 || !write(user, document->source.data, document->source.size))
+        return NORMA_DOCUMENT_OK;
+    return norma_document_fail(
+        document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
+}
+
+static const scene_functions TMF_SCENE = {.instance_world = tmf_instance_world};
+
+const format_functions norma_3mf_functions = {
+    .open = norma_edited_open,
+    .close = norma_edited_close,
+    .edited = &TMF_EDITED,
+    .mesh_count = tmf_mesh_count,
+    .mesh_info = tmf_mesh_info,
+    .mesh_data = tmf_mesh_data,
+    .node_count = tmf_node_count,
+    .node_info = tmf_node_info,
+    .compute = tmf_compute,
+    .transform = tmf_transform,
+    .edit = tmf_edit,
+    .recentre = tmf_recentre,
+    .write = tmf_write,
+    .scene = &TMF_SCENE,
+};

@@ -1,0 +1,352 @@
+/* zip.c: zip archives by their directory, with zlib for what is in them. What is not replaced keeps
+ * its bytes, packed as it is. Source: PKWARE APPNOTE 6.3.10. */
+#include "io/3mf/zip.h"
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+enum {
+    LOCAL_HEADER = 30,
+    ENTRY_HEADER = 46,
+    END_HEADER = 22,
+    END_64_HEADER = 56,
+    LOCATOR_64 = 20,
+    COMMENT = 65535,
+    ZIP64 = 1,
+    STORED = 0,
+    DEFLATED = 8,
+    ENCRYPTED = 1,
+    DESCRIBED_BEHIND = 8
+};
+
+static unsigned get_16(const unsigned char *at) { return at[0] | (unsigned)at[1] << 8; }
+static uint64_t little_endian(const unsigned char *at, size_t width) {
+    uint64_t value = 0;
+    for (size_t i = width; i-- > 0;) value = value << 8 | at[i];
+    return value;
+}
+static void put_little_endian(unsigned char *at, size_t width, uint64_t value) {
+    for (size_t i = 0; i < width; ++i) at[i] = (unsigned char)(value >> 8 * i);
+}
+static int has_signature(const unsigned char *at, unsigned char third, unsigned char fourth) {
+    return at[0] == 'P' && at[1] == 'K' && at[2] == third && at[3] == fourth;
+}
+
+/* ---- the directory */
+
+static int find_end(const unsigned char *bytes, size_t size, size_t *end) {
+    if (size < END_HEADER) return 0;
+    const size_t last = size - END_HEADER, first = last > COMMENT ? last - COMMENT : 0;
+    for (size_t at = last + 1; at-- > first;)
+        if (has_signature(bytes + at, 5, 6) && get_16(bytes + at + 20) <= last - at) {
+            *end = at;
+            return 1;
+        }
+    return 0;
+}
+
+static uint64_t note_field(zip_archive *a, size_t at, size_t width) {
+    a->directory_fields[a->directory_field_count++] = (zip_field){at, width};
+    return little_endian(a->bytes + at, width);
+}
+
+/* How many entries it has, and where they begin: in the end record, or in that of a large archive.
+ */
+static const char *read_end(zip_archive *a, uint64_t *count) {
+    static const char cut[] = "its directory lies outside the file";
+    uint64_t start = note_field(a, a->end + 16, 4);
+    *count = get_16(a->bytes + a->end + 10);
+    if (a->end >= LOCATOR_64 && has_signature(a->bytes + a->end - LOCATOR_64, 6, 7)) {
+        const uint64_t at = little_endian(a->bytes + a->end - LOCATOR_64 + 8, 8);
+        if (at > a->end || a->end - at < END_64_HEADER || !has_signature(a->bytes + at, 6, 6))
+            return cut;
+        if (start != UINT32_MAX)
+            a->directory_field_count = 1;
+        else
+            a->directory_field_count = 0;
+        start = note_field(a, (size_t)at + 48, 8);
+        *count = little_endian(a->bytes + at + 32, 8);
+        a->end = (size_t)at;
+    }
+    a->directory = (size_t)start;
+    return start > a->end || *count > (a->end - start) / ENTRY_HEADER ? cut : NULL;
+}
+
+/* What is 0xFFFFFFFF stands in the extra field of large archives, in this order. */
+static int read_wide(const zip_archive *a, zip_member *m, const unsigned char *extra, size_t size) {
+    zip_field *fields[] = {&m->size_field, &m->packed_field, &m->local_field};
+    size_t at = 4;
+    while (size >= 4 && get_16(extra) != ZIP64) {
+        const size_t step = 4 + (size_t)get_16(extra + 2);
+        if (step > size) return 0;
+        extra += step;
+        size -= step;
+    }
+    for (int i = 0; i < 3; ++i) {
+        if (little_endian(a->bytes + fields[i]->at, 4) != UINT32_MAX) continue;
+        if (size < 4 || at + 8 > size || at + 8 > 4 + (size_t)get_16(extra + 2)) return 0;
+        *fields[i] = (zip_field){(size_t)(extra - a->bytes) + at, 8};
+        at += 8;
+    }
+    return 1;
+}
+
+static const char *read_entry(const zip_archive *a, size_t at, zip_member *m, size_t *next) {
+    static const char broken[] = "its directory is damaged";
+    const unsigned char *entry = a->bytes + at;
+    if (a->end - at < ENTRY_HEADER || !has_signature(entry, 1, 2)) return broken;
+    const size_t name = get_16(entry + 28), extra = get_16(entry + 30),
+                 length = ENTRY_HEADER + name + extra + get_16(entry + 32);
+    if (length > a->end - at) return broken;
+    *m = (zip_member){.name = (const char *)entry + ENTRY_HEADER,
+        .name_length = name,
+        .entry = at,
+        .flags = get_16(entry + 8),
+        .method = get_16(entry + 10),
+        .sum = (uint32_t)little_endian(entry + 16, 4),
+        .size_field = {at + 24, 4},
+        .packed_field = {at + 20, 4},
+        .local_field = {at + 42, 4}};
+    if (!read_wide(a, m, entry + ENTRY_HEADER + name, extra)) return broken;
+    m->size = little_endian(a->bytes + m->size_field.at, m->size_field.width);
+    m->packed = little_endian(a->bytes + m->packed_field.at, m->packed_field.width);
+    m->local = little_endian(a->bytes + m->local_field.at, m->local_field.width);
+    *next = at + length;
+    return NULL;
+}
+
+const char *norma_zip_read(const unsigned char *bytes, size_t size, zip_archive *a) {
+    uint64_t count;
+    *a = (zip_archive){.bytes = bytes, .size = size};
+    if (!find_end(bytes, size, &a->end)) return "it has no directory at its end";
+    const char *wrong = read_end(a, &count);
+    if (wrong) return wrong;
+    a->members = norma_io_allocate((size_t)count + 1, sizeof *a->members);
+    if (!a->members) return "";
+    for (size_t at = a->directory; a->count < count && !wrong; ++a->count)
+        wrong = read_entry(a, at, &a->members[a->count], &at);
+    return wrong;
+}
+
+static int case_aside(char letter) {
+    return letter >= 'A' && letter <= 'Z' ? letter - 'A' + 'a' : letter;
+}
+
+size_t norma_zip_find(const zip_archive *a, const char *name, size_t length) {
+    for (size_t i = 0; i < a->count; ++i) {
+        size_t same = 0;
+        while (same < length && a->members[i].name_length == length &&
+               case_aside(a->members[i].name[same]) == case_aside(name[same]))
+            ++same;
+        if (same == length && a->members[i].name_length == length) return i;
+    }
+    return SIZE_MAX;
+}
+
+/* ---- contents */
+
+/* Where its packed bytes begin; 0: they do not fit before the directory. */
+static size_t packed_at(const zip_archive *a, const zip_member *m) {
+    if (m->local > a->directory || a->directory - m->local < LOCAL_HEADER ||
+        !has_signature(a->bytes + m->local, 3, 4))
+        return 0;
+    const unsigned char *header = a->bytes + m->local;
+    const uint64_t begin = m->local + LOCAL_HEADER + get_16(header + 26) + get_16(header + 28);
+    return begin <= a->directory && m->packed <= a->directory - begin ? (size_t)begin : 0;
+}
+
+static int inflate_all(const unsigned char *from, size_t packed, char *to, size_t size) {
+    z_stream z = {.next_in = (unsigned char *)(uintptr_t)from, .next_out = (unsigned char *)to};
+    int status = inflateInit2(&z, -MAX_WBITS);
+    if (status != Z_OK) return 0;
+    while (status == Z_OK) { /* zlib counts in 32 bits */
+        const size_t in = packed < UINT32_MAX ? packed : UINT32_MAX,
+                     out = size < UINT32_MAX ? size : UINT32_MAX;
+        z.avail_in = (unsigned)in;
+        z.avail_out = (unsigned)out;
+        status = inflate(&z, Z_NO_FLUSH);
+        packed -= in - z.avail_in;
+        size -= out - z.avail_out;
+    }
+    inflateEnd(&z);
+    return status == Z_STREAM_END && size == 0;
+}
+
+char *norma_zip_unpack(const zip_archive *a, size_t member, const char **wrong) {
+    const zip_member *m = &a->members[member];
+    const size_t begin = packed_at(a, m), size = (size_t)m->size;
+    *wrong = m->flags & ENCRYPTED ? "is encrypted"
+             : m->method != STORED && m->method != DEFLATED
+                 ? "is packed by another method than deflate"
+             : !begin || (m->method == STORED && m->size != m->packed)
+                 ? "is not where the zip's directory says"
+                 : NULL;
+    if (*wrong) return NULL;
+    char *text = malloc(size + 1);
+    *wrong = "";
+    if (!text) return NULL;
+    int fine = 1;
+    if (m->method == STORED)
+        memcpy(text, a->bytes + begin, size);
+    else
+        fine = inflate_all(a->bytes + begin, (size_t)m->packed, text, size);
+    text[size] = '\0';
+    uLong sum = crc32(0, NULL, 0);
+    for (size_t at = 0; fine && at < size; at += UINT16_MAX)
+        sum = crc32(sum, (const unsigned char *)text + at,
+            (unsigned)(size - at < UINT16_MAX ? size - at : UINT16_MAX));
+    if (fine && sum == m->sum) return text;
+    free(text);
+    *wrong = "is damaged: it does not unpack to the length and checksum that the zip gives";
+    return NULL;
+}
+
+/* ---- other contents */
+
+static unsigned char *deflate_all(const growing_bytes *content, size_t *packed) {
+    const uLong bound = compressBound((uLong)content->size) + 64;
+    unsigned char *out = malloc(bound);
+    z_stream z = {.next_in = (unsigned char *)content->data,
+        .avail_in = (unsigned)content->size,
+        .next_out = out,
+        .avail_out = (unsigned)bound};
+    if (!out || deflateInit2(&z, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -MAX_WBITS, 8,
+                    Z_DEFAULT_STRATEGY) != Z_OK) {
+        free(out);
+        return NULL;
+    }
+    const int status = deflate(&z, Z_FINISH);
+    *packed = z.total_out;
+    deflateEnd(&z);
+    if (status == Z_STREAM_END) return out;
+    free(out);
+    return NULL;
+}
+
+/* Its own header, without the lengths of large archives and with those of the new content. */
+static void put_local(const zip_archive *a, zip_member *m, growing_bytes *out) {
+    unsigned char header[LOCAL_HEADER];
+    const unsigned char *local = a->bytes + m->local;
+    const size_t name = get_16(local + 26), extra = get_16(local + 28);
+    size_t kept = 0;
+    memcpy(header, local, LOCAL_HEADER);
+    put_little_endian(header + 6, 2, m->flags);
+    put_little_endian(header + 14, 4, m->sum);
+    put_little_endian(header + 18, 4, m->packed);
+    put_little_endian(header + 22, 4, m->size);
+    const size_t at = out->size;
+    norma_io_append(out, header, LOCAL_HEADER);
+    norma_io_append(out, local + LOCAL_HEADER, name);
+    const unsigned char *field = local + LOCAL_HEADER + name;
+    for (size_t rest = extra; rest >= 4;) {
+        const size_t step = 4 + (size_t)get_16(field + 2);
+        if (step > rest) break;
+        if (get_16(field) != ZIP64) {
+            norma_io_append(out, field, step);
+            kept += step;
+        }
+        field += step;
+        rest -= step;
+    }
+    if (!out->failed) put_little_endian((unsigned char *)out->data + at + 28, 2, kept);
+}
+
+/* The member as it will be; NULL for its bytes where memory is out. */
+static unsigned char *pack(zip_member *m, const growing_bytes *content, size_t *packed) {
+    unsigned char *bytes = NULL;
+    *packed = content->size;
+    if (m->method == DEFLATED) {
+        bytes = deflate_all(content, packed);
+    } else if ((bytes = malloc(content->size))) {
+        memcpy(bytes, content->data, content->size);
+    }
+    m->flags &= ~(unsigned)DESCRIBED_BEHIND;
+    m->size = content->size;
+    m->packed = *packed;
+    m->sum = (uint32_t)crc32(
+        crc32(0, NULL, 0), (const unsigned char *)content->data, (unsigned)content->size);
+    return bytes;
+}
+
+static uint64_t next_local(const zip_archive *a, uint64_t after) {
+    uint64_t next = a->directory;
+    for (size_t i = 0; i < a->count; ++i)
+        if (a->members[i].local > after && a->members[i].local < next) next = a->members[i].local;
+    return next;
+}
+
+/* Of the members that get other contents the one that comes next in the archive; SIZE_MAX: none. */
+static size_t next_replaced(const zip_archive *a, const growing_bytes *contents, uint64_t from) {
+    size_t next = SIZE_MAX;
+    for (size_t i = 0; i < a->count; ++i)
+        if (contents[i].size && a->members[i].local >= from &&
+            (next == SIZE_MAX || a->members[i].local < a->members[next].local))
+            next = i;
+    return next;
+}
+
+static void move_fields(const zip_archive *a, uint64_t from, int64_t by, unsigned char *tail) {
+    for (size_t i = 0; i < a->count; ++i)
+        if (a->members[i].local >= from) {
+            unsigned char *at = tail + (a->members[i].local_field.at - a->directory);
+            const size_t width = a->members[i].local_field.width;
+            put_little_endian(at, width, little_endian(at, width) + (uint64_t)by);
+        }
+    for (size_t i = 0; i < a->directory_field_count; ++i) {
+        unsigned char *at = tail + (a->directory_fields[i].at - a->directory);
+        const size_t width = a->directory_fields[i].width;
+        put_little_endian(at, width, little_endian(at, width) + (uint64_t)by);
+    }
+    if (a->directory_field_count && a->directory_fields[a->directory_field_count - 1].width == 8) {
+        unsigned char *at = tail + (a->end + END_64_HEADER - a->directory); /* the locator */
+        if (has_signature(at, 6, 7))
+            put_little_endian(at + 8, 8, little_endian(at + 8, 8) + (uint64_t)by);
+    }
+}
+
+static const char *replace_member(const zip_archive *a, size_t i, const growing_bytes *content,
+    unsigned char *tail, growing_bytes *out) {
+    zip_member m = a->members[i];
+    const uint64_t end = next_local(a, m.local);
+    const size_t begin = packed_at(a, &m);
+    size_t packed;
+    if (!begin || begin + m.packed > end) return "parts of it overlap";
+    if (content->size > INT32_MAX) return "a part of it would become larger than two gigabytes";
+    unsigned char *bytes = pack(&m, content, &packed);
+    const size_t before = out->size;
+    put_local(a, &m, out);
+    if (bytes) norma_io_append(out, bytes, packed);
+    free(bytes);
+    if (!bytes || out->failed) return "";
+    unsigned char *entry = tail + (m.entry - a->directory);
+    put_little_endian(entry + 8, 2, m.flags);
+    put_little_endian(entry + 16, 4, m.sum);
+    put_little_endian(tail + (m.packed_field.at - a->directory), m.packed_field.width, m.packed);
+    put_little_endian(tail + (m.size_field.at - a->directory), m.size_field.width, m.size);
+    move_fields(a, end, (int64_t)(out->size - before) - (int64_t)(end - m.local), tail);
+    return NULL;
+}
+
+const char *norma_zip_replace(
+    const zip_archive *a, const growing_bytes *contents, growing_bytes *out) {
+    const size_t tail_size = a->size - a->directory;
+    unsigned char *tail = malloc(tail_size + 1);
+    const char *wrong = tail ? NULL : "";
+    size_t at = 0;
+    if (tail) memcpy(tail, a->bytes + a->directory, tail_size);
+    for (size_t i; !wrong && (i = next_replaced(a, contents, at)) != SIZE_MAX;) {
+        const size_t local = (size_t)a->members[i].local;
+        if (local < at || local >= a->directory) wrong = "parts of it overlap";
+        if (wrong) break;
+        norma_io_append(out, a->bytes + at, local - at);
+        wrong = replace_member(a, i, &contents[i], tail, out);
+        at = (size_t)next_local(a, local);
+    }
+    if (!wrong) {
+        norma_io_append(out, a->bytes + at, a->directory - at);
+        norma_io_append(out, tail, tail_size);
+        wrong = out->failed ? "" : NULL;
+    }
+    free(tail);
+    return wrong;
+}

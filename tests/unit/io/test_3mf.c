@@ -1,0 +1,279 @@
+/* test_3mf.c: 3MF packages put together here, stored and not packed: what is read of them, what a
+ * change leaves as it was, and packages that are hostile. Packed ones are judged by unzip and
+ * lib3mf in tests/cli/3mf.sh. */
+#include "check.h"
+#include "document_bytes.h"
+#include "message.h"
+#include <norma/check.h>
+
+#define RELS                                                                                       \
+    "<Relationships><Relationship Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/"    \
+    "3dmodel\" Target=\"/3D/a.model\" Id=\"r\"/></Relationships>"
+#define CORE "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\""
+#define TETRA(triangles)                                                                           \
+    "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/>"           \
+    "<vertex x=\"0\" y=\"1\" z=\"0\"/><vertex x=\"0\" y=\"0\" "                                    \
+    "z=\"1e0\"/></vertices><triangles>" triangles "</triangles></mesh>"
+#define FACES                                                                                      \
+    "<triangle v1=\"0\" v2=\"2\" v3=\"1\"/><triangle v1=\"0\" v2=\"1\" v3=\"3\"/>"                 \
+    "<triangle v1=\"1\" v2=\"2\" v3=\"3\" pid=\"5\" p1=\"0\" p2=\"1\" p3=\"2\" />"                 \
+    "<triangle v1=\"2\" v2=\"0\" v3=\"3\"></triangle>"
+#define MODEL(resources, build)                                                                    \
+    "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- kept -->\n<model unit=\"inch\" " CORE        \
+    " xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/"                     \
+    "06\"><resources>" resources "</resources><build>" build "</build></model>\n"
+
+typedef struct made_zip {
+    unsigned char bytes[1 << 16];
+    unsigned char directory[4096];
+    size_t size, directory_size, count;
+} made_zip;
+
+static void put(unsigned char *to, size_t *size, size_t value, size_t width) {
+    for (size_t i = 0; i < width; ++i) to[(*size)++] = (unsigned char)(value >> 8 * i);
+}
+
+/* Bit by bit, as PKWARE's APPNOTE defines it. */
+static uint32_t sum_of(const char *text, size_t size) {
+    uint32_t sum = UINT32_MAX;
+    for (size_t i = 0; i < size; ++i) {
+        sum ^= (unsigned char)text[i];
+        for (int bit = 0; bit < 8; ++bit) sum = sum >> 1 ^ (sum & 1 ? 0xEDB88320U : 0);
+    }
+    return ~sum;
+}
+
+static void put_text(unsigned char *to, size_t *size, const char *text, size_t length) {
+    memcpy(to + *size, text, length);
+    *size += length;
+}
+
+static void add_member(made_zip *z, const char *name, const char *text, size_t length) {
+    const size_t at = z->size, name_length = strlen(name);
+    for (int central = 0; central < 2; ++central) {
+        unsigned char *to = central ? z->directory : z->bytes;
+        size_t *size = central ? &z->directory_size : &z->size;
+        put_text(to, size, central ? "PK\1\2\24\0" : "PK\3\4", central ? 6 : 4);
+        put(to, size, 20, 2);
+        put(to, size, 0, 2 + 2 + 4); /* flags, method, time */
+        put(to, size, sum_of(text, length), 4);
+        put(to, size, length, 4);
+        put(to, size, length, 4);
+        put(to, size, name_length, 2);
+        put(to, size, 0, 2);
+        if (central) put(to, size, 0, 2 + 2 + 2 + 4);
+        if (central) put(to, size, at, 4);
+        put_text(to, size, name, name_length);
+        if (!central) put_text(to, size, text, length);
+    }
+    ++z->count;
+}
+
+static void end_zip(made_zip *z) {
+    const size_t at = z->size;
+    put_text(z->bytes, &z->size, (const char *)z->directory, z->directory_size);
+    put_text(z->bytes, &z->size, "PK\5\6\0\0\0\0", 8);
+    put(z->bytes, &z->size, z->count, 2);
+    put(z->bytes, &z->size, z->count, 2);
+    put(z->bytes, &z->size, z->directory_size, 4);
+    put(z->bytes, &z->size, at, 4);
+    put(z->bytes, &z->size, 7, 2);
+    put_text(z->bytes, &z->size, "comment", 7);
+}
+
+static document_bytes package(const char *model, const char *rels) {
+    made_zip *z = calloc(1, sizeof *z);
+    assert_non_null(z);
+    add_member(z, "_rels/.rels", rels, strlen(rels));
+    add_member(z, "3D/a.model", model, strlen(model));
+    add_member(z, "picture.png", "not a picture", 13);
+    end_zip(z);
+    const document_bytes bytes = bytes_copy(z->bytes, z->size);
+    free(z);
+    return bytes;
+}
+
+static void test_reads(void **state) {
+    document_bytes bytes =
+        package(MODEL("<object id=\"1\" name=\"tetra\">" TETRA(
+                          FACES) "</object>"
+                                 "<object id=\"2\"><components><component objectid=\"1\"/>"
+                                 "<component objectid=\"1\" transform=\"-1 0 0 0 1 0 0 0 1 5 6 "
+                                 "7\"/></components></object>",
+                    "<item objectid=\"2\" transform=\"2 0 0 0 2 0 0 0 2 0 0 0\"/>"),
+            RELS);
+    norma_document *document = bytes_open(bytes, "a.3mf");
+    norma_mesh_info info;
+    norma_mesh_data data;
+    norma_node_info node;
+    assert_int_equal(norma_document_mesh_count(document), 1);
+    assert_int_equal(norma_document_mesh_info(document, 0, &info), NORMA_DOCUMENT_OK);
+    assert_string_equal(info.name, "tetra");
+    assert_string_equal(info.where, "object 1");
+    assert_int_equal(info.vertices, 4);
+    assert_int_equal(info.faces, 4);
+    assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(((const uint32_t *)data.mesh.corners)[7], 2);
+    assert_true(((const double *)data.mesh.positions.data)[11] == 1);
+    assert_int_equal(norma_document_node_count(document), 2);
+    assert_int_equal(norma_document_node_info(document, 1, &node), NORMA_DOCUMENT_OK);
+    assert_true(node.world[0] == -2 && node.world[12] == 10 && node.world[14] == 14);
+    assert_int_equal(norma_document_note_count(document), 1); /* mirrored */
+    norma_document_close(document);
+    bytes_free(&bytes);
+    (void)state;
+}
+
+/* Reversed and dropped by hand; all other bytes of the text, and the other members, are as they
+ * were. */
+static void test_edits(void **state) {
+    static const uint8_t reverse[] = {0, 0, 1, 1}, drop[] = {0, 1, 0, 0};
+    const norma_mesh_edit edits[] = {{.reverse_faces = reverse, .drop_faces = drop}};
+    document_bytes
+        bytes = package(
+            MODEL("<object id=\"1\">" TETRA(FACES) "</object>", "<item objectid=\"1\"/>"), RELS),
+        want = package(
+            MODEL("<object id=\"1\">" TETRA(
+                      "<triangle v1=\"0\" v2=\"2\" v3=\"1\"/>"
+                      "<triangle v1=\"1\" v2=\"3\" v3=\"2\" pid=\"5\" p1=\"0\" p2=\"2\" "
+                      "p3=\"1\" /><triangle v1=\"2\" v2=\"3\" v3=\"0\"></triangle>") "</object>",
+                "<item objectid=\"1\"/>"),
+            RELS);
+    norma_document *document = bytes_open(bytes, "a.3mf");
+    assert_int_equal(norma_document_edit(document, edits, NULL), NORMA_DOCUMENT_OK);
+    document_bytes made = bytes_of(document);
+    assert_true(bytes_equal(made, want));
+    norma_document_error error;
+    const uint8_t move[] = {1, 0, 0, 0};
+    const double positions[12] = {0};
+    const norma_mesh_edit moved[] = {{.set_positions = move, .positions = positions}};
+    assert_int_equal(norma_document_edit(document, moved, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_int_equal(
+        norma_document_compute(document, NULL, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    assert_true(strstr(error.message, "3MF has no normals") != NULL);
+    assert_int_equal(
+        norma_document_tangents(document, NULL, NULL, &error), NORMA_DOCUMENT_ERROR_ARGUMENT);
+    norma_document_close(document);
+    bytes_free(&made);
+    bytes_free(&bytes);
+    bytes_free(&want);
+    (void)state;
+}
+
+/* The numbers in a set would mean other triangles. */
+static void test_sets(void **state) {
+    static const uint8_t drop[] = {0, 1, 0, 0};
+    const norma_mesh_edit edits[] = {{.drop_faces = drop}};
+    document_bytes bytes = package(
+        MODEL("<object id=\"1\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/></vertices>"
+              "<triangles><triangle v1=\"0\" v2=\"0\" v3=\"0\"/><triangle v1=\"0\" v2=\"0\" "
+              "v3=\"0\"/></triangles><t:trianglesets><t:triangleset><t:ref index=\"1\"/>"
+              "</t:triangleset></t:trianglesets></mesh></object>",
+            "<item objectid=\"1\"/>"),
+        RELS);
+    norma_document *document = bytes_open(bytes, "a.3mf");
+    assert_int_equal(norma_document_edit(document, edits, NULL), NORMA_DOCUMENT_OK);
+    document_bytes made = bytes_of(document);
+    assert_true(bytes_equal(made, bytes));
+    norma_document_close(document);
+    bytes_free(&made);
+    bytes_free(&bytes);
+    (void)state;
+}
+
+static void expect_refused(document_bytes bytes, const char *expected) {
+    char message[1000] = "";
+    const norma_document_result result = bytes_try(bytes, "a.3mf", NULL, message);
+    if (!result || !strstr(message, expected)) {
+        print_error("%d \"%s\"\n  expected \"%s\"\n", (int)result, message, expected);
+        fail();
+    }
+    bytes_free(&bytes);
+}
+
+static void test_broken_models(void **state) {
+    static const struct {
+        const char *model, *expected;
+    } cases[] = {
+        {"<model/>", "3D/a.model:1: expected <model> of the 3MF core namespace"},
+        {"<model " CORE "></model>", "expected <resources> and <build>"},
+        {"<model " CORE ">", "is not XML"},
+        {"<!DOCTYPE a [<!ENTITY b \"c\">]><model " CORE "/>", "a document type is not allowed"},
+        {"<?xml version=\"1.0\" encoding=\"iso-8859-1\"?><model " CORE "/>", "expected UTF-8"},
+        {MODEL("<object id=\"x\"/>", ""), "expected an object with an id"},
+        {MODEL("<object id=\"1\" type=\"cake\"/>", ""), "expected model, solidsupport"},
+        {MODEL("<object id=\"1\"/><object id=\"1\"/>", ""), "object 1: is defined twice"},
+        {MODEL("<object id=\"1\">" TETRA("<triangle v1=\"0\" v2=\"2\" v3=\"4\"/>") "</object>", ""),
+            "expected v3 of a triangle to be one of the 4 vertices"},
+        {MODEL(
+             "<object id=\"1\">" TETRA("<triangle v1=\"0\" v2=\"-1\" v3=\"1\"/>") "</object>", ""),
+            "expected v2 of a triangle"},
+        {MODEL("<object id=\"1\"><mesh><vertices><vertex x=\"nan\" y=\"0\" z=\"0\"/></vertices>"
+               "</mesh></object>",
+             ""),
+            "expected a vertex with the numbers x, y and z"},
+        {MODEL("", "<item objectid=\"3\"/>"), "build: names object 3, which is not defined"},
+        {MODEL("<object id=\"1\" type=\"other\"/>", "<item objectid=\"1\"/>"), "of the type other"},
+        {MODEL("", "<item objectid=\"3\" transform=\"1 2 3\"/>"), "a transform of twelve numbers"},
+        {MODEL("<object id=\"1\"><components><component objectid=\"1\"/></components></object>",
+             "<item objectid=\"1\"/>"),
+            "object 1: names object 1, which is not defined before it"},
+        {MODEL("", "<item objectid=\"3\" p:path=\"/3D/gone.model\"/>"),
+            "the part 3D/gone.model is missing"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i)
+        expect_refused(package(cases[i].model, RELS), cases[i].expected);
+    (void)state;
+}
+
+/* Thirty objects that each draw the one before twice are a billion meshes. */
+static void test_billion(void **state) {
+    static char model[16000];
+    size_t length = (size_t)snprintf(model, sizeof model,
+        "<model " CORE "><resources><object id=\"1\">" TETRA(FACES) "</object>");
+    for (int i = 2; i < 32; ++i)
+        length += (size_t)snprintf(model + length, sizeof model - length,
+            "<object id=\"%d\"><components><component objectid=\"%d\"/><component objectid=\"%d\"/>"
+            "</components></object>",
+            i, i - 1, i - 1);
+    snprintf(model + length, sizeof model - length,
+        "</resources><build><item objectid=\"31\"/></build></model>");
+    expect_refused(package(model, RELS), "draw far more than the file has bytes");
+    (void)state;
+}
+
+static void test_broken_zips(void **state) {
+    document_bytes whole = package(MODEL("", ""), RELS);
+    for (size_t size = 0; size < whole.size; ++size) { /* cut anywhere: refused, or all is there */
+        document_bytes cut = bytes_copy(whole.data, size);
+        (void)bytes_try(cut, "a.3mf", NULL, NULL);
+        bytes_free(&cut);
+    }
+    for (size_t at = 0; at < whole.size; ++at) { /* and any byte another */
+        document_bytes other = bytes_copy(whole.data, whole.size);
+        other.data[at] ^= 0xFF;
+        (void)bytes_try(other, "a.3mf", NULL, NULL);
+        bytes_free(&other);
+    }
+    document_bytes harmed = bytes_copy(whole.data, whole.size);
+    size_t comment = 0;
+    while (memcmp(harmed.data + comment, "kept", 4) != 0) ++comment;
+    harmed.data[comment] ^= 1;
+    expect_refused(harmed, "the part 3D/a.model is damaged");
+    expect_refused(bytes_copy("PK", 2), "is not the zip that a 3MF is: it has no directory");
+    expect_refused(package(MODEL("", ""), "<Relationships/>"), "_rels/.rels: names 0 models");
+    bytes_free(&whole);
+    (void)state;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_reads),
+        cmocka_unit_test(test_edits),
+        cmocka_unit_test(test_sets),
+        cmocka_unit_test(test_broken_models),
+        cmocka_unit_test(test_billion),
+        cmocka_unit_test(test_broken_zips),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
