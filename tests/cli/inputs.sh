@@ -63,7 +63,7 @@ done
 is 3 "$tree_files" compute models/.hidden/.. outside/nothing --out-dir out
 mkdir hollow
 is 3 '' compute hollow --out-dir out
-says 'hollow: holds no OBJ, PLY, STL, glTF or GLB file'
+says 'hollow: holds no OBJ, PLY, STL, glTF or 3MF file, nor a tile'
 is 2 '' compute models -o one.obj
 says 'one -o for 5 inputs'
 
