@@ -295,7 +295,7 @@ static void XMLCALL start_element(void *user, const XML_Char *name, const XML_Ch
         return;
     }
     r->parents[r->depth++] = r->element;
-    r->element = ELEMENTS[i].element;
+    r->element = (int)ELEMENTS[i].element;
     begin_element(r, attributes);
 }
 

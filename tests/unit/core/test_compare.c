@@ -260,7 +260,8 @@ static void moved_corners_stay_on_their_side(void **state) {
 /* By Lagrange and clamping, a way of its own: the plane's point if it is inside, else the nearest
  * on an edge. */
 static double distance_to(const double p[3], double corners[3][3]) {
-    double normal[3], u[3], v[3], from[3], least = INFINITY, inside = 1;
+    double normal[3], u[3], v[3], from[3], least = INFINITY;
+    int inside = 1;
     for (int k = 0; k < 3; k++) {
         u[k] = corners[1][k] - corners[0][k];
         v[k] = corners[2][k] - corners[0][k];

@@ -89,8 +89,10 @@ static void many_near_and_far(void **state) {
                                            : random_below(&seed, VALUES);
         memcpy(soup[c], at[values[c]], sizeof soup[c]);
     }
-    const norma_mesh once = {.positions = {at, VALUES}, .corners = values, .corner_count = MANY},
-                     mesh = {.positions = {soup, MANY}, .corner_count = MANY};
+    const norma_mesh once = {.positions = {.data = at, .count = VALUES},
+                         .corners = values,
+                         .corner_count = MANY},
+                     mesh = {.positions = {.data = soup, .count = MANY}, .corner_count = MANY};
     assert_ok(norma_vertex_normals(&once, NULL, named[0], VALUES, NULL));
     for (uint32_t threads = 1; threads < 6; threads += 2) {
         const norma_options options = {.threads = threads};
