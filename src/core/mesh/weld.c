@@ -112,12 +112,14 @@ static void deal_slice(void *context, size_t slice) {
     w->near[slice] = for_slice(w, slice, is_one_bucket(w), deal_key);
 }
 
-/* Those that are one with a recent key are one with the first. */
+/* Those that are one with a recent key are one with the first. A recent key is of the same slice;
+ * what lies in another, which may be at work, is a first one. */
 static void follow_slice(void *context, size_t slice) {
     const welding *w = context;
-    const size_t end = share_of(w->keys->count, slice + 1, w->slices);
-    for (size_t i = share_of(w->keys->count, slice, w->slices); i < end && w->near[slice]; i++)
-        w->weld[i] = w->weld[w->weld[i]];
+    const size_t begin = share_of(w->keys->count, slice, w->slices),
+                 end = share_of(w->keys->count, slice + 1, w->slices);
+    for (size_t i = begin; i < end && w->near[slice]; i++)
+        if (w->weld[i] >= begin) w->weld[i] = w->weld[w->weld[i]];
 }
 
 /* Counts become places: bucket by bucket, in each slice by slice. Returns the most that one bucket

@@ -40,7 +40,7 @@ static void shade_flat(shaded *s) {
 static void shade_radial(shaded *s) {
     s->normals = test_calloc(s->mesh.position_count, 12);
     for (size_t i = 0; i < 3 * s->mesh.position_count; i++)
-        s->normals[i] = (float)s->mesh.positions[0][i];
+        s->normals[i] = (float)s->mesh.positions[i / 3][i % 3];
 }
 
 static norma_compare_sample *compare(

@@ -61,7 +61,8 @@ static void add_member(made_zip *z, const char *name, const char *text, size_t l
         put(to, size, length, 4);
         put(to, size, name_length, 2);
         put(to, size, 0, 2);
-        if (central) put(to, size, 0, 2 + 2 + 2 + 4);
+        if (central) put(to, size, 0, 2 + 2 + 2);
+        if (central) put(to, size, 0, 4);
         if (central) put(to, size, at, 4);
         put_text(to, size, name, name_length);
         if (!central) put_text(to, size, text, length);
