@@ -247,7 +247,7 @@ static void moved_corners_stay_on_their_side(void **state) {
     shade_flat(&base);
     shaded other = shuffled(&base, 3);
     for (size_t i = 0; i < 3 * other.mesh.position_count; i++)
-        other.mesh.positions[0][i] += 1e-3 * shape_random_unit(&seed);
+        other.mesh.positions[i / 3][i % 3] += 1e-3 * shape_random_unit(&seed);
     test_free(compare(&base, &other, &same, &sum, 0));
     assert_true(!same && sum.max_distance > 1e-4 && sum.max_distance < 2e-3);
     assert_true(sum.max_rad * DEGREES < 1e-4);
