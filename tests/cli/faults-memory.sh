@@ -46,6 +46,7 @@ cases() {
     echo "transform --bake, an asset in place|$NORMA transform roof.gltf --in-place --rotate 0,0,1,30 --bake --threads 1"
     echo "check --fix-unsafe, an asset in place|$NORMA check --fix-unsafe --select N roof.gltf --in-place --threads 1"
     echo "check --fix-unsafe glb|$NORMA check --fix-unsafe --select N roof.glb --in-place --threads 1"
+    echo "check --fix-unsafe 3mf|$NORMA check --fix-unsafe --select N3 turned.3mf -o out.3mf --threads 1"
     for format in json sarif html; do echo "check --format $format|$NORMA check cube.obj roof.gltf broken.obj --format $format --threads 1"; done
     echo "check of a folder, two threads|$NORMA check . --threads 2"
     echo "check --write-baseline|$NORMA check cube.obj roof.ply --write-baseline=packed/base.json --threads 1"

@@ -183,8 +183,8 @@ int fuzz_reader(const uint8_t *bytes, size_t size, norma_file_format format) {
         .format = format,
         .depth = NORMA_DOCUMENT_SUMMARY,
         .threads = 1};
-    const int shares =
-        format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB; /* elements share bytes */
+    const int shares = format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB ||
+                       format == NORMA_FILE_3MF; /* elements share bytes, a zip unpacks to more */
     shares ? fuzz_meter_begin(size) : fuzz_meter_begin_plain(size);
     (void)open_and_read(bytes, size, &options);
     options.depth = NORMA_DOCUMENT_WHOLE;

@@ -107,7 +107,9 @@ static norma_document_result read_relationships(norma_document *document, const 
     XML_SetUserData(parser, found);
     XML_SetStartElementHandler(parser, add_relationship);
     const int fine = size <= INT32_MAX && XML_Parse(parser, text, (int)size, 1) == XML_STATUS_OK;
+    const int is_full = !fine && XML_GetErrorCode(parser) == XML_ERROR_NO_MEMORY;
     XML_ParserFree(parser);
+    if (is_full) return norma_document_fail_memory(document, error);
     if (!fine)
         return norma_document_fail(
             document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "_rels/.rels", "is not XML");

@@ -155,10 +155,11 @@ static size_t packed_at(const zip_archive *a, const zip_member *m) {
     return begin <= a->directory && m->packed <= a->directory - begin ? (size_t)begin : 0;
 }
 
+/* Z_OK, Z_MEM_ERROR, or another error of zlib. */
 static int inflate_all(const unsigned char *from, size_t packed, char *to, size_t size) {
     z_stream z = {.next_in = (unsigned char *)(uintptr_t)from, .next_out = (unsigned char *)to};
     int status = inflateInit2(&z, -MAX_WBITS);
-    if (status != Z_OK) return 0;
+    if (status != Z_OK) return status;
     while (status == Z_OK) { /* zlib counts in 32 bits */
         const size_t in = packed < UINT32_MAX ? packed : UINT32_MAX,
                      out = size < UINT32_MAX ? size : UINT32_MAX;
@@ -169,7 +170,9 @@ static int inflate_all(const unsigned char *from, size_t packed, char *to, size_
         size -= out - z.avail_out;
     }
     inflateEnd(&z);
-    return status == Z_STREAM_END && size == 0;
+    return status == Z_STREAM_END && size == 0 ? Z_OK
+           : status == Z_MEM_ERROR             ? Z_MEM_ERROR
+                                               : Z_DATA_ERROR;
 }
 
 char *norma_zip_unpack(const zip_archive *a, size_t member, const char **wrong) {
@@ -185,19 +188,20 @@ char *norma_zip_unpack(const zip_archive *a, size_t member, const char **wrong) 
     char *text = malloc(size + 1);
     *wrong = "";
     if (!text) return NULL;
-    int fine = 1;
+    int status = Z_OK;
     if (m->method == STORED)
         memcpy(text, a->bytes + begin, size);
     else
-        fine = inflate_all(a->bytes + begin, (size_t)m->packed, text, size);
+        status = inflate_all(a->bytes + begin, (size_t)m->packed, text, size);
     text[size] = '\0';
     uLong sum = crc32(0, NULL, 0);
-    for (size_t at = 0; fine && at < size; at += UINT16_MAX)
+    for (size_t at = 0; status == Z_OK && at < size; at += UINT16_MAX)
         sum = crc32(sum, (const unsigned char *)text + at,
             (unsigned)(size - at < UINT16_MAX ? size - at : UINT16_MAX));
-    if (fine && sum == m->sum) return text;
+    if (status == Z_OK && sum == m->sum) return text;
     free(text);
-    *wrong = "is damaged: it does not unpack to the length and checksum that the zip gives";
+    if (status != Z_MEM_ERROR)
+        *wrong = "is damaged: it does not unpack to the length and checksum that the zip gives";
     return NULL;
 }
 
