@@ -268,9 +268,9 @@ int norma_core_progress(core_call *call, double fraction_of_stage);
  * cancel. */
 norma_result norma_core_finish(core_call *call, norma_result result);
 
-/* How many may work, where the caller has no parallel_for: at least 1. With NORMA_ALL_THREADS the
- * system is asked, which takes longer than the normals of some thousand corners: so a call says
- * first how many there are, and few are for the calling thread alone. */
+/* How many may work, where the caller has no parallel_for: at least 1. To begin a thread, and with
+ * NORMA_ALL_THREADS to ask the system, takes longer than the normals of some thousand corners: so a
+ * call says first how many there are, and few are for the calling thread alone. */
 void norma_core_share(core_call *call, size_t corners);
 size_t norma_core_workers(const core_call *call);
 /* Into how many parts work is divided that each of them must have one of: as many as may work, and
@@ -282,9 +282,8 @@ size_t norma_core_shares(const core_call *call);
  * (then some tasks did not run). */
 norma_result norma_core_parallel(core_call *call, size_t count, norma_task *task, void *context);
 
-/* Threads for all steps between the two, where there is enough to do; without them each step begins
- * its own. */
-void norma_core_gather(core_call *call, size_t corners);
+/* Threads for all steps between the two; without them each step begins its own. */
+void norma_core_gather(core_call *call);
 void norma_core_dismiss(core_call *call);
 
 /* ---- the caller's normals, reasons and report: checked before anything is written, written once,

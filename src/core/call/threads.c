@@ -34,10 +34,7 @@ static norma_result run_in_threads(const pool *c, size_t workers) {
     return run_in_order(c);
 }
 static size_t machine_threads(void) { return 1; }
-void norma_core_gather(core_call *call, size_t corners) {
-    (void)call;
-    (void)corners;
-}
+void norma_core_gather(core_call *call) { (void)call; }
 void norma_core_dismiss(core_call *call) { (void)call; }
 #else
 #include <pthread.h>
@@ -122,10 +119,8 @@ static void next_round(core_team *team) {
     pthread_mutex_unlock(&team->lock);
 }
 
-void norma_core_gather(core_call *call, size_t corners) {
-    enum { CORNERS_WORTH_A_HELPER = 1 << 12 };
-    const size_t workers = norma_core_workers(call), worth = corners / CORNERS_WORTH_A_HELPER,
-                 helpers = workers - 1 < worth ? workers - 1 : worth;
+void norma_core_gather(core_call *call) {
+    const size_t helpers = norma_core_workers(call) - 1;
     if (call->options.parallel_for || helpers == 0) return;
     core_team *team = norma_core_allocate(call, 1, sizeof *team);
     if (!team) return; /* each step begins threads of its own */
@@ -218,13 +213,14 @@ static size_t machine_threads(void) {
 
 #endif
 
-enum { FEWEST_CORNERS_TO_SHARE = 1 << 13 };
+/* A thread is begun in the time of some thousand corners. */
+enum { CORNERS_WORTH_A_WORKER = 1 << 14 };
 
 void norma_core_share(core_call *call, size_t corners) {
-    call->workers = 0;
-    call->workers = call->options.threads == NORMA_ALL_THREADS && corners < FEWEST_CORNERS_TO_SHARE
-                        ? 1
-                        : norma_core_workers(call);
+    const size_t worth = 1 + corners / CORNERS_WORTH_A_WORKER;
+    call->workers = worth == 1 ? 1 : 0;
+    const size_t workers = norma_core_workers(call);
+    call->workers = workers < worth ? workers : worth;
 }
 
 /* No more than there ever are: products of more could exceed a size_t of 32 bits. */

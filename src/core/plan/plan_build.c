@@ -264,7 +264,7 @@ norma_result norma_plan_create(const norma_mesh *mesh, norma_element of, float c
         norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
     if (result != NORMA_OK) return result;
     norma_plan *made = NULL;
-    norma_core_gather(&call, checked.corner_count);
+    norma_core_gather(&call);
     result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
     if (result == NORMA_OK) {
         made = new_plan(&prepared, of);

@@ -101,7 +101,7 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
     if (result == NORMA_OK)
         result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
     if (result != NORMA_OK) return result;
-    norma_core_gather(&call, checked.corner_count);
+    norma_core_gather(&call);
     result = open_and_compute_corners(&call, &checked, (double)crease_angle_rad, &output, report);
     norma_core_dismiss(&call);
     return result;

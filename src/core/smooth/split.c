@@ -456,7 +456,7 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     if (result == NORMA_OK && corners && checked.corner_count > corner_capacity)
         result = NORMA_ERROR_CAPACITY;
     if (result != NORMA_OK) return result;
-    norma_core_gather(&call, checked.corner_count);
+    norma_core_gather(&call);
     result =
         norma_core_open_smooth_fans(&call, &checked, (double)crease_angle_rad, &prepared, &smooth);
     if (result == NORMA_OK) {

@@ -36,7 +36,7 @@ norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute
     norma_core_stage(&call, 0, 0.05);
     if (result == NORMA_OK) result = norma_core_mesh_content(&call, &checked.mesh);
     if (result != NORMA_OK) return result;
-    norma_core_gather(&call, checked.mesh.corner_count);
+    norma_core_gather(&call);
     result = compute_corner_tangents(&checked, mode, &output, report);
     norma_core_dismiss(&call);
     return result;

@@ -365,7 +365,7 @@ static norma_result compare_surfaces(comparing *c, int *same_faces) {
     c->slack = JUST_ALIKE * size_of_mesh(&c->base.mesh);
     c->faces = norma_core_allocate(&c->call, faces, sizeof *c->faces);
     if (!c->faces) return NORMA_ERROR_MEMORY;
-    norma_core_gather(&c->call, c->other.mesh.corner_count);
+    norma_core_gather(&c->call);
     norma_core_stage(&c->call, 0, 0.1);
     norma_result result =
         norma_core_parallel(&c->call, chunks_of(faces), measure_compared_faces, c);

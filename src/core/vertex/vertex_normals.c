@@ -120,7 +120,7 @@ norma_result norma_vertex_normals(const norma_mesh *mesh, const norma_options *o
     const size_t chunks = checked.face_count / CORE_FACES_IN_CHUNK + 1;
     core_range *ranges = norma_core_allocate(&call, chunks, sizeof *ranges);
     if (!ranges) return NORMA_ERROR_MEMORY;
-    norma_core_gather(&call, checked.corner_count);
+    norma_core_gather(&call);
     result = open_and_compute(&call, &checked, ranges, &output, report);
     norma_core_dismiss(&call);
     norma_core_release(&call, ranges, chunks, sizeof *ranges);
