@@ -35,9 +35,9 @@ if(NORMA_WERROR)
 endif()
 
 # Files of the core that run seldom, or once for a mesh that moves: they are made small as well.
-set(web_seldom "call_|topology_|mesh_(weld_distance|kdtree|nearest|scattered)|plan_(plan_(groups|blocks|build)|morph)")
-string(APPEND web_seldom "|tangent_(build|mikk_groups|steady|tangent_plan|tangent_vertices|tangents)|vertex_queued|matrix_(matrix|encode)")
-string(APPEND web_seldom "|corner_(crowded|borrowed|large_star|fallback|find_fault|index_corners|normal_cone|visit|prepared|star_edges|fans.c|measured)|face_(exact|cut|reflex|twin)|smooth_split")
+set(web_seldom "call_|topology_|mesh_(kdtree|nearest)|plan_(plan_(groups|blocks|build)|overflow|morph)")
+string(APPEND web_seldom "|tangent_(build|mikk_groups|steady|tangent_plan|tangent_vertices|tangents)|matrix_(matrix|encode|normal_matrix)|vertex_open_sum")
+string(APPEND web_seldom "|corner_(star_fans|star.c|fallback|index_corners|normal_cone|visit|prepared)|face_(face_exact|cut)|smooth_split")
 
 # Compressed glTF: meshoptimizer's codecs and libdraco, from the sources that scripts/install-deps.sh web puts there.
 set(NORMA_WEB_SOURCES ${PROJECT_SOURCE_DIR}/build/sources CACHE PATH "A folder with the sources of meshoptimizer and draco, of which WebAssembly is made")
