@@ -62,9 +62,7 @@ typedef enum norma_file_format {
 } norma_file_format;
 
 /* Whether files of a format hold a glTF. */
-static inline int norma_file_format_is_gltf(norma_file_format format) {
-    return format >= NORMA_FILE_GLTF && format <= NORMA_FILE_CMPT;
-}
+NORMA_API int norma_file_format_is_gltf(norma_file_format format);
 
 /* Returns "obj", "ply", "stl", "gltf", "glb", "b3dm", "i3dm", "cmpt" or "3mf"; "" for
  * unknown. */

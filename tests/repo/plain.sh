@@ -8,7 +8,7 @@ plain=$scratch/plain
 
 machine=$(gcc -print-multiarch)
 check "cmake configures" bash -c 'env -u CMAKE_GENERATOR cmake -S . -B "$0" -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_IGNORE_PATH=/usr/include;/usr/include/$2;/usr/lib/$2" >"$1" 2>&1 || { cat "$1"; exit 1; }' "$plain" "$scratch/configured" "$machine"
-for part in meshoptimizer draco .norma.json 'norma render' 'norma view' tests; do
+for part in meshoptimizer draco 3MF 'norma render' 'norma view' tests; do
     check "the summary says that this is left out: $part" grep -qE -- "-- .*$part.* no(,.* not found \(Debian: .*|\$)" "$scratch/configured"
 done
 check "cmake builds" cmake --build "$plain" -j "${JOBS:-$(nproc)}"
@@ -40,7 +40,9 @@ GLTF
 told "compute refuses compressed glTF" 3 "needs meshoptimizer, which this Norma was built without" "$norma" compute "$scratch/packed.gltf" -o "$scratch/out.gltf"
 sed "s/EXT_meshopt/KHR_draco_mesh/g" "$scratch/packed.gltf" >"$scratch/draco.gltf"
 told "compute refuses what Draco packed" 3 "needs libdraco, which this Norma was built without" "$norma" compute "$scratch/draco.gltf" -o "$scratch/out.gltf"
-told "check reports it as not checked" 0 "N002" "$norma" check "$scratch/packed.gltf"
+printf 'PK\003\004' >"$scratch/box.3mf"
+told "check refuses 3MF" 3 "3MF needs zlib and expat, which this Norma was built without" "$norma" check "$scratch/box.3mf"
+told "check of nothing that could be checked is an error" 1 "N002" "$norma" check "$scratch/packed.gltf"
 
 # The core alone.
 core=$scratch/core

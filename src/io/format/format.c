@@ -159,6 +159,10 @@ const char *norma_file_format_name(norma_file_format format) {
     return "";
 }
 
+int norma_file_format_is_gltf(norma_file_format format) {
+    return format >= NORMA_FILE_GLTF && format <= NORMA_FILE_CMPT;
+}
+
 static int equal_case_aside(const char *text, const char *lower) {
     while (*text && *lower) {
         char letter = *text >= 'A' && *text <= 'Z' ? (char)(*text - 'A' + 'a') : *text;
