@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_CORNERS = 64, MOST_EDGES = 2000, RAYS = 128, MOST_TURNED = 24 };
+enum { MOST_CORNERS = 64, MOST_EDGES = 2000, RAYS = 128, MOST_TURNED = 24, MOST_INSTANCES = 16 };
 
 typedef struct vec {
     double x[3];
@@ -31,7 +31,15 @@ typedef struct face {
     size_t component;             /* its least face */
 } face;
 
+/* A mesh as a node places it, baked or not; one that no node draws stays where it is. */
+typedef struct placement {
+    size_t mesh;
+    double world[16];
+} placement;
+
 typedef struct surface {
+    placement *placements;
+    size_t placement_count;
     vec *positions;
     size_t position_count;
     face *faces;
@@ -200,9 +208,35 @@ static void find_components(surface *s) {
     }
 }
 
+static void place(surface *s, size_t mesh, const double world[16]) {
+    s->placements = realloc(s->placements, (s->placement_count + 1) * sizeof *s->placements);
+    if (!s->placements) abort();
+    placement *here = &s->placements[s->placement_count++];
+    here->mesh = mesh;
+    memcpy(here->world, world, sizeof here->world);
+}
+
+static void read_placements(surface *s, norma_document *document, size_t mesh) {
+    static const double same[16] = {[0] = 1, [5] = 1, [10] = 1, [15] = 1};
+    const size_t before = s->placement_count;
+    norma_mesh_info info;
+    norma_node_info node;
+    double world[16];
+    if (norma_document_mesh_info(document, mesh, &info)) return;
+    for (size_t n = 0; n < norma_document_node_count(document); ++n)
+        if (!norma_document_node_info(document, n, &node) && node.mesh == info.mesh)
+            for (size_t i = 0; i < node.instances && i < MOST_INSTANCES; ++i)
+                if (!norma_document_instance_world(document, n, i, world, NULL))
+                    place(s, mesh, world);
+    if (s->placement_count == before) place(s, mesh, same);
+}
+
 static void read_surface(surface *s, norma_document *document) {
     vec low = {{INFINITY, INFINITY, INFINITY}}, high = {{-INFINITY, -INFINITY, -INFINITY}};
-    for (size_t m = 0; m < norma_document_mesh_count(document); ++m) read_mesh(s, document, m);
+    for (size_t m = 0; m < norma_document_mesh_count(document); ++m) {
+        read_mesh(s, document, m);
+        read_placements(s, document, m);
+    }
     for (size_t i = 0; i < s->position_count; ++i)
         for (int k = 0; k < 3; ++k) {
             low.x[k] = fmin(low.x[k], s->positions[i].x[k]);
@@ -215,6 +249,7 @@ static void read_surface(surface *s, norma_document *document) {
 }
 
 static void free_surface(surface *s) {
+    free(s->placements);
     free(s->positions);
     free(s->faces);
     free(s->edges);
@@ -283,19 +318,43 @@ static int opposes(const face *f) {
     return 1;
 }
 
-/* Whether a face of those that opposed their normals had these corners among its own. */
+static vec placed(const double world[16], vec p) {
+    vec q;
+    for (int k = 0; k < 3; ++k)
+        q.x[k] = world[k] * p.x[0] + world[4 + k] * p.x[1] + world[8 + k] * p.x[2] + world[12 + k];
+    return q;
+}
+
+/* Whether the corners of now, as they are placed, are among those of was. */
+static int is_image(const judging *j, const placement *from, const face *was, const placement *to,
+    const face *now) {
+    size_t found = 0;
+    for (size_t i = 0; i < now->count; ++i)
+        for (size_t k = 0; k < was->count; ++k) {
+            const vec p = placed(from->world, j->before.positions[was->corners[k]]),
+                      q = placed(to->world, j->after.positions[now->corners[i]]);
+            double scale = 0;
+            for (int c = 0; c < 12; ++c) scale = fmax(scale, fabs(from->world[c]));
+            if (length(minus(p, q)) > 4e-6 * scale * j->before.size + 1e-6 * length(p)) continue;
+            ++found;
+            break;
+        }
+    return found == now->count;
+}
+
+/* Whether a face of those that opposed their normals had these corners among its own, in the same
+ * mesh, or, as a fix may carry nodes into meshes, at the same place of the scene. */
 static int opposed_before(const judging *j, const face *now) {
-    for (size_t f = 0; f < j->before.face_count; ++f) {
-        const face *was = &j->before.faces[f];
-        size_t found = 0;
-        if (was->mesh != now->mesh || !opposes(was)) continue;
-        for (size_t i = 0; i < now->count; ++i)
-            for (size_t k = 0; k < was->count; ++k)
-                if (is_near(j, was->corners[k], now->corners[i])) {
-                    ++found;
-                    break;
-                }
-        if (found == now->count) return 1;
+    const surface *before = &j->before, *after = &j->after;
+    for (size_t f = 0; f < before->face_count; ++f) {
+        const face *was = &before->faces[f];
+        if (!opposes(was)) continue;
+        for (size_t b = 0; b < before->placement_count; ++b)
+            for (size_t a = 0; a < after->placement_count; ++a)
+                if (before->placements[b].mesh == was->mesh &&
+                    after->placements[a].mesh == now->mesh &&
+                    is_image(j, &before->placements[b], was, &after->placements[a], now))
+                    return 1;
     }
     return 0;
 }
