@@ -442,6 +442,17 @@ static image_result image_turn_jpeg(const unsigned char *bytes, size_t size, gro
 
 /* ---- Which kind of image it is, by its first bytes. */
 
+image_result norma_image_write(
+    const uint8_t *pixels, size_t width, size_t height, growing_bytes *out) {
+    const image_raster raster = {.width = width,
+        .height = height,
+        .stride = 3 * width,
+        .depth = 8,
+        .color_type = PNG_COLOR_TYPE_RGB,
+        .pixels = (unsigned char *)pixels};
+    return image_write_png(&raster, out);
+}
+
 int norma_image_is_png(const unsigned char *bytes, size_t size) {
     static const unsigned char start[4] = {0x89, 'P', 'N', 'G'};
     return size > sizeof start && memcmp(bytes, start, sizeof start) == 0;

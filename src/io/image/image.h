@@ -33,6 +33,9 @@ const char *norma_image_text(image_result result); /* what is wrong with it */
  * data kept; what a JPEG decodes to becomes a PNG of eight bits, so that nothing more is lost.
  * out: empty; its data is the caller's to free in any case. */
 image_result norma_image_turn_green(const unsigned char *bytes, size_t size, growing_bytes *out);
+/* Rows of red, green and blue, eight bits each, as a PNG; out as above. */
+image_result norma_image_write(
+    const uint8_t *pixels, size_t width, size_t height, growing_bytes *out);
 int norma_image_is_png(const unsigned char *bytes, size_t size);
 
 /* ---- within this room */

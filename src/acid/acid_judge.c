@@ -1,0 +1,422 @@
+/* acid_judge.c: which reference each subject of an acid scene looks like, in the picture's own
+ * colours.
+ *
+ * Each patch is resampled to one small square of means, whatever its size in the picture. The
+ * distance of two patches is the root mean square of their colours' difference away from the rim,
+ * the least over small shifts (a homography from four marks, and the parallax of a height field,
+ * are good to a pixel or a few hundredths of a patch).
+ *
+ * Noise (compression, resampling) is what the control, which is drawn as its reference is, differs
+ * from it by. It adds to all squared distances alike, and nearly nothing to their differences. So a
+ * subject at the part t of the way from reference a to reference b has d_b^2 - d_a^2 = D^2 (1 - 2
+ * t), where D is the distance of a and b in the same picture, which tone curves, exposure and
+ * environment change as they change those of the subject. It looks like a if t is less than a
+ * quarter for each b, and if what is left of its distance from a beside the noise is small as well.
+ */
+#include "acid/acid_judge.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LEAST_SIDE = 8, MOST_SIDE = 40, RING = 12 };
+
+static const double near_part = 0.3, most_way = 0.25, above_noise = 2, least_noise = 1.0 / 255,
+                    control_part = 0.25;
+
+typedef struct swatch { /* a patch, resampled */
+    float *colors;      /* side * side * 3 */
+    int inside;         /* all of it lies in the picture */
+} swatch;
+
+typedef struct judging {
+    const acid_picture *picture;
+    const acid_layout *layout;
+    const acid_map *map;
+    int side, inset; /* of swatches; cells at the rim that are not compared */
+    double reach;    /* of shifts */
+    double noise;
+    swatch subject, references[ACID_MOST_REFERENCES];
+} judging;
+
+/* ---- sampling */
+
+static const uint8_t *pixel_at(const acid_picture *picture, double x, double y) {
+    const double right = (double)picture->width - 1, bottom = (double)picture->height - 1;
+    const size_t column = (size_t)fmax(0, fmin(right, x)), row = (size_t)fmax(0, fmin(bottom, y));
+    return picture->pixels + 3 * (row * picture->width + column);
+}
+
+/* Adds the bilinear colour at a point; 0: it lies outside. */
+static int add_sample(const judging *j, const double unit[2], double sum[3]) {
+    double at[2];
+    norma_acid_map_point(j->map, unit, at);
+    if (!(at[0] >= 0 && at[1] >= 0 && at[0] <= (double)j->picture->width &&
+            at[1] <= (double)j->picture->height))
+        return 0;
+    const double x = floor(at[0] - 0.5), y = floor(at[1] - 0.5), fx = at[0] - 0.5 - x,
+                 fy = at[1] - 0.5 - y;
+    const uint8_t *p[4] = {pixel_at(j->picture, x, y), pixel_at(j->picture, x + 1, y),
+        pixel_at(j->picture, x, y + 1), pixel_at(j->picture, x + 1, y + 1)};
+    for (int k = 0; k < 3; ++k)
+        sum[k] += ((p[0][k] * (1 - fx) + p[1][k] * fx) * (1 - fy) +
+                      (p[2][k] * (1 - fx) + p[3][k] * fx) * fy) /
+                  255;
+    return 1;
+}
+
+/* The longer side of a box in pixels, and the shorter one. */
+static void box_pixels(const acid_map *map, const acid_box *box, double *longer, double *shorter) {
+    double sides[2];
+    for (int k = 0; k < 2; ++k) {
+        double from[2] = {box->center[0], box->center[1]}, to[2] = {from[0], from[1]}, a[2], b[2];
+        from[k] -= box->size[k] / 2;
+        to[k] += box->size[k] / 2;
+        norma_acid_map_point(map, from, a);
+        norma_acid_map_point(map, to, b);
+        sides[k] = hypot(b[0] - a[0], b[1] - a[1]);
+    }
+    *longer = fmax(sides[0], sides[1]);
+    *shorter = fmin(sides[0], sides[1]);
+}
+
+static void take_swatch(const judging *j, const acid_box *box, swatch *to) {
+    double longer, shorter;
+    box_pixels(j->map, box, &longer, &shorter);
+    const int taps = (int)fmax(1, fmin(8, ceil(longer / j->side)));
+    to->inside = 1;
+    for (int y = 0; y < j->side; ++y)
+        for (int x = 0; x < j->side; ++x) {
+            double sum[3] = {0};
+            for (int tap = 0; tap < taps * taps; ++tap) {
+                const double u = (x + (tap % taps + 0.5) / taps) / j->side - 0.5,
+                             v = (y + (tap / taps + 0.5) / taps) / j->side - 0.5,
+                             unit[2] = {box->center[0] + u * box->size[0],
+                                 box->center[1] + v * box->size[1]};
+                if (!add_sample(j, unit, sum)) to->inside = 0;
+            }
+            for (int k = 0; k < 3; ++k)
+                to->colors[3 * (y * j->side + x) + k] = (float)(sum[k] / (taps * taps));
+        }
+}
+
+/* ---- distances */
+
+static double distance_at(
+    const judging *j, const swatch *a, const swatch *b, double dx, double dy) {
+    const int fx = (int)floor(dx), fy = (int)floor(dy), begin = j->inset, end = j->side - j->inset;
+    const float u = (float)(dx - fx), v = (float)(dy - fy);
+    double sum = 0;
+    for (int y = begin; y < end; ++y)
+        for (int x = begin; x < end; ++x) {
+            const float *p = a->colors + 3 * (y * j->side + x),
+                        *q = b->colors + 3 * ((y + fy) * j->side + x + fx), *r = q + 3 * j->side;
+            for (int k = 0; k < 3; ++k) {
+                const float there =
+                    (q[k] * (1 - u) + q[k + 3] * u) * (1 - v) + (r[k] * (1 - u) + r[k + 3] * u) * v;
+                sum += (double)((p[k] - there) * (p[k] - there));
+            }
+        }
+    return sqrt(sum / (3.0 * (end - begin) * (end - begin)));
+}
+
+/* The least over shifts within reach: a coarse grid, then finer ones around its best. */
+static double swatch_distance(const judging *j, const swatch *a, const swatch *b) {
+    double best = INFINITY, at[2] = {0, 0};
+    for (double step = j->reach / 2, span = 2; step > j->reach / 12; step /= 2, span = 1) {
+        const double middle[2] = {at[0], at[1]};
+        for (double y = -span; y <= span; ++y)
+            for (double x = -span; x <= span; ++x) {
+                const double dx = middle[0] + x * step, dy = middle[1] + y * step;
+                if (fabs(dx) > j->reach || fabs(dy) > j->reach) continue;
+                const double d = distance_at(j, a, b, dx, dy);
+                if (d >= best) continue;
+                best = d;
+                at[0] = dx;
+                at[1] = dy;
+            }
+    }
+    return best;
+}
+
+/* Of a swatch's colours around their mean: how much shading it shows. */
+static double contrast(const judging *j, const swatch *a) {
+    double sum[3] = {0}, square = 0, mean = 0;
+    const int begin = j->inset, end = j->side - j->inset, count = (end - begin) * (end - begin);
+    for (int y = begin; y < end; ++y)
+        for (int x = begin; x < end; ++x)
+            for (int k = 0; k < 3; ++k) {
+                const double c = (double)a->colors[3 * (y * j->side + x) + k];
+                sum[k] += c;
+                square += c * c;
+            }
+    for (int k = 0; k < 3; ++k) mean += sum[k] / count * (sum[k] / count);
+    return sqrt(fmax(0, (square / count - mean) / 3));
+}
+
+/* ---- the background */
+
+typedef struct background {
+    double color[3], spread; /* the median around a patch; half of the colours are not further */
+} background;
+
+static int compare_doubles(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double take_median(double *values, size_t count) {
+    qsort(values, count, sizeof *values, compare_doubles);
+    return values[count / 2];
+}
+
+/* How far beyond a box nothing else of its row lies, in sizes of the box; a tenth at most. */
+static double free_around(const acid_row *row, const acid_box *box) {
+    double gap = 0.2;
+    for (size_t i = 0; i <= row->reference_count; ++i) {
+        const acid_box *other = i ? &row->references[i - 1].box : &row->subject;
+        double between = -INFINITY;
+        if (other == box) continue;
+        for (int k = 0; k < 2; ++k)
+            between = fmax(between,
+                (fabs(other->center[k] - box->center[k]) - (other->size[k] + box->size[k]) / 2) /
+                    box->size[k]);
+        gap = fmin(gap, between);
+    }
+    return fmax(0, gap) / 2;
+}
+
+static void find_background(
+    const judging *j, const acid_row *row, const acid_box *box, background *found) {
+    const double out = 0.5 + free_around(row, box);
+    double colors[3][4 * RING], off[4 * RING];
+    size_t count = 0;
+    for (int i = 0; i < 4 * RING; ++i) {
+        const double along = ((i % RING) + 0.5) / RING * 2 * out - out;
+        const int side = i / RING;
+        const double u = side < 2 ? along : (side == 2 ? -out : out),
+                     v = side < 2 ? (side == 0 ? -out : out) : along,
+                     unit[2] = {
+                         box->center[0] + u * box->size[0], box->center[1] + v * box->size[1]};
+        double sample[3] = {0};
+        if (!add_sample(j, unit, sample)) continue;
+        for (int k = 0; k < 3; ++k) colors[k][count] = sample[k];
+        ++count;
+    }
+    *found = (background){.spread = INFINITY};
+    if (count < RING) return;
+    for (size_t i = 0; i < count; ++i) off[i] = 0;
+    for (int k = 0; k < 3; ++k) {
+        double sorted[4 * RING];
+        memcpy(sorted, colors[k], count * sizeof *sorted);
+        found->color[k] = take_median(sorted, count);
+        for (size_t i = 0; i < count; ++i)
+            off[i] = fmax(off[i], fabs(colors[k][i] - found->color[k]));
+    }
+    found->spread = take_median(off, count);
+}
+
+/* Whether a patch shows nothing but what lies around it. */
+static int is_background(
+    const judging *j, const acid_row *row, const acid_box *box, const swatch *a) {
+    background around;
+    const int begin = j->inset, end = j->side - j->inset;
+    double sum = 0;
+    find_background(j, row, box, &around);
+    if (!(around.spread < 0.1)) return 0;
+    for (int y = begin; y < end; ++y)
+        for (int x = begin; x < end; ++x)
+            for (int k = 0; k < 3; ++k) {
+                const double d = (double)a->colors[3 * (y * j->side + x) + k] - around.color[k];
+                sum += d * d;
+            }
+    return sqrt(sum / (3.0 * (end - begin) * (end - begin))) <
+           fmax(0.012, fmax(2 * around.spread, 2 * j->noise));
+}
+
+/* ---- verdicts */
+
+static void unclear(acid_finding *finding, acid_reason reason) {
+    finding->verdict = ACID_UNCLEAR;
+    finding->reason = reason;
+}
+
+/* Takes all patches of a row. */
+static int take_row_swatches(judging *j, const acid_row *row) {
+    int inside;
+    take_swatch(j, &row->subject, &j->subject);
+    inside = j->subject.inside;
+    for (size_t i = 0; i < row->reference_count; ++i) {
+        take_swatch(j, &row->references[i].box, &j->references[i]);
+        inside = inside && j->references[i].inside;
+    }
+    return inside;
+}
+
+/* A mistake by which nothing may be drawn at all. */
+static int find_lost(const acid_row *row) {
+    for (size_t i = 1; i < row->reference_count; ++i)
+        if (strcmp(row->references[i].id, "lost") == 0) return (int)i;
+    return -1;
+}
+
+static void judge_missing(const acid_row *row, acid_finding *finding) {
+    finding->nearest = find_lost(row);
+    finding->verdict = finding->nearest < 0 ? ACID_MISSING : ACID_FAIL;
+}
+
+/* The subject against each reference, and those against the nearest one (apart). */
+static void measure(
+    judging *j, const acid_row *row, acid_finding *finding, double apart[ACID_MOST_REFERENCES]) {
+    for (size_t i = 0; i < row->reference_count; ++i) {
+        finding->distances[i] = swatch_distance(j, &j->subject, &j->references[i]);
+        if (finding->nearest < 0 || finding->distances[i] < finding->distances[finding->nearest])
+            finding->nearest = (int)i;
+    }
+    finding->apart = INFINITY;
+    for (size_t i = 0; i < row->reference_count; ++i) {
+        if ((int)i == finding->nearest) continue;
+        apart[i] = swatch_distance(j, &j->references[finding->nearest], &j->references[i]);
+        finding->apart = fmin(finding->apart, apart[i]);
+    }
+}
+
+static double squared(double x) { return x * x; }
+
+static int is_between(const acid_row *row, const acid_finding *finding, double noise,
+    const double apart[ACID_MOST_REFERENCES]) {
+    const double *d = finding->distances, least = squared(d[finding->nearest]);
+    for (size_t i = 0; i < row->reference_count; ++i)
+        if ((int)i != finding->nearest &&
+            squared(d[i]) - least < (1 - 2 * most_way) * (squared(apart[i]) - squared(noise)))
+            return 1;
+    return 0;
+}
+
+static void judge_drawn(judging *j, const acid_row *row, acid_finding *finding) {
+    const double noise = fmax(least_noise, j->noise);
+    double apart[ACID_MOST_REFERENCES];
+    measure(j, row, finding, apart);
+    const double least = finding->distances[finding->nearest];
+    if (finding->apart < above_noise * noise)
+        unclear(finding, ACID_REASON_ALIKE);
+    else if (squared(least) > squared(2 * noise) + squared(0.6 * finding->apart))
+        unclear(finding, ACID_REASON_FAR);
+    else if (is_between(row, finding, noise, apart))
+        unclear(finding, ACID_REASON_BETWEEN);
+    else if (squared(least) > squared(1.5 * noise) + squared(near_part * finding->apart))
+        unclear(finding, ACID_REASON_FAR);
+    else
+        finding->verdict = finding->nearest == 0 ? ACID_PASS : ACID_FAIL;
+}
+
+static void judge_row(judging *j, const acid_row *row, acid_finding *finding) {
+    if (!take_row_swatches(j, row))
+        unclear(finding, ACID_REASON_OUTSIDE);
+    else if (is_background(j, row, &row->references[0].box, &j->references[0]))
+        unclear(finding, ACID_REASON_NOT_DRAWN);
+    else if (is_background(j, row, &row->subject, &j->subject))
+        judge_missing(row, finding);
+    else
+        judge_drawn(j, row, finding);
+}
+
+/* ---- the control: without it, nothing is known of the picture */
+
+static const acid_row *find_control(const acid_layout *layout, size_t *at) {
+    for (*at = 0; *at < layout->row_count; ++*at)
+        if (strcmp(layout->rows[*at].id, "control") == 0) return &layout->rows[*at];
+    return NULL;
+}
+
+static void judge_control(judging *j, const acid_row *row, acid_finding *finding) {
+    finding->verdict = ACID_FAIL;
+    if (!take_row_swatches(j, row)) {
+        finding->reason = ACID_REASON_OUTSIDE;
+        return;
+    }
+    if (is_background(j, row, &row->references[0].box, &j->references[0])) {
+        finding->reason = ACID_REASON_NOT_DRAWN;
+        return;
+    }
+    if (is_background(j, row, &row->subject, &j->subject)) {
+        finding->verdict = ACID_MISSING;
+        return;
+    }
+    finding->distances[0] = swatch_distance(j, &j->subject, &j->references[0]);
+    finding->apart = contrast(j, &j->references[0]);
+    if (finding->apart < 0.02)
+        finding->reason = ACID_REASON_ALIKE;
+    else if (finding->distances[0] > control_part * finding->apart)
+        finding->reason = ACID_REASON_FAR;
+    else
+        finding->verdict = ACID_PASS, finding->nearest = 0;
+}
+
+/* ---- a picture */
+
+static int choose_side(judging *j) {
+    double least = INFINITY, shorter, longer;
+    for (size_t i = 0; i < j->layout->row_count; ++i) {
+        box_pixels(j->map, &j->layout->rows[i].subject, &longer, &shorter);
+        least = fmin(least, shorter);
+    }
+    j->side = (int)fmax(LEAST_SIDE, fmin(MOST_SIDE, floor(least)));
+    j->reach = fmax(1, 0.03 * j->side);
+    j->inset = (int)ceil(j->reach + 0.08 * j->side);
+    return least >= LEAST_SIDE;
+}
+
+static int allocate_swatches(judging *j) {
+    const size_t size = (size_t)j->side * (size_t)j->side;
+    int there = (j->subject.colors = norma_io_allocate(size, 3 * sizeof(float))) != NULL;
+    for (int i = 0; i < ACID_MOST_REFERENCES; ++i)
+        there &= (j->references[i].colors = norma_io_allocate(size, 3 * sizeof(float))) != NULL;
+    return there;
+}
+
+static void free_swatches(judging *j) {
+    free(j->subject.colors);
+    for (int i = 0; i < ACID_MOST_REFERENCES; ++i) free(j->references[i].colors);
+}
+
+static void judge_rows(judging *j, int is_large, acid_judgement *to) {
+    size_t control_at;
+    const acid_row *control = find_control(j->layout, &control_at);
+    acid_reason reason = is_large ? ACID_REASON_NONE : ACID_REASON_SMALL;
+    if (control) {
+        acid_finding *finding = &to->findings[control_at];
+        if (is_large)
+            judge_control(j, control, finding);
+        else
+            finding->verdict = ACID_FAIL, finding->reason = reason;
+        if (is_large && finding->verdict != ACID_PASS) reason = ACID_REASON_CONTROL;
+        to->noise = j->noise = finding->distances[0];
+    }
+    for (size_t i = 0; i < j->layout->row_count; ++i) {
+        const acid_row *row = &j->layout->rows[i];
+        if (row->skipped)
+            to->findings[i].verdict = ACID_SKIPPED;
+        else if (row != control && reason)
+            unclear(&to->findings[i], reason);
+        else if (row != control)
+            judge_row(j, row, &to->findings[i]);
+        ++to->counts[to->findings[i].verdict];
+    }
+}
+
+int norma_acid_judge(const acid_picture *picture, const acid_layout *layout, const acid_map *map,
+    acid_judgement *judgement) {
+    judging j = {.picture = picture, .layout = layout, .map = map};
+    const int is_large = choose_side(&j);
+    *judgement = (acid_judgement){
+        .findings = norma_io_allocate(layout->row_count, sizeof *judgement->findings)};
+    const int there = allocate_swatches(&j) && judgement->findings;
+    for (size_t i = 0; i < layout->row_count && there; ++i) judgement->findings[i].nearest = -1;
+    if (there) judge_rows(&j, is_large, judgement);
+    free_swatches(&j);
+    if (!there) {
+        free(judgement->findings);
+        judgement->findings = NULL;
+    }
+    return there;
+}

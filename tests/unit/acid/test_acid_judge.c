@@ -1,0 +1,257 @@
+/* The judge of acid scenes, on pictures that are shaded from normals in closed form, with mistakes
+ * put in and distorted as screenshots are. */
+#include "check.h"
+#include "acid_shots.h"
+
+static acid_layout layout;
+
+static int set_up(void **state) {
+    (void)state;
+    return acid_shots_layout(&layout) ? 0 : -1;
+}
+static int tear_down(void **state) {
+    (void)state;
+    free(layout.rows);
+    return 0;
+}
+
+static acid_shot plain_shot(void) {
+    return (acid_shot){.width = 560,
+        .height = 420,
+        .corners = {{0, 0}, {560, 0}, {560, 420}, {0, 420}},
+        .exposure = 1,
+        .gamma = 2.2};
+}
+
+/* 1, 0 or -1 as norma_acid_find_marks; on 1 the caller frees findings. */
+static int judge_picture(acid_picture *picture, acid_judgement *judgement) {
+    acid_map map;
+    const int found = norma_acid_find_marks(picture, &layout, &map);
+    if (found == 1) assert_true(norma_acid_judge(picture, &layout, &map, judgement));
+    return found;
+}
+
+static void judge(const acid_shot *shot, acid_judgement *judgement) {
+    acid_picture picture;
+    assert_true(acid_shot_take(shot, &layout, &picture));
+    assert_int_equal(judge_picture(&picture, judgement), 1);
+    free(picture.pixels);
+}
+
+static acid_verdict expected(const acid_shot *shot, size_t row) {
+    const int what = shot->shows[row];
+    if (what == ACID_SHOWS_OTHER) return ACID_UNCLEAR;
+    if (what == ACID_SHOWS_NOTHING)
+        return strcmp(layout.rows[row].id, "flattened") == 0 ? ACID_FAIL : ACID_MISSING;
+    return what == 0 ? ACID_PASS : ACID_FAIL;
+}
+
+static int is_as_expected(const acid_shot *shot, size_t row, const acid_finding *finding) {
+    return finding->verdict == expected(shot, row) &&
+           (shot->shows[row] < 0 || finding->nearest == shot->shows[row]);
+}
+
+static void assert_expected(const acid_shot *shot, const acid_judgement *judgement) {
+    for (size_t i = 0; i < layout.row_count; ++i)
+        if (!is_as_expected(shot, i, &judgement->findings[i])) {
+            print_error("%s shows %d: verdict %d, nearest %d, reason %d\n", layout.rows[i].id,
+                shot->shows[i], (int)judgement->findings[i].verdict, judgement->findings[i].nearest,
+                (int)judgement->findings[i].reason);
+            fail();
+        }
+}
+
+static void each_mistake(void **state) {
+    (void)state;
+    acid_shot shot = plain_shot();
+    for (int mistake = 0; mistake < 4; ++mistake) {
+        acid_judgement judgement;
+        for (size_t i = 0; i < layout.row_count; ++i)
+            shot.shows[i] = mistake < (int)layout.rows[i].reference_count ? mistake : 0;
+        judge(&shot, &judgement);
+        assert_expected(&shot, &judgement);
+        free(judgement.findings);
+    }
+}
+
+static void missing_and_strange(void **state) {
+    (void)state;
+    acid_shot shot = plain_shot();
+    for (int background = 0; background < 5; ++background) {
+        acid_judgement judgement;
+        shot.background = background;
+        for (size_t i = 1; i < layout.row_count; ++i)
+            shot.shows[i] = i % 2 ? ACID_SHOWS_NOTHING : ACID_SHOWS_OTHER;
+        judge(&shot, &judgement);
+        assert_expected(&shot, &judgement);
+        assert_int_equal(judgement.counts[ACID_PASS], 1);
+        free(judgement.findings);
+    }
+}
+
+/* None is judged wrongly, and hardly any is left open. */
+static void distorted(void **state) {
+    (void)state;
+    size_t open = 0, all = 0;
+    for (uint32_t number = 1000; number < 1000 + 4 / (SLOWER > 4 ? 4 : SLOWER); ++number) {
+        acid_shot shot;
+        acid_judgement judgement;
+        acid_shot_choose(&shot, &layout, number);
+        judge(&shot, &judgement);
+        for (size_t i = 0; i < layout.row_count; ++i) {
+            const acid_finding *finding = &judgement.findings[i];
+            const int is_open = finding->verdict == ACID_UNCLEAR;
+            ++all;
+            open += is_open && shot.shows[i] != ACID_SHOWS_OTHER;
+            if (!is_open && !is_as_expected(&shot, i, finding)) {
+                print_error("%u: %s shows %d: verdict %d, nearest %d\n", number, layout.rows[i].id,
+                    shot.shows[i], (int)finding->verdict, finding->nearest);
+                fail();
+            }
+        }
+        free(judgement.findings);
+    }
+    assert_true(100 * open <= all);
+}
+
+/* A picture that is turned or mirrored shows the same. */
+static void turned(void **state) {
+    (void)state;
+    acid_shot shot = plain_shot();
+    for (size_t i = 0; i < layout.row_count; ++i)
+        shot.shows[i] = (int)(i % layout.rows[i].reference_count);
+    for (int turn = 0; turn < 4; ++turn) {
+        acid_judgement judgement;
+        const double x = turn & 1 ? 560 : 0, y = turn & 2 ? 420 : 0,
+                     corners[4][2] = {{x, y}, {560 - x, y}, {560 - x, 420 - y}, {x, 420 - y}};
+        memcpy(shot.corners, corners, sizeof corners);
+        judge(&shot, &judgement);
+        assert_expected(&shot, &judgement);
+        free(judgement.findings);
+    }
+}
+
+/* Where the control is not like its reference, nothing is known. */
+static void control_fails(void **state) {
+    (void)state;
+    acid_shot shot = plain_shot();
+    for (int what = -2; what < 0; ++what) {
+        acid_judgement judgement;
+        shot.shows[0] = what;
+        judge(&shot, &judgement);
+        assert_int_equal(
+            judgement.findings[0].verdict, what == ACID_SHOWS_NOTHING ? ACID_MISSING : ACID_FAIL);
+        assert_int_equal(judgement.findings[0].nearest, -1);
+        assert_int_equal(judgement.counts[ACID_UNCLEAR], layout.row_count - 1);
+        assert_int_equal(judgement.findings[5].reason, ACID_REASON_CONTROL);
+        free(judgement.findings);
+    }
+}
+
+/* Without light all patches are alike: no verdict, rather than a pass. */
+static void no_light(void **state) {
+    (void)state;
+    acid_shot shot = plain_shot();
+    acid_judgement judgement;
+    shot.exposure = 0.0002;
+    judge(&shot, &judgement);
+    assert_int_equal(judgement.counts[ACID_PASS], 0);
+    assert_int_equal(judgement.findings[0].verdict, ACID_FAIL);
+    free(judgement.findings);
+}
+
+static void too_small(void **state) {
+    (void)state;
+    acid_shot shot = plain_shot();
+    acid_judgement judgement;
+    shot.width = 180;
+    shot.height = 135;
+    shot.antialias = 1;
+    for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 2; ++k) shot.corners[i][k] *= 180.0 / 560;
+    judge(&shot, &judgement);
+    assert_int_equal(judgement.findings[0].reason, ACID_REASON_SMALL);
+    assert_int_equal(judgement.counts[ACID_PASS], 0);
+    free(judgement.findings);
+}
+
+static void skipped(void **state) {
+    (void)state;
+    acid_shot shot = plain_shot();
+    acid_judgement judgement;
+    layout.rows[9].skipped = 1;
+    shot.shows[9] = 1;
+    judge(&shot, &judgement);
+    layout.rows[9].skipped = 0;
+    assert_int_equal(judgement.findings[9].verdict, ACID_SKIPPED);
+    assert_int_equal(judgement.counts[ACID_SKIPPED], 1);
+    assert_int_equal(judgement.counts[ACID_PASS], layout.row_count - 1);
+    free(judgement.findings);
+}
+
+/* ---- pictures without the marks */
+
+static void paint_box(acid_picture *picture, const acid_box *box, const uint8_t color[3]) {
+    for (size_t y = 0; y < picture->height; ++y)
+        for (size_t x = 0; x < picture->width; ++x) {
+            const double u = ((double)x + 0.5) / (double)picture->width - box->center[0],
+                         v = ((double)y + 0.5) / (double)picture->height - box->center[1];
+            if (fabs(u) < 0.6 * box->size[0] && fabs(v) < 0.6 * box->size[1])
+                memcpy(picture->pixels + 3 * (y * picture->width + x), color, 3);
+        }
+}
+
+static void marks_absent(void **state) {
+    (void)state;
+    static const uint8_t grey[3] = {90, 90, 90}, red[3] = {255, 0, 0};
+    acid_shot shot = plain_shot();
+    acid_judgement judgement;
+    for (int mark = 0; mark < ACID_MARKS; ++mark) { /* one is covered, or has another's colour */
+        acid_picture picture;
+        assert_true(acid_shot_take(&shot, &layout, &picture));
+        paint_box(&picture, &layout.marks[mark], mark ? red : grey);
+        assert_int_equal(judge_picture(&picture, &judgement), 0);
+        free(picture.pixels);
+    }
+}
+
+static void other_pictures(void **state) {
+    (void)state;
+    static uint8_t pixels[3 * 300 * 200];
+    acid_picture picture = {300, 200, pixels};
+    acid_judgement judgement;
+    uint32_t seed = 7;
+    assert_int_equal(judge_picture(&picture, &judgement), 0);
+    for (int coarse = 1; coarse <= 16; coarse *= 2) { /* random colours, in squares */
+        for (size_t i = 0; i < 300 * 200; ++i) {
+            const size_t x = i % 300 / (size_t)coarse, y = i / 300 / (size_t)coarse;
+            seed = (uint32_t)(x * 2654435761u + y * 40503u + (size_t)coarse);
+            for (int k = 0; k < 3; ++k) {
+                seed = seed * 1664525u + 1013904223u;
+                pixels[3 * i + (size_t)k] = (uint8_t)(seed >> 24 & 0x80 ? 255 : 0);
+            }
+        }
+        if (judge_picture(&picture, &judgement) == 0) continue;
+        assert_int_equal(judgement.counts[ACID_PASS], 0); /* squares that happen to lie so */
+        assert_int_equal(judgement.counts[ACID_UNCLEAR], layout.row_count - 1);
+        free(judgement.findings);
+    }
+    picture.width = picture.height = 1;
+    assert_int_equal(judge_picture(&picture, &judgement), 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_mistake),
+        cmocka_unit_test(missing_and_strange),
+        cmocka_unit_test(distorted),
+        cmocka_unit_test(turned),
+        cmocka_unit_test(control_fails),
+        cmocka_unit_test(no_light),
+        cmocka_unit_test(too_small),
+        cmocka_unit_test(skipped),
+        cmocka_unit_test(marks_absent),
+        cmocka_unit_test(other_pictures),
+    };
+    return cmocka_run_group_tests_name("acid_judge", tests, set_up, tear_down);
+}
