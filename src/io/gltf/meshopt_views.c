@@ -1,5 +1,6 @@
 /* meshopt_views.c: views under EXT_meshopt_compression, through meshoptimizer, both ways. Its
- * decoder asserts what it is handed, so all of that is checked here first. */
+ * decoder asserts what it is handed, so all of that is checked here first. The filters are our own:
+ * those of its releases, and of its code for one processor and the next, differ in bits. */
 #include "io/gltf/gltf.h"
 #include <math.h>
 #include <meshoptimizer.h>
@@ -30,12 +31,10 @@ static const char *wrong_layout(const gltf_view *view) {
     return NULL;
 }
 
-/* To the nearest whole number, halves to even ones; for less than 2^22. */
-static int nearest(float x) { return (int)((x + 0x3p22F) - 0x3p22F); }
+/* To the nearest whole number, halves to even ones; for less than 2^31. */
+static int nearest(float x) { return (int)(((double)x + 0x3p51) - 0x3p51); }
 
-/* The octahedral filter (Meyer et al. 2010, as EXT_meshopt_compression has it). meshoptimizer's own
- * takes the processor's approximate reciprocal roots, which differ from one processor to the next.
- */
+/* The octahedral filter (Meyer et al. 2010, as EXT_meshopt_compression has it). */
 static void unfold(int n[3], float most) {
     const float one = (float)n[2];
     float x = (float)n[0], y = (float)n[1];
@@ -69,6 +68,37 @@ static void decode_octahedral(const gltf_meshopt *m, unsigned char *out) {
     }
 }
 
+/* Unit quaternions: three numbers on the scale of the fourth, whose last two bits say which of the
+ * quaternion's numbers is left out. */
+static void decode_quaternions(const gltf_meshopt *m, unsigned char *out) {
+    const float unit = 1 / sqrtf(2);
+    for (size_t i = 0; i < m->count; ++i, out += m->stride) {
+        int16_t q[4];
+        memcpy(q, out, sizeof q);
+        const int left_out = q[3] & 3;
+        const float scale = unit / (float)(q[3] | 3);
+        const float x = q[0] * scale, y = q[1] * scale, z = q[2] * scale,
+                    rest = 1 - (x * x + (y * y + z * z));
+        const float parts[4] = {rest > 0 ? sqrtf(rest) : 0, x, y, z};
+        for (int k = 0; k < 4; ++k) q[(left_out + k) & 3] = (int16_t)nearest(parts[k] * 32767);
+        memcpy(out, q, sizeof q);
+    }
+}
+
+/* Each number is 24 bits times two to the power of the upper eight, both signed. */
+static void decode_exponents(const gltf_meshopt *m, unsigned char *out) {
+    for (size_t i = 0; i < m->count * m->stride; i += 4) {
+        uint32_t bits, power;
+        memcpy(&bits, out + i, 4);
+        const int32_t whole = (int32_t)(bits << 8) / 256;
+        float scale;
+        power = ((bits >> 24 ^ 0x80) - 1) << 23;
+        memcpy(&scale, &power, 4);
+        scale *= (float)whole;
+        memcpy(out + i, &scale, 4);
+    }
+}
+
 static int decode_view(const gltf_meshopt *m, const unsigned char *bytes, unsigned char *out) {
     int failed;
     switch (m->mode) {
@@ -88,10 +118,10 @@ static int decode_view(const gltf_meshopt *m, const unsigned char *bytes, unsign
         decode_octahedral(m, out);
         break;
     case GLTF_FILTER_QUATERNION:
-        meshopt_decodeFilterQuat(out, m->count, m->stride);
+        decode_quaternions(m, out);
         break;
     case GLTF_FILTER_EXPONENTIAL:
-        meshopt_decodeFilterExp(out, m->count, m->stride);
+        decode_exponents(m, out);
         break;
     case GLTF_FILTER_NONE:
         break;
@@ -170,21 +200,36 @@ static void widen_signed(const gltf_meshopt *m, const unsigned char *bytes, floa
     }
 }
 
+/* The other way round, with the lowest power that leaves a number within its 24 bits. */
+static void encode_exponents(
+    const gltf_meshopt *m, const unsigned char *bytes, unsigned char *out) {
+    enum { LOWEST = -100, BITS = 23 };
+    for (size_t i = 0; i < m->count * m->stride; i += 4) {
+        float x;
+        int power = LOWEST;
+        memcpy(&x, bytes + i, 4);
+        if (!isfinite(x)) x = 0; /* which does not come back: another codec takes it */
+        (void)frexp(x, &power);
+        power = (power > LOWEST ? power : LOWEST) - BITS;
+        const int32_t whole = (int32_t)(ldexp(x, -power) + (x >= 0 ? 0.5 : -0.5));
+        const uint32_t word = ((uint32_t)whole & 0xFFFFFF) | (uint32_t)power << 24;
+        memcpy(out + i, &word, 4);
+    }
+}
+
 static size_t encode_filtered(
     const gltf_meshopt *m, const unsigned char *bytes, unsigned char **out) {
-    const size_t size = m->count * m->stride;
-    unsigned char *rows = norma_io_allocate(size, 1);
-    float *floats = norma_io_allocate(4 * m->count > size / 4 ? 4 * m->count : size / 4, 4);
+    const int octahedral = m->filter == GLTF_FILTER_OCTAHEDRAL;
+    unsigned char *rows = norma_io_allocate(m->count * m->stride, 1);
+    float *floats = octahedral ? norma_io_allocate(4 * m->count, sizeof *floats) : NULL;
     size_t length = 0;
-    if (rows && floats && m->filter == GLTF_FILTER_OCTAHEDRAL) {
+    if (rows && floats) {
         widen_signed(m, bytes, floats);
         meshopt_encodeFilterOct(rows, m->count, m->stride, m->stride == 4 ? 8 : 16, floats);
-        length = encode_rows(m, rows, out);
-    } else if (rows && floats) {
-        memcpy(floats, bytes, size);
-        meshopt_encodeFilterExp(rows, size / 4, 4, 24, floats);
-        length = encode_rows(m, rows, out);
+    } else if (rows && !octahedral) {
+        encode_exponents(m, bytes, rows);
     }
+    if (rows && (floats || !octahedral)) length = encode_rows(m, rows, out);
     free(rows);
     free(floats);
     return length;

@@ -762,6 +762,47 @@ static void test_compressed_rotations(void **state) {
     asset_free(&a);
 }
 
+/* Any codes under the two filters of floats and quaternions come out as meshoptimizer's own say. */
+static void test_filters(void **state) {
+    enum { COUNT = 240 };
+    static uint32_t powers[COUNT][3];
+    static int16_t codes[COUNT][4];
+    gltf_asset a = {0};
+    norma_mesh_data data;
+    norma_mesh_attributes attributes;
+    uint32_t seed = 1;
+    (void)state;
+    for (size_t i = 0; i < COUNT; ++i)
+        for (size_t k = 0; k < 7; ++k) {
+            seed = seed * 1664525 + 1013904223;
+            if (k < 3)
+                powers[i][k] = seed >> 24 == 0x80 ? seed ^ 1U << 31 : seed; /* -128 is no power */
+            else
+                codes[i][k - 3] = (int16_t)(seed >> 16);
+        }
+    compressed_view(&a, powers, COUNT, 12, "ATTRIBUTES", "EXPONENTIAL");
+    compressed_view(&a, codes, COUNT, 8, "ATTRIBUTES", "QUATERNION");
+    asset_accessor(&a, "{\"bufferView\":0,\"componentType\":5126,\"count\":240,\"type\":\"VEC3\"}");
+    asset_accessor(&a, "{\"bufferView\":1,\"componentType\":5122,\"normalized\":true,"
+                       "\"count\":240,\"type\":\"VEC4\"}");
+    norma_document *document = asset_open(&a,
+        "\"extensionsUsed\":[\"EXT_meshopt_compression\",\"KHR_mesh_quantization\"],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TANGENT\":1}}]}]",
+        0);
+    assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(
+        norma_document_mesh_attributes(document, 0, &attributes, NULL), NORMA_DOCUMENT_OK);
+    meshopt_decodeFilterExp(powers, COUNT, 12);
+    meshopt_decodeFilterQuat(codes, COUNT, 8);
+    for (size_t i = 0; i < COUNT; ++i) {
+        assert_memory_equal((const char *)data.mesh.positions.data + 12 * i, powers[i], 12);
+        for (size_t k = 0; k < 4; ++k)
+            assert_true(attributes.tangents[4 * i + k] == fmaxf((float)codes[i][k] / 32767, -1));
+    }
+    norma_document_close(document);
+    asset_free(&a);
+}
+
 /* ---- data: URIs */
 
 #define IN_BASE64 "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"
@@ -920,6 +961,7 @@ int main(void) {
         cmocka_unit_test(test_compressed_again),
         cmocka_unit_test(test_compressed_twice),
         cmocka_unit_test(test_compressed_rotations),
+        cmocka_unit_test(test_filters),
         cmocka_unit_test(test_between_keys),
         cmocka_unit_test(test_animations_refused),
         cmocka_unit_test(test_data_uris),
