@@ -1,6 +1,6 @@
 # The core as WebAssembly, the npm package and the page. clang with wasi-libc compiles; node, puts the files together; esbuild makes one script of the page's modules.
-# Four modules: norma.wasm is the core; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a file; page.wasm all of it with what the page
-# draws; draco.wasm decodes Draco's streams for these two, and is loaded when the first is met (web/package/draco.js). That call is all that a module imports.
+# Three modules: norma.wasm is the core; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a file; page.wasm all of it with what the page
+# draws. All that the latter two import are decoders of compressed glTF: npm's draco3dgltf and meshoptimizer (web/package/decoders.js).
 find_program(NORMA_WASM_CC NAMES clang)
 find_program(NORMA_WASM_LD NAMES wasm-ld)
 find_program(NORMA_NODE NAMES node nodejs)
@@ -39,23 +39,21 @@ set(web_seldom "call_|topology_|mesh_(kdtree|nearest)|plan_(plan_(groups|blocks|
 string(APPEND web_seldom "|tangent_(build|mikk_groups|steady|tangent_plan|tangent_vertices|tangents)|matrix_(matrix|encode|normal_matrix)|vertex_open_sum")
 string(APPEND web_seldom "|corner_(star_fans|star.c|fallback|index_corners|normal_cone|visit|prepared)|face_(face_exact|cut)|smooth_split")
 
-# Compressed glTF: meshoptimizer's codecs and libdraco, from the sources that scripts/install-deps.sh web puts there.
-set(NORMA_WEB_SOURCES ${PROJECT_SOURCE_DIR}/build/sources CACHE PATH "A folder with the sources of meshoptimizer and draco, of which WebAssembly is made")
-find_path(NORMA_WASI_CXX NAMES vector PATHS ${NORMA_WASI_INCLUDE}/wasm32-wasi/c++/v1 NO_DEFAULT_PATH)
-find_file(NORMA_WASI_LIBCXX NAMES libc++.a PATHS /usr/lib/wasm32-wasi NO_DEFAULT_PATH)
+# Compressed glTF: what scripts/install-deps.sh web puts there.
+set(NORMA_WEB_MODULES ${PROJECT_SOURCE_DIR}/build/npm-bundled/node_modules CACHE PATH "The folder with the npm packages of web/package-lock.json")
 set(web_has_meshopt OFF)
 set(web_has_draco OFF)
-if(NORMA_WITH_MESHOPTIMIZER AND EXISTS ${NORMA_WEB_SOURCES}/meshoptimizer/src/vertexcodec.cpp)
+if(NORMA_WITH_MESHOPTIMIZER AND EXISTS ${NORMA_WEB_MODULES}/meshoptimizer/meshopt_decoder.module.js)
   set(web_has_meshopt ON)
 endif()
-if(NORMA_WITH_DRACO AND NORMA_WASI_CXX AND NORMA_WASI_LIBCXX AND EXISTS ${NORMA_WEB_SOURCES}/draco/src/draco/mesh/mesh.cc)
+if(NORMA_WITH_DRACO AND EXISTS ${NORMA_WEB_MODULES}/draco3dgltf/draco_decoder_gltf.wasm)
   set(web_has_draco ON)
 endif()
 foreach(part meshopt draco)
   if(web_has_${part})
     norma_part("page, npm: compressed glTF (${part})" ON)
   else()
-    norma_part("page, npm: compressed glTF (${part})" OFF "it is off, or its sources or libc++ were not found (scripts/install-deps.sh web)")
+    norma_part("page, npm: compressed glTF (${part})" OFF "it is off, or its npm package was not found (scripts/install-deps.sh web)")
   endif()
 endforeach()
 
@@ -78,23 +76,6 @@ function(web_objects list)
     endif()
     add_custom_command(OUTPUT ${object}
       COMMAND ${NORMA_WASM_CC} ${web_flags} ${optimise} ${web_flags_here} -MD -MF ${object}.d -c ${source} -o ${object}
-      DEPENDS ${source} DEPFILE ${object}.d COMMENT "WebAssembly ${name}" VERBATIM)
-    list(APPEND objects ${object})
-  endforeach()
-  set(${list} ${objects} PARENT_SCOPE)
-endfunction()
-
-# web_foreign_objects(LIST FLAGS SOURCES...): of somebody else's C++, without exceptions: what would throw ends the module.
-function(web_foreign_objects list flags)
-  set(objects "")
-  foreach(source ${ARGN})
-    string(SHA1 folder ${source})
-    string(SUBSTRING ${folder} 0 8 folder)
-    get_filename_component(name ${source} NAME)
-    set(object ${web_objects_dir}/foreign_${folder}_${name}.o)
-    add_custom_command(OUTPUT ${object}
-      COMMAND ${NORMA_WASM_CC} --target=wasm32-wasi -std=c++17 -DNDEBUG -Os -mbulk-memory -fno-slp-vectorize -ffp-contract=off -fno-exceptions -fno-rtti ${flags} -MD -MF ${object}.d
-              -c ${source} -o ${object}
       DEPENDS ${source} DEPFILE ${object}.d COMMENT "WebAssembly ${name}" VERBATIM)
     list(APPEND objects ${object})
   endforeach()
@@ -127,7 +108,7 @@ else()
   list(APPEND web_file_sources src/io/gltf/meshopt_left_out.c)
 endif()
 if(web_has_draco)
-  list(APPEND web_file_sources web/page/model/draco_elsewhere.c)
+  list(APPEND web_file_sources web/package/host/draco_elsewhere.c)
 else()
   list(APPEND web_file_sources src/io/gltf/draco_left_out.c)
 endif()
@@ -140,57 +121,24 @@ list(FILTER web_file_sources EXCLUDE REGEX "/check/fix/")
 list(APPEND web_file_sources ${PROJECT_SOURCE_DIR}/web/page/model/no_system.c)
 file(GLOB web_check_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/check/*.c)
 file(GLOB web_model_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/page/model/*.c)
-list(REMOVE_ITEM web_model_sources ${PROJECT_SOURCE_DIR}/web/page/model/no_system.c ${PROJECT_SOURCE_DIR}/web/page/model/no_files.c
-     ${PROJECT_SOURCE_DIR}/web/page/model/draco_elsewhere.c)
-set(web_flags_here -isystem ${NORMA_WEB_SOURCES}/meshoptimizer/src -isystem ${PROJECT_SOURCE_DIR}/web/page/model/posix -include ${PROJECT_SOURCE_DIR}/web/page/model/missing.h)
+list(REMOVE_ITEM web_model_sources ${PROJECT_SOURCE_DIR}/web/page/model/no_system.c ${PROJECT_SOURCE_DIR}/web/page/model/no_files.c)
+set(web_flags_here -I${PROJECT_SOURCE_DIR}/web/package/host -isystem ${PROJECT_SOURCE_DIR}/web/page/model/posix -include ${PROJECT_SOURCE_DIR}/web/page/model/missing.h)
 web_objects(web_file_objects ${web_file_sources})
 web_objects(web_fix_objects ${web_fix_sources})
 web_objects(web_check_objects ${web_check_sources} ${PROJECT_SOURCE_DIR}/web/page/model/no_files.c)
 web_objects(web_model_objects ${web_model_sources} ${PROJECT_SOURCE_DIR}/src/render/camera/guess_up.c)
-if(web_has_meshopt)
-  # The codec of vertices without SIMD: with it, tables have to be made before a module's first call. The filters with it, as on the desktop.
-  set(codecs ${NORMA_WEB_SOURCES}/meshoptimizer/src)
-  web_foreign_objects(web_codec_objects "" ${codecs}/vertexcodec.cpp ${codecs}/indexcodec.cpp)
-  web_foreign_objects(web_filter_objects -msimd128 ${codecs}/vertexfilter.cpp)
-  list(APPEND web_file_objects ${web_codec_objects} ${web_filter_objects})
-endif()
 web_module(check.wasm ${web_core_objects} ${web_file_objects} ${web_check_objects})
 web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects} ${web_fix_objects} ${web_model_objects})
 
-if(web_has_draco)
-  # What decodes meshes, with the parts of the format that Debian's libdraco has.
-  set(draco ${NORMA_WEB_SOURCES}/draco/src)
-  file(WRITE ${web_dir}/draco/draco/draco_features.h.new "#ifndef DRACO_FEATURES_H_\n#define DRACO_FEATURES_H_\n")
-  foreach(part MESH_COMPRESSION NORMAL_ENCODING STANDARD_EDGEBREAKER PREDICTIVE_EDGEBREAKER BACKWARDS_COMPATIBILITY)
-    file(APPEND ${web_dir}/draco/draco/draco_features.h.new "#define DRACO_${part}_SUPPORTED\n")
-  endforeach()
-  file(APPEND ${web_dir}/draco/draco/draco_features.h.new "#endif\n")
-  configure_file(${web_dir}/draco/draco/draco_features.h.new ${web_dir}/draco/draco/draco_features.h COPYONLY)
-  file(GLOB draco_sources ${draco}/draco/attributes/*.cc ${draco}/draco/compression/bit_coders/*_decoder.cc ${draco}/draco/compression/attributes/*decoder*.cc
-       ${draco}/draco/compression/mesh/*decoder*.cc ${draco}/draco/compression/point_cloud/point_cloud_decoder.cc ${draco}/draco/compression/entropy/symbol_decoding.cc ${draco}/draco/core/*.cc
-       ${draco}/draco/mesh/mesh.cc ${draco}/draco/mesh/corner_table.cc ${draco}/draco/mesh/mesh_attribute_corner_table.cc ${draco}/draco/metadata/geometry_metadata.cc
-       ${draco}/draco/metadata/metadata.cc ${draco}/draco/metadata/metadata_decoder.cc ${draco}/draco/point_cloud/point_cloud.cc)
-  list(FILTER draco_sources EXCLUDE REGEX "/[^/]*(test|kd_tree|encoder|cycle_timer)[^/]*$")
-  web_foreign_objects(web_draco_objects "-isystem;${NORMA_WASI_CXX};-isystem;${web_dir}/draco;-isystem;${draco};-I${PROJECT_SOURCE_DIR}/src;-msimd128;-ffunction-sections"
-    ${PROJECT_SOURCE_DIR}/src/io/gltf/draco_decoder.cpp ${PROJECT_SOURCE_DIR}/web/package/draco/draco_calls.cpp ${draco_sources})
-  list(FILTER web_file_objects INCLUDE REGEX "/web_page_model_no_system\\.c\\.o$")
-  get_filename_component(libcxx ${NORMA_WASI_LIBCXX} DIRECTORY)
-  web_module(draco.wasm ${web_draco_objects} ${web_file_objects} ${NORMA_WASI_LIBCXX} ${libcxx}/libc++abi.a)
-  set(web_draco ${web_dir}/draco.wasm)
-else()
-  file(REMOVE ${web_dir}/draco.wasm)
-  set(web_draco "")
-endif()
-
-file(GLOB web_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/* ${PROJECT_SOURCE_DIR}/web/*.mjs)
-list(FILTER web_inputs EXCLUDE REGEX "/(check|draco|wasm)$")
+file(GLOB web_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/* ${PROJECT_SOURCE_DIR}/web/*.mjs ${PROJECT_SOURCE_DIR}/web/package-lock.json ${PROJECT_SOURCE_DIR}/web/licences/*)
+list(FILTER web_inputs EXCLUDE REGEX "/(check|host|wasm)$")
 add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
-  COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs package ${web_dir} ${NORMA_WEB_SOURCES}
-  DEPENDS ${web_inputs} ${web_dir}/norma.wasm ${web_dir}/check.wasm ${web_draco} COMMENT "npm package" VERBATIM)
+  COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs package ${web_dir} ${NORMA_WEB_MODULES}
+  DEPENDS ${web_inputs} ${web_dir}/norma.wasm ${web_dir}/check.wasm COMMENT "npm package" VERBATIM)
 file(GLOB web_page_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/page/* ${PROJECT_SOURCE_DIR}/web/page/shaders/* ${PROJECT_SOURCE_DIR}/src/render/shaders/* ${PROJECT_SOURCE_DIR}/assets/goathead.obj)
 add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
-  COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs page ${web_dir} ${NORMA_WEB_SOURCES}
-  DEPENDS ${web_page_inputs} ${web_inputs} ${web_dir}/page.wasm ${web_draco} COMMENT "The page" VERBATIM)
+  COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs page ${web_dir} ${NORMA_WEB_MODULES}
+  DEPENDS ${web_page_inputs} ${web_inputs} ${web_dir}/page.wasm COMMENT "The page" VERBATIM)
 add_custom_target(web ALL DEPENDS ${web_dir}/npm/norma.wasm ${web_dir}/norma.html)
 
 # norma view: the page lies in the tool.

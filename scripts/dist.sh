@@ -56,7 +56,7 @@ make_source() { git archive --format=tar --prefix="norma-$version/" "$commit" | 
 binary() {
     local name=$1 tree=$source/build/$1
     shift
-    cmake -S "$source" -B "$tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PROJECT_INCLUDE="$source/cmake/static.cmake" -DNORMA_WEB=ON -DNORMA_WEB_SOURCES="$root/build/sources" \
+    cmake -S "$source" -B "$tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PROJECT_INCLUDE="$source/cmake/static.cmake" -DNORMA_WEB=ON -DNORMA_WEB_MODULES="$root/build/npm-bundled/node_modules" \
         -DNORMA_SHARED=OFF -DNORMA_INSTALL=OFF -DNORMA_TESTS=OFF -DNORMA_BITS=OFF -DNORMA_EXAMPLES=OFF "$@"
     cmake --build "$tree" --target norma-cli
     mkdir -p "$tree/$name/man" "$tree/$name/completions"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs what building and testing need and this machine lacks: Debian packages by apt-get (as root or through sudo), and from npm the
 # Khronos glTF validator in the versions of tests/cli/validator/package-lock.json, into build/npm, and what tests/web/package-lock.json and tests/tangent/package-lock.json name, into build/npm-web and build/npm-tangent.
-# The sources of libdraco and meshoptimizer, of which WebAssembly is made, come from Debian's source packages, into build/sources.
+# The decoders of compressed glTF that page and npm package hold (web/package-lock.json) come from npm, into build/npm-bundled.
 # Where nothing is missing it only looks.
 #   scripts/install-deps.sh build   what `make` needs
 #   scripts/install-deps.sh web     what the page, the npm package and so `norma view` need to be built
@@ -22,8 +22,7 @@ what=${1:-all}
 # g++: the one file that calls libdraco.
 packages="gcc g++ libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libdraco-dev libpng-dev libjpeg-dev zlib1g-dev libexpat1-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
 python_packages="python3-dev python3-numpy python3-setuptools python3-wheel python3-venv"
-# libc++, xz-utils: for libdraco, of which WebAssembly is made as well.
-web_packages="clang lld wasi-libc libclang-rt-dev-wasm32 libc++-dev-wasm32 xz-utils esbuild"
+web_packages="clang lld wasi-libc libclang-rt-dev-wasm32 esbuild"
 [ "$what" != web ] || packages=$web_packages
 [ "$what" != python ] || packages="$packages $python_packages mypy python3-pytest"
 [ "$what" != blender ] || packages="$packages $python_packages blender"
@@ -58,9 +57,7 @@ $package installed"*) ;;
     esac
 done
 [ "$what" = build ] || [ "$what" = mpi ] || command -v node >/dev/null || missing="$missing nodejs"
-if [ "$what" = all ] || [ "$what" = bench ]; then
-    command -v npm >/dev/null || missing="$missing npm"
-fi
+case " $packages " in *" wasi-libc "*) command -v npm >/dev/null || missing="$missing npm" ;; esac
 
 if [ -n "$missing" ]; then
     echo "installing:$missing"
@@ -77,31 +74,7 @@ fi
 
 failed=0
 
-# from_debian NAME...: the sources of Debian's packages of that name, without their test data, into build/sources/NAME. Where that fails (no network), WebAssembly reads no compressed glTF.
-from_debian() {
-    wanted=""
-    for name; do [ -d "$root/build/sources/$name" ] || wanted="$wanted $name"; done
-    [ -n "$wanted" ] && command -v apt-get >/dev/null || return 0
-    echo "installing: the sources of$wanted"
-    work=$(mktemp -d)
-    mkdir -p "$work/parts" "$work/lists/partial" "$work/cache/archives/partial" "$root/build/sources"
-    for list in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do [ ! -f "$list" ] || sed -n 's/^deb /deb-src /p' "$list" >"$work/parts/$(basename "$list" .list).list"; done
-    for list in /etc/apt/sources.list.d/*.sources; do [ ! -f "$list" ] || sed 's/^Types:.*/Types: deb-src/' "$list" >"$work/parts/$(basename "$list")"; done
-    apt() { apt-get -qq -o Dir::Etc::sourcelist=/dev/null -o Dir::Etc::sourceparts="$work/parts" -o Dir::State::lists="$work/lists" -o Dir::Cache="$work/cache" -o APT::Sandbox::User=root "$@"; }
-    apt update || true
-    for name in $wanted; do
-        mkdir -p "$work/$name/unpacked"
-        if (cd "$work/$name" && apt source --download-only "$name" >/dev/null && tar xf "$name"_*.orig.tar.* -C unpacked --strip-components=1 --wildcards '*/src/*' '*/LICENSE*'); then
-            mv "$work/$name/unpacked" "$root/build/sources/$name"
-        else
-            echo "$0: no sources of $name; what needs them is left out" >&2
-            failed=1
-        fi
-    done
-    rm -rf "$work"
-}
-
-# from_npm FOLDER PLACE: the packages of FOLDER/package-lock.json, into PLACE. Where that fails (no network), the tests that need them are skipped.
+# from_npm FOLDER PLACE: the packages of FOLDER/package-lock.json, into PLACE. Where that fails (no network), what needs them is left out.
 from_npm() {
     if ! cmp -s "$root/$1/package-lock.json" "$2/installed-lock.json"; then
         echo "installing: the packages of $1/package-lock.json from npm"
@@ -115,7 +88,7 @@ from_npm() {
         fi
     fi
 }
-case " $packages " in *" wasi-libc "*) from_debian draco meshoptimizer ;; esac
+case " $packages " in *" wasi-libc "*) from_npm web "$root/build/npm-bundled" ;; esac
 [ "$what" != bench ] || from_npm bench/rivals/npm "$root/build/npm-bench"
 if [ "$what" = all ]; then
     from_npm tests/cli/validator "$root/build/npm"

@@ -1,5 +1,5 @@
 // sbom.mjs [--check]: writes docs/sbom.spdx.json, a bill of materials (SPDX 2.3), from what the project's own files say: the version in CMakeLists.txt, the least versions in
-// cmake/dependencies.cmake and tests/CMakeLists.txt, and the npm packages that tests use, from their lock files. --check compares instead, and fails where it differs. The same files give the same bytes.
+// cmake/dependencies.cmake and tests/CMakeLists.txt, and the npm packages that page and npm package contain and tests use, from their lock files. --check compares instead, and fails where it differs. The same files give the same bytes.
 import { createHash } from "node:crypto";
 import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
@@ -51,7 +51,7 @@ for (const [name, [licence, from, relation, use, debian]] of Object.entries(know
         externalRefs: debian.split(", ").map((one) => ({ referenceCategory: "PACKAGE-MANAGER", referenceType: "purl", referenceLocator: `pkg:deb/debian/${one}` })),
     }, relation);
 
-for (const folder of ["tests/cli/validator", "tests/web", "bench"]) {
+for (const [folder, relation] of [["web", "CONTAINED_BY"], ["tests/cli/validator", "TEST_DEPENDENCY_OF"], ["tests/web", "TEST_DEPENDENCY_OF"], ["bench", "TEST_DEPENDENCY_OF"]]) {
     if (!existsSync(join(root, folder, "package-lock.json"))) continue;
     for (const [path, entry] of Object.entries(JSON.parse(read(`${folder}/package-lock.json`)).packages)) {
         if (!path) continue;
@@ -61,7 +61,7 @@ for (const folder of ["tests/cli/validator", "tests/web", "bench"]) {
             name, versionInfo: entry.version, downloadLocation: entry.resolved ?? "NOASSERTION", licenseConcluded: "NOASSERTION", licenseDeclared: entry.license ?? "NOASSERTION",
             checksums: checksum, comment: `${folder}/package-lock.json`,
             externalRefs: [{ referenceCategory: "PACKAGE-MANAGER", referenceType: "purl", referenceLocator: `pkg:npm/${name.replace("@", "%40")}@${entry.version}` }],
-        }, "TEST_DEPENDENCY_OF");
+        }, relation);
     }
 }
 

@@ -1,45 +1,60 @@
 /* Puts together what `make web` leaves.
- *   node build.mjs package FOLDER SOURCES    FOLDER/npm, from FOLDER/norma.wasm, check.wasm and draco.wasm
- *   node build.mjs page FOLDER SOURCES       FOLDER/norma.html, one file with everything in it, from FOLDER/page.wasm and draco.wasm
- * SOURCES: where the sources of others lie, whose licences go with what was made of them. */
+ *   node build.mjs package FOLDER MODULES    FOLDER/npm, from FOLDER/norma.wasm and check.wasm
+ *   node build.mjs page FOLDER MODULES       FOLDER/norma.html, one file with everything in it, from FOLDER/page.wasm
+ * MODULES: the npm packages of web/package-lock.json, whose licences go along; what is not there is left out. */
 import { execFileSync } from "node:child_process";
 import { copyFileSync, existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { dirname, join } from "node:path";
+import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { deflateRawSync } from "node:zlib";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
-/* All modules that start imports as one script (esbuild). */
-function bundle(start, more = []) {
-  const options = ["--bundle", "--format=iife", "--target=es2020", "--charset=utf8", "--log-level=warning"];
-  return execFileSync(process.env.ESBUILD || "esbuild", [start, ...options, ...more], { encoding: "utf8", maxBuffer: 1 << 26 });
+/* meshoptimizer in the version of Debian's library: what the page writes are the tool's bytes. */
+const LIBRARIES = {
+  draco3dgltf: { licence: join(here, "licences/draco3dgltf.txt"), files: ["draco_decoder_gltf_nodejs.js", "draco_decoder_gltf.wasm"] },
+  meshoptimizer: { licence: "LICENSE.md", files: ["meshopt_decoder.module.js", "meshopt_encoder.module.js"] },
+};
+const hasLibrary = (modules, name) => LIBRARIES[name].files.every((file) => existsSync(join(modules, name, file)));
+
+/* Empty modules stand where a library is left out: nothing ever calls them. Draco's own script asks for modules of node's where it finds node; it is handed its WebAssembly, and needs none. */
+function aliases(folder, modules) {
+  const nothing = join(folder, "nothing.js"), path = ([name, { files }]) => files.filter((file) => /js$/.test(file)).map((file) => [`${name}/${file}`, hasLibrary(modules, name) ? join(modules, name, file) : nothing]);
+  writeFileSync(nothing, "export const MeshoptDecoder = null, MeshoptEncoder = null;\nexport default null;\n");
+  return [...Object.entries(LIBRARIES).flatMap(path), ["fs", nothing], ["path", nothing]].map(([name, place]) => `--alias:${name}=${place}`);
 }
 
-/* The licences of what the modules hold of others. */
-function readNotices(sources) {
-  const texts = [["meshoptimizer", "LICENSE.md"], ["draco", "LICENSE"]].map(([name, file]) => [name, join(sources, name, file)]).filter(([, path]) => existsSync(path));
-  return texts.map(([name, path]) => `The WebAssembly modules hold code of ${name}:\n\n${readFileSync(path, "utf8").trim()}\n`).join("\n\n");
+/* All modules that start imports as one script (esbuild). */
+function bundle(start, folder, modules, more = ["--format=iife"]) {
+  const options = ["--bundle", "--minify", ...["process", "__filename", "__dirname"].map((name) => `--define:${name}=undefined`), "--target=es2020", "--charset=utf8", "--log-level=warning", ...aliases(folder, modules), ...more];
+  return execFileSync(process.env.ESBUILD || "esbuild", [start, ...options], { encoding: "utf8", maxBuffer: 1 << 26 });
+}
+
+/* The licences of what package and page hold of others. */
+function readNotices(modules) {
+  const texts = Object.entries(LIBRARIES).filter(([name]) => hasLibrary(modules, name)).map(([name, { licence }]) => [name, readFileSync(resolve(modules, name, licence), "utf8").trim()]);
+  return texts.map(([name, text]) => `Here is code of ${name}, from npm:\n\n${text}\n`).join("\n\n");
 }
 
 /* A module without anything stands where Draco was left out: bundlers find the file, and nothing ever loads it. */
 const EMPTY = Buffer.from([0x00, 0x61, 0x73, 0x6d, 0x01, 0x00, 0x00, 0x00]);
-const readModule = (folder, name) => (name !== "draco" || existsSync(join(folder, "draco.wasm")) ? readFileSync(join(folder, `${name}.wasm`)) : EMPTY);
+const readDraco = (modules) => (hasLibrary(modules, "draco3dgltf") ? readFileSync(join(modules, "draco3dgltf/draco_decoder_gltf.wasm")) : EMPTY);
 
-function buildPackage(folder, sources) {
-  const out = join(folder, "npm"), source = join(here, "package");
+function buildPackage(folder, modules) {
+  const out = join(folder, "npm"), source = join(here, "package"), made = ["draco-decoder.js", "meshopt-decoder.js"];
   rmSync(out, { recursive: true, force: true });
   mkdirSync(out, { recursive: true });
-  for (const name of readdirSync(source)) if (/\.(js|ts|json|md)$/.test(name) && name !== "worker-inline.js") copyFileSync(join(source, name), join(out, name));
+  for (const name of readdirSync(source)) if (/\.(js|ts|json|md)$/.test(name) && name !== "worker-inline.js" && !made.includes(name)) copyFileSync(join(source, name), join(out, name));
   copyFileSync(join(here, "..", "LICENSE"), join(out, "LICENSE"));
   const textModule = (name, about, text) => writeFileSync(join(out, name), `/* ${about} */\nexport default ${JSON.stringify(text)};\n`);
-  writeFileSync(join(out, "NOTICES"), readNotices(sources));
+  writeFileSync(join(out, "NOTICES"), readNotices(modules));
+  for (const name of made) writeFileSync(join(out, name), bundle(join(source, name), folder, modules, ["--format=esm"]));
   for (const name of ["norma", "check", "draco"]) {
-    const bytes = readModule(folder, name);
+    const bytes = name === "draco" ? readDraco(modules) : readFileSync(join(folder, `${name}.wasm`));
     writeFileSync(join(out, `${name}.wasm`), bytes);
     textModule(`${name}-text.js`, `${name}.wasm in base64.`, bytes.toString("base64"));
   }
-  textModule("worker-text.js", "The worker of norma-mesh/inline as one script.", bundle(join(source, "worker-inline.js"), ["--minify"]));
+  textModule("worker-text.js", "The worker of norma-mesh/inline as one script.", bundle(join(source, "worker-inline.js"), folder, modules));
 }
 
 /* ---- the page */
@@ -67,28 +82,28 @@ function packSculpture(path) {
 /* A module as the page holds it (web/page/inflate.js). */
 const packModule = (bytes) => deflateRawSync(bytes, { level: 9 }).toString("base64");
 
-function buildPage(folder, sources) {
+function buildPage(folder, modules) {
   const page = join(here, "page");
   /* No closing tag may stand in what lies within one. */
   const guard = (text) => text.replaceAll("</", "<\\/");
   const parts = {
     STYLE: readFileSync(join(page, "style.css"), "utf8"),
     WASM: packModule(readFileSync(join(folder, "page.wasm"))),
-    NOTICES: guard(readNotices(sources)),
-    WORKER: guard(bundle(join(page, "worker.js"), ["--minify"])),
-    SCRIPT: guard(`${readShaders()}\n${bundle(join(page, "main.js"), ["--minify"])}`),
+    NOTICES: guard(readNotices(modules)),
+    WORKER: guard(bundle(join(page, "worker.js"), folder, modules)),
+    SCRIPT: guard(`${readShaders()}\n${bundle(join(page, "main.js"), folder, modules)}`),
   };
   const text = readFileSync(join(page, "index.html"), "utf8").replace(/\/\*(STYLE|WASM|NOTICES|WORKER|SCRIPT)\*\//g, (_, name) => parts[name]);
   /* The page of norma view needs neither: the tool has read its file. */
   writeFileSync(join(folder, "page.html"), text.replace("/*SCULPTURE*/", "").replace("/*DRACO*/", ""));
-  const sculpture = packSculpture(join(here, "..", "assets", "goathead.obj")), draco = existsSync(join(folder, "draco.wasm")) ? packModule(readModule(folder, "draco")) : "";
+  const sculpture = packSculpture(join(here, "..", "assets", "goathead.obj")), draco = hasLibrary(modules, "draco3dgltf") ? packModule(readDraco(modules)) : "";
   writeFileSync(join(folder, "norma.html"), text.replace("/*NAME*/", "").replace("/*MODEL*/", "").replace("/*SCULPTURE*/", sculpture).replace("/*DRACO*/", draco));
 }
 
-const [what, folder, sources] = process.argv.slice(2);
+const [what, folder, modules] = process.argv.slice(2);
 const works = { package: buildPackage, page: buildPage };
-if (!works[what] || !sources) {
-  console.error(`usage: node build.mjs ${Object.keys(works).join("|")} FOLDER SOURCES`);
+if (!works[what] || !modules) {
+  console.error(`usage: node build.mjs ${Object.keys(works).join("|")} FOLDER MODULES`);
   process.exit(2);
 }
-works[what](folder, sources);
+works[what](resolve(folder), resolve(modules));

@@ -93,7 +93,7 @@ export function bindCheck(wasm) {
   });
 }
 
-/* check as a call: the module is loaded when it is first needed. loadModule: () => a promise of its exports; reading: of makeDraco. */
+/* check as a call: the module is loaded when it is first needed. loadModule: () => a promise of its exports; reading: of makeDecoders. */
 export function makeCheck(loadModule, reading) {
   let bound = null;
   return async (file, options) => {

@@ -4,7 +4,6 @@ import { makeLoad } from "./load.js";
 import { read } from "./load-web.js";
 import { connect } from "./remote.js";
 import core from "./norma-text.js";
-import workerText from "./worker-text.js";
 
 export { NormaError } from "./arguments.js";
 
@@ -21,6 +20,7 @@ export const load = makeLoad(read, { core: () => decode(core), ...later });
 /* The worker is made from text too: a content security policy has to allow worker-src blob:. */
 export const loadWorker = async (source, options) => {
   if (typeof Worker === "undefined") fail("loadWorker: there is no Worker here; import it from norma-mesh instead of norma-mesh/inline");
+  const { default: workerText } = await import("./worker-text.js");
   const address = URL.createObjectURL(new Blob([workerText], { type: "text/javascript" }));
   return connect(new Worker(address), source ?? decode(core), { ...later, ...options });
 };

@@ -1,7 +1,7 @@
 /* Loading, the same for every entry: what differs is where the modules lie. */
 import { bindCalls } from "./calls.js";
 import { makeCheck } from "./check.js";
-import { makeDraco } from "./draco.js";
+import { makeDecoders, readingLibraries } from "./decoders.js";
 import { fail, options as checkOptions, spell } from "./arguments.js";
 
 /* What `norma-mesh/three` and `norma-mesh/gltf-transform` compute with: whatever was loaded last. */
@@ -34,9 +34,9 @@ export function makeLoad(read, modules) {
   const sourceOf = (given, standard) => (typeof given === "function" ? given() : given ?? standard());
   const open = async (source, check, draco) => {
     const core = await instantiate(source ?? (await modules.core()), read, "load");
-    const decoder = makeDraco(async () => compile(await sourceOf(draco, modules.draco), read, "draco"));
-    const loadCheck = async () => decoder.serve(await instantiate(await sourceOf(check, modules.check), read, "check", decoder.imports));
-    return bindCalls(core, makeCheck(loadCheck, decoder.reading));
+    const decoders = makeDecoders(readingLibraries(async () => compile(await sourceOf(draco, modules.draco), read, "draco")));
+    const loadCheck = async () => decoders.serve(await instantiate(await sourceOf(check, modules.check), read, "check", decoders.imports));
+    return bindCalls(core, makeCheck(loadCheck, decoders.reading));
   };
   /* source: nothing, an address of norma.wasm, its bytes, or a compiled module; check, draco: the same of check.wasm and draco.wasm. */
   return async (source, options) => {

@@ -1,6 +1,6 @@
 /* The page's module: the package's calls; models, which are packs; documents, which are files read, fixed and written by the library's own code. */
 import { bindCalls } from "../package/calls.js";
-import { makeDraco } from "../package/draco.js";
+import { makeDecoders, readingLibraries } from "../package/decoders.js";
 import { moduleOf } from "./inflate.js";
 
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
@@ -27,10 +27,15 @@ async function compileDraco(packed) {
   return WebAssembly.compile(await moduleOf(packed));
 }
 
+async function loadEncoder() {
+  const { MeshoptEncoder } = await import("./meshopt-encoder.js");
+  return MeshoptEncoder.ready.then(() => MeshoptEncoder);
+}
+
 export async function startEngine({ bytes, draco: packed }) {
-  const draco = makeDraco(() => compileDraco(packed));
-  const { instance } = await WebAssembly.instantiate(bytes, draco.imports);
-  const wasm = draco.serve(instance.exports);
+  const decoders = makeDecoders({ ...readingLibraries(() => compileDraco(packed)), encoder: loadEncoder });
+  const { instance } = await WebAssembly.instantiate(bytes, decoders.imports);
+  const wasm = decoders.serve(instance.exports);
   const norma = bindCalls(wasm);
   const memory = () => wasm.memory.buffer;
   const floats = (at, count) => new Float32Array(memory(), at >>> 0, count);
@@ -165,7 +170,7 @@ export async function startEngine({ bytes, draco: packed }) {
     const pack = orError(path, (error) => wasm.document_pack(document, size, error), isNull) >>> 0;
     return openPack(pack, new Uint32Array(memory(), size, 1)[0], name);
   });
-  const openFile = (path, name) => draco.reading(() => withDocument(path, (document) => packOf(document, path, name)), (model) => model.free());
+  const openFile = (path, name) => decoders.reading(() => withDocument(path, (document) => packOf(document, path, name)), (model) => model.free());
   const notesOf = (document, from = 0) => [...new Set(Array.from({ length: wasm.document_note_count(document) - from }, (_, i) => longTextAt(wasm.document_note(document, from + i))))];
 
   /* A changed copy of one of the files: its model, and the files that it consists of. change(document, numbers) fills the numbers, of which the first says whether anything changed. */
@@ -178,7 +183,7 @@ export async function startEngine({ bytes, draco: packed }) {
     orError(path, (error) => withText(to, (at) => wasm.document_save(document, at, error)), isSet);
     return { changed: true, model, files: takeWritten().map((file) => ({ ...file, path: file.path.replace(/^norma\//, "") })), verticesBefore, verticesAfter, notes: notesOf(document, before) };
   }));
-  const changed = (...args) => draco.reading(() => changeOnce(...args), ({ model }) => model?.free());
+  const changed = (...args) => decoders.reading(() => changeOnce(...args), ({ model }) => model?.free());
   const fixFile = (path, name, { unsafe = false } = {}) => changed(path, name, (document, numbers, error) => wasm.document_fix(document, unsafe ? 1 : 0, numbers, error));
   /* crease: degrees; null: as norma compute does it unasked. */
   const computeFile = (path, name, { weight, weld, crease }) =>

@@ -1,5 +1,6 @@
 /* The page: what its controls say is computed (in a worker) and drawn (here). Nothing is drawn but when something changed; what moves, moves by itself. */
 import { bindCalls } from "../package/calls.js";
+import { noDecoders } from "../package/decoders.js";
 import { applyAddress, makeAddress, readAddress } from "./address.js";
 import { makeCamera, steer } from "./camera.js";
 import { MATRIX, RANGES, byId, isChecked, modelMatrix, numberOf, setMatrix, setRange, spell, value } from "./controls.js";
@@ -848,8 +849,8 @@ function paintLegend(texts) {
 }
 
 async function startEngines() {
-  const bytes = await moduleOf(textOf("wasm")), modules = { bytes, draco: textOf("draco") }, noStreams = { norma: { draco_decode: () => 0 } }; // no file is read here
-  const [{ instance }, started] = await Promise.all([WebAssembly.instantiate(bytes, noStreams), startRemote(textOf("worker"), modules, (now) => { calls = now; })]);
+  const bytes = await moduleOf(textOf("wasm")), modules = { bytes, draco: textOf("draco") };
+  const [{ instance }, started] = await Promise.all([WebAssembly.instantiate(bytes, noDecoders), startRemote(textOf("worker"), modules, (now) => { calls = now; })]);
   norma = bindCalls(instance.exports);
   remote = started;
 }

@@ -1,7 +1,6 @@
 /* draco_decoder.cpp: libdraco behind an interface for C. The stream is not trusted: libdraco
  * allocates what counts in it ask for, so that these are compared with what the caller expects
- * before connectivity and before attributes are decoded. No exception leaves this file;
- * WebAssembly, which has none, traps in their place (web/package/draco). */
+ * before connectivity and before attributes are decoded. No exception leaves this file. */
 #include "io/gltf/draco_decoder.h"
 #include <cstring>
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
@@ -15,15 +14,6 @@
 #include <vector>
 
 namespace {
-
-[[noreturn]] void Refuse(const char *what) {
-#ifdef __cpp_exceptions
-    throw std::length_error(what);
-#else
-    (void)what;
-    __builtin_trap();
-#endif
-}
 
 struct Report {
     draco_result result = DRACO_BROKEN;
@@ -105,7 +95,7 @@ class Edgebreaker : public CheckedDecoder<draco::MeshEdgebreakerDecoder, false> 
         int attribute) const override {
         const auto *data = draco::MeshEdgebreakerDecoder::GetAttributeEncodingData(attribute);
         if (!data || HasOrientations(attribute, static_cast<size_t>(data->num_values))) return data;
-        Refuse("orientations");
+        throw std::length_error("orientations");
     }
 
   private:
@@ -240,7 +230,6 @@ extern "C" const char *norma_draco_missing(int) { return ""; }
 extern "C" draco_result norma_draco_decode(const draco_stream *stream, size_t *found) {
     Report report;
     bool decoded = false;
-#ifdef __cpp_exceptions
     try {
         decoded = Decode(*stream, report);
     } catch (const std::bad_alloc &) {
@@ -250,9 +239,6 @@ extern "C" draco_result norma_draco_decode(const draco_stream *stream, size_t *f
     } catch (...) {
         report.Fail(DRACO_BROKEN, 0);
     }
-#else
-    decoded = Decode(*stream, report);
-#endif
     *found = report.found;
     return decoded ? DRACO_OK : report.result;
 }

@@ -1,9 +1,9 @@
-/* draco_elsewhere.c: Draco's streams are decoded by a module of their own, draco.wasm. JavaScript
- * loads it when the first is met, and carries them there and back (web/package/draco.js). */
+/* draco_elsewhere.c: Draco's streams are decoded by npm's draco3dgltf, which JavaScript loads when
+ * the first is met (web/package/decoders.js). */
 #include "io/gltf/draco_decoder.h"
 
 /* JavaScript reads both structs as 32-bit numbers, one for each member. */
-_Static_assert(sizeof(draco_stream) == 8 * 4 && sizeof(draco_values) == 4 * 4, "draco.js");
+_Static_assert(sizeof(draco_stream) == 8 * 4 && sizeof(draco_values) == 4 * 4, "decoders.js");
 
 __attribute__((import_module("norma"), import_name("draco_decode"))) draco_result carry_stream(
     const draco_stream *stream, size_t *found);
