@@ -49,7 +49,7 @@ static const uint8_t *pixel_at(const acid_picture *picture, double x, double y) 
 /* Adds the bilinear colour at a point; 0: it lies outside. */
 static int add_sample(const judging *j, const double unit[2], double sum[3]) {
     double at[2];
-    norma_acid_map_point(j->map, unit, at);
+    acid_map_point(j->map, unit, at);
     if (!(at[0] >= 0 && at[1] >= 0 && at[0] <= (double)j->picture->width &&
             at[1] <= (double)j->picture->height))
         return 0;
@@ -71,8 +71,8 @@ static void box_pixels(const acid_map *map, const acid_box *box, double *longer,
         double from[2] = {box->center[0], box->center[1]}, to[2] = {from[0], from[1]}, a[2], b[2];
         from[k] -= box->size[k] / 2;
         to[k] += box->size[k] / 2;
-        norma_acid_map_point(map, from, a);
-        norma_acid_map_point(map, to, b);
+        acid_map_point(map, from, a);
+        acid_map_point(map, to, b);
         sides[k] = hypot(b[0] - a[0], b[1] - a[1]);
     }
     *longer = fmax(sides[0], sides[1]);
@@ -404,7 +404,7 @@ static void judge_rows(judging *j, int is_large, acid_judgement *to) {
     }
 }
 
-int norma_acid_judge(const acid_picture *picture, const acid_layout *layout, const acid_map *map,
+int acid_judge(const acid_picture *picture, const acid_layout *layout, const acid_map *map,
     acid_judgement *judgement) {
     judging j = {.picture = picture, .layout = layout, .map = map};
     const int is_large = choose_side(&j);

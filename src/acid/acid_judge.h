@@ -43,8 +43,12 @@ typedef struct acid_picture {
 
 /* A PNG or JPEG; what is transparent becomes darker, as over black. pixels: NULL after a failure.
  */
-image_result norma_acid_read_picture(
-    const unsigned char *bytes, size_t size, acid_picture *picture);
+image_result acid_read_picture(const unsigned char *bytes, size_t size, acid_picture *picture);
+
+/* What is wrong, if it was not read. */
+const char *acid_picture_text(image_result result);
+/* As a PNG; its bytes are the caller's to free in any case. 0: out of memory. */
+int acid_write_picture(const acid_picture *picture, growing_bytes *png);
 
 /* ---- registration */
 
@@ -53,11 +57,11 @@ typedef struct acid_map { /* a homography from the unit square to pixels, row by
     double m[9];
 } acid_map;
 
-void norma_acid_map_point(const acid_map *map, const double unit[2], double pixel[2]);
+void acid_map_point(const acid_map *map, const double unit[2], double pixel[2]);
 
 /* Looks for four uniform spots of the marks' hues which lie, and are as large, as the layout says.
  * 1: found; 0: not found; -1: out of memory. */
-int norma_acid_find_marks(const acid_picture *picture, const acid_layout *layout, acid_map *map);
+int acid_find_marks(const acid_picture *picture, const acid_layout *layout, acid_map *map);
 
 /* ---- verdicts */
 
@@ -97,10 +101,10 @@ typedef struct acid_judgement {
 } acid_judgement;
 
 /* 0: out of memory. */
-int norma_acid_judge(const acid_picture *picture, const acid_layout *layout, const acid_map *map,
+int acid_judge(const acid_picture *picture, const acid_layout *layout, const acid_map *map,
     acid_judgement *judgement);
 
 /* Frames each subject by its verdict: green, red, or grey. */
-void norma_acid_frame(acid_picture *picture, const acid_layout *layout, const acid_map *map,
+void acid_frame(acid_picture *picture, const acid_layout *layout, const acid_map *map,
     const acid_judgement *judgement);
 #endif

@@ -210,7 +210,7 @@ static int find_spots(spot_search *search) {
 
 /* ---- maps */
 
-void norma_acid_map_point(const acid_map *map, const double unit[2], double pixel[2]) {
+void acid_map_point(const acid_map *map, const double unit[2], double pixel[2]) {
     const double *m = map->m, w = m[6] * unit[0] + m[7] * unit[1] + m[8];
     pixel[0] = (m[0] * unit[0] + m[1] * unit[1] + m[2]) / w;
     pixel[1] = (m[3] * unit[0] + m[4] * unit[1] + m[5]) / w;
@@ -274,8 +274,8 @@ static void predict_moments(const acid_map *map, const acid_box *mark, double mo
         double from[2] = {mark->center[0], mark->center[1]}, to[2] = {from[0], from[1]}, a[2], b[2];
         from[k] -= mark->size[k] / 2;
         to[k] += mark->size[k] / 2;
-        norma_acid_map_point(map, from, a);
-        norma_acid_map_point(map, to, b);
+        acid_map_point(map, from, a);
+        acid_map_point(map, to, b);
         for (int i = 0; i < 2; ++i) sides[k][i] = b[i] - a[i];
     }
     moments[0] = (sides[0][0] * sides[0][0] + sides[1][0] * sides[1][0]) / 12;
@@ -348,7 +348,7 @@ static double choose_spots(const spot_list lists[ACID_MARKS], const acid_layout 
     return most;
 }
 
-int norma_acid_find_marks(const acid_picture *picture, const acid_layout *layout, acid_map *map) {
+int acid_find_marks(const acid_picture *picture, const acid_layout *layout, acid_map *map) {
     spot_search *search = norma_io_allocate(1, sizeof *search);
     const spot *spots[ACID_MARKS];
     int found = -1;

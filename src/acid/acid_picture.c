@@ -1,4 +1,4 @@
-/* acid_picture.c: the pixels of a screenshot, and frames drawn into them. */
+/* acid_picture.c: the pixels of a screenshot, and frames that are drawn into them. */
 #include "acid/acid_judge.h"
 #include <math.h>
 #include <stdlib.h>
@@ -19,8 +19,7 @@ static void take_row(void *user, size_t y, const uint8_t *pixels) {
             to[3 * x + k] = (uint8_t)((pixels[4 * x + k] * pixels[4 * x + 3] + 127) / 255);
 }
 
-image_result norma_acid_read_picture(
-    const unsigned char *bytes, size_t size, acid_picture *picture) {
+image_result acid_read_picture(const unsigned char *bytes, size_t size, acid_picture *picture) {
     const image_sink sink = {4, begin_picture, take_row, picture};
     *picture = (acid_picture){0};
     const image_result result = norma_image_read(bytes, size, &sink);
@@ -29,6 +28,12 @@ image_result norma_acid_read_picture(
         *picture = (acid_picture){0};
     }
     return result;
+}
+
+const char *acid_picture_text(image_result result) { return norma_image_text(result); }
+
+int acid_write_picture(const acid_picture *picture, growing_bytes *png) {
+    return norma_image_write(picture->pixels, picture->width, picture->height, png) == IMAGE_OK;
 }
 
 /* ---- frames */
@@ -54,7 +59,7 @@ static void frame_box(
     for (int i = 0; i < 5; ++i) {
         const double unit[2] = {box->center[0] + 1.06 * corners[i][0] * box->size[0],
             box->center[1] + 1.06 * corners[i][1] * box->size[1]};
-        norma_acid_map_point(map, unit, pixels[i]);
+        acid_map_point(map, unit, pixels[i]);
     }
     for (int i = 0; i < 4; ++i) {
         const double dx = pixels[i + 1][0] - pixels[i][0], dy = pixels[i + 1][1] - pixels[i][1],
@@ -66,7 +71,7 @@ static void frame_box(
     }
 }
 
-void norma_acid_frame(acid_picture *picture, const acid_layout *layout, const acid_map *map,
+void acid_frame(acid_picture *picture, const acid_layout *layout, const acid_map *map,
     const acid_judgement *judgement) {
     static const uint8_t colors[ACID_VERDICTS][3] = {
         {0, 200, 60}, {230, 20, 20}, {150, 150, 150}, {230, 20, 20}, {150, 150, 150}};

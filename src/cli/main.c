@@ -8,7 +8,7 @@
 static const cli_subcommand *const commands[] = {&cli_subcommand_compute, &cli_subcommand_tangents,
     &cli_subcommand_transform, &cli_subcommand_matrix, &cli_subcommand_check,
     &cli_subcommand_report, &cli_subcommand_explain, &cli_subcommand_info, &cli_subcommand_compare,
-    &cli_subcommand_render, &cli_subcommand_view};
+    &cli_subcommand_render, &cli_subcommand_view, &cli_subcommand_acid};
 
 static const char introduction[] =
     "Norma computes, transforms and checks surface normals in OBJ, PLY, STL and glTF files.\n"
@@ -24,12 +24,13 @@ static const char introduction[] =
     "\n"
     "Commands\n";
 
-static const char ending[] = "\n"
-                             "'norma help COMMAND' or 'norma COMMAND --help' explains a command. "
-                             "'norma --version' prints the version.\n"
-                             "Exit status: 0 fine, 1 findings (check, compare), 2 wrong usage, "
-                             "3 a file could not be\nread or written, "
-                             "130 interrupted, 143 terminated.\n";
+static const char ending[] =
+    "\n"
+    "'norma help COMMAND' or 'norma COMMAND --help' explains a command. "
+    "'norma --version' prints the version.\n"
+    "Exit status: 0 fine, 1 findings (check, compare, acid), 2 wrong usage, "
+    "3 a file could not be\nread or written, "
+    "130 interrupted, 143 terminated.\n";
 
 static void print_help(FILE *out) {
     fputs(introduction, out);

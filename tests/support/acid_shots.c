@@ -295,7 +295,7 @@ static int compress(acid_picture *picture, int quality) {
     jpeg_finish_compress(&to);
     jpeg_destroy_compress(&to);
     free(picture->pixels);
-    const int read = norma_acid_read_picture(bytes, size, picture) == IMAGE_OK;
+    const int read = acid_read_picture(bytes, size, picture) == IMAGE_OK;
     free(bytes);
     return read;
 }
@@ -334,8 +334,8 @@ void acid_shot_choose(acid_shot *shot, const acid_layout *layout, uint32_t numbe
     /* From a crop that just keeps the marks to borders of a third. */
     const double left = scale * between(&seed, -0.012, 0.3),
                  top = tall * between(&seed, -0.015, 0.3), lean = next_random(&seed) % 2 ? 0.02 : 0;
-    shot->width = (size_t)(scale + left + scale * between(&seed, -0.012, 0.3));
-    shot->height = (size_t)(tall + top + tall * between(&seed, -0.015, 0.3));
+    shot->width = (size_t)(scale + left + scale * (lean + between(&seed, -0.012, 0.3)));
+    shot->height = (size_t)(tall + top + tall * (lean + between(&seed, -0.015, 0.3)));
     for (int i = 0; i < 4; ++i) {
         shot->corners[i][0] =
             left + scale * (i == 1 || i == 2) + (lean > 0 ? scale * between(&seed, 0, lean) : 0);

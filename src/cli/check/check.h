@@ -237,6 +237,8 @@ void check_baseline_free(check_baseline *baseline);
 /* ---- JSON that someone wrote (known.c) */
 
 int check_open_regular(const char *path); /* a descriptor; -1: reported already */
+/* The whole of it; *size bytes, to be freed. NULL: reported already; errno shows memory. */
+char *check_read_bytes(const char *path, size_t *size);
 /* expected: what it should be, for messages. NULL: reported already. */
 cli_parsed *check_load_json(const char *path, const char *expected);
 

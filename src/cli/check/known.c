@@ -29,8 +29,7 @@ int check_open_regular(const char *path) {
     return -1;
 }
 
-/* The whole of it; *size bytes, to be freed. NULL: reported already; errno shows memory. */
-static char *read_text(const char *path, size_t *size) {
+char *check_read_bytes(const char *path, size_t *size) {
     const int file = check_open_regular(path);
     size_t room = 4096;
     char *text = file < 0 ? NULL : malloc(room);
@@ -59,7 +58,7 @@ static char *read_text(const char *path, size_t *size) {
 cli_parsed *check_load_json(const char *path, const char *expected) {
     size_t size;
     cli_json_fault fault;
-    char *text = read_text(path, &size);
+    char *text = check_read_bytes(path, &size);
     if (!text) return NULL;
     cli_parsed *parsed = cli_json_parse(text, size, &fault);
     free(text);

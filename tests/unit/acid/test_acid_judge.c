@@ -23,11 +23,11 @@ static acid_shot plain_shot(void) {
         .gamma = 2.2};
 }
 
-/* 1, 0 or -1 as norma_acid_find_marks; on 1 the caller frees findings. */
+/* 1, 0 or -1 as acid_find_marks; on 1 the caller frees findings. */
 static int judge_picture(acid_picture *picture, acid_judgement *judgement) {
     acid_map map;
-    const int found = norma_acid_find_marks(picture, &layout, &map);
-    if (found == 1) assert_true(norma_acid_judge(picture, &layout, &map, judgement));
+    const int found = acid_find_marks(picture, &layout, &map);
+    if (found == 1) assert_true(acid_judge(picture, &layout, &map, judgement));
     return found;
 }
 

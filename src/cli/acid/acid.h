@@ -1,0 +1,28 @@
+/* acid.h: norma acid: what its parts share. */
+#ifndef NORMA_CLI_ACID_ACID_H
+#define NORMA_CLI_ACID_ACID_H
+#include "acid/acid_judge.h"
+#include "cli/files/files.h"
+
+typedef struct acid_work {
+    cli_common common;
+    cli_files files; /* its guard; no words */
+    const char *judge, *scene, *output;
+    int tap;
+    struct acid_without {
+        const char *name; /* of an extension that the renderer lacks; not ended by a 0 */
+        size_t length;
+    } without[64];
+    size_t without_count;
+} acid_work;
+
+/* Where things lie in the scene that was drawn: acid.json or one of the .glb beside it. A status;
+ * CLI_OK: the caller frees layout->rows. */
+int acid_layout_of(const acid_work *work, acid_layout *layout);
+
+void acid_print_json(const acid_work *work, const acid_layout *layout, const acid_judgement *found);
+void acid_print_tap(const acid_work *work, const acid_layout *layout, const acid_judgement *found);
+void acid_print_text(const acid_work *work, const acid_layout *layout, const acid_judgement *found);
+
+int acid_judge_shot(const cli_subcommand *command, acid_work *work); /* a status */
+#endif
