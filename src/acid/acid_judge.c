@@ -20,8 +20,8 @@
 
 enum { LEAST_SIDE = 8, MOST_SIDE = 40, RING = 12 };
 
-static const double near_part = 0.3, most_way = 0.25, above_noise = 2, least_noise = 1.0 / 255,
-                    control_part = 0.25;
+static const double near_part = 0.3, near_contrast = 0.25, most_way = 0.25, above_noise = 2,
+                    least_noise = 1.0 / 255;
 
 typedef struct swatch { /* a patch, resampled */
     float *colors;      /* side * side * 3 */
@@ -296,14 +296,16 @@ static void judge_drawn(judging *j, const acid_row *row, acid_finding *finding) 
     const double noise = fmax(least_noise, j->noise);
     double apart[ACID_MOST_REFERENCES];
     measure(j, row, finding, apart);
-    const double least = finding->distances[finding->nearest];
+    const double least = finding->distances[finding->nearest],
+                 near = fmin(
+                     near_part * finding->apart, near_contrast * contrast(j, &j->references[0]));
     if (finding->apart < above_noise * noise)
         unclear(finding, ACID_REASON_ALIKE);
     else if (squared(least) > squared(2 * noise) + squared(0.6 * finding->apart))
         unclear(finding, ACID_REASON_FAR);
     else if (is_between(row, finding, noise, apart))
         unclear(finding, ACID_REASON_BETWEEN);
-    else if (squared(least) > squared(1.5 * noise) + squared(near_part * finding->apart))
+    else if (squared(least) > squared(1.5 * noise) + squared(near))
         unclear(finding, ACID_REASON_FAR);
     else
         finding->verdict = finding->nearest == 0 ? ACID_PASS : ACID_FAIL;
@@ -346,7 +348,7 @@ static void judge_control(judging *j, const acid_row *row, acid_finding *finding
     finding->apart = contrast(j, &j->references[0]);
     if (finding->apart < 0.02)
         finding->reason = ACID_REASON_ALIKE;
-    else if (finding->distances[0] > control_part * finding->apart)
+    else if (finding->distances[0] > near_contrast * finding->apart)
         finding->reason = ACID_REASON_FAR;
     else
         finding->verdict = ACID_PASS, finding->nearest = 0;

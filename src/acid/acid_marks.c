@@ -208,6 +208,83 @@ static int find_spots(spot_search *search) {
     return there;
 }
 
+/* ---- spots of blurred squares, measured anew */
+
+typedef struct window {
+    long left, top, right, bottom; /* the last two are behind it */
+} window;
+
+/* Twice as large as the spot, and within the picture. */
+static window around_spot(const acid_picture *picture, const spot *s) {
+    const double x = 2 * sqrt(3 * s->xx) + 2, y = 2 * sqrt(3 * s->yy) + 2;
+    const long width = (long)picture->width, height = (long)picture->height;
+    const window w = {lround(s->x - x), lround(s->y - y), lround(s->x + x), lround(s->y + y)};
+    return (window){w.left > 0 ? w.left : 0, w.top > 0 ? w.top : 0,
+        w.right < width ? w.right : width, w.bottom < height ? w.bottom : height};
+}
+
+/* The mean colours of the window's border and of the spot's middle. */
+static void find_colors(const acid_picture *picture, const spot *s, const window *w,
+    double border[3], double middle[3]) {
+    double counts[2] = {0, 0};
+    for (int k = 0; k < 3; ++k) border[k] = middle[k] = 0;
+    for (long y = w->top; y < w->bottom; ++y)
+        for (long x = w->left; x < w->right; ++x) {
+            const double dx = fabs((double)x + 0.5 - s->x), dy = fabs((double)y + 0.5 - s->y);
+            const int is_middle = dx < 0.5 + sqrt(s->xx) / 2 && dy < 0.5 + sqrt(s->yy) / 2;
+            if (!is_middle && y > w->top && y < w->bottom - 1 && x > w->left && x < w->right - 1)
+                continue;
+            const uint8_t *pixel = picture->pixels + 3 * ((size_t)y * picture->width + (size_t)x);
+            for (int k = 0; k < 3; ++k) (is_middle ? middle : border)[k] += pixel[k];
+            counts[is_middle] += 1;
+        }
+    for (int k = 0; k < 3; ++k) {
+        border[k] /= fmax(1, counts[0]);
+        middle[k] /= fmax(1, counts[1]);
+    }
+}
+
+/* How far a colour is on the way from border to middle, 0 to 1. */
+static double part_covered(const uint8_t pixel[3], const double border[3], const double middle[3]) {
+    double along = 0, whole = 0;
+    for (int k = 0; k < 3; ++k) {
+        along += (pixel[k] - border[k]) * (middle[k] - border[k]);
+        whole += (middle[k] - border[k]) * (middle[k] - border[k]);
+    }
+    const double part = along / fmax(1, whole);
+    return part < 0.15 ? 0 : fmin(1, part);
+}
+
+/* Compression smears colours over some pixels, and where a spot seems to end depends on its colour
+ * and on what lies around it. Counted by the part of each pixel that it covers, it does not. */
+static void measure_spot(const acid_picture *picture, spot *s) {
+    const window w = around_spot(picture, s);
+    double border[3], middle[3];
+    spot sum = {.color = s->color};
+    if (w.right - w.left > 512 || w.bottom - w.top > 512) return;
+    find_colors(picture, s, &w, border, middle);
+    for (long y = w.top; y < w.bottom; ++y)
+        for (long x = w.left; x < w.right; ++x) {
+            const double u = (double)x + 0.5, v = (double)y + 0.5,
+                         part = part_covered(
+                             picture->pixels + 3 * ((size_t)y * picture->width + (size_t)x), border,
+                             middle);
+            sum.count += part;
+            sum.x += part * u;
+            sum.y += part * v;
+            sum.xx += part * u * u;
+            sum.xy += part * u * v;
+            sum.yy += part * v * v;
+        }
+    if (may_be_mark(&sum)) *s = sum;
+}
+
+static void measure_spots(spot_search *search) {
+    for (int i = 0; i < ACID_MARKS; ++i)
+        for (size_t k = 0; k < search->lists[i].count; ++k)
+            measure_spot(search->picture, &search->lists[i].spots[k]);
+}
+
 /* ---- maps */
 
 void acid_map_point(const acid_map *map, const double unit[2], double pixel[2]) {
@@ -354,7 +431,10 @@ int acid_find_marks(const acid_picture *picture, const acid_layout *layout, acid
     int found = -1;
     if (search) {
         search->picture = picture;
-        if (find_spots(search)) found = choose_spots(search->lists, layout, spots, 0, map, 0) > 0;
+        if (find_spots(search)) {
+            measure_spots(search);
+            found = choose_spots(search->lists, layout, spots, 0, map, 0) > 0;
+        }
     }
     free(search);
     return found;

@@ -60,6 +60,7 @@ cases() {
     echo "compute of what Draco packed|$NORMA compute packed/draco.glb -o out.glb --smooth --quiet --threads 1"
     echo "compare|$NORMA compare roof.gltf cube.obj --threads 1"
     echo "compare --json|$NORMA compare cube.obj cube.obj --json --threads 1"
+    [ ! -e "$fast/from/known/shot.png" ] || for form in "-o marked.png" --json --tap; do echo "acid --judge $form|$NORMA acid --judge known/shot.png --scene known/acid.json $form"; done
     echo "matrix|$NORMA matrix --scale 2,0.5,1 --rotate 0,1,0,30"
     echo "explain|$NORMA explain N501"
     [ -z "$has_renderer" ] || echo "render|$NORMA render cube.obj -o picture.png --size 16x16 --renderer software --threads 1"
@@ -84,6 +85,7 @@ mkdir "$fast/from/known"
 (cd "$fast/from" && "$NORMA" check cube.obj roof.ply --write-baseline=known/base.json >/dev/null
     "$NORMA" check cube.obj roof.ply --shard 1/2 -o known/a.json && "$NORMA" check cube.obj roof.ply --shard 2/2 -o known/b.json)
 echo '{"profile": "pr\u0069nt", "overrides": [{"files": ["a*", "*"], "ignore": ["N1"]}]}' >"$fast/from/known/config.json"
+[ ! -x "$tree/tests/acid_screens" ] || (cd "$fast/from/known" && "$tree/tests/acid_screens" layout acid.json && "$tree/tests/acid_screens" shot 1 shot.png >/dev/null)
 chmod u+w "$fast/from"/*
 cases | grep -E -- "${1:-.}" >"$scratch/cases"
 FAULT_PLACE=$fast xargs -P "${JOBS:-$(nproc)}" -d '\n' -n 1 bash "$0" --one <"$scratch/cases" >"$scratch/verdicts" 2>"$scratch/errors"

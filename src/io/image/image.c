@@ -34,11 +34,23 @@ static void image_read_bytes(png_structp png, png_bytep out, png_size_t size) {
     source->at += size;
 }
 
+/* Libpng's own allocations: those that fail are no fault of the file. */
+static png_voidp allocate_for_png(png_structp png, png_alloc_size_t size) {
+    void *block = malloc(size);
+    if (!block) ((png_source *)png_get_mem_ptr(png))->result = IMAGE_MEMORY;
+    return block;
+}
+static void free_of_png(png_structp png, png_voidp block) {
+    (void)png;
+    free(block);
+}
+
 /* Opens the image, reads its header and calls read, which may give up at any time. job begins with
  * a png_source; what read allocates is kept there. */
 static image_result png_read(void *job, void (*read)(png_structp png, png_infop info, void *job)) {
     png_source *source = job;
-    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, fail_png, ignore);
+    png_structp png = png_create_read_struct_2(
+        PNG_LIBPNG_VER_STRING, NULL, fail_png, ignore, source, allocate_for_png, free_of_png);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (!info) source->result = IMAGE_MEMORY;
     if (!info || setjmp(png_jmpbuf(png))) {
