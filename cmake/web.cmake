@@ -130,7 +130,7 @@ web_objects(web_model_objects ${web_model_sources} ${PROJECT_SOURCE_DIR}/src/ren
 web_module(check.wasm ${web_core_objects} ${web_file_objects} ${web_check_objects})
 web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects} ${web_fix_objects} ${web_model_objects})
 
-file(GLOB web_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/* ${PROJECT_SOURCE_DIR}/web/*.mjs ${PROJECT_SOURCE_DIR}/web/package-lock.json ${PROJECT_SOURCE_DIR}/web/licences/*)
+file(GLOB web_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/* ${PROJECT_SOURCE_DIR}/web/*.mjs ${PROJECT_SOURCE_DIR}/web/package-lock.json ${PROJECT_SOURCE_DIR}/web/licences/* ${PROJECT_SOURCE_DIR}/include/norma/shaders/*)
 list(FILTER web_inputs EXCLUDE REGEX "/(check|host|wasm)$")
 add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
   COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs package ${web_dir} ${NORMA_WEB_MODULES}

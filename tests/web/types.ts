@@ -1,6 +1,9 @@
 /* Uses of every call, checked by tsc --strict; what must not pass is said so. */
 import { load, loadWorker, NormaError, type CheckReport, type MatrixInfo, type Norma, type NormaWorker, type Plan, type Report, type SplitMesh } from "norma-mesh";
 import { load as loadInline } from "norma-mesh/inline";
+import { glsl, hlsl, wgsl } from "norma-mesh/shaders";
+
+for (const text of [glsl, hlsl, wgsl]) text.includes("norma_normal_matrix") satisfies boolean;
 
 export async function uses(): Promise<void> {
   const norma: Norma = await load();
