@@ -265,7 +265,6 @@ typedef struct norma_material_info {
     const char *name;    /* OBJ: the name in usemtl */
     const char *where;   /* "/materials/3"; "" in OBJ */
     float base_color[4]; /* linear, alpha last; all 1 by default */
-    float metallic, roughness;
     int double_sided, unlit;
 
     /* Nonzero: alphaMode is not OPAQUE, or some light passes through

@@ -71,16 +71,13 @@ typedef struct render_surface { /* one mesh; the arrays stay the caller's, and s
     const struct render_dot
         *dots; /* drawn with the marks, as large on the picture wherever they are */
     size_t dot_count;
-    float base_colour[3]; /* linear */
-    float alpha;          /* of the base colour; heeded with a cutoff, or where it blends */
-    float alpha_cutoff;   /* what has less is not drawn; 0: all is drawn */
-    int blends;
-    render_texture base_map, normal_map; /* looked at in lit pictures */
+    float base_colour[3];            /* linear */
+    render_texture mask, normal_map; /* looked at in lit pictures */
+    float alpha_cutoff;              /* what has less in the mask is not drawn; 0: all is drawn */
     float normal_strength;
     const float *tangents; /* x, y, z, sign for each position, v counted downwards; NULL: as
                               MikkTSpace makes them. Of the normal map */
     int two_sided;         /* 0: faces seen from behind are not drawn */
-    int unlit;
 } render_surface;
 
 typedef struct render_draw { /* a surface at its place */

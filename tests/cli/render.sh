@@ -113,7 +113,7 @@ check "with its name in the notes of --json" grep -q '"notes": \["[^"]*stored.ob
 check "and with one it is not" test ! -s "$scratch/stderr"
 cat >"$scratch/images.gltf" <<'END'
 {"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],
-"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"textures":[{"source":1}],"images":[{"uri":"a.png"},{"uri":"nowhere.png"}],
+"materials":[{"alphaMode":"MASK","pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"textures":[{"source":1}],"images":[{"uri":"a.png"},{"uri":"nowhere.png"}],
 "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}],
 "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],
 "buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/"}]}
@@ -121,6 +121,21 @@ END
 "$norma" render "$scratch/images.gltf" -o "$scratch/e.png" --size 64x64 >"$scratch/stdout" 2>"$scratch/stderr"
 check "an image that cannot be read is named" grep -q 'not drawn: 1 image that cannot be read (/images/1)' "$scratch/stdout"
 check "with the reason" grep -q 'note: /images/1 is not drawn: .' "$scratch/stderr"
+# Clay shows no colour of a material and is never glass; a mask cuts it, and so does an image with an outline that is blended.
+like() { # NAME MATERIAL MATERIAL: both give the same picture
+    for material in "$2" "$3"; do
+        sed -e "s|\"materials\":.*\"textures\"|\"materials\":[{\"doubleSided\":true,$material}],\"textures\"|" -e 's|nowhere.png|data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAYAAABytg0kAAAAGklEQVR42mM4wSX3X2SLBgMDq82d/1FRXP8BOFIGubJvuY4AAAAASUVORK5CYII=|' "$scratch/images.gltf" >"$scratch/clay.gltf"
+        mv "$scratch/clay.png" "$scratch/clay-1.png" 2>/dev/null
+        "$norma" render "$scratch/clay.gltf" -o "$scratch/clay.png" --size 64x64 --quiet
+    done
+    check "$1" cmp "$scratch/clay-1.png" "$scratch/clay.png"
+}
+image='"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}'
+like "an image of colours leaves clay as it is" '"alphaMode":"OPAQUE"' "$image"
+cp "$scratch/clay.png" "$scratch/whole.png"
+like "what lets light through is clay" '"alphaMode":"OPAQUE"' '"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[0.2,0.4,1,0.3]}'
+like "an outline that is blended cuts as a mask does" "\"alphaMode\":\"MASK\",$image" "\"alphaMode\":\"BLEND\",$image"
+check "and a mask does cut" bash -c '! cmp -s "$0" "$1"' "$scratch/whole.png" "$scratch/clay.png"
 
 # refused STATUS NAME COMMAND...: its exit status, one line of error, and no picture left.
 refused() {

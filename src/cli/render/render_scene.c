@@ -100,8 +100,8 @@ void render_add_name(char *list, size_t room, const char *name) {
         length + strlen(name) + 2 * dots < room ? name : "...");
 }
 
-/* ---- What a surface's material makes it look like: its colour, its images, which
- * of its sides are there, what lets light through. */
+/* ---- What a surface looks like: clay or the colours of its vertices, bent by its normal
+ * map, cut by its mask; which of its sides are there. */
 
 /* Linear; mid-grey, so that light and shade both show. Whatever has no material of its own, too. */
 static const float clay[3] = {0.55F, 0.53F, 0.48F};
@@ -187,6 +187,30 @@ static norma_document_result set_map(render_scene_file *file, const surface_of *
 
 /* ---- materials */
 
+/* Whether some texels have half of the light and more, and some less. */
+static int has_outline(const render_picture *picture) {
+    size_t solid = 0;
+    const size_t texels = picture->width * picture->height;
+    for (size_t i = 0; i < texels; ++i) solid += picture->pixels[4 * i + 3] >= 128;
+    return solid > 0 && solid < texels;
+}
+
+/* What cuts an outline: the image of a mask, and what blends, at half, where its image has one
+ * (leaves, hair). All else that lets light through is clay. */
+static norma_document_result set_mask(render_scene_file *file, const surface_of *of,
+    const norma_material_maps *maps, render_surface *surface, norma_document_error *error) {
+    norma_material_info info;
+    norma_document_result result = set_map(file, of, &maps->base_color, &surface->mask, error);
+    if (result || norma_document_material_info(file->document, of->material, &info)) return result;
+    const float alpha = info.base_color[3], cutoff = maps->alpha_cutoff;
+    if (maps->alpha_mode == NORMA_ALPHA_BLEND)
+        surface->alpha_cutoff =
+            surface->mask.picture && has_outline(surface->mask.picture) ? 0.5F : 0;
+    else if (cutoff > 0)
+        surface->alpha_cutoff = cutoff <= alpha ? cutoff / alpha : 2; /* of the image */
+    return NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result set_maps(const render_settings *settings, render_scene_file *file,
     size_t mesh, size_t material, render_surface *surface, norma_document_error *error) {
     norma_material_maps maps;
@@ -198,23 +222,16 @@ static norma_document_result set_maps(const render_settings *settings, render_sc
                    ? read_texcoords(file, mesh, &maps.normal, &surface->normal_map, error)
                    : NORMA_DOCUMENT_OK;
     if (settings->show != RENDER_SHOW_LIT || settings->clay) return NORMA_DOCUMENT_OK;
-    surface->alpha_cutoff = maps.alpha_mode == NORMA_ALPHA_MASK ? maps.alpha_cutoff : 0;
-    surface->blends = maps.alpha_mode == NORMA_ALPHA_BLEND;
     surface->normal_strength = maps.normal.strength;
     const surface_of of = {mesh, material};
-    result = set_map(file, &of, &maps.base_color, &surface->base_map, error);
+    if (maps.alpha_mode != NORMA_ALPHA_OPAQUE) result = set_mask(file, &of, &maps, surface, error);
     return result ? result : set_map(file, &of, &maps.normal, &surface->normal_map, error);
 }
 
-static void set_colours(const norma_mesh_attributes *attributes,
-    const norma_material_info *material, render_surface *surface) {
+static void set_colours(const norma_mesh_attributes *attributes, render_surface *surface) {
     surface->colours = attributes->colors;
     if (attributes->colors)
         for (int k = 0; k < 3; ++k) surface->base_colour[k] = 1;
-    if (!material) return;
-    memcpy(surface->base_colour, material->base_color, sizeof surface->base_colour);
-    surface->alpha = material->base_color[3];
-    surface->unlit = material->unlit;
 }
 
 norma_document_result render_file_set_material(const render_settings *settings,
@@ -227,12 +244,11 @@ norma_document_result render_file_set_material(const render_settings *settings,
         gltf && attributes->material != SIZE_MAX &&
         !norma_document_material_info(file->document, attributes->material, &material);
     memcpy(surface->base_colour, clay, sizeof clay);
-    surface->alpha = 1;
     surface->two_sided = gltf ? known && material.double_sided : 1; /* only glTF has sides */
     if (surface->stored == RENDER_NORMALS_PER_VERTEX &&
         attributes->tangent_count >= surface->mesh.positions.count)
         surface->tangents = attributes->tangents;
-    if (!settings->clay) set_colours(attributes, known ? &material : NULL, surface);
+    if (!settings->clay) set_colours(attributes, surface);
     norma_document_result result =
         known ? set_maps(settings, file, mesh, attributes->material, surface, error)
               : NORMA_DOCUMENT_OK;

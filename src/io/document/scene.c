@@ -35,12 +35,8 @@ size_t norma_document_material_count(norma_document *document) {
 norma_document_result norma_document_material_info(
     norma_document *document, size_t index, norma_material_info *info) {
     if (!info) return NORMA_DOCUMENT_ERROR_ARGUMENT;
-    *info = (norma_material_info){.name = "",
-        .where = "",
-        .base_color = {1, 1, 1, 1},
-        .metallic = 1,
-        .roughness = 1,
-        .ignore = ""};
+    *info =
+        (norma_material_info){.name = "", .where = "", .base_color = {1, 1, 1, 1}, .ignore = ""};
     norma_document_result result =
         document ? need_materials(document) : NORMA_DOCUMENT_ERROR_ARGUMENT;
     if (result || index >= document->scene->material_count)

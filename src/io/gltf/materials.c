@@ -272,17 +272,10 @@ norma_document_result norma_gltf_normal_texture(norma_document *document, size_t
 static void read_color(
     const gltf *g, uint32_t material, uint32_t extensions, norma_material_info *info) {
     const json *j = &g->json;
-    uint32_t metallic = norma_json_member(j, material, "pbrMetallicRoughness");
-    uint32_t glossy = norma_json_member(j, extensions, "KHR_materials_pbrSpecularGlossiness");
-    float glossiness = 1;
+    const uint32_t metallic = norma_json_member(j, material, "pbrMetallicRoughness"),
+                   glossy = norma_json_member(j, extensions, "KHR_materials_pbrSpecularGlossiness");
     read_material_floats(g, norma_json_member(j, metallic, "baseColorFactor"), 4, info->base_color);
-    read_float(g, norma_json_member(j, metallic, "metallicFactor"), &info->metallic);
-    read_float(g, norma_json_member(j, metallic, "roughnessFactor"), &info->roughness);
-    if (glossy == JSON_NONE) return;
     read_material_floats(g, norma_json_member(j, glossy, "diffuseFactor"), 4, info->base_color);
-    read_float(g, norma_json_member(j, glossy, "glossinessFactor"), &glossiness);
-    info->metallic = 0;
-    info->roughness = 1 - glossiness;
 }
 
 static int lets_light_through(const gltf *g, uint32_t material, uint32_t extensions) {
@@ -359,7 +352,7 @@ static int read_gltf_material(
     gltf *g, uint32_t token, uint32_t avatar, size_t number, norma_material_info *info) {
     const json *j = &g->json;
     uint32_t extensions = norma_json_member(j, token, "extensions");
-    *info = (norma_material_info){.base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1};
+    *info = (norma_material_info){.base_color = {1, 1, 1, 1}};
     info->name = norma_gltf_name(g, token);
     info->where = norma_gltf_where(g, "materials", number);
     info->ignore = norma_gltf_ignore(g, token);

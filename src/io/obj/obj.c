@@ -228,11 +228,8 @@ static int keep_materials(walk *w) {
     norma_material_info *materials = norma_scene_allocate(scene, w->name_count, sizeof *materials);
     if (!materials) return 0;
     for (size_t i = 0; i < w->name_count; ++i)
-        materials[i] = (norma_material_info){.name = w->names[i],
-            .where = "",
-            .base_color = {1, 1, 1, 1},
-            .roughness = 1,
-            .ignore = ""};
+        materials[i] = (norma_material_info){
+            .name = w->names[i], .where = "", .base_color = {1, 1, 1, 1}, .ignore = ""};
     scene->materials = materials;
     scene->material_count = w->name_count;
     return 1;

@@ -269,34 +269,31 @@ static void set_sampler(const render_gl *gl, const render_texture *texture) {
             wraps[k] == GL_CLAMP_TO_EDGE || wraps[k] == GL_MIRRORED_REPEAT ? wraps[k] : GL_REPEAT);
 }
 
-static void send_texture(
-    const render_gl *gl, const render_texture *texture, int is_colour, GLuint *name) {
+static void send_texture(const render_gl *gl, const render_texture *texture, GLuint *name) {
     const render_picture *picture = texture->picture;
     gl->GenTextures(1, name);
     gl->BindTexture(GL_TEXTURE_2D, *name);
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    gl->TexImage2D(GL_TEXTURE_2D, 0, is_colour ? GL_SRGB8_ALPHA8 : GL_RGBA8,
-        (GLsizei)picture->width, (GLsizei)picture->height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
-        picture->pixels);
+    gl->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, (GLsizei)picture->width, (GLsizei)picture->height, 0,
+        GL_RGBA, GL_UNSIGNED_BYTE, picture->pixels);
     gl->GenerateMipmap(GL_TEXTURE_2D);
     set_sampler(gl, texture);
 }
 
-static int is_upload_of(
-    const render_texture_upload *upload, const render_texture *texture, int colour) {
-    return upload->texture.picture == texture->picture && upload->is_colour == colour &&
+static int is_upload_of(const render_texture_upload *upload, const render_texture *texture) {
+    return upload->texture.picture == texture->picture &&
            upload->texture.wrap_s == texture->wrap_s && upload->texture.wrap_t == texture->wrap_t &&
            upload->texture.mag_filter == texture->mag_filter &&
            upload->texture.min_filter == texture->min_filter;
 }
 
-enum render_result render_texture_bind(render_device *device, const render_texture *texture,
-    int is_colour, int unit, render_error *error) {
+enum render_result render_texture_bind(
+    render_device *device, const render_texture *texture, int unit, render_error *error) {
     const render_gl *gl = &device->gl;
     GLint most = 0;
     gl->ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
     for (size_t i = 0; i < device->texture_count; ++i)
-        if (is_upload_of(&device->textures[i], texture, is_colour)) {
+        if (is_upload_of(&device->textures[i], texture)) {
             gl->BindTexture(GL_TEXTURE_2D, device->textures[i].name);
             return RENDER_OK;
         }
@@ -311,8 +308,8 @@ enum render_result render_texture_bind(render_device *device, const render_textu
     if (!larger) return render_fail_memory(error);
     device->textures = larger;
     render_texture_upload *made = &larger[device->texture_count++];
-    *made = (render_texture_upload){.texture = *texture, .is_colour = is_colour};
-    send_texture(gl, texture, is_colour, &made->name);
+    *made = (render_texture_upload){.texture = *texture};
+    send_texture(gl, texture, &made->name);
     return RENDER_OK;
 }
 

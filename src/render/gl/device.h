@@ -161,7 +161,6 @@ typedef struct render_line_upload {
 
 typedef struct render_texture_upload {
     render_texture texture;
-    int is_colour;
     GLuint name;
 } render_texture_upload;
 
@@ -189,8 +188,8 @@ enum render_result render_lines_of(render_device *device, const render_surface *
     unsigned kind, const render_look *look, const render_line_upload **lines, render_error *error);
 
 /* An image with its sampler on a unit, sent when it is first used; colours are sRGB. */
-enum render_result render_texture_bind(render_device *device, const render_texture *texture,
-    int is_colour, int unit, render_error *error);
+enum render_result render_texture_bind(
+    render_device *device, const render_texture *texture, int unit, render_error *error);
 
 /* ---- the target: a framebuffer of its own, several samples wide and high for each pixel */
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- The images of materials as pictures: RGBA, eight bits each. */
+/* ---- Images as pictures: RGBA, eight bits each. */
 
 static int allocate_pixels(void *user, size_t width, size_t height) {
     render_picture *picture = user;

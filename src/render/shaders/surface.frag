@@ -50,13 +50,13 @@ float zebra(vec3 n, vec3 to_eye) {
     return mix(stripe, 0.5, clamp(width - 0.7, 0.0, 1.0));
 }
 
-// The base colour times the base map; what the mask cuts away is not drawn. In w the alpha.
+// The base colour times the base map, of which a mask has but alpha; what that cuts away is not drawn. In w the alpha.
 vec4 mapped_colour() {
     vec4 base = maps.x > 0.5 ? texture(base_map, surface_texcoord.xy) : vec4(1.0);
     float alpha = base.a * surface_colour.a;
     if (alpha < maps.z)
         discard;
-    return vec4(base.rgb, maps.w > 0.0 ? maps.w * alpha : 1.0);
+    return vec4(maps.x > 1.5 ? vec3(1.0) : base.rgb, maps.w > 0.0 ? maps.w * alpha : 1.0);
 }
 
 // Along which u grows, and along which v falls, where the surface has no tangents (Schuler 2013).

@@ -25,7 +25,7 @@
 //   vec3 base_colour    linear
 //   float two_sided     1: a back face is lit as the front of its other side; 0: as its normal says (cull it, if it shall not be seen)
 //   float scale_top     SHOW_ERROR: the degrees at the scale's top
-//   vec4 maps           SHADING_*: x: 1 with a base map; y: strength of the normal map, 0 without; z: what has less alpha is not drawn; w: alpha of what blends. Zero: nothing of it
+//   vec4 maps           SHADING_*: x: 1 with a base map, 2 with one of which alpha alone is looked at; y: strength of the normal map, 0 without; z: what has less alpha is not drawn; w: alpha of what blends. Zero: nothing of it
 //   sampler2D base_map, normal_map     the first as SRGB8_ALPHA8
 // and those of light.glsl.
 layout(location = 0) in vec3 position;

@@ -102,26 +102,21 @@ static enum render_program program_of(const render_panel *panel) {
                                               : RENDER_PROGRAM_PHONG;
 }
 
-/* What a fragment does with images and alpha: surface.frag. A mask's cutoff is that of the image.
- */
+/* What a fragment does with images: surface.frag. */
 static enum render_result bind_maps(const painter *p, const render_uniforms *at,
     const render_surface *surface, render_error *error) {
     const render_panel *panel = p->stage->panel;
     const int lit = panel->show == RENDER_SHOW_LIT,
-              maps_normals = lit && surface->normal_map.picture && panel->shading == RENDER_PHONG,
-              maps_base = lit && surface->base_map.picture;
-    const float cutoff = surface->alpha_cutoff;
+              bends = lit && surface->normal_map.picture && panel->shading == RENDER_PHONG,
+              cuts = lit && surface->alpha_cutoff > 0;
     enum render_result result = RENDER_OK;
-    if (maps_base) result = render_texture_bind(p->device, &surface->base_map, 1, 0, error);
-    if (!result && maps_normals)
-        result = render_texture_bind(p->device, &surface->normal_map, 0, 1, error);
+    if (cuts && surface->mask.picture)
+        result = render_texture_bind(p->device, &surface->mask, 0, error);
+    if (!result && bends) result = render_texture_bind(p->device, &surface->normal_map, 1, error);
     p->gl->Uniform1i(at->base_map, 0);
     p->gl->Uniform1i(at->normal_map, 1);
-    p->gl->Uniform4f(at->maps, maps_base ? 1 : 0, maps_normals ? surface->normal_strength : 0,
-        !lit || cutoff == 0        ? 0
-        : cutoff <= surface->alpha ? cutoff / surface->alpha
-                                   : 2,
-        lit && surface->blends ? fmaxf(surface->alpha, 1e-6F) : 0); /* 0: it does not blend */
+    p->gl->Uniform4f(at->maps, cuts && surface->mask.picture ? 2 : 0,
+        bends ? surface->normal_strength : 0, cuts ? surface->alpha_cutoff : 0, 0);
     return result;
 }
 
@@ -133,13 +128,12 @@ static void set_material(
     /* Winding, errors and findings are looked for on either side. */
     const int either = panel->show == RENDER_SHOW_WINDING || panel->show == RENDER_SHOW_ERROR ||
                        panel->show == RENDER_SHOW_MARKS;
-    const float usual[4] = {(float)look->ambient, (float)look->diffuse, (float)look->specular,
-        (float)look->exponent},
-                unlit[4] = {1, 0, 0, 1};
+    const float usual[4] = {
+        (float)look->ambient, (float)look->diffuse, (float)look->specular, (float)look->exponent};
     p->gl->Uniform3fv(
         at->base_colour, 1, panel->show == RENDER_SHOW_MARKS ? white : surface->base_colour);
     p->gl->Uniform1f(at->two_sided, surface->two_sided || either ? 1 : 0);
-    p->gl->Uniform4fv(at->phong, 1, surface->unlit ? unlit : usual);
+    p->gl->Uniform4fv(at->phong, 1, usual);
     (!surface->two_sided && !either ? p->gl->Enable : p->gl->Disable)(GL_CULL_FACE);
 }
 
@@ -163,52 +157,6 @@ static enum render_result draw_surface(
     return RENDER_OK;
 }
 
-/* ---- what lets light through: behind all else, the farthest first */
-
-static int blends(const painter *p, const render_placed *placed) {
-    return p->stage->panel->show == RENDER_SHOW_LIT && placed->surface->blends;
-}
-
-typedef struct distant {
-    const render_placed *placed;
-    double depth;
-} distant;
-
-static int farthest_first(const void *a, const void *b) {
-    const distant *x = a, *y = b;
-    return x->depth != y->depth ? (x->depth > y->depth) - (x->depth < y->depth)
-                                : (x->placed > y->placed) - (x->placed < y->placed);
-}
-
-static enum render_result draw_blended(
-    const painter *p, const render_uniforms *at, render_error *error) {
-    size_t count = 0;
-    enum render_result result = RENDER_OK;
-    for (size_t i = 0; i < p->stage->placed_count; ++i)
-        count += (size_t)blends(p, &p->stage->placed[i]);
-    if (count == 0) return RENDER_OK;
-    distant *list = malloc(count * sizeof *list);
-    if (!list) return render_fail_memory(error);
-    count = 0;
-    for (size_t i = 0; i < p->stage->placed_count; ++i) {
-        const render_placed *placed = &p->stage->placed[i];
-        double middle[3];
-        if (!blends(p, placed)) continue;
-        render_point(p->world_to_view, placed->to_world + 12, middle);
-        list[count++] = (distant){placed, middle[2]}; /* more negative: farther */
-    }
-    qsort(list, count, sizeof *list, farthest_first);
-    p->gl->Enable(GL_BLEND);
-    p->gl->BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    p->gl->DepthMask(GL_FALSE);
-    for (size_t i = 0; i < count && !result; ++i)
-        result = draw_surface(p, at, list[i].placed, error);
-    p->gl->DepthMask(GL_TRUE);
-    p->gl->Disable(GL_BLEND);
-    free(list);
-    return result;
-}
-
 static enum render_result draw_surfaces(const painter *p, render_error *error) {
     const render_stage *stage = p->stage;
     const render_panel *panel = stage->panel;
@@ -223,8 +171,7 @@ static enum render_result draw_surfaces(const painter *p, render_error *error) {
     p->gl->Uniform3fv(at->light_colour, RENDER_MOST_LIGHTS, p->light_colours);
     p->gl->Uniform1f(at->scale_top, (float)(stage->error_top_deg > 0 ? stage->error_top_deg : 1));
     for (size_t i = 0; i < stage->placed_count && !result; ++i)
-        if (!blends(p, &stage->placed[i])) result = draw_surface(p, at, &stage->placed[i], error);
-    if (!result) result = draw_blended(p, at, error);
+        result = draw_surface(p, at, &stage->placed[i], error);
     p->gl->Disable(GL_CULL_FACE);
     return result;
 }

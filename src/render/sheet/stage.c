@@ -9,7 +9,7 @@
 
 static enum render_kind vertices_for(const render_panel *panel, const render_surface *surface) {
     const int flat = panel->show == RENDER_SHOW_LIT && panel->shading == RENDER_FLAT,
-              mapped = surface->base_map.picture || surface->normal_map.picture;
+              mapped = surface->mask.picture || surface->normal_map.picture;
     if (panel->show == RENDER_SHOW_TANGENTS) return RENDER_MAPPED;
     if (panel->show == RENDER_SHOW_LIT && mapped) return flat ? RENDER_MAPPED_FLAT : RENDER_MAPPED;
     if (panel->show == RENDER_SHOW_ERROR) return RENDER_ERRORS;

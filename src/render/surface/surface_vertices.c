@@ -724,7 +724,7 @@ static void unroll_mapped(maker *m, const float *normals, const float *tangents)
             const size_t vertex = out->count++;
             place_vertex(m, position, vertex);
             memcpy(out->normals + 3 * vertex, normals + (size_t)3 * corner, 12);
-            copy_texcoords(&m->surface->base_map, position, out->texcoords + 4 * vertex);
+            copy_texcoords(&m->surface->mask, position, out->texcoords + 4 * vertex);
             copy_texcoords(&m->surface->normal_map, position, out->texcoords + 4 * vertex + 2);
             if (tangents) memcpy(out->tangents + 4 * vertex, tangents + (size_t)4 * corner, 16);
         }

@@ -75,12 +75,10 @@ static void test_materials(void **state) {
     assert_string_equal(plain.where, "/materials/0");
     assert_string_equal(plain.ignore, "");
     assert_true(!plain.double_sided && !plain.unlit && !plain.not_opaque && !plain.normal_map);
-    assert_true(plain.base_color[0] == 1 && plain.base_color[3] == 1 && plain.metallic == 1 &&
-                plain.roughness == 1);
+    assert_true(plain.base_color[0] == 1 && plain.base_color[3] == 1);
     assert_string_equal(two.name, "two A");
     assert_true(two.double_sided && two.unlit && two.not_opaque);
-    assert_true(mapped.normal_map && mapped.normal_texcoord == 2 && !mapped.not_opaque &&
-                mapped.metallic == 0.125F && mapped.roughness == 0.75F);
+    assert_true(mapped.normal_map && mapped.normal_texcoord == 2 && !mapped.not_opaque);
     assert_true(
         mapped.base_color[0] == 0.5F && mapped.base_color[1] == 0.25F && mapped.base_color[2] == 0);
     assert_true(material_of(document, 3).not_opaque && !material_of(document, 4).not_opaque);
