@@ -94,7 +94,9 @@ static int load_buffers(reader *r) {
     return 1;
 }
 
-static size_t component_size(size_t type) { return type <= 5121 ? 1 : type <= 5123 ? 2 : 4; }
+static size_t component_size(size_t type) {
+    return type <= 5121 ? 1 : type <= 5123 || type == 5131 ? 2 : type == 5130 ? 8 : 4;
+}
 
 static size_t component_count(const json_t *accessor) {
     static const char *const names[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};

@@ -99,13 +99,13 @@ static int parse(parsed *p, const char *text, size_t size) {
 static const char *const numbers[] = {"0", "1", "-1", "2", "3", "4", "5", "12", "16", "36", "255",
     "256", "65535", "65536", "2147483647", "2147483648", "4294967295", "4294967296", "1e10",
     "9007199254740993", "18446744073709551615", "18446744073709551616", "-0", "0.5", "1e-40",
-    "1e308", "1e309", "-2147483648", "5120", "5121", "5122", "5123", "5125", "5126", "34962",
-    "0.7071068"};
+    "1e308", "1e309", "-2147483648", "5120", "5121", "5122", "5123", "5125", "5126", "5130", "5131",
+    "34962", "0.7071068"};
 static const char *const strings[] = {"\"POSITION\"", "\"NORMAL\"", "\"SCALAR\"", "\"VEC2\"",
     "\"VEC3\"", "\"VEC4\"", "\"MAT4\"", "\"ATTRIBUTES\"", "\"TRIANGLES\"", "\"INDICES\"",
     "\"OCTAHEDRAL\"", "\"QUATERNION\"", "\"EXPONENTIAL\"", "\"EXT_mesh_gpu_instancing\"",
-    "\"KHR_mesh_quantization\"", "\"EXT_meshopt_compression\"", "\"../a.bin\"", "\"a.bin\"",
-    "\"data:,\"",
+    "\"KHR_mesh_quantization\"", "\"KHR_accessor_float16\"", "\"KHR_accessor_float64\"",
+    "\"EXT_meshopt_compression\"", "\"../a.bin\"", "\"a.bin\"", "\"data:,\"",
     "\"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"",
     "\"\"", "\"\\u0000\"", "\"\\ud800\"", "\"2.0\"", "\"rotation\"", "\"scale\"", "\"CUBICSPLINE\"",
     "\"BLEND\""};

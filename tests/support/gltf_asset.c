@@ -71,38 +71,56 @@ int asset_snorm8(gltf_asset *a, const float *values, size_t count, int width) {
     return number;
 }
 
+/* The finite half float nearest to a value (IEEE 754-2019, 3.4), by looking at all of them; of two
+ * as near, the one whose last bit is 0. */
+static uint16_t nearest_half(double value) {
+    uint16_t best = 0;
+    double least = INFINITY;
+    for (uint32_t code = 0; code < 0x7c00; code++) {
+        const int exponent = (int)(code >> 10);
+        const double size = exponent ? ldexp(1 + (code & 1023) / 1024.0, exponent - 15)
+                                     : ldexp(code, -24),
+                     off = fabs(fabs(value) - size);
+        if (off < least || (off == least && code % 2 == 0)) best = (uint16_t)code;
+        if (off < least) least = off;
+    }
+    return (uint16_t)(best | (signbit(value) ? 0x8000 : 0));
+}
+
 static size_t put_number(unsigned char *at, double value, int component) {
-    const long code = lround(value);
+    if (component == 5130) memcpy(at, &value, 8);
+    if (component == 5130) return 8;
+    const long code = component == 5131 ? nearest_half(value) : lround(value);
     const float single = (float)value;
     if (component == 5126) memcpy(at, &single, 4);
     for (size_t i = 0; component != 5126 && i < 4; i++)
         at[i] = (unsigned char)((unsigned long)code >>
                                 8 * i); /* what is too much is written over by the next */
-    return component == 5120 || component == 5121   ? 1
-           : component == 5122 || component == 5123 ? 2
-                                                    : 4;
+    return component == 5120 || component == 5121                        ? 1
+           : component == 5122 || component == 5123 || component == 5131 ? 2
+                                                                         : 4;
 }
 
 int asset_numbers(
     gltf_asset *a, const double *values, size_t count, int width, int component, int normalized) {
-    const double largest = !normalized || component == 5126 ? 1
+    const double largest = !normalized || component >= 5126 ? 1
                            : component == 5120              ? 127
                            : component == 5121              ? 255
                            : component == 5122              ? 32767
                                                             : 65535;
-    unsigned char probe[4], *bytes = calloc(count, 20);
+    unsigned char probe[8], *bytes = calloc(count, 40);
     const size_t size = put_number(probe, 0, component),
                  stride = (size * (size_t)width + 3) / 4 * 4;
     assert_non_null(bytes);
     for (size_t i = 0; i < count; i++) {
-        unsigned char element[24] = {0};
+        unsigned char element[48] = {0};
         for (int k = 0; k < width; k++)
             put_number(element + (size_t)k * size, largest * values[(size_t)width * i + (size_t)k],
                 component);
         memset(element + (size_t)width * size, 0, sizeof element - (size_t)width * size);
         memcpy(bytes + i * stride, element, stride);
     }
-    int number = add(a, bytes, count * stride, component, normalized && component != 5126,
+    int number = add(a, bytes, count * stride, component, normalized && component < 5126,
         width == 1 ? 0 : stride, count, width, "");
     free(bytes);
     return number;

@@ -262,7 +262,8 @@ double norma_check_encoding_bound(const char *encoding) {
         const char *name;
         double degrees;
     } bounds[] = {{"snorm8", .3907}, {"int8", .3907}, {"snorm10", .0971}, {"snorm16", .00151},
-        {"int16", .00151}, {"oct8", .9570}, {"oct10", .2379}, {"oct12", .0594}, {"oct16", .00371}};
+        {"int16", .00151}, {"oct8", .9570}, {"oct10", .2379}, {"oct12", .0594}, {"oct16", .00371},
+        {"float16", .0229}};
     for (size_t i = 0; encoding && i < sizeof bounds / sizeof *bounds; i++)
         if (!strcmp(encoding, bounds[i].name)) return bounds[i].degrees * (3.141592653589793 / 180);
     return 0;

@@ -277,8 +277,8 @@ static double half_step(const char *encoding) {
     static const struct {
         const char *name;
         double steps;
-    } codes[] = {
-        {"snorm8", 127}, {"int8", 127}, {"snorm10", 511}, {"snorm16", 32767}, {"int16", 32767}};
+    } codes[] = {{"snorm8", 127}, {"int8", 127}, {"snorm10", 511}, {"snorm16", 32767},
+        {"int16", 32767}, {"float16", 2048}};
     for (size_t i = 0; i < sizeof codes / sizeof *codes; i++)
         if (strcmp(encoding, codes[i].name) == 0) return .5 / codes[i].steps;
     return 1e-7;

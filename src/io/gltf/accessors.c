@@ -1,6 +1,7 @@
 /* accessors.c: elements of accessors: as they are stored, dense where they are sparse, as floats.
  */
 #include "io/gltf/gltf.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,10 +22,13 @@ size_t norma_gltf_component_size(int component) {
         return 1;
     case GLTF_SHORT:
     case GLTF_USHORT:
+    case GLTF_HALF:
         return 2;
     case GLTF_UINT:
     case GLTF_FLOAT:
         return 4;
+    case GLTF_DOUBLE:
+        return 8;
     default:
         return 0;
     }
@@ -75,6 +79,21 @@ static norma_document_result read_sparse(
                     "exist");
 }
 
+/* Half and double floats come with an extension that the file names, or with glTF 2.1. */
+static int has_more_floats(const gltf *g, int component) {
+    static const char *const lists[] = {"extensionsRequired", "extensionsUsed"};
+    const json *j = &g->json;
+    const char *name = component == GLTF_HALF ? "KHR_accessor_float16" : "KHR_accessor_float64";
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) {
+        const uint32_t list = norma_json_member(j, 0, lists[i]);
+        for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
+             item = norma_json_next(j, list, item))
+            if (norma_json_equals(j, item, name)) return 1;
+    }
+    return !norma_json_equals(
+        j, norma_json_member(j, norma_json_member(j, 0, "asset"), "version"), "2.0");
+}
+
 static norma_document_result read_accessor(gltf *g, gltf_accessor *a, norma_document_error *error) {
     const json *j = &g->json;
     size_t component = 0;
@@ -91,13 +110,19 @@ static norma_document_result read_accessor(gltf *g, gltf_accessor *a, norma_docu
             "a count from 1, and byteOffset and componentType as whole numbers");
     size_t t = 0;
     while (t < TYPE_COUNT && !norma_json_equals(j, type, ELEMENT_TYPES[t].name)) ++t;
-    size_t size = component > GLTF_FLOAT ? 0 : norma_gltf_component_size((int)component);
+    size_t size = component > GLTF_HALF ? 0 : norma_gltf_component_size((int)component);
     if (t == TYPE_COUNT || size == 0)
         return norma_gltf_malformed(g, error, a->token, "a componentType and type that glTF has");
     a->component = (int)component;
     a->width = ELEMENT_TYPES[t].width;
     a->element_size = element_size(t, size);
     a->normalized = norma_json_is(j, norma_json_member(j, a->token, "normalized"), JSON_TRUE);
+    if (component > GLTF_FLOAT && (a->normalized || !has_more_floats(g, (int)component)))
+        return norma_gltf_malformed(g, error, a->token,
+            component == GLTF_HALF
+                ? "componentType 5131 only with KHR_accessor_float16, and not normalized"
+                : "componentType 5130 only with KHR_accessor_float64, and not normalized");
+    if (size > g->alignment) g->alignment = size;
     return sparse == JSON_NONE ? NORMA_DOCUMENT_OK : read_sparse(g, a, sparse, error);
 }
 
@@ -105,6 +130,7 @@ norma_document_result norma_gltf_read_accessors(gltf *g, norma_document_error *e
     const json *j = &g->json;
     uint32_t list = norma_json_member(j, 0, "accessors"), number = 0;
     g->accessor_count = norma_json_size(j, list);
+    g->alignment = 4;
     g->accessors = norma_io_allocate(g->accessor_count, sizeof *g->accessors);
     if (!g->accessors) return norma_document_fail_memory(g->document, error);
     if (list != JSON_NONE && !norma_json_is(j, list, JSON_ARRAY))
@@ -214,40 +240,97 @@ norma_document_result norma_gltf_array(
     return result;
 }
 
-void norma_gltf_floats(const gltf_array *array, size_t index, float *out) {
-    const unsigned char *at = array->data + index * array->stride;
-    size_t size = norma_gltf_component_size(array->component);
-    for (uint32_t i = 0; i < array->width; ++i, at += size) {
-        int32_t value = 0;
-        double largest = 1;
-        switch (array->component) {
-        case GLTF_FLOAT:
-            memcpy(&out[i], at, sizeof out[i]);
-            continue;
-        case GLTF_BYTE:
-            value = at[0] < 128 ? at[0] : at[0] - 256;
-            largest = 127;
-            break;
-        case GLTF_UBYTE:
-            value = at[0];
-            largest = 255;
-            break;
-        case GLTF_SHORT:
-            value = (int32_t)read_uint(at, GLTF_USHORT);
-            value = value < 32768 ? value : value - 65536;
-            largest = 32767;
-            break;
-        case GLTF_USHORT:
-            value = (int32_t)read_uint(at, GLTF_USHORT);
-            largest = 65535;
-            break;
-        default:
-            out[i] = (float)read_uint(at, GLTF_UINT);
-            continue;
-        }
-        double decoded = array->normalized ? value / largest : value;
-        out[i] = (float)(array->normalized && decoded < -1 ? -1 : decoded);
+static double half_at(const unsigned char *at) {
+    const uint32_t bits = read_uint(at, GLTF_USHORT), exponent = bits >> 10 & 31,
+                   fraction = bits & 1023;
+    const double size = exponent == 0    ? ldexp(fraction, -24)
+                        : exponent == 31 ? (fraction ? (double)NAN : (double)INFINITY)
+                                         : ldexp(1024 + fraction, (int)exponent - 25);
+    return bits >> 15 ? -size : size;
+}
+
+/* IEEE 754's binary16 by rounding to nearest, ties to even; a carry goes into the exponent. */
+static uint32_t half_bits(double number) {
+    const uint32_t sign = signbit(number) ? 0x8000 : 0;
+    const double size = fabs(number);
+    int exponent;
+    if (isnan(number)) return sign | 0x7e00;
+    if (size >= 65520) return sign | 0x7c00;
+    if (size < 0x1p-14) return sign | (uint32_t)nearbyint(size * 0x1p24);
+    const double fraction = nearbyint(frexp(size, &exponent) * 2048);
+    return sign | (((uint32_t)(exponent + 14) << 10) + ((uint32_t)fraction - 1024));
+}
+
+int norma_gltf_fits_half(double number, int exactly) {
+    unsigned char code[2];
+    norma_gltf_write_number(code, GLTF_HALF, number);
+    return exactly ? half_at(code) == number || isnan(number) : fabs(number) < 65520;
+}
+
+static double component_at(const unsigned char *at, int component) {
+    float single;
+    double number;
+    int32_t code;
+    switch (component) {
+    case GLTF_BYTE:
+        return at[0] < 128 ? at[0] : at[0] - 256;
+    case GLTF_UBYTE:
+        return at[0];
+    case GLTF_SHORT:
+        code = (int32_t)read_uint(at, GLTF_USHORT);
+        return code < 32768 ? code : code - 65536;
+    case GLTF_USHORT:
+        return read_uint(at, GLTF_USHORT);
+    case GLTF_FLOAT:
+        memcpy(&single, at, sizeof single);
+        return (double)single;
+    case GLTF_DOUBLE:
+        memcpy(&number, at, sizeof number);
+        return number;
+    case GLTF_HALF:
+        return half_at(at);
+    default:
+        return read_uint(at, GLTF_UINT);
     }
+}
+
+void norma_gltf_write_number(unsigned char *at, int component, double number) {
+    const float single = (float)number;
+    if (component == GLTF_FLOAT)
+        memcpy(at, &single, sizeof single);
+    else if (component == GLTF_DOUBLE)
+        memcpy(at, &number, sizeof number);
+    else
+        norma_gltf_write_index(at, component == GLTF_HALF ? GLTF_USHORT : component,
+            component == GLTF_HALF ? half_bits(number) : (uint32_t)(int32_t)number);
+}
+
+double norma_gltf_largest_code(int component) {
+    return component == GLTF_BYTE     ? 127
+           : component == GLTF_UBYTE  ? 255
+           : component == GLTF_SHORT  ? 32767
+           : component == GLTF_USHORT ? 65535
+                                      : 1;
+}
+
+void norma_gltf_doubles(const gltf_array *array, size_t index, double *out) {
+    const unsigned char *at = array->data + index * array->stride;
+    const size_t size = norma_gltf_component_size(array->component);
+    const double by = array->normalized ? norma_gltf_largest_code(array->component) : 1;
+    for (uint32_t i = 0; i < array->width; ++i, at += size) {
+        out[i] = component_at(at, array->component) / by;
+        if (by > 1 && out[i] < -1) out[i] = -1; /* -128 / 127 */
+    }
+}
+
+void norma_gltf_floats(const gltf_array *array, size_t index, float *out) {
+    double numbers[16];
+    if (array->component == GLTF_FLOAT) {
+        memcpy(out, array->data + index * array->stride, array->width * sizeof *out);
+        return;
+    }
+    norma_gltf_doubles(array, index, numbers);
+    for (uint32_t i = 0; i < array->width; ++i) out[i] = (float)numbers[i];
 }
 
 void norma_gltf_uints(const gltf_array *array, size_t index, uint32_t *out) {
@@ -270,6 +353,9 @@ norma_vec3_view norma_gltf_vec3_view(const gltf_array *array) {
         break;
     case GLTF_USHORT:
         format = NORMA_FORMAT_UINT16;
+        break;
+    case GLTF_DOUBLE:
+        format = NORMA_FORMAT_DOUBLE;
         break;
     default:
         break;
@@ -314,6 +400,23 @@ norma_document_result norma_gltf_decode(
     }
     *floats = scene->decoded[accessor];
     return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_position_view(
+    gltf *g, uint32_t accessor, norma_vec3_view *view, norma_document_error *error) {
+    gltf_array array;
+    const float *floats;
+    norma_document_result result = norma_gltf_array(g, accessor, &array, error);
+    if (!result && array.component == GLTF_HALF) {
+        result = norma_gltf_decode(g, accessor, 3, &floats, error);
+        array = (gltf_array){.data = (const unsigned char *)floats,
+            .count = array.count,
+            .stride = 3 * sizeof *floats,
+            .component = GLTF_FLOAT,
+            .width = 3};
+    }
+    if (!result) *view = norma_gltf_vec3_view(&array);
+    return result;
 }
 
 int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor) {

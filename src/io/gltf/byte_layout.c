@@ -269,11 +269,12 @@ norma_document_result norma_gltf_edit_buffers(
  * where nobody names any, else behind the file's real end. */
 
 enum {
-    ALIGNMENT = 4, /* of new bytes */
-    STEP = 8       /* old ones move by multiples of it, so that they stay aligned as they were */
+    STEP = 8 /* old ones move by multiples of it, so that they stay aligned as they were */
 };
 
-static size_t align(size_t offset) { return (offset + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT; }
+static size_t align(const gltf *g, size_t offset) {
+    return (offset + g->alignment - 1) / g->alignment * g->alignment;
+}
 
 gltf_storage norma_gltf_storage_of(const gltf *g, uint32_t buffer) {
     if (buffer < g->buffer_count) return g->buffers[buffer].storage;
@@ -356,7 +357,7 @@ static int add_old(patch_buffer *to, size_t end, const unsigned char *old, size_
  * before and between them old ones. */
 static int add_new(gltf *g, uint32_t buffer, range gap, const unsigned char *old, size_t length) {
     patch_buffer *to = &g->patch->buffers[buffer];
-    size_t at = align(gap.start);
+    size_t at = align(g, gap.start);
     int ok = 1;
     for (size_t i = 0; ok && i < spot_count(g); ++i) {
         patch_place *place = byte_spot_of(g, i).place;
@@ -366,7 +367,7 @@ static int add_new(gltf *g, uint32_t buffer, range gap, const unsigned char *old
         place->placed = 1;
         place->offset = at;
         ok = add_old(to, at, old, length) && add_segment(to, at, place->length, place->bytes);
-        at = align(at + place->length);
+        at = align(g, at + place->length);
     }
     return ok;
 }

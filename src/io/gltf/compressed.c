@@ -188,8 +188,8 @@ static int is_index_type(const gltf_accessor *a) {
            (a->component == GLTF_UBYTE || a->component == GLTF_USHORT || a->component == GLTF_UINT);
 }
 
-static int is_matrix(const gltf *g, const gltf_accessor *a) {
-    return a->width > 4 ||
+static int is_not_of_draco(const gltf *g, const gltf_accessor *a) {
+    return a->width > 4 || a->component > GLTF_FLOAT ||
            norma_json_equals(&g->json, norma_json_member(&g->json, a->token, "type"), "MAT2");
 }
 
@@ -232,7 +232,7 @@ static norma_document_result declare(
     for (size_t i = 0; !result && i < u->count; ++i) {
         const gltf_accessor *a = &g->accessors[u->accessors[i]];
         const int indices = a->draco_id == INDICES;
-        if (indices ? !is_index_type(a) : is_matrix(g, a))
+        if (indices ? !is_index_type(a) : is_not_of_draco(g, a))
             return norma_gltf_malformed(
                 g, error, a->token, "a type that the Draco stream can hold");
         if (a->count != (indices ? 3 * p->faces : p->vertices))

@@ -35,19 +35,15 @@ static bounds find_run_bounds(const gltf_data *data) {
         .stride = norma_gltf_data_size(data),
         .component = data->component,
         .width = data->width};
-    float element[16];
-    uint32_t whole[16];
+    double element[16];
     for (uint32_t k = 0; k < data->width; ++k) {
         b.least[k] = INFINITY;
         b.most[k] = -INFINITY;
     }
     for (size_t i = 0; i < data->count; ++i) {
-        if (data->component == GLTF_UINT)
-            norma_gltf_uints(&array, i, whole);
-        else
-            norma_gltf_floats(&array, i, element);
+        norma_gltf_doubles(&array, i, element);
         for (uint32_t k = 0; k < data->width; ++k) {
-            double value = data->component == GLTF_UINT ? whole[k] : (double)element[k];
+            const double value = element[k];
             if (value < b.least[k]) b.least[k] = value;
             if (value > b.most[k]) b.most[k] = value;
         }
@@ -62,21 +58,26 @@ static void add_bounds(json_text *text, const double *values, const gltf_data *d
         if (k) norma_json_add(text, ",", 1);
         if (data->component == GLTF_UINT)
             norma_json_add_uint(text, (uint64_t)values[k]);
+        else if (data->component == GLTF_DOUBLE)
+            norma_json_add_number(text, values[k]);
         else
             norma_json_add_float(text, (float)values[k]);
     }
     norma_json_add(text, "]", 1);
 }
 
-/* Whether the member says these numbers already, as floats. */
-static int says_number(const gltf *g, uint32_t list, const double *values, uint32_t width) {
+/* Whether the member says these numbers already, as floats where the data has no doubles. */
+static int says_number(const gltf *g, uint32_t list, const double *values, const gltf_data *data) {
     const json *j = &g->json;
     uint32_t k = 0;
     double number;
-    if (!norma_json_is(j, list, JSON_ARRAY) || norma_json_size(j, list) != width) return 0;
+    if (!norma_json_is(j, list, JSON_ARRAY) || norma_json_size(j, list) != data->width) return 0;
     for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
          item = norma_json_next(j, list, item), ++k)
-        if (!norma_json_number(j, item, &number) || (float)number != (float)values[k]) return 0;
+        if (!norma_json_number(j, item, &number) ||
+            (data->component == GLTF_DOUBLE ? number != values[k]
+                                            : (float)number != (float)values[k]))
+            return 0;
     return 1;
 }
 
@@ -84,7 +85,7 @@ static void set_bounds(
     gltf *g, uint32_t accessor, const char *key, const double *values, const gltf_data *data) {
     uint32_t old = norma_json_member(&g->json, accessor, key);
     json_text text = {0};
-    if ((old == JSON_NONE && !data->bounds) || says_number(g, old, values, data->width)) return;
+    if ((old == JSON_NONE && !data->bounds) || says_number(g, old, values, data)) return;
     add_bounds(&text, values, data);
     norma_json_add(&text, "", 1);
     if (text.failed)
@@ -321,7 +322,7 @@ static void add_same(const gltf *g, json_text *text, uint32_t like, const char *
 
 static void add_bounds_like(const gltf *g, json_text *text, uint32_t like, const char *key,
     const double *values, const gltf_data *data) {
-    if (says_number(g, norma_json_member(&g->json, like, key), values, data->width)) {
+    if (says_number(g, norma_json_member(&g->json, like, key), values, data)) {
         add_same(g, text, like, key);
         return;
     }

@@ -149,7 +149,8 @@ static norma_document_result read_inverse(gltf *g, uint32_t skin, size_t joints,
     if (!norma_json_uint(&g->json, token, &accessor) || accessor >= g->accessor_count)
         return norma_gltf_malformed(g, error, token, "the number of an existing accessor");
     norma_document_result result = norma_gltf_array(g, (uint32_t)accessor, array, error);
-    if (!result && (array->width != 16 || array->component != GLTF_FLOAT || array->count < joints))
+    if (!result &&
+        (array->width != 16 || !norma_gltf_is_float(array->component) || array->count < joints))
         result = norma_gltf_malformed(g, error, token, "a matrix for each joint");
     return result;
 }
@@ -422,11 +423,7 @@ static norma_document_result find_moved(gltf *g, size_t index, size_t mesh, int 
 static double unit_or_self(const gltf *g, const gltf_primitive *p) {
     const gltf_accessor *a = &g->accessors[p->base.position];
     if (!a->normalized) return 1;
-    return a->component == GLTF_BYTE     ? 1.0 / 127
-           : a->component == GLTF_UBYTE  ? 1.0 / 255
-           : a->component == GLTF_SHORT  ? 1.0 / 32767
-           : a->component == GLTF_USHORT ? 1.0 / 65535
-                                         : 1;
+    return 1 / norma_gltf_largest_code(a->component);
 }
 
 norma_document_result norma_gltf_move_drawn(norma_document *document, size_t node, size_t mesh,

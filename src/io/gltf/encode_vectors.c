@@ -6,54 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a stored integer is divided by; 1: taken as it is. */
-static double divisor(int component, int normalized) {
-    if (!normalized) return 1;
-    switch (component) {
-    case GLTF_BYTE:
-        return 127;
-    case GLTF_UBYTE:
-        return 255;
-    case GLTF_SHORT:
-        return 32767;
-    case GLTF_USHORT:
-        return 65535;
-    default:
-        return 1;
-    }
-}
-
-static double stored_number(const unsigned char *at, int component) {
-    int16_t s;
-    uint16_t us;
-    float f;
-    switch (component) {
-    case GLTF_BYTE:
-        return (signed char)*at;
-    case GLTF_UBYTE:
-        return *at;
-    case GLTF_SHORT:
-        memcpy(&s, at, sizeof s);
-        return s;
-    case GLTF_USHORT:
-        memcpy(&us, at, sizeof us);
-        return us;
-    default:
-        memcpy(&f, at, sizeof f);
-        return (double)f;
-    }
-}
-
-static void read_array_vector(const gltf_array *array, size_t index, double *out) {
-    const unsigned char *at = array->data + index * array->stride;
-    const size_t size = norma_gltf_component_size(array->component);
-    const double by = divisor(array->component, array->normalized);
-    for (uint32_t k = 0; k < array->width; k++) {
-        out[k] = stored_number(at + k * size, array->component) / by;
-        if (array->normalized && out[k] < -1) out[k] = -1; /* -128 / 127 */
-    }
-}
-
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 static double vector_dot(const double a[3], const double b[3]) {
@@ -143,8 +95,8 @@ void norma_gltf_transform_vectors(bake_role role, const bake_map *map, const glt
     const gltf_array *base, double *values) {
     for (size_t i = 0; i < array->count; i++) {
         double in[4] = {0}, with[4] = {0}, normal[3] = {0, 0, 0}, *out = values + i * array->width;
-        read_array_vector(array, i, in);
-        if (base) read_array_vector(base, i, with);
+        norma_gltf_doubles(array, i, in);
+        if (base) norma_gltf_doubles(base, i, with);
         switch (role) {
         case BAKE_POSITIONS:
             linear(map->matrix, in, out);
@@ -173,27 +125,13 @@ void norma_gltf_transform_vectors(bake_role role, const bake_map *map, const glt
 
 /* ---- encodings */
 
+/* 0: its codes are no integers. */
 static int limits(int component, double *low, double *high) {
-    switch (component) {
-    case GLTF_BYTE:
-        *low = -127;
-        *high = 127;
-        return 1;
-    case GLTF_UBYTE:
-        *low = 0;
-        *high = 255;
-        return 1;
-    case GLTF_SHORT:
-        *low = -32767;
-        *high = 32767;
-        return 1;
-    case GLTF_USHORT:
-        *low = 0;
-        *high = 65535;
-        return 1;
-    default:
-        return 0;
-    }
+    const int is_signed = component == GLTF_BYTE || component == GLTF_SHORT;
+    if (norma_gltf_is_float(component) || component == GLTF_UINT) return 0;
+    *high = norma_gltf_largest_code(component);
+    *low = is_signed ? -*high : 0;
+    return 1;
 }
 
 /* Whether every value is a code of the encoding to within tolerance codes (0.5: in range). */
@@ -201,35 +139,12 @@ static int holds_values(
     int component, int normalized, const double *values, size_t count, double tolerance) {
     double low, high;
     if (!limits(component, &low, &high)) return 0;
-    const double by = divisor(component, normalized);
+    const double by = normalized ? high : 1;
     for (size_t i = 0; i < count; i++) {
         const double code = values[i] * by, whole = nearbyint(code);
         if (!(whole >= low && whole <= high && fabs(code - whole) <= tolerance)) return 0;
     }
     return 1;
-}
-
-static void store_number(unsigned char *at, int component, double number) {
-    const float f = (float)number;
-    const int16_t s = component == GLTF_SHORT ? (int16_t)number : 0;
-    const uint16_t us = component == GLTF_USHORT ? (uint16_t)number : 0;
-    switch (component) {
-    case GLTF_BYTE:
-        *at = (unsigned char)(int)number;
-        break;
-    case GLTF_UBYTE:
-        *at = (unsigned char)number;
-        break;
-    case GLTF_SHORT:
-        memcpy(at, &s, sizeof s);
-        break;
-    case GLTF_USHORT:
-        memcpy(at, &us, sizeof us);
-        break;
-    default:
-        memcpy(at, &f, sizeof f);
-        break;
-    }
 }
 
 static int allocate_codes(
@@ -245,10 +160,11 @@ static int allocate_codes(
 
 static bake_encoded encode_codes(const gltf_array *stored, const double *values, gltf_data *data) {
     if (!allocate_codes(data, stored, stored->component, stored->normalized)) return BAKE_NO_MEMORY;
-    const double by = divisor(stored->component, stored->normalized);
+    const double by = stored->normalized ? norma_gltf_largest_code(stored->component) : 1;
     const size_t size = norma_gltf_component_size(stored->component);
     for (size_t i = 0; i < stored->count * stored->width; i++)
-        store_number(data->bytes + i * size, stored->component, nearbyint(values[i] * by));
+        norma_gltf_write_number(
+            data->bytes + i * size, stored->component, nearbyint(values[i] * by));
     return BAKE_ENCODED;
 }
 
@@ -265,23 +181,35 @@ static bake_encoded encode_directions(
     else
         norma_encode_snorm16(view, (int16_t *)(void *)data->bytes, stride, stored->count);
     for (size_t i = 0; i < stored->count && stored->width == 4; i++)
-        store_number(data->bytes + i * stride + 3 * size, stored->component,
-            nearbyint(values[4 * i + 3] * divisor(stored->component, 1)));
+        norma_gltf_write_number(data->bytes + i * stride + 3 * size, stored->component,
+            nearbyint(values[4 * i + 3] * norma_gltf_largest_code(stored->component)));
     return BAKE_ENCODED;
 }
 
+/* Doubles stay doubles; half floats stay so where they hold the values. */
+static int float_component(bake_role role, const gltf_array *stored, const double *values) {
+    const int exactly = role == BAKE_POSITIONS || role == BAKE_POSITION_DELTAS;
+    int fits = stored->component == GLTF_HALF;
+    for (size_t i = 0; fits && i < stored->count * stored->width; i++)
+        fits = norma_gltf_fits_half(values[i], exactly);
+    return fits ? GLTF_HALF : stored->component == GLTF_DOUBLE ? GLTF_DOUBLE : GLTF_FLOAT;
+}
+
 /* Numbers that were finite stay so. */
-static bake_encoded encode_floats(const gltf_array *stored, const double *values, gltf_data *data) {
-    if (!allocate_codes(data, stored, GLTF_FLOAT, 0)) return BAKE_NO_MEMORY;
+static bake_encoded encode_floats(
+    const gltf_array *stored, int component, const double *values, gltf_data *data) {
+    const size_t size = norma_gltf_component_size(component);
+    if (!allocate_codes(data, stored, component, 0)) return BAKE_NO_MEMORY;
     for (size_t i = 0; i < stored->count; i++) {
         double before[4] = {0};
-        read_array_vector(stored, i, before);
+        norma_gltf_doubles(stored, i, before);
         for (size_t k = 0; k < stored->width; k++) {
             const double value = values[i * stored->width + k];
+            const int is_held = component == GLTF_FLOAT ? isfinite((float)value) : isfinite(value);
             /* infinity less infinity has another sign on each kind of processor */
-            store_number(data->bytes + (i * stored->width + k) * sizeof(float), GLTF_FLOAT,
+            norma_gltf_write_number(data->bytes + (i * stored->width + k) * size, component,
                 isnan(value) ? (double)NAN : value + 0.0);
-            if (!isfinite((float)value) && finite3(before)) {
+            if (!is_held && finite3(before)) {
                 free(data->bytes);
                 return BAKE_TOO_LARGE;
             }
@@ -306,7 +234,7 @@ bake_encoded norma_gltf_encode(
                  holds_values(stored->component, 1, values, count, 0.5)))
         encoded = encode_codes(stored, values, data);
     else
-        encoded = encode_floats(stored, values, data);
+        encoded = encode_floats(stored, float_component(role, stored, values), values, data);
     data->bounds = is_place;
     return encoded;
 }

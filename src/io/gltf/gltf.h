@@ -32,7 +32,9 @@ enum {
     GLTF_SHORT = 5122,
     GLTF_USHORT = 5123,
     GLTF_UINT = 5125,
-    GLTF_FLOAT = 5126
+    GLTF_FLOAT = 5126,
+    GLTF_DOUBLE = 5130, /* KHR_accessor_float64, glTF 2.1 */
+    GLTF_HALF = 5131    /* KHR_accessor_float16, glTF 2.1 */
 };
 enum {
     GLTF_POINTS = 0,
@@ -188,6 +190,7 @@ typedef struct gltf {
     size_t container_size;      /* GLB: as its header says; the file may be longer */
     gltf_tile tile;             /* where the GLB lies in the file */
     json json;
+    size_t alignment; /* of new bytes: of the widest numbers that an accessor has */
     gltf_buffer *buffers;
     gltf_view *views;
     gltf_accessor *accessors;
@@ -290,15 +293,28 @@ size_t norma_gltf_component_size(int component); /* 0: unknown */
 int norma_gltf_index_component(
     const gltf *g, const gltf_primitive *p, size_t vertices, int without);
 void norma_gltf_write_index(unsigned char *at, int component, uint32_t value);
-void norma_gltf_floats(const gltf_array *array, size_t index,
-    float *out); /* one element, width numbers, normalised integers decoded */
+/* One element, width numbers, normalised integers decoded. */
+void norma_gltf_doubles(const gltf_array *array, size_t index, double *out);
+void norma_gltf_floats(const gltf_array *array, size_t index, float *out);
+/* Integers: a number in their range, its fraction cut off; floats: the nearest. */
+void norma_gltf_write_number(unsigned char *at, int component, double number);
+/* What a normalised integer is divided by; 1: none. */
+double norma_gltf_largest_code(int component);
+/* Whether half floats can hold a number: exactly, or rounded without becoming infinite. */
+int norma_gltf_fits_half(double number, int exactly);
+static inline int norma_gltf_is_float(int component) {
+    return component == GLTF_FLOAT || component == GLTF_DOUBLE || component == GLTF_HALF;
+}
 void norma_gltf_uints(
     const gltf_array *array, size_t index, uint32_t *out); /* of an unsigned integer accessor */
 /* Which elements a sparse accessor replaces: sparse.count numbers below count. */
 norma_document_result norma_gltf_sparse_indices(
     gltf *g, uint32_t accessor, uint32_t *out, norma_document_error *error);
 norma_vec3_view norma_gltf_vec3_view(
-    const gltf_array *array); /* integers as they are; width must be 3 */
+    const gltf_array *array); /* integers as they are; width must be 3; no half floats */
+/* The same of an accessor of positions; half floats are decoded. */
+norma_document_result norma_gltf_position_view(
+    gltf *g, uint32_t accessor, norma_vec3_view *view, norma_document_error *error);
 
 /* Corners of the primitive's triangles (strips and fans unrolled), 3 * faces, each below vertices;
  * cached. Fails for what cannot be read. */

@@ -25,11 +25,11 @@ static norma_document_result put_edit(gltf *g, uint32_t primitive, int32_t targe
 
 static void take_values(const vector_edit *edit, const gltf_array *array, double *values) {
     for (size_t i = 0; i < array->count; ++i) {
-        float element[16];
-        norma_gltf_floats(array, i, element);
+        double element[16];
+        norma_gltf_doubles(array, i, element);
         for (uint32_t k = 0; k < edit->width; ++k) {
             size_t at = i * edit->width + k;
-            values[at] = !edit->set[i]  ? (double)element[k]
+            values[at] = !edit->set[i]  ? element[k]
                          : edit->floats ? (double)edit->floats[at]
                                         : edit->doubles[at];
         }

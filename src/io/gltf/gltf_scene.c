@@ -20,6 +20,10 @@ const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor) {
         return "unorm8";
     case GLTF_USHORT:
         return "unorm16";
+    case GLTF_HALF:
+        return "float16";
+    case GLTF_DOUBLE:
+        return "double";
     default:
         return "float";
     }
@@ -148,11 +152,7 @@ static norma_document_result read_deltas(
 static norma_document_result scale_moves(
     gltf *g, uint32_t base, norma_vec3_view *moves, norma_document_error *error) {
     const gltf_accessor *a = &g->accessors[base];
-    float unit = a->component == GLTF_BYTE     ? 127
-                 : a->component == GLTF_UBYTE  ? 255
-                 : a->component == GLTF_SHORT  ? 32767
-                 : a->component == GLTF_USHORT ? 65535
-                                               : 1;
+    const float unit = (float)norma_gltf_largest_code(a->component);
     if (!a->normalized || unit == 1 || !moves->count) return NORMA_DOCUMENT_OK;
     norma_document_result result =
         norma_gltf_spend(g, a->token, moves->count, 3 * sizeof(float), error);

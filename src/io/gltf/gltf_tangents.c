@@ -297,7 +297,7 @@ static norma_document_result find_broken_tangents(tangent_job *job, tangent_set 
 /* Stored tangents of another shape (glTF has none) are replaced by floats. */
 static int keeps_encoding(const gltf_array *array, size_t vertices) {
     return array->width == 4 && array->count == vertices &&
-           (array->component == GLTF_FLOAT ||
+           (norma_gltf_is_float(array->component) ||
                (array->normalized &&
                    (array->component == GLTF_BYTE || array->component == GLTF_SHORT)));
 }

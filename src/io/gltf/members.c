@@ -263,7 +263,7 @@ int norma_gltf_is_known(const char *name) {
         "KHR_meshopt_compression", "EXT_mesh_gpu_instancing", "KHR_xmp_json_ld", "KHR_xmp",
         "KHR_node_visibility", "KHR_node_selectability", "KHR_node_hoverability", "MSFT_lod", "VRM",
         "VRMC_vrm", "CESIUM_RTC", "EXT_mesh_features", "EXT_instance_features",
-        "EXT_structural_metadata"};
+        "EXT_structural_metadata", "KHR_accessor_float16", "KHR_accessor_float64"};
     for (size_t i = 0; i < sizeof prefixes / sizeof prefixes[0]; ++i)
         if (strncmp(name, prefixes[i], strlen(prefixes[i])) == 0) return 1;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i)

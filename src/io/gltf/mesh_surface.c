@@ -95,7 +95,8 @@ static encoding surface_encoding(const gltf *g, const gltf_mesh *mesh) {
         const gltf_primitive *p = &g->primitives[mesh->first_primitive + i];
         if (p->not_read) continue;
         const gltf_accessor *a = &g->accessors[p->base.position];
-        e.mixed |= e.count > 0 && (e.component != a->component || e.normalized != a->normalized);
+        e.mixed |= a->component == GLTF_HALF ||
+                   (e.count > 0 && (e.component != a->component || e.normalized != a->normalized));
         e.component = a->component;
         e.normalized = a->normalized;
         ++e.count;

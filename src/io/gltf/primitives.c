@@ -475,15 +475,15 @@ norma_document_result norma_gltf_mesh_data(
     gltf *g = norma_gltf_of(document);
     gltf_primitive *p = &g->primitives[index];
     const uint32_t *corners;
-    gltf_array positions;
+    norma_vec3_view positions;
     const float *normals = NULL;
     norma_document_result result = norma_gltf_corners(g, (uint32_t)index, &corners, error);
-    if (!result) result = norma_gltf_array(g, p->base.position, &positions, error);
+    if (!result) result = norma_gltf_position_view(g, p->base.position, &positions, error);
     if (!result && p->base.normal != GLTF_NONE &&
         !(document->lenient && norma_gltf_is_placeholder(g, p->base.normal)))
         result = norma_gltf_decode(g, p->base.normal, 3, &normals, error);
     if (result) return result;
-    data->mesh.positions = norma_gltf_vec3_view(&positions);
+    data->mesh.positions = positions;
     data->mesh.corners = corners;
     data->mesh.corner_count = 3 * p->faces;
     if (!normals) return NORMA_DOCUMENT_OK;

@@ -245,14 +245,25 @@ static norma_document_result put_contents(
 
 /* ---- vectors of three in the accessor's own encoding */
 
-typedef enum vector_encoding { VECTOR_FLOAT, VECTOR_SNORM8, VECTOR_SNORM16 } vector_encoding;
+typedef enum vector_encoding {
+    VECTOR_FLOAT = GLTF_FLOAT,
+    VECTOR_DOUBLE = GLTF_DOUBLE,
+    VECTOR_HALF = GLTF_HALF,
+    VECTOR_SNORM8 = GLTF_BYTE,
+    VECTOR_SNORM16 = GLTF_SHORT
+} vector_encoding;
 
 static vector_encoding vector_encoding_of(const gltf *g, uint32_t accessor, uint32_t width) {
     const gltf_accessor *a = accessor == GLTF_NONE ? NULL : &g->accessors[accessor];
-    if (!a || !a->normalized || a->width != width) return VECTOR_FLOAT;
-    return a->component == GLTF_BYTE    ? VECTOR_SNORM8
-           : a->component == GLTF_SHORT ? VECTOR_SNORM16
-                                        : VECTOR_FLOAT;
+    const int is_kept =
+        a && a->width == width &&
+        (norma_gltf_is_float(a->component) ||
+            (a->normalized && (a->component == GLTF_BYTE || a->component == GLTF_SHORT)));
+    return is_kept ? (vector_encoding)a->component : VECTOR_FLOAT;
+}
+
+static int has_codes(vector_encoding encoding) {
+    return encoding == VECTOR_SNORM8 || encoding == VECTOR_SNORM16;
 }
 
 static int encode_units(
@@ -262,7 +273,11 @@ static int encode_units(
         return norma_encode_snorm8(view, (int8_t *)out, stride, count) == NORMA_OK;
     if (encoding == VECTOR_SNORM16)
         return norma_encode_snorm16(view, (int16_t *)(void *)out, stride, count) == NORMA_OK;
-    for (size_t i = 0; i < count; ++i) memcpy(out + i * stride, units + 3 * i, 3 * sizeof *units);
+    const size_t size = norma_gltf_component_size((int)encoding);
+    for (size_t i = 0; i < count; ++i)
+        for (size_t k = 0; k < 3; ++k)
+            norma_gltf_write_number(
+                out + i * stride + k * size, (int)encoding, (double)units[3 * i + k]);
     return 1;
 }
 
@@ -314,10 +329,8 @@ static void decode_stored(const contents *c, const gltf_data *data) {
 }
 
 static gltf_data vector_data(vector_encoding encoding, uint32_t width, size_t count) {
-    gltf_data data = {.component = encoding == VECTOR_FLOAT    ? GLTF_FLOAT
-                                   : encoding == VECTOR_SNORM8 ? GLTF_BYTE
-                                                               : GLTF_SHORT,
-        .normalized = encoding != VECTOR_FLOAT,
+    gltf_data data = {.component = (int)encoding,
+        .normalized = has_codes(encoding),
         .width = width,
         .count = count};
     data.bytes = norma_io_allocate(count, norma_gltf_data_size(&data));
@@ -360,7 +373,8 @@ static int leans(const float tangent[3], const float normal[3], vector_encoding 
         dot += (double)tangent[k] * (double)normal[k];
         squares += (double)tangent[k] * (double)tangent[k];
     }
-    return !(fabs(dot) <= (encoding == VECTOR_SNORM8 ? .0137 : 2e-4) * sqrt(squares));
+    const double most = encoding == VECTOR_SNORM8 ? .0137 : encoding == VECTOR_HALF ? 1e-3 : 2e-4;
+    return !(fabs(dot) <= most * sqrt(squares));
 }
 
 static norma_document_result turn_tangents(const contents *c, uint32_t accessor, gltf_data *data) {
@@ -374,7 +388,7 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
         .normalized = data->normalized};
     float *tangents = norma_io_allocate(c->count, 4 * sizeof *tangents),
           *units = norma_io_allocate(c->count, 3 * sizeof *units);
-    unsigned char *codes = norma_io_allocate(c->count, 3 * sizeof(float)),
+    unsigned char *codes = norma_io_allocate(c->count, 3 * sizeof(double)),
                   *turned = norma_io_allocate(c->count, 1);
     int ok = tangents && units && codes && turned;
     for (size_t v = 0; ok && v < c->count; ++v) {
@@ -407,7 +421,7 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
 static int can_turn(const gltf_accessor *a) {
     if (a->view == GLTF_NONE && a->sparse.count == 0) return 0;
     return a->width == 4 &&
-           (a->component == GLTF_FLOAT ||
+           (norma_gltf_is_float(a->component) ||
                (a->normalized && (a->component == GLTF_BYTE || a->component == GLTF_SHORT)));
 }
 
@@ -435,27 +449,26 @@ static norma_document_result put_attribute(
 
 /* Up to half a code beyond the last one is still that, to the encoding's own rounding. */
 static int fits_encoding(vector_encoding encoding, const float *deltas, size_t count) {
-    const double last = encoding == VECTOR_SNORM8 ? 127 : 32767;
-    for (size_t i = 0; i < 3 * count && encoding != VECTOR_FLOAT; ++i)
-        if (!(fabs((double)deltas[i]) * last < last + .5)) return 0;
+    const double last = norma_gltf_largest_code((int)encoding);
+    for (size_t i = 0; i < 3 * count; ++i) {
+        const double delta = (double)deltas[i];
+        if (has_codes(encoding) && !(fabs(delta) * last < last + .5)) return 0;
+        if (encoding == VECTOR_HALF && !norma_gltf_fits_half(delta, 0)) return 0;
+    }
     return 1;
 }
 
-static int round_half_away(double value) { return (int)(value < 0 ? value - .5 : value + .5); }
+static double round_half_away(double value) { return trunc(value < 0 ? value - .5 : value + .5); }
 
 /* Deltas are linear: each number by itself, nothing made unit. */
 static void encode_deltas(
     vector_encoding encoding, const float *deltas, size_t count, unsigned char *out) {
+    const size_t size = norma_gltf_component_size((int)encoding);
+    const double largest = norma_gltf_largest_code((int)encoding);
     for (size_t i = 0; i < 3 * count; ++i) {
-        if (encoding == VECTOR_FLOAT) {
-            memcpy(out + 4 * i, deltas + i, sizeof *deltas);
-        } else if (encoding == VECTOR_SNORM8) {
-            out[i] = (unsigned char)round_half_away((double)deltas[i] * 127);
-        } else {
-            unsigned code = (unsigned)round_half_away((double)deltas[i] * 32767);
-            out[2 * i] = (unsigned char)code;
-            out[2 * i + 1] = (unsigned char)(code >> 8);
-        }
+        const double delta = (double)deltas[i];
+        norma_gltf_write_number(out + i * size, (int)encoding,
+            has_codes(encoding) ? round_half_away(delta * largest) : delta);
     }
 }
 

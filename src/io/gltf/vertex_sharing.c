@@ -428,13 +428,13 @@ static void take_nearest(gltf_set *set, const float *normals, const uint8_t *rea
 
 norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set) {
     size_t missing = 0, count;
-    gltf_array positions;
+    norma_vec3_view positions;
     uint32_t *corners = NULL;
     if (!begin_set_vertices(set)) return norma_gltf_job_memory(job);
     for (size_t v = 0; v < set->vertices; ++v)
         missing += !set->taken[v] && (!set->broken || set->broken[v]);
     if (!missing) return NORMA_DOCUMENT_OK;
-    norma_document_result result = norma_gltf_array(
+    norma_document_result result = norma_gltf_position_view(
         job->g, job->g->primitives[set->lead].base.position, &positions, job->error);
     if (!result) result = own_corners(job, set, &corners, &count);
     if (result) {
@@ -443,8 +443,7 @@ norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set)
     }
     float *normals = norma_io_allocate(set->vertices, 3 * sizeof *normals);
     uint8_t *reasons = norma_io_allocate(set->vertices, 1);
-    const norma_mesh mesh = {
-        .positions = norma_gltf_vec3_view(&positions), .corners = corners, .corner_count = count};
+    const norma_mesh mesh = {.positions = positions, .corners = corners, .corner_count = count};
     norma_result core = NORMA_ERROR_MEMORY;
     job->policy.core.reasons = reasons;
     if (normals && reasons)

@@ -9,11 +9,17 @@
 #include "gltf_output.h"
 #include <meshoptimizer.h>
 
-enum { BYTE = 5120, UBYTE, SHORT, USHORT, UINT = 5125, FLOAT };
+enum { BYTE = 5120, UBYTE, SHORT, USHORT, UINT = 5125, FLOAT, DOUBLE = 5130, HALF };
 #define UNTOLD 1e-7
+#define MORE_FLOATS                                                                                \
+    "\"extensionsRequired\":[\"KHR_accessor_float16\",\"KHR_accessor_float64\"],"                  \
+    "\"extensionsUsed\":[\"KHR_accessor_float16\",\"KHR_accessor_float64\"],"
 
 static double bound(int component) {
-    return component == BYTE ? 1 / 127.0 : component == SHORT ? 1 / 32767.0 : UNTOLD;
+    return component == BYTE    ? 1 / 127.0
+           : component == SHORT ? 1 / 32767.0
+           : component == HALF  ? 1 / 4096.0 + UNTOLD
+                                : UNTOLD;
 }
 
 static void assert_near(
@@ -63,7 +69,7 @@ static const double DELTAS[4][3] = {{0.25, 0, 0}, {0, -0.5, 0}, {0, 0, 0}, {-1, 
 static norma_document *open_stored(
     gltf_asset *a, const stored *s, double positions[4][3], const char *place) {
     const int is_unsigned = s->position == UBYTE || s->position == USHORT;
-    const double size = s->normalized || s->position == FLOAT ? 1 : 100;
+    const double size = s->normalized || s->position >= FLOAT ? 1 : 100;
     const double corners[4][3] = {
         {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {is_unsigned ? 1 : -1, 1, is_unsigned ? 1 : -1}};
     char rest[800];
@@ -74,7 +80,7 @@ static norma_document *open_stored(
                                          : -1; /* the code below the least: -1 as well */
     for (int i = 0; i < 12; ++i) {
         positions[i / 3][i % 3] = size * corners[i / 3][i % 3];
-        moves[i] = (s->position == FLOAT || s->normalized ? 1 : 4) * DELTAS[i / 3][i % 3];
+        moves[i] = (s->position >= FLOAT || s->normalized ? 1 : 4) * DELTAS[i / 3][i % 3];
     }
     const int move = is_unsigned ? FLOAT : s->position;
     asset_numbers(a, positions[0], 4, 3, s->position, s->normalized);
@@ -85,8 +91,10 @@ static norma_document *open_stored(
     asset_numbers(a, DELTAS[0], 4, 3, s->delta, 1);
     asset_uint16(a, (const uint16_t[]){0, 1, 2, 0, 2, 3}, 6);
     snprintf(rest, sizeof rest,
-        "\"extensionsRequired\":[\"KHR_mesh_quantization\"],\"extensionsUsed\":[\"KHR_mesh_"
-        "quantization\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,%s}],"
+        "\"extensionsRequired\":[\"KHR_mesh_quantization\",\"KHR_accessor_float16\","
+        "\"KHR_accessor_float64\"],\"extensionsUsed\":[\"KHR_mesh_quantization\","
+        "\"KHR_accessor_float16\",\"KHR_accessor_float64\"],\"scene\":0,\"scenes\":[{\"nodes\":[0]}"
+        "],\"nodes\":[{\"mesh\":0,%s}],"
         "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TANGENT\":2},"
         "\"targets\":[{\"POSITION\":3,\"NORMAL\":4,\"TANGENT\":5}],\"indices\":6}]}]",
         place);
@@ -115,10 +123,10 @@ static void check_mirrored(const stored *s) {
     assert_int_equal(
         norma_document_mesh_attributes(document, 0, &attributes, NULL), NORMA_DOCUMENT_OK);
     assert_int_equal(norma_document_morph_data(document, 0, 0, &morph, NULL), NORMA_DOCUMENT_OK);
-    const double scale = s->normalized && s->position != FLOAT ? (s->position == BYTE       ? 127
-                                                                     : s->position == SHORT ? 32767
-                                                                                            : 1)
-                                                               : 1;
+    const double scale = s->normalized && s->position < FLOAT ? (s->position == BYTE       ? 127
+                                                                    : s->position == SHORT ? 32767
+                                                                                           : 1)
+                                                              : 1;
     const int whole = s->position == BYTE || s->position == SHORT;
     for (size_t i = 0; i < 4; ++i) {
         const double n[3] = {-NORMALS[i][0], NORMALS[i][1], NORMALS[i][2]},
@@ -133,12 +141,12 @@ static void check_mirrored(const stored *s) {
             "normal delta"); /* by the length of the normal as stored */
         assert_near(at(&morph.tangents, i, v), d, 3, bound(s->delta) + bound(s->vector) + 1e-6,
             "tangent delta");
-        const double unit = s->position == FLOAT ? 1
+        const double unit = s->position >= FLOAT ? 1
                             : s->normalized      ? scale
                                                  : 4,
                      m[3] = {
                          unit * d[0], unit * d[1], unit * d[2]}; /* as the positions' own codes */
-        if (s->position == FLOAT || whole)
+        if (s->position >= FLOAT || whole)
             assert_near(at(&morph.positions, i, v), m, 3, whole ? .51 : UNTOLD, "position delta");
     }
     const uint32_t *corners = data.mesh.corners;
@@ -150,25 +158,25 @@ static void check_mirrored(const stored *s) {
 }
 
 static void test_baked(void **state) {
-    static const int positions[] = {FLOAT, BYTE, UBYTE, SHORT, USHORT},
-                     vectors[] = {FLOAT, BYTE, SHORT};
+    static const int positions[] = {FLOAT, BYTE, UBYTE, SHORT, USHORT, DOUBLE, HALF},
+                     vectors[] = {FLOAT, BYTE, SHORT, DOUBLE, HALF};
     (void)state;
     for (size_t p = 0; p < COUNT_OF(positions); ++p)
         for (size_t v = 0; v < COUNT_OF(vectors); ++v)
             for (size_t d = 0; d < COUNT_OF(vectors); ++d)
                 for (int normalized = 0; normalized < 2; ++normalized) {
                     const stored s = {
-                        positions[p], normalized && positions[p] != FLOAT, vectors[v], vectors[d]};
+                        positions[p], normalized && positions[p] < FLOAT, vectors[v], vectors[d]};
                     check_mirrored(&s);
                 }
 }
 
 /* Moved by two, fractions do not fit their codes any more, and become floats. */
 static void test_moved(void **state) {
-    static const int types[] = {FLOAT, BYTE, UBYTE, SHORT, USHORT};
+    static const int types[] = {FLOAT, BYTE, UBYTE, SHORT, USHORT, DOUBLE, HALF};
     (void)state;
     for (size_t t = 0; t < COUNT_OF(types); ++t) {
-        const stored s = {types[t], types[t] != FLOAT, FLOAT, FLOAT};
+        const stored s = {types[t], types[t] < FLOAT, FLOAT, FLOAT};
         gltf_asset a = {0};
         double positions[4][3];
         norma_mesh_data data;
@@ -212,7 +220,7 @@ static void test_too_large(void **state) {
  * the encoding that they had, or in floats where they are too large for it */
 
 static void test_computed_deltas(void **state) {
-    static const int encodings[] = {FLOAT, BYTE, SHORT};
+    static const int encodings[] = {FLOAT, BYTE, SHORT, DOUBLE, HALF};
     static const double roof[4][3] = {{-1, 0, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 0}},
                         sinks[2][4][3] = {{{0}, {0, 0, -1}, {0, 0, -1}, {0}},
                             {{0}, {0, 0, -9}, {0, 0, -9}, {0}}},
@@ -232,7 +240,8 @@ static void test_computed_deltas(void **state) {
             asset_numbers(&a, none[0], 4, 3, encodings[e], 1);
             asset_uint16(&a, (const uint16_t[]){0, 1, 2, 1, 3, 2}, 6);
             norma_document *document = asset_open(&a,
-                "\"extensionsUsed\":[\"KHR_mesh_quantization\"],\"meshes\":[{\"primitives\":[{"
+                MORE_FLOATS
+                "\"meshes\":[{\"primitives\":[{"
                 "\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1,\"NORMAL\":2}],"
                 "\"indices\":3}]}]",
                 0);
@@ -252,7 +261,9 @@ static void test_computed_deltas(void **state) {
                 const double before[3] = {side / flat, 0, 1 / flat};
                 double delta[3] = {side * height / length - before[0], 0, 1 / length - before[2]};
                 assert_near(at(&data.normals, v, n), before, 3, 1e-6, "normal");
-                const double tolerance = deep ? 1e-6 : bound(encodings[e]) / 2 + 1e-6;
+                const double tolerance = encodings[e] == HALF ? 9 * bound(HALF)
+                                         : deep               ? 1e-6
+                                                              : bound(encodings[e]) / 2 + 1e-6;
                 assert_near(at(&morph.normals, v, d), delta, 3, tolerance, "delta");
             }
             assert_int_equal(
@@ -946,6 +957,132 @@ static void test_animations_refused(void **state) {
     }
 }
 
+/* ---- half and double floats */
+
+/* All half floats as positions: what each is, from its definition (IEEE 754-2019, 3.4). */
+static void test_half_decoded(void **state) {
+    enum { CODES = 0x10000, TRIPLES = CODES / 3 + 1 };
+    uint16_t *codes = calloc(TRIPLES * 4, sizeof *codes);
+    gltf_asset a = {0};
+    norma_mesh_data data;
+    (void)state;
+    assert_non_null(codes);
+    for (uint32_t c = 0; c < CODES; ++c) codes[c / 3 * 4 + c % 3] = (uint16_t)c;
+    asset_view(&a, codes, TRIPLES * 8, ",\"byteStride\":8");
+    char text[200];
+    snprintf(text, sizeof text,
+        "{\"bufferView\":0,\"componentType\":5131,\"count\":%d,\"type\":\"VEC3\"}", TRIPLES);
+    asset_accessor(&a, text);
+    norma_document *document = asset_open(
+        &a, MORE_FLOATS "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]", 0);
+    assert_int_equal(norma_document_mesh_data(document, 0, &data, NULL), NORMA_DOCUMENT_OK);
+    for (uint32_t c = 0; c < CODES; ++c) {
+        const int exponent = (int)(c >> 10 & 31);
+        const double fraction = (c & 1023) / 1024.0, sign = c >> 15 ? -1 : 1,
+                     size = exponent ? ldexp(1 + fraction, exponent - 15) : ldexp(fraction, -14);
+        float is;
+        memcpy(&is,
+            (const unsigned char *)data.mesh.positions.data + c / 3 * data.mesh.positions.stride +
+                c % 3 * sizeof is,
+            sizeof is);
+        if (exponent == 31 && fraction > 0)
+            assert_true(isnan(is));
+        else if (exponent == 31)
+            assert_true(isinf(is) && (is > 0) == (sign > 0));
+        else if ((double)is != sign * size || !signbit(is) != (sign > 0))
+            fail_msg("half float %#x is %.9g, expected %.9g", (unsigned)c, (double)is, sign * size);
+    }
+    norma_document_close(document);
+    asset_free(&a);
+    free(codes);
+}
+
+/* A roof, made flat: two vertices more, normals (-+1, 0, 1) / sqrt(2) in the floats that the file
+ * has, as near to them as those come; positions keep their bits, and doubles lie at multiples of
+ * eight bytes (glTF 2.0, 3.6.2.4). far: where floats could not tell its corners apart. */
+static void check_roof(int component, double far) {
+    const double roof[4][3] = {{far - 1, 0, 0}, {far, 0, 1}, {far, 1, 1}, {far + 1, 0, 0}},
+                 up[4][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}}, slope = sqrt(.5);
+    const norma_compute_options options = {
+        .struct_size = sizeof options, .shading = NORMA_SHADING_FLAT};
+    const int is_half = component == HALF;
+    gltf_asset a = {0}, expected = {0};
+    norma_document_error error;
+    asset_numbers(&a, roof[0], 4, 3, component, 0);
+    asset_numbers(&a, up[0], 4, 3, component, 0);
+    asset_uint16(&a, (const uint16_t[]){0, 1, 2, 1, 3, 2}, 6);
+    norma_document *document = asset_open(&a,
+        MORE_FLOATS "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1},"
+                    "\"indices\":2}]}]",
+        0);
+    if (norma_document_compute(document, &options, NULL, &error)) fail_msg("%s", error.message);
+    gltf_output b = output_of(document);
+    const norma_mesh_data data = output_mesh(&b, 0);
+    assert_int_equal(data.mesh.positions.count, 6);
+    for (int accessor = 0; accessor < 2; ++accessor) {
+        assert_int_equal(output_number(&b, "accessors/%ld/componentType", accessor), component);
+        const long offset = output_number(&b, "bufferViews/%ld/byteOffset",
+            output_number(&b, "accessors/%ld/bufferView", accessor));
+        assert_int_equal((offset < 0 ? 0 : offset) % (is_half ? 2 : 8), 0);
+    }
+    const size_t size = is_half ? 2 : 8, stride = is_half ? 8 : 24;
+    for (size_t c = 0; c < 6; ++c) {
+        const uint32_t v = corner(&data, c);
+        const double normal[3] = {c < 3 ? -slope : slope, 0, slope};
+        const double single[3] = {(double)(float)normal[0], 0, (double)(float)normal[2]};
+        asset_numbers(&expected, single, 1, 3, component, 0);
+        const unsigned char *is = output_bytes(&b, 1) + v * stride,
+                            *should = expected.bin + c * stride;
+        if (is_half)
+            assert_memory_equal(is, should, 3 * size);
+        else
+            for (int k = 0; k < 3; ++k) {
+                double number;
+                memcpy(&number, is + 8 * k, 8);
+                assert_true(fabs(number - normal[k]) <= UNTOLD);
+            }
+        const size_t old = (size_t[]){0, 1, 2, 1, 3, 2}[c];
+        assert_memory_equal(output_bytes(&b, 0) + v * stride, a.bin + old * stride, 3 * size);
+    }
+    asset_free(&expected);
+    output_finish(&b, &a);
+}
+
+static void test_more_floats_computed(void **state) {
+    (void)state;
+    check_roof(HALF, 0);
+    check_roof(HALF, 100);
+    check_roof(DOUBLE, 0);
+    check_roof(DOUBLE, 1e12);
+}
+
+static void test_more_floats_refused(void **state) {
+    static const double triangle[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    static const char mesh[] = "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]";
+    (void)state;
+    for (int component = DOUBLE; component <= HALF; ++component) {
+        char expected[200];
+        gltf_asset a = {0}, b = {0};
+        asset_numbers(&a, triangle[0], 3, 3, component, 0);
+        snprintf(expected, sizeof expected,
+            "asset.glb:/accessors/0: expected componentType %d only with KHR_accessor_float%s, and "
+            "not normalized; found ",
+            component, component == HALF ? "16" : "64");
+        assert_message(asset_refused(&a, mesh, 0), expected);
+        asset_view(&b, triangle, sizeof triangle, "");
+        asset_accessor(&b, component == HALF
+                               ? "{\"bufferView\":0,\"componentType\":5131,"
+                                 "\"normalized\":true,\"count\":3,\"type\":\"VEC3\"}"
+                               : "{\"bufferView\":0,\"componentType\":5130,"
+                                 "\"normalized\":true,\"count\":3,\"type\":\"VEC3\"}");
+        char rest[400];
+        snprintf(rest, sizeof rest, "%s%s", MORE_FLOATS, mesh);
+        assert_message(asset_refused(&b, rest, 0), expected);
+        asset_free(&a);
+        asset_free(&b);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_baked),
@@ -965,6 +1102,9 @@ int main(void) {
         cmocka_unit_test(test_between_keys),
         cmocka_unit_test(test_animations_refused),
         cmocka_unit_test(test_data_uris),
+        cmocka_unit_test(test_half_decoded),
+        cmocka_unit_test(test_more_floats_computed),
+        cmocka_unit_test(test_more_floats_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
