@@ -2,6 +2,7 @@
 #ifndef NORMA_CLI_ACID_ACID_H
 #define NORMA_CLI_ACID_ACID_H
 #include "acid/acid_judge.h"
+#include "acid/acid_scene.h"
 #include "cli/files/files.h"
 
 typedef struct acid_work {
@@ -23,6 +24,9 @@ int acid_layout_of(const acid_work *work, acid_layout *layout);
 void acid_print_json(const acid_work *work, const acid_layout *layout, const acid_judgement *found);
 void acid_print_tap(const acid_work *work, const acid_layout *layout, const acid_judgement *found);
 void acid_print_text(const acid_work *work, const acid_layout *layout, const acid_judgement *found);
+
+void acid_write_page(FILE *out, const acid_grid *grid);
+int acid_write_scenes(const acid_work *work); /* into the folder work->output; a status */
 
 int acid_judge_shot(const cli_subcommand *command, acid_work *work); /* a status */
 #endif

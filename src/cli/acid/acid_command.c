@@ -5,10 +5,11 @@
 #include <string.h>
 
 static const char acid_help[] =
-    "norma acid --judge SHOT.png: reads a screenshot of the acid scene and names the renderer's "
-    "mistakes\n"
+    "norma acid -o DIR: writes scenes that show whether a renderer carries normals\n"
+    "norma acid --judge SHOT.png: reads a screenshot of them and names the renderer's mistakes\n"
     "\n"
     "Examples\n"
+    "  norma acid -o scenes\n"
     "  norma acid --judge shot.png --scene scenes/acid.json\n"
     "  norma acid --judge shot.png --scene scenes/acid.json -o marked.png\n"
     "  norma acid --judge shot.png --scene scenes/acid.json --without EXT_mesh_gpu_instancing\n"
@@ -20,7 +21,11 @@ static const char acid_help[] =
     "  --without EXTENSIONS  extensions that the renderer lacks, with commas between; cells that "
     "need\n"
     "                        one are skipped\n"
-    "  -o, --output FILE     writes the screenshot as a PNG with a frame around each subject: "
+    "  -o, --output DIR      without --judge: the folder for norma-acid.glb, cells/ID.glb, "
+    "acid.json and\n"
+    "                        index.html, which explains each cell\n"
+    "  -o, --output FILE     with it: writes the screenshot as a PNG with a frame around each "
+    "subject: "
     "green (pass),\n"
     "                        red (fail, missing), grey (unclear, skipped)\n"
     "  --tap                 prints the verdicts as TAP, one test for each cell\n"
@@ -54,7 +59,8 @@ static const cli_option acid_options[] = {
     {"judge", CLI_TO(CLI_ONCE, acid_work, judge), .expected = "a screenshot"},
     {"scene", CLI_TO(CLI_ONCE, acid_work, scene), .expected = "acid.json of the scene"},
     {"without", CLI_SET(add_without)},
-    {"output", 'o', CLI_TO(CLI_TEXT, acid_work, output), .expected = "a file"},
+    {"output", 'o', CLI_TO(CLI_TEXT, acid_work, output),
+        .expected = "a folder, or a file with --judge"},
     {"tap", CLI_SETS(acid_work, tap, 1)},
 };
 
@@ -62,8 +68,9 @@ static int acid(const cli_subcommand *command, acid_work *work) {
     if (work->files.words.count)
         return cli_usage(
             command, "unexpected '%s'; expected --judge SHOT.png", work->files.words.words[0]);
-    if (!work->judge)
-        return cli_usage(command, "nothing to do was given; expected --judge SHOT.png");
+    if (!work->judge && !work->output)
+        return cli_usage(command, "nothing to do was given; expected -o DIR or --judge SHOT.png");
+    if (!work->judge) return acid_write_scenes(work);
     if (!work->scene)
         return cli_usage(command, "--judge needs --scene FILE, the scene's acid.json");
     return acid_judge_shot(command, work);
@@ -80,5 +87,6 @@ static int acid_run(const cli_subcommand *command, int count, char **arguments) 
     return status;
 }
 
-const cli_subcommand cli_subcommand_acid = {
-    "acid", "judges a renderer by a screenshot of the acid scene", acid_help, acid_run};
+const cli_subcommand cli_subcommand_acid = {"acid",
+    "writes scenes that show whether a renderer carries normals, and judges screenshots", acid_help,
+    acid_run};
