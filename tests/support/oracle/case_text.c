@@ -7,6 +7,7 @@
 #include "oracle/made_case.h"
 #include <inttypes.h>
 #include <stddef.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,7 +74,36 @@ static int read_face(made_case *c, char *line) {
         c->groups[c->face_count] = (uint32_t)strtoul(at + 1, NULL, 10);
     }
     c->starts[++c->face_count] = (uint32_t)c->corner_count;
+    if (c->corner_count != 3 * c->face_count) c->polygons = 1;
     return 1;
+}
+
+/* What is handed over as integers has to be some; floats are rounded then. */
+static int is_number_of(double x, norma_format format) {
+    static const double least[] = {-INFINITY, -INFINITY, -128, 0, -32768, 0},
+                        most[] = {INFINITY, INFINITY, 127, 255, 32767, 65535};
+    return format <= NORMA_FORMAT_DOUBLE || (x >= least[format] && x <= most[format]);
+}
+
+/* Whether it is a case at all, rather than arguments that a call refuses: a fuzzer writes anything.
+ */
+static int is_sound(const made_case *c) {
+    const norma_options *o = &c->options;
+    const size_t size = c->corner_size;
+    const double given = (double)o->fallback_normal[0] + (double)o->fallback_normal[1] +
+                         (double)o->fallback_normal[2];
+    for (size_t i = 0; i < c->corner_count; ++i)
+        if (c->corners[i] >= c->position_count || (size == 1 && c->corners[i] > 255)) return 0;
+    if ((unsigned)c->format > NORMA_FORMAT_UINT16) return 0;
+    for (size_t v = 0; v < c->position_count; ++v)
+        for (int k = 0; k < 3; ++k)
+            if (!is_number_of(c->positions[v][k], c->format)) return 0;
+    return c->position_gap < 64 && c->normal_gap < 64 && (size < 3 || size == 4) &&
+           (unsigned)o->weight <= NORMA_WEIGHT_ANGLE_LENGTHS &&
+           (unsigned)o->weld <= NORMA_WELD_DISTANCE && o->weld_distance >= 0 &&
+           (unsigned)o->non_manifold <= NORMA_NON_MANIFOLD_SMOOTH &&
+           (unsigned)o->fallback <= NORMA_FALLBACK_GIVEN && given - given == 0 &&
+           (unsigned)o->isa <= NORMA_ISA_SIMD128 && o->threads < 64 && c->crease <= 3.1425F;
 }
 
 int made_case_read(made_case *c, FILE *file) {
@@ -88,9 +118,7 @@ int made_case_read(made_case *c, FILE *file) {
         } else if (c->face_count == CASE_FACES || line[0] != 'f' || !read_face(c, line + 1))
             return 0;
     }
-    for (size_t i = 0; i < c->corner_count; ++i)
-        if (c->corners[i] >= c->position_count) return 0;
-    return 1;
+    return is_sound(c);
 }
 
 int made_case_load(made_case *c, const char *path) {
