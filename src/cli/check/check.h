@@ -13,9 +13,13 @@ enum { CHECK_RULES = 128 }; /* room for a byte of each rule */
 
 enum { CHECK_SEVERITY_AS_IS = 0, CHECK_SEVERITY_OFF = 255 }; /* else a norma_severity */
 
-typedef struct check_override { /* for some files, meshes, materials: lists of patterns; none: all
-                                 */
-    char **files, **meshes, **materials;
+/* What overrides go by: lists of patterns of names. */
+enum { CHECK_FILES, CHECK_MESHES, CHECK_MATERIALS, CHECK_NODES, CHECK_LISTS };
+extern const char *const check_list_keys[CHECK_LISTS]; /* "files", ... */
+
+typedef struct check_override {
+    char **lists[CHECK_LISTS]; /* of each kind; NULL: all */
+    size_t first[CHECK_LISTS]; /* in matched of the configuration: the list's first pattern */
     uint8_t severity[CHECK_RULES];
 } check_override;
 
@@ -29,7 +33,8 @@ typedef struct check_config {
     uint8_t select[CHECK_RULES], ignore[CHECK_RULES];
     uint8_t severity[CHECK_RULES];
     check_override *overrides;
-    size_t override_count;
+    size_t override_count, pattern_count;
+    unsigned char *matched; /* of each pattern, once something has that name; workers share it */
 } check_config;
 
 typedef struct check_configs check_configs; /* those read so far, by folder */
@@ -44,6 +49,22 @@ check_configs *check_configs_new(const char *named, check_config_trust trust, cl
 void check_configs_free(check_configs *configs);
 /* The configuration of a file. NULL: one that cannot be read, which has been said. */
 const check_config *check_config_of(check_configs *configs, const char *path);
+
+/* ---- names that overrides go by (overrides.c) */
+
+typedef struct check_names { /* of one file */
+    const check_config *config;
+    const char *path; /* absolute, where it can be */
+    norma_document *document;
+} check_names;
+
+/* Whether an override is for a finding. */
+int check_is_meant(
+    const check_names *names, const check_override *override, const norma_finding *finding);
+/* Marks the patterns that match a name in the file, or its own. */
+void check_mark_names(const check_names *names);
+/* Warns of patterns that matched nothing in the files that were checked. */
+void check_warn_unmatched(check_configs *configs, const cli_inputs *inputs);
 
 /* ---- what is asked (check_command.c) */
 

@@ -340,6 +340,7 @@ static int check_files(check_work *work, check_configs *configs, int found) {
     choose_style(work, output.out);
     work->format->begin(output.out, &work->settings);
     status = check_all_files(&work->settings, configs, work->format, output.out, &totals);
+    if (!work->settings.quiet) check_warn_unmatched(configs, &work->files.inputs);
     totals.incomplete |= found != CLI_OK;
     totals.status = status = cli_worse(status, found);
     if (work->exits_job && !totals.unreported && status != CLI_USAGE) status = CLI_OK;

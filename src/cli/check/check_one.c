@@ -174,72 +174,16 @@ static norma_document *document_of(const file_check *check) {
     return findings_of(check) == check->findings ? check->document : check->mended.document;
 }
 
-/* ---- names that overrides go by */
-
-static int any_matches(char *const *patterns, const char *name) {
-    for (; *patterns; ++patterns)
-        if (cli_path_matches(*patterns, name)) return 1;
-    return 0;
-}
-
-static int is_file_meant(const file_check *check, const check_override *override) {
-    if (!override->files) return 1;
-    const char *folder = check->config->folder,
-               *path = check->absolute ? check->absolute : check->path;
-    size_t length = strlen(folder);
-    if (strncmp(path, folder, length) == 0 && path[length] == '/') path += length + 1;
-    return any_matches(override->files, path);
-}
-
-static const char *material_name(const file_check *check, size_t mesh) {
-    norma_mesh_attributes attributes;
-    norma_material_info material;
-    if (norma_document_mesh_attributes(document_of(check), mesh, &attributes, NULL) ||
-        attributes.material == SIZE_MAX ||
-        norma_document_material_info(document_of(check), attributes.material, &material))
-        return NULL;
-    return material.name;
-}
-
-/* The mesh that a finding is about; of a node's finding the first primitive of its mesh. SIZE_MAX:
- * none. */
-static size_t mesh_of(const file_check *check, const norma_finding *finding) {
-    norma_mesh_info mesh;
-    norma_node_info node;
-    size_t meshes = norma_document_mesh_count(document_of(check)), number = SIZE_MAX;
-    for (size_t i = 0; i < meshes; ++i)
-        if (!norma_document_mesh_info(document_of(check), i, &mesh) &&
-            strcmp(mesh.where, finding->where) == 0)
-            return i;
-    for (size_t i = 0; i < norma_document_node_count(document_of(check)) && number == SIZE_MAX; ++i)
-        if (!norma_document_node_info(document_of(check), i, &node) &&
-            strcmp(node.where, finding->where) == 0)
-            number = node.mesh;
-    for (size_t i = 0; i < meshes && number != SIZE_MAX; ++i)
-        if (!norma_document_mesh_info(document_of(check), i, &mesh) && mesh.mesh == number)
-            return i;
-    return SIZE_MAX;
-}
-
-static int is_meant(
-    const file_check *check, const check_override *override, const norma_finding *finding) {
-    if (!is_file_meant(check, override)) return 0;
-    if (!override->meshes && !override->materials) return 1;
-    size_t mesh = document_of(check) ? mesh_of(check, finding) : SIZE_MAX;
-    norma_mesh_info info;
-    if (mesh == SIZE_MAX || norma_document_mesh_info(document_of(check), mesh, &info)) return 0;
-    if (override->meshes && !any_matches(override->meshes, info.name)) return 0;
-    const char *material = override->materials ? material_name(check, mesh) : NULL;
-    return !override->materials || (material && any_matches(override->materials, material));
-}
-
 /* CHECK_SEVERITY_OFF: it is not told. */
 static int severity_of(const file_check *check, const norma_finding *finding) {
     size_t count, rule = (size_t)(finding->rule - norma_rules(&count));
     const check_config *config = check->config;
     int severity = config->severity[rule] ? config->severity[rule] : (int)finding->severity;
     for (size_t i = 0; i < config->override_count; ++i)
-        if (config->overrides[i].severity[rule] && is_meant(check, &config->overrides[i], finding))
+        if (config->overrides[i].severity[rule] &&
+            check_is_meant(&(check_names){config, check->absolute ? check->absolute : check->path,
+                               document_of(check)},
+                &config->overrides[i], finding))
             severity = config->overrides[i].severity[rule];
     return severity;
 }
@@ -465,6 +409,9 @@ void check_one_file(const check_settings *settings, const check_config *config,
         snprintf(check.error.message, sizeof check.error.message, "%s", settings->lost);
     norma_document_result result =
         settings->lost ? NORMA_DOCUMENT_ERROR_FILE : open_and_judge(&check);
+    if (config->override_count)
+        check_mark_names(
+            &(check_names){config, check.absolute ? check.absolute : path, check.document});
     if (!result) result = try_offers(&check, format);
     if (result)
         report_unreadable(&check, format, out, totals);

@@ -1,5 +1,6 @@
 /* known.c: what is written beside files: configurations, and findings that are known. */
 #define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
 #define _XOPEN_SOURCE   700
 #include "cli/check/check.h"
 #include "cli/process/process.h"
@@ -9,6 +10,7 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -79,7 +81,8 @@ cli_parsed *check_load_json(const char *path, const char *expected) {
  *
  *   {"profile": "print", "strict": true, "fail-on": "warning", "select": ["N1", "N3"], "ignore":
  * ["N402"], "severity": {"N104": "warning", "N701": "off"}, "overrides": [{"files": ["foliage"],
- * "meshes": ["leaf*"], "materials": ["*grass*"], "ignore": ["N2"], "severity": {...}}]} */
+ * "meshes": ["leaf*"], "materials": ["*grass*"], "nodes": ["hall*"], "ignore": ["N2"], "severity":
+ * {...}}]} */
 
 typedef struct config_entry {
     char *folder; /* where files are that it is for */
@@ -187,28 +190,51 @@ static void turn_off(const uint8_t *mask, uint8_t *severity) {
         if (mask[rule]) severity[rule] = CHECK_SEVERITY_OFF;
 }
 
+const char *const check_list_keys[CHECK_LISTS] = {"files", "meshes", "materials", "nodes"};
+
 static int read_override(const check_config *config, cli_value table, check_override *override) {
     if (!cli_is_object(table)) return fail_config(config, "overrides", "a list of objects");
     for (cli_value value = cli_first(table); value.in; value = cli_next(value)) {
         const char *key = cli_key(value);
         uint8_t ignore[CHECK_RULES] = {0};
+        char where[40];
         int fine = 0;
-        if (strcmp(key, "files") == 0)
-            fine = read_patterns(config, "overrides: files", value, &override->files);
-        else if (strcmp(key, "meshes") == 0)
-            fine = read_patterns(config, "overrides: meshes", value, &override->meshes);
-        else if (strcmp(key, "materials") == 0)
-            fine = read_patterns(config, "overrides: materials", value, &override->materials);
-        else if (strcmp(key, "severity") == 0)
+        int list = 0;
+        while (list < CHECK_LISTS && strcmp(key, check_list_keys[list]) != 0) ++list;
+        if (list < CHECK_LISTS) {
+            snprintf(where, sizeof where, "overrides: %s", key);
+            fine = read_patterns(config, where, value, &override->lists[list]);
+        } else if (strcmp(key, "severity") == 0)
             fine = read_severities(config, "overrides: severity", value, override->severity);
         else if (strcmp(key, "ignore") == 0) {
             fine = read_rules(config, "overrides: ignore", value, ignore);
             turn_off(ignore, override->severity);
         } else
-            fine = fail_word(config, key, key, "files, meshes, materials, ignore or severity");
+            fine =
+                fail_word(config, key, key, "files, meshes, materials, nodes, ignore or severity");
         if (!fine) return 0;
     }
     return 1;
+}
+
+/* Workers are processes: their marks lie in memory that all of them share. */
+static int make_pattern_marks(check_config *config) {
+    for (size_t i = 0; i < config->override_count; ++i)
+        for (int list = 0; list < CHECK_LISTS; ++list) {
+            config->overrides[i].first[list] = config->pattern_count;
+            for (char *const *word = config->overrides[i].lists[list]; word && *word; ++word)
+                ++config->pattern_count;
+        }
+    if (!config->pattern_count) return 1;
+    void *shared = mmap(
+        NULL, config->pattern_count, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    config->matched = shared == MAP_FAILED ? NULL : shared;
+    return config->matched != NULL;
+}
+
+static void free_pattern_marks(check_config *config) {
+    if (config->matched) munmap(config->matched, config->pattern_count);
+    config->matched = NULL;
 }
 
 static int read_overrides(check_config *config, cli_value list) {
@@ -218,7 +244,7 @@ static int read_overrides(check_config *config, cli_value list) {
     if (!config->overrides) return fail_config(config, "overrides", "memory for them");
     for (cli_value table = cli_first(list); table.in; table = cli_next(table))
         if (!read_override(config, table, &config->overrides[config->override_count++])) return 0;
-    return 1;
+    return make_pattern_marks(config) || fail_config(config, "overrides", "memory for them");
 }
 
 static int read_config_profile(check_config *config, cli_value value) {
@@ -255,11 +281,9 @@ static int read_key(check_config *config, const char *key, cli_value value) {
 
 static void free_config(check_config *config) {
     if (!config) return;
-    for (size_t i = 0; i < config->override_count; ++i) {
-        free_words(config->overrides[i].files);
-        free_words(config->overrides[i].meshes);
-        free_words(config->overrides[i].materials);
-    }
+    for (size_t i = 0; i < config->override_count; ++i)
+        for (int list = 0; list < CHECK_LISTS; ++list) free_words(config->overrides[i].lists[list]);
+    free_pattern_marks(config);
     free(config->overrides);
     free(config->path);
     free(config->folder);

@@ -1,0 +1,253 @@
+/* overrides.c: which findings an override of a configuration is for, by the names of files, meshes,
+ * materials and nodes; and which of its patterns are names of nothing, which a misspelt one is. */
+#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE   700
+#include "cli/check/check.h"
+#include "cli/options/options.h"
+#include "cli/process/process.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- whether an override is meant */
+
+static int any_matches(char *const *patterns, const char *name) {
+    for (; name && *patterns; ++patterns)
+        if (cli_path_matches(*patterns, name)) return 1;
+    return 0;
+}
+
+static const char *below_folder(const check_config *config, const char *path) {
+    const size_t length = strlen(config->folder);
+    return strncmp(path, config->folder, length) == 0 && path[length] == '/' ? path + length + 1
+                                                                             : path;
+}
+
+static int is_file_meant(const check_names *names, const check_override *override) {
+    char *const *files = override->lists[CHECK_FILES];
+    return !files || any_matches(files, below_folder(names->config, names->path));
+}
+
+static const char *material_name(const check_names *names, size_t mesh) {
+    norma_mesh_attributes attributes;
+    norma_material_info material;
+    if (norma_document_mesh_attributes(names->document, mesh, &attributes, NULL) ||
+        attributes.material == SIZE_MAX ||
+        norma_document_material_info(names->document, attributes.material, &material))
+        return NULL;
+    return material.name;
+}
+
+/* A node by its name or by its path from the root. */
+static int is_node_meant(char *const *patterns, const norma_node_info *node) {
+    return any_matches(patterns, node->name) || any_matches(patterns, node->path);
+}
+
+typedef struct finding_place {
+    size_t mesh; /* a primitive: of a node's finding the first of its mesh; SIZE_MAX: none */
+    size_t node; /* whose finding it is; SIZE_MAX: no node's */
+} finding_place;
+
+static finding_place place_of_finding(const check_names *names, const norma_finding *finding) {
+    norma_mesh_info mesh;
+    norma_node_info node;
+    finding_place place = {SIZE_MAX, SIZE_MAX};
+    const size_t meshes = norma_document_mesh_count(names->document);
+    for (size_t i = 0; i < meshes; ++i)
+        if (!norma_document_mesh_info(names->document, i, &mesh) &&
+            strcmp(mesh.where, finding->where) == 0)
+            return (finding_place){i, SIZE_MAX};
+    for (size_t i = 0; i < norma_document_node_count(names->document); ++i)
+        if (!norma_document_node_info(names->document, i, &node) &&
+            strcmp(node.where, finding->where) == 0) {
+            place.node = i;
+            break;
+        }
+    for (size_t i = 0; i < meshes && place.node != SIZE_MAX && place.mesh == SIZE_MAX; ++i)
+        if (!norma_document_mesh_info(names->document, i, &mesh) && mesh.mesh == node.mesh)
+            place.mesh = i;
+    return place;
+}
+
+/* What is wrong with a mesh is seen at every node that draws it: all of them must be meant. */
+static int are_nodes_meant(const check_names *names, char *const *patterns, finding_place place) {
+    norma_mesh_info mesh;
+    norma_node_info node;
+    int any = 0;
+    if (norma_document_mesh_info(names->document, place.mesh, &mesh)) return 0;
+    for (size_t i = 0; i < norma_document_node_count(names->document); ++i) {
+        if (norma_document_node_info(names->document, i, &node) || node.mesh != mesh.mesh ||
+            (place.node != SIZE_MAX && place.node != i))
+            continue;
+        if (!is_node_meant(patterns, &node)) return 0;
+        any = 1;
+    }
+    return any;
+}
+
+int check_is_meant(
+    const check_names *names, const check_override *override, const norma_finding *finding) {
+    char *const *const *lists = (char *const *const *) override->lists;
+    norma_mesh_info info;
+    if (!is_file_meant(names, override)) return 0;
+    if (!lists[CHECK_MESHES] && !lists[CHECK_MATERIALS] && !lists[CHECK_NODES]) return 1;
+    const finding_place place =
+        names->document ? place_of_finding(names, finding) : (finding_place){SIZE_MAX, SIZE_MAX};
+    if (place.mesh == SIZE_MAX || norma_document_mesh_info(names->document, place.mesh, &info))
+        return 0;
+    return (!lists[CHECK_MESHES] || any_matches(lists[CHECK_MESHES], info.name)) &&
+           (!lists[CHECK_MATERIALS] ||
+               any_matches(lists[CHECK_MATERIALS], material_name(names, place.mesh))) &&
+           (!lists[CHECK_NODES] || are_nodes_meant(names, lists[CHECK_NODES], place));
+}
+
+/* ---- which patterns match something */
+
+/* Calls for each name of a kind in a file. */
+typedef void see_name(void *user, const char *name);
+
+static void visit_names(const check_names *names, int list, see_name *see, void *user) {
+    norma_mesh_info mesh;
+    norma_node_info node;
+    if (list == CHECK_FILES) see(user, below_folder(names->config, names->path));
+    for (size_t i = 0; names->document && i < norma_document_mesh_count(names->document); ++i) {
+        if (list == CHECK_MESHES && !norma_document_mesh_info(names->document, i, &mesh))
+            see(user, mesh.name);
+        if (list == CHECK_MATERIALS) see(user, material_name(names, i));
+    }
+    for (size_t i = 0;
+         names->document && list == CHECK_NODES && i < norma_document_node_count(names->document);
+         ++i)
+        if (!norma_document_node_info(names->document, i, &node)) {
+            see(user, node.name);
+            see(user, node.path);
+        }
+}
+
+typedef struct name_marks {
+    char *const *patterns;
+    unsigned char *matched;
+} name_marks;
+
+static void mark_name(void *user, const char *name) {
+    const name_marks *marks = user;
+    for (size_t i = 0; name && marks->patterns[i]; ++i)
+        if (!marks->matched[i] && cli_path_matches(marks->patterns[i], name)) marks->matched[i] = 1;
+}
+
+void check_mark_names(const check_names *names) {
+    for (size_t i = 0; i < names->config->override_count; ++i) {
+        const check_override *override = &names->config->overrides[i];
+        const int is_meant = is_file_meant(names, override);
+        for (int list = 0; list < CHECK_LISTS; ++list) {
+            name_marks marks = {
+                override->lists[list], names->config->matched + override->first[list]};
+            if (!marks.patterns || (!is_meant && list != CHECK_FILES)) continue;
+            if (names->document || list == CHECK_FILES)
+                visit_names(names, list, mark_name, &marks);
+            else /* its names are not known */
+                for (size_t k = 0; marks.patterns[k]; ++k) marks.matched[k] = 1;
+        }
+    }
+}
+
+/* ---- the nearest name of a pattern that matches nothing */
+
+typedef struct nearest_name {
+    const char *pattern;
+    char word[CLI_LONGEST_WORD + 1], name[CLI_LONGEST_WORD + 1];
+} nearest_name;
+
+/* The pattern without its stars is compared with as much of a name: of "leef*" with its beginning,
+ * of "*gras" with its end. */
+static void compare_with_name(void *user, const char *name) {
+    nearest_name *nearest = user;
+    char part[CLI_LONGEST_WORD + 1];
+    const char *one = part;
+    const size_t length = name ? strlen(name) : 0, wanted = strlen(nearest->word),
+                 stars = strlen(nearest->pattern);
+    if (nearest->name[0] || !length || length > CLI_LONGEST_WORD || !wanted) return;
+    const int is_end = nearest->pattern[0] == '*', is_begin = nearest->pattern[stars - 1] == '*';
+    const size_t taken = (is_end || is_begin) && wanted < length ? wanted : length;
+    memcpy(part, name + (is_end && !is_begin ? length - taken : 0), taken);
+    part[taken] = '\0';
+    if (cli_suggest(nearest->word, &one, 1, sizeof one)) strcpy(nearest->name, name);
+}
+
+static void begin_nearest(nearest_name *nearest, const char *pattern) {
+    size_t length = 0;
+    *nearest = (nearest_name){.pattern = pattern};
+    for (const char *at = pattern; *at && length < CLI_LONGEST_WORD; ++at)
+        if (*at != '*') nearest->word[length++] = *at;
+}
+
+/* ---- warnings */
+
+/* Whether all of the configuration's folder was searched; else its files are others of its
+ * patterns' as well. */
+static int is_searched(const check_config *config, const cli_inputs *inputs) {
+    int found = 0;
+    for (size_t i = 0; i < inputs->count && !found; ++i) {
+        if (!inputs->within[i]) continue;
+        char *folder = strndup(inputs->paths[i], inputs->within[i]),
+             *whole = folder ? realpath(folder[0] ? folder : ".", NULL) : NULL;
+        const size_t length = whole ? strlen(whole) : 0;
+        found = whole && strncmp(config->folder, whole, length) == 0 &&
+                (config->folder[length] == '/' || !config->folder[length] || length == 1);
+        free(folder);
+        free(whole);
+        while (i + 1 < inputs->count && inputs->within[i + 1] == inputs->within[i] &&
+               strncmp(inputs->paths[i], inputs->paths[i + 1], inputs->within[i]) == 0)
+            ++i;
+    }
+    return found;
+}
+
+/* Looks into the files again, as far as names are. */
+static void find_nearest_name(check_configs *configs, const cli_inputs *inputs,
+    const check_override *override, int list, const check_config *config, nearest_name *nearest) {
+    const norma_document_options options = {
+        .struct_size = sizeof options, .depth = NORMA_DOCUMENT_SUMMARY, .lenient = 1};
+    for (size_t i = 0; i < inputs->count && !nearest->name[0]; ++i) {
+        if (check_config_of(configs, inputs->paths[i]) != config) continue;
+        char *absolute = realpath(inputs->paths[i], NULL);
+        check_names names = {config, absolute ? absolute : inputs->paths[i], NULL};
+        if (list == CHECK_FILES || is_file_meant(&names, override)) {
+            if (list != CHECK_FILES)
+                (void)norma_document_open(inputs->paths[i], &options, &names.document, NULL);
+            visit_names(&names, list, compare_with_name, nearest);
+            norma_document_close(names.document);
+        }
+        free(absolute);
+    }
+}
+
+static void warn_of_list(check_configs *configs, const cli_inputs *inputs,
+    const check_config *config, const check_override *override, int list) {
+    for (size_t i = 0; override->lists[list] && override->lists[list][i]; ++i) {
+        const char *pattern = override->lists[list][i];
+        nearest_name nearest;
+        if (config->matched[override->first[list] + i]) continue;
+        begin_nearest(&nearest, pattern);
+        find_nearest_name(configs, inputs, override, list, config, &nearest);
+        if (nearest.name[0])
+            cli_error("%s: overrides: %s: nothing is called '%s'; did you mean %s?", config->path,
+                check_list_keys[list], pattern, nearest.name);
+        else if (is_searched(config, inputs))
+            cli_error("%s: overrides: %s: nothing is called '%s'", config->path,
+                check_list_keys[list], pattern);
+    }
+}
+
+void check_warn_unmatched(check_configs *configs, const cli_inputs *inputs) {
+    const check_config *last = NULL;
+    for (size_t i = 0; i < inputs->count; ++i) {
+        const check_config *config = check_config_of(configs, inputs->paths[i]);
+        size_t before = 0;
+        if (!config || config == last || !config->pattern_count) continue;
+        last = config;
+        while (before < i && check_config_of(configs, inputs->paths[before]) != config) ++before;
+        for (size_t k = 0; before == i && k < config->override_count; ++k)
+            for (int list = 0; list < CHECK_LISTS; ++list)
+                warn_of_list(configs, inputs, config, &config->overrides[k], list);
+    }
+}
