@@ -178,6 +178,7 @@ typedef struct render_panel {
                             over the normals that are drawn; faces reversed under a mirror */
     double worst_error_rad; /* RENDER_SHOW_ERROR: stored against computed; NaN: nothing is stored */
     double most_errors_rad; /* what 99 of 100 of them do not exceed */
+    int uncompared;         /* corners that have no error: grey */
     size_t triangles, lines_left_out;
     double world_to_clip[16]; /* column-major: of the world after matrix */
 } render_panel;
@@ -222,7 +223,7 @@ typedef struct render_key { /* a colour and what it means */
     const char *words;
 } render_key;
 
-enum { RENDER_MOST_KEYS = 4 };
+enum { RENDER_MOST_KEYS = 8 };
 
 typedef struct render_sheet {
     render_panel *panels;

@@ -181,11 +181,11 @@ static enum render_result draw_surfaces(const painter *p, render_error *error) {
 static uint32_t colour_of(const render_panel *panel, unsigned kind) {
     switch (kind) {
     case RENDER_VERTEX_LINES:
-        return panel->line_colour ? panel->line_colour : 0x2B5C9E;
+        return panel->line_colour ? panel->line_colour : RENDER_VERTEX_COLOUR;
     case RENDER_FACE_LINES:
-        return 0xC96A10;
+        return RENDER_FACE_COLOUR;
     case RENDER_EDGE_LINES:
-        return 0x7A4FA3;
+        return RENDER_EDGE_COLOUR;
     default:
         return 0x2A2A2A;
     }

@@ -52,4 +52,13 @@ typedef struct render_text_lines {
     double size;                              /* of the letters, in pixels */
     size_t count, lengths[RENDER_MOST_LINES]; /* bytes; a blank lies between two lines */
 } render_text_lines;
+/* Of hedgehog lines; and as surface.frag has them, where they face the eye. */
+enum {
+    RENDER_VERTEX_COLOUR = 0x2B5C9E,
+    RENDER_FACE_COLOUR = 0xC96A10,
+    RENDER_EDGE_COLOUR = 0x7A4FA3,
+    RENDER_FRONT_COLOUR = 0x3DB35C,
+    RENDER_BACK_COLOUR = 0xDE332E,
+    RENDER_NOTHING_COLOUR = 0x7B7B7B
+};
 #endif

@@ -182,6 +182,32 @@ static void write_all_words(
 
 /* ---- keys: squares of a colour, each with its words to the right */
 
+static void add_key(render_sheet *sheet, unsigned is_there, uint32_t colour, const char *words) {
+    if (is_there && sheet->key_count < RENDER_MOST_KEYS)
+        sheet->keys[sheet->key_count++] = (render_key){colour, words};
+}
+
+/* Colours that say which of several things something is. */
+static void name_colours(render_sheet *sheet) {
+    unsigned lines = 0, winding = 0, tangents = 0, uncompared = 0, titled = 0;
+    for (size_t i = 0; i < sheet->panel_count; ++i) {
+        const render_panel *panel = &sheet->panels[i];
+        lines |= panel->lines;
+        titled |= panel->line_colour != 0; /* what is above such a panel says what its lines are */
+        winding |= panel->show == RENDER_SHOW_WINDING;
+        tangents |= panel->show == RENDER_SHOW_TANGENTS;
+        uncompared |= has_errors(panel) && panel->uncompared;
+    }
+    add_key(sheet, winding, RENDER_FRONT_COLOUR, "front");
+    add_key(sheet, winding, RENDER_BACK_COLOUR, "back");
+    add_key(sheet, tangents, RENDER_NOTHING_COLOUR, "no tangent");
+    add_key(sheet, uncompared, RENDER_NOTHING_COLOUR, "nothing to compare");
+    add_key(
+        sheet, !titled && lines & RENDER_VERTEX_LINES, RENDER_VERTEX_COLOUR, "normal of a vertex");
+    add_key(sheet, lines & RENDER_FACE_LINES, RENDER_FACE_COLOUR, "normal of a face");
+    add_key(sheet, lines & RENDER_EDGE_LINES, RENDER_EDGE_COLOUR, "normal along an edge");
+}
+
 static void fill_square(render_picture *picture, size_t x, size_t y, size_t side, uint32_t colour) {
     for (size_t row = y; row < y + side && row < picture->height; ++row)
         for (size_t column = x; column < x + side && column < picture->width; ++column) {
@@ -212,10 +238,11 @@ static void write_keys(
 
 /* ---- the scale of errors */
 
-/* The least of 1, 2, 5 times a power of ten, and of 45, 90, 180, that is not below it. */
+/* The least of 1, 2, 5 times a power of ten, and of 30, 45, 60, 90, 120, 180, that is not below it.
+ */
 static double scale_top(double degrees) {
     static const double tops[] = {
-        0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 45, 90};
+        0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 45, 60, 90, 120};
     for (size_t i = 0; i < sizeof tops / sizeof *tops; ++i)
         if (degrees <= tops[i]) return tops[i];
     return 180;
@@ -372,8 +399,10 @@ enum render_result render_sheet_draw(render_device *device, const render_look *l
     render_stage *stages = calloc(sheet->panel_count, sizeof *stages);
     enum render_result result =
         stages ? make_stages(device, look, sheet, stages, error) : render_fail_memory(error);
+    const size_t given = sheet->key_count;
     layout l = {0};
     if (!result) {
+        name_colours(sheet);
         l = lay_out(look, sheet);
         result = make_picture(look, &l, picture, error);
     }
@@ -384,6 +413,7 @@ enum render_result render_sheet_draw(render_device *device, const render_look *l
     if (!result && l.keys) write_keys(look, sheet, &l, picture);
     for (size_t i = 0; stages && i < sheet->panel_count; ++i) render_stage_free(&stages[i]);
     free(stages);
+    sheet->key_count = given;
     if (result) render_picture_free(picture);
     return result;
 }

@@ -49,6 +49,7 @@ static enum render_result place_surface(render_device *device, render_stage *sta
     panel->triangles += vertices / 3;
     panel->worst_error_rad = fmax(
         panel->worst_error_rad, placed->upload->vertices.worst_error_rad); /* a NaN gives way */
+    panel->uncompared |= placed->upload->vertices.uncompared;
     panel->most_errors_rad = fmax(panel->most_errors_rad, placed->upload->vertices.most_errors_rad);
     return RENDER_OK;
 }
@@ -141,6 +142,7 @@ enum render_result render_stage_make(render_device *device, const render_look *l
     enum render_result result = stage->placed && clouds ? RENDER_OK : render_fail_memory(error);
     panel->worst_error_rad = NAN;
     panel->most_errors_rad = 0;
+    panel->uncompared = 0;
     panel->triangles = panel->lines_left_out = 0;
     for (size_t i = 0; i < scene->draw_count && !result; ++i)
         result = place_surface(device, stage, &scene->draws[i], &stage->placed[i], error);

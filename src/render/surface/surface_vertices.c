@@ -675,9 +675,10 @@ static void unroll(maker *m, const float *values) {
                 place_vertex(m, norma_mesh_corner(m->mesh, corner), vertex);
                 memcpy(out->normals + 3 * vertex,
                     m->split.normals + (size_t)3 * m->split.corners[corner], 12);
-                if (values)
+                if (values) {
                     out->values[vertex] = values[corner];
-                else if (out->colours)
+                    out->uncompared |= values[corner] < 0;
+                } else if (out->colours)
                     mark(m, face, corner, vertex);
             }
         }

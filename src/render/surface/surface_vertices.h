@@ -37,6 +37,7 @@ typedef struct render_vertices {
     size_t point_count;
     float *kept;
     double worst_error_rad; /* of RENDER_ERRORS; NaN: there is nothing to compare */
+    int uncompared;         /* some values are below 0: nothing to compare there */
     double most_errors_rad; /* what 99 of 100 of them do not exceed */
 } render_vertices;
 
