@@ -63,7 +63,8 @@ const acid_cell acid_cells[] = {
         "Only the joint transforms are applied to the skinned mesh; the transform of the skinned "
         "mesh node MUST be ignored.",
         SKINS, SAME, ACID_SKIN, .steps = {{{2, 1, 0.5}, {2, 5, 4, 7}}}, .step_count = 1,
-        .own = {{1, 1, 4}, {0}}, NO_MAP, .faults = {ACID_MODEL_MATRIX, ACID_NODE_APPLIED}},
+        .own = {{1, 1, 4}, {0}}, NO_MAP,
+        .faults = {ACID_MODEL_MATRIX, ACID_NODE_APPLIED, ACID_NODE_NOT_CANCELLED}},
     {"skinned-blend", "Two joints, each vertex with a share of both.",
         "The skinned vertex is the weighted sum of what the joint matrices make of it.", SKINS,
         SAME, ACID_SKIN, .steps = {{{2, 1, 0.5}, {2, 5, 4, 7}}, {{0.5, 1, 2}, {5, 1, -3, 7}}},
@@ -106,7 +107,8 @@ const acid_cell acid_cells[] = {
         .map = ACID_MAP_WITH_TANGENTS, NO_MAP, .faults = {ACID_SIGN_KEPT}},
     {"tangent-skinned", "A normal map on a skin, the joint's scale 2, 1, 1/2.", BITANGENT, MESHES,
         SAME, ACID_SKIN, .steps = {{{2, 1, 0.5}, {5, 1, 1, 5}}}, .step_count = 1,
-        .map = ACID_MAP_WITH_TANGENTS, NO_MAP, .faults = {ACID_TANGENT_BY_NORMAL_MATRIX}},
+        .map = ACID_MAP_WITH_TANGENTS, NO_MAP,
+        .faults = {ACID_TANGENT_BY_NORMAL_MATRIX, ACID_MODEL_MATRIX}},
     {"normal-scale", "normalTexture.scale is 2.",
         "scaledNormal = normalize((<sampled normal texture value> * 2.0 - 1.0) * vec3(<normal "
         "scale>, <normal scale>, 1.0)).",
@@ -118,8 +120,9 @@ const size_t acid_cell_count = sizeof acid_cells / sizeof *acid_cells;
 const char *acid_fault_id(acid_fault fault) {
     static const char *const ids[ACID_FAULTS] = {"right", "object-space", "not-normalized",
         "model-matrix", "separate-scale", "reversed", "lost", "instance-ignored", "node-applied",
-        "strongest-joint", "normals-not-morphed", "smoothed", "not-flipped", "sign-lost",
-        "green-flipped", "tangent-by-normal-matrix", "sign-kept", "scale-ignored", "scale-on-z"};
+        "node-not-cancelled", "strongest-joint", "normals-not-morphed", "smoothed", "not-flipped",
+        "sign-lost", "green-flipped", "tangent-by-normal-matrix", "sign-kept", "scale-ignored",
+        "scale-on-z"};
     return ids[fault];
 }
 

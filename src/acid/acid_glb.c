@@ -214,7 +214,7 @@ static void print_document(acid_glb *glb, const growing_bytes *more, growing_byt
         acid_print(text, "\"samplers\":[{\"magFilter\":9729,\"minFilter\":9729,\"wrapS\":33071,"
                          "\"wrapT\":33071}],\n");
     norma_io_append(text, more->data, more->size);
-    acid_print(text, "\"scene\":0,\n\"scenes\":[{\"name\":\"norma-acid\",\"nodes\":[");
+    acid_print(text, "\"scene\":0,\n\"scenes\":[{\"name\":\"acid\",\"nodes\":[");
     norma_io_append(text, glb->roots.text.data, glb->roots.text.size);
     text->failed |= glb->roots.text.failed | more->failed;
     acid_print(text, "]}],\n");

@@ -43,16 +43,21 @@ typedef struct acid_spot {
     acid_vector shaded;                    /* the normal after its map; without one: normal */
 } acid_spot;
 
-/* Normal-mapped patches are nearly flat: what is seen comes from the map. */
-static const double flatness_of_mapped = 0.2;
+/* Normal-mapped patches are nearly flat: what is seen comes from the map. Less so where normals
+ * themselves may be wrong. */
+static double height_under_map(const acid_cell *cell) {
+    if (cell->map == ACID_MAP_ALONE) return 0.1; /* MikkTSpace's tangents are nearly these */
+    return cell->way == ACID_SKIN ? 0.45 : 0.2;
+}
 
 static acid_spot surface_spot(const acid_cell *cell, double x, double y, double direction) {
     acid_relief relief = acid_surface(x, y);
     acid_spot spot = {.x = x, .y = y, .shaded = acid_surface_normal(&relief)};
     if (cell->map) {
-        relief.height *= flatness_of_mapped;
-        relief.along_x *= flatness_of_mapped;
-        relief.along_y *= flatness_of_mapped;
+        const double share = height_under_map(cell);
+        relief.height *= share;
+        relief.along_x *= share;
+        relief.along_y *= share;
     }
     spot.position = acid_scaled((acid_vector){x, y, relief.height}, ACID_HALF);
     spot.normal = acid_surface_normal(&relief);
@@ -284,6 +289,13 @@ static acid_vector by_own_node(const acid_cell *cell, acid_vector n) {
     return by_normal_matrix(&own, acid_unit(n));
 }
 
+/* Skins relative to the node, by plain matrices: its inverse acts as a matrix of positions, and
+ * then its normal matrix, which is not the inverse of that. */
+static acid_vector by_own_node_twice(const acid_cell *cell, acid_vector n) {
+    const acid_matrix own = acid_step_matrix(&cell->own);
+    return by_own_node(cell, acid_solve(&own, n));
+}
+
 /* The normal as the renderer lights it, before its map; not of unit length where that is the
  * mistake. */
 static acid_vector posed_normal(
@@ -307,6 +319,8 @@ static acid_vector posed_normal(
         return acid_scaled(acid_unit(right), -1);
     case ACID_NODE_APPLIED:
         return acid_unit(by_own_node(cell, right));
+    case ACID_NODE_NOT_CANCELLED:
+        return acid_unit(by_own_node_twice(cell, acid_times(m, n)));
     case ACID_STRONGEST_JOINT:
         joint = acid_step_matrix(&cell->steps[vertex->weights[1] > vertex->weights[0]]);
         return acid_unit(by_normal_matrix(&joint, n));

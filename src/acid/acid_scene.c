@@ -379,7 +379,7 @@ static void label_cell(acid_making *making, size_t index, size_t material) {
             : slot <= references
                 ? acid_fault_id(slot == ACID_RIGHT_SLOT ? ACID_RIGHT
                                                         : cell->faults[slot - ACID_RIGHT_SLOT - 1])
-                : "(another instance)";
+                : "neighbour";
         if (slot == ACID_SUBJECT_SLOT)
             acid_write_words(&ink, cell->id, left, c.y + ACID_HALF + 0.05, 0.105);
         acid_write_lines(&ink, words, left, below, size, 0.97);
@@ -431,9 +431,10 @@ static void add_cameras(acid_making *making, growing_bytes *more) {
     acid_print(more, ",");
     acid_print_number(more, "zfar", distance + 10);
     acid_print(more, "}}],\n");
+    /* Their nodes have no names, and the scene has another one: loaders that make names unique
+     * would rename the cameras. */
     for (int i = 0; i < 2; ++i) {
-        add_scene_root(making, acid_add(&making->glb.nodes, "{\"name\":\"%s\",\"camera\":%d",
-                                   i ? "norma-acid-far" : "norma-acid", i));
+        add_scene_root(making, acid_add(&making->glb.nodes, "{\"camera\":%d", i));
         print_xyz(&making->glb.nodes.text, "translation", (acid_vector){0, 0, i ? distance : 10});
         end_node(making);
     }

@@ -97,7 +97,7 @@ class Scene:
         self.json = json.loads(data[20:20 + size])
         self.binary = data[28 + size:]
         self.parents = {child: i for i, node in enumerate(self.json["nodes"]) for child in node.get("children", [])}
-        self.names = {node["name"]: i for i, node in enumerate(self.json["nodes"])}
+        self.names = {node.get("name"): i for i, node in enumerate(self.json["nodes"])}
         assert sorted(self.json["scenes"][0]["nodes"]) == [i for i in range(len(self.json["nodes"])) if i not in self.parents]
 
     def accessor(self, index):
@@ -144,8 +144,10 @@ class Scene:
 class Patch:
     """positions, normals, triangles (by position) in the world, front faces counterclockwise; one for each instance."""
 
-    def __init__(self, scene, name):
+    def __init__(self, scene, name, fault=None):
+        """fault: the mistake that a renderer makes."""
         index = scene.names[name]
+        self.fault = fault
         node = scene.json["nodes"][index]
         mesh = scene.json["meshes"][node["mesh"]]
         primitive = mesh["primitives"][0]
@@ -155,7 +157,7 @@ class Patch:
         positions = scene.accessor(attributes["POSITION"])
         normals = scene.accessor(attributes["NORMAL"]) if "NORMAL" in attributes else None
         for target, weight in zip(primitive.get("targets", []), node.get("weights", mesh.get("weights", []))):
-            for base, key in ((positions, "POSITION"), (normals, "NORMAL")):
+            for base, key in ((positions, "POSITION"), (normals, "NORMAL"))[:1 if fault == "normals-not-morphed" else 2]:
                 for row, delta in zip(base, scene.accessor(target[key])):
                     row[:] = [a + weight * d for a, d in zip(row, delta)]
         self.colors = scene.accessor(attributes["COLOR_0"]) if "COLOR_0" in attributes else None
@@ -167,17 +169,52 @@ class Patch:
             self.positions.append(posed)
             self.fronts.append([unit(cross([b - a for a, b in zip(posed[order[i]], posed[order[i + 1]])],
                                            [b - a for a, b in zip(posed[order[i]], posed[order[i + 2]])])) for i in range(0, len(order), 3)])
-            self.normals.append(self.shaded(scene, attributes, matrices, normals) if normals else None)
+            self.normals.append(self.shaded(scene, node, attributes, matrices, normals) if normals else self.smoothed(len(positions)) if fault == "smoothed" else None)
 
-    def shaded(self, scene, attributes, matrices, normals):
-        """sign(det) cof(M) n; under a normal map cross(N, T) w sign(det), T = M t."""
-        result = []
-        for m, n in zip(matrices, normals):
-            sign = -1 if determinant(m) < 0 else 1
-            result.append(unit([sign * dot(row, n) for row in cofactors(m)]))
+    def smoothed(self, count):
+        """Sums of the triangles' area vectors."""
+        sums = [[0, 0, 0] for _ in range(count)]
+        for i in range(0, len(self.indices), 3):
+            a, b, c = (self.positions[-1][v] for v in self.indices[i:i + 3])
+            area = cross([q - p for p, q in zip(a, b)], [q - p for p, q in zip(a, c)])
+            for v in self.indices[i:i + 3]:
+                sums[v] = [x + y for x, y in zip(sums[v], area)]
+        return [unit(x) for x in sums]
+
+    def transformed(self, scene, node, m, n, strongest):
+        """sign(det) cof(M) n, or what a mistake makes of it."""
+        by_normal_matrix = lambda a, v: [(-1 if determinant(a) < 0 else 1) * dot(row, v) for row in cofactors(a)]
+        own = scene.local(node)
+        if self.fault in ("object-space", "instance-ignored"):
+            return n
+        if self.fault == "model-matrix":
+            return linear(m, n)
+        if self.fault == "separate-scale":
+            return linear(m, [n[k] / sum(m[i][k] ** 2 for i in range(3)) for k in range(3)])
+        if self.fault == "strongest-joint":
+            return by_normal_matrix(strongest, n)
+        right = by_normal_matrix(m, n)
+        if self.fault == "not-normalized":
+            return [x / abs(determinant(m)) for x in right]
+        if self.fault == "node-applied":
+            return by_normal_matrix(own, right)
+        if self.fault == "node-not-cancelled":
+            back = [dot(column, linear(m, n)) / determinant(own) for column in zip(*cofactors(own))]
+            return by_normal_matrix(own, back)
+        return [-x for x in right] if self.fault == "reversed" else right
+
+    def shaded(self, scene, node, attributes, matrices, normals):
+        """Normals with their map; a mistake is made where it is one."""
+        strongest = matrices
+        if self.fault == "strongest-joint":
+            joints = [scene.world(j) for j in scene.json["skins"][node["skin"]]["joints"]]
+            strongest = [joints[max(range(4), key=lambda k: w[k])] for w in scene.accessor(attributes["WEIGHTS_0"])]
+        raw = [self.transformed(scene, node, m, n, s) for m, n, s in zip(matrices, normals, strongest)]
+        self.lengths = [math.sqrt(dot(n, n)) for n in raw]
+        result = [unit(n) for n in raw]
         if "normalTexture" in self.material:
             result = self.mapped(scene, attributes, matrices, result)
-        if self.material.get("doubleSided") and self.fronts[-1][0][2] < 0:
+        if self.material.get("doubleSided") and self.fronts[-1][0][2] < 0 and self.fault != "not-flipped":
             result = [[-x for x in n] for n in result]
         return result
 
@@ -194,9 +231,17 @@ class Patch:
             column, row = uv[0] * width - 0.5, uv[1] * height - 0.5
             assert abs(column - round(column)) < 1e-3 and abs(row - round(row)) < 1e-3, "each vertex has a texel"
             texel = [rows[round(row)][3 * round(column) + k] / 255 * 2 - 1 for k in range(3)]
-            tangent = unit(linear(m, t[:3]))
-            across = [x * t[3] * (-1 if determinant(m) < 0 else 1) for x in cross(n, tangent)]
-            result.append(unit([texel[0] * scale * a + texel[1] * scale * b + texel[2] * c for a, b, c in zip(tangent, across, n)]))
+            flip = -1 if determinant(m) < 0 else 1
+            tangent = linear(m, t[:3])
+            if self.fault == "tangent-by-normal-matrix":
+                tangent = [flip * dot(row, t[:3]) for row in cofactors(m)]
+            sign = (1 if self.fault == "sign-lost" else t[3]) * (1 if self.fault == "sign-kept" else flip)
+            tangent, across = unit(tangent), [x * sign for x in cross(n, unit(tangent))]
+            strength = [1, 1, scale] if self.fault == "scale-on-z" else [1, 1, 1] if self.fault == "scale-ignored" else [scale, scale, 1]
+            if self.fault == "green-flipped":
+                strength[1] = -strength[1]
+            texel = [x * y for x, y in zip(texel, strength)]
+            result.append(unit([texel[0] * a + texel[1] * b + texel[2] * c for a, b, c in zip(tangent, across, n)]))
         return result
 
     def generated_tangents(self, positions, coordinates, normals):
@@ -245,11 +290,6 @@ def corner_positions(patch, instance):
     return [patch.positions[instance][v] for v in patch.indices]
 
 
-def along(corners, centers):
-    """Sorted by triangle, so that both windings meet."""
-    return corners
-
-
 def compare_with_right(subject, instance, right, center):
     """Largest distance in shares of the patch's side, largest angle, whether fronts are seen."""
     def canonical(patch, which, origin):
@@ -260,8 +300,8 @@ def compare_with_right(subject, instance, right, center):
             rows.setdefault(triangle, []).append((p, n))
         keyed = {}
         for triangle in rows.values():
-            middle = tuple(round(sum(p[k] for p, _ in triangle) / 3 * 2000) for k in range(2))
-            keyed[middle] = sorted(triangle, key=lambda pn: (round(pn[0][0], 3), round(pn[0][1], 3)))
+            middle = tuple(round(sum(p[k] for p, _ in triangle) / 3 * 1000) for k in range(2))
+            keyed[middle] = triangle
         return keyed
     ours, theirs = canonical(subject, instance, center[0]), canonical(right, 0, center[1])
     assert len(ours) == len(theirs) >= 1900, "triangles"
@@ -272,10 +312,20 @@ def compare_with_right(subject, instance, right, center):
         other = next((ours[(x + i, y + j)] for i in (0, -1, 1) for j in (0, -1, 1) if (x + i, y + j) in ours), None)
         if other is None:
             return math.inf, math.inf
-        for (p, n), (q, m) in zip(triangle, other):
+        for p, n in triangle:
+            q, m = min(other, key=lambda corner: sum((a - b) ** 2 for a, b in zip(p, corner[0])))
             distance = max(distance, math.sqrt(sum((a - b) ** 2 for a, b in zip(p, q))) / side)
             angle = max(angle, degrees(n, m))
     return distance, angle
+
+
+def brightness_differs(wrong, reference):
+    """How far the lights' colours on the reference of not-normalized are from those of normals of the wrong length."""
+    white, most = wrong.material["pbrMetallicRoughness"]["baseColorFactor"][0], 0
+    for v, (n, length) in enumerate(zip(wrong.normals[0], wrong.lengths)):
+        for l, shown in zip(LIGHTS, lit(reference, n, v)):
+            most = max(most, abs(shown - white * min(1, length * max(0, dot(l, n)))))
+    return most
 
 
 def faces_viewer(patch, instance):
@@ -325,6 +375,16 @@ def main():
                        "%s%s: the subject is the right reference" % (name, which), "%.2g of its size, %.4f degrees" % (distance, angle))
             if which:
                 continue
+            for place in places["references"][1:]:
+                reference = Patch(scene, name + " " + place["id"])
+                if place["id"] == "lost":
+                    continue
+                wrong = Patch(scene, name + " subject", place["id"])
+                distance, angle = compare_with_right(wrong, instance, reference, (centers[0], center_of(place, half)))
+                shown = brightness_differs(wrong, reference) if place["id"] == "not-normalized" else 0
+                if not angles_only:
+                    report(distance < 1e-3 and angle < 0.05 and shown < 1e-3, "%s: %s is what that mistake makes of the subject" % (name, place["id"]),
+                           "%.2g of its size, %.4f degrees" % (distance, angle))
             references = [right] + [Patch(scene, name + " " + r["id"]) for r in places["references"][1:]]
             for i, a in enumerate(references):
                 for j in range(i):
