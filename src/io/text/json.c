@@ -327,11 +327,16 @@ uint32_t norma_json_next(const json *j, uint32_t container, uint32_t value) {
     return next + (j->tokens[container].type == JSON_OBJECT);
 }
 
+int norma_json_each(const json *j, uint32_t container, uint32_t *value) {
+    *value = *value == JSON_NONE ? norma_json_first(j, container)
+                                 : norma_json_next(j, container, *value);
+    return *value != JSON_NONE;
+}
+
 uint32_t norma_json_member(const json *j, uint32_t object, const char *key) {
     uint32_t found = JSON_NONE;
     if (!norma_json_is(j, object, JSON_OBJECT)) return JSON_NONE;
-    for (uint32_t value = norma_json_first(j, object); value != JSON_NONE;
-         value = norma_json_next(j, object, value))
+    for (uint32_t value = JSON_NONE; norma_json_each(j, object, &value);)
         if (norma_json_equals(j, value - 1, key)) found = value;
     return found;
 }

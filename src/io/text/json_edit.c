@@ -210,8 +210,7 @@ void norma_json_set(json_edits *edits, uint32_t object, const char *key, const c
 }
 
 void norma_json_unset(json_edits *edits, uint32_t object, const char *key) {
-    for (uint32_t value = norma_json_first(edits->j, object); value != JSON_NONE;
-         value = norma_json_next(edits->j, object, value))
+    for (uint32_t value = JSON_NONE; norma_json_each(edits->j, object, &value);)
         if (norma_json_equals(edits->j, value - 1, key)) mark_removed(edits, value);
 }
 
@@ -289,8 +288,7 @@ static void splice_removed(const json_edits *edits, uint32_t container, splices 
     const json *j = edits->j;
     int kept = 0;
     uint32_t previous = JSON_NONE;
-    for (uint32_t value = norma_json_first(j, container); value != JSON_NONE;
-         value = norma_json_next(j, container, value)) {
+    for (uint32_t value = JSON_NONE; norma_json_each(j, container, &value);) {
         const edit *e = find_edit(edits, value);
         uint32_t next = norma_json_next(j, container, value);
         if (!e || !e->removed)
@@ -307,9 +305,7 @@ static void splice_removed(const json_edits *edits, uint32_t container, splices 
 
 static uint32_t last_value(const json *j, uint32_t container) {
     uint32_t last = JSON_NONE;
-    for (uint32_t value = norma_json_first(j, container); value != JSON_NONE;
-         value = norma_json_next(j, container, value))
-        last = value;
+    for (uint32_t value = JSON_NONE; norma_json_each(j, container, &value);) last = value;
     return last;
 }
 
@@ -342,8 +338,7 @@ static int is_space(char c) { return c == ' ' || c == '\n' || c == '\r' || c == 
 
 /* Whether any value that the text has there stays. */
 static int keeps_any(const json_edits *edits, uint32_t container) {
-    for (uint32_t value = norma_json_first(edits->j, container); value != JSON_NONE;
-         value = norma_json_next(edits->j, container, value)) {
+    for (uint32_t value = JSON_NONE; norma_json_each(edits->j, container, &value);) {
         const edit *e = find_edit(edits, value);
         if (!e || !e->removed) return 1;
     }

@@ -186,6 +186,8 @@ uint32_t norma_json_element(
 uint32_t norma_json_first(const json *j, uint32_t container); /* first value in it, or JSON_NONE */
 uint32_t norma_json_next(
     const json *j, uint32_t container, uint32_t value); /* the value after it, or JSON_NONE */
+/* Values in turn: value is JSON_NONE before the first. 0: there are no more. */
+int norma_json_each(const json *j, uint32_t container, uint32_t *value);
 uint32_t norma_json_size(
     const json *j, uint32_t container); /* 0 for JSON_NONE and for what is no container */
 int norma_json_is(const json *j, uint32_t token, json_type type); /* 0 for JSON_NONE */

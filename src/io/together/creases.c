@@ -3,7 +3,6 @@
  * the core computes of that mesh does not depend on the files, their order, or how the surface was
  * cut. */
 #include "io/together/together.h"
-#include "io/file/file.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,10 +1,6 @@
 /* join.c: what is known of positions, of any number, brought together at equal or near ones, in
  * memory or by a temporary file. */
 #include "io/together/together.h"
-#include "core/call/call.h"
-#include "core/mesh/mesh.h"
-#include "core/vertex/vertex.h"
-#include "io/file/file.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,9 +1,6 @@
 /* member.c: files of one surface, one at a time: what is locked, which level of detail it is, where
  * it is drawn. */
 #include "io/together/together.h"
-#include "core/call/call.h"
-#include "io/file/file.h"
-#include "io/format/format.h"
 #include "io/gltf/gltf.h"
 #include "io/obj/obj.h"
 #include <stddef.h>
@@ -112,8 +109,7 @@ static void take_ids(const gltf *g, uint32_t node, uint32_t *levels) {
                    ids = norma_json_member(j, extension, "ids");
     uint32_t level = 0;
     if (!norma_json_is(j, ids, JSON_ARRAY)) return;
-    for (uint32_t id = norma_json_first(j, ids); id != JSON_NONE;
-         id = norma_json_next(j, ids, id)) {
+    for (uint32_t id = JSON_NONE; norma_json_each(j, ids, &id);) {
         uint64_t number;
         ++level;
         if (norma_json_uint(j, id, &number) && number < g->node_count && number != node &&

@@ -1,10 +1,6 @@
 /* surface_normals.c: normals of smooth surfaces: what the faces of each file add, and what its
  * positions get. */
 #include "io/together/together.h"
-#include "core/call/call.h"
-#include "core/mesh/mesh.h"
-#include "core/vertex/vertex.h"
-#include "io/file/file.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

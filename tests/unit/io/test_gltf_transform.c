@@ -268,8 +268,7 @@ static uint32_t node_parent(const result *r, uint32_t number) {
     const uint32_t nodes = norma_json_member(&r->json, 0, "nodes");
     for (uint32_t i = 0; i < norma_json_size(&r->json, nodes); i++) {
         const uint32_t children = norma_json_member(&r->json, node_token(r, i), "children");
-        for (uint32_t child = norma_json_first(&r->json, children); child != JSON_NONE;
-             child = norma_json_next(&r->json, children, child)) {
+        for (uint32_t child = JSON_NONE; norma_json_each(&r->json, children, &child);) {
             uint64_t is;
             if (norma_json_uint(&r->json, child, &is) && is == number) return i;
         }
