@@ -132,10 +132,6 @@ typedef struct fix_group { /* the primitives of one glTF mesh, or the one mesh o
  * wheres may be NULL. */
 size_t norma_fix_gather_group(const norma_document *document, size_t first, size_t *indices,
     const char **wheres, size_t *count);
-norma_document_result norma_fix_turn(
-    const fix_group *group, norma_result *how); /* turn_bodies.c: N302, N304 */
-norma_document_result norma_fix_sides(
-    const fix_group *group, norma_result *how); /* turn_bodies.c: N201, N205, N301 */
 norma_document_result norma_fix_seams(
     const fix_group *group, norma_result *how); /* fix_normals.c: N501 between primitives */
 
@@ -149,13 +145,13 @@ norma_document_result norma_fix_open_whole(
     const fix_group *group, fix_whole *whole, norma_result *how);
 void norma_fix_close_whole(fix_whole *whole);
 
-norma_result norma_fix_faces(fix_mesh *m);     /* fix_faces.c: N301, N302, N305, N401 */
-norma_result norma_fix_polygons(fix_mesh *m);  /* fix_faces.c: N404, N405 */
-norma_result norma_fix_positions(fix_mesh *m); /* fix_vertices.c: N503 */
+norma_result norma_fix_faces(fix_mesh *m);     /* fix_elements.c: N301, N302, N305, N401 */
+norma_result norma_fix_polygons(fix_mesh *m);  /* fix_elements.c: N404, N405 */
+norma_result norma_fix_positions(fix_mesh *m); /* fix_elements.c: N503 */
 norma_result norma_fix_normals(
     fix_mesh *m); /* fix_normals.c: N101 to N103, N201 to N203, N205, N206, N501 */
 norma_result norma_fix_vertices(
-    fix_mesh *m); /* fix_vertices.c: N403, N502; last, and only where nothing else is edited */
+    fix_mesh *m); /* fix_elements.c: N403, N502; last, and only where nothing else is edited */
 norma_result norma_fix_tangents(fix_mesh *m); /* fix_normals.c: N801 to N805 */
 
 /* ---- edges by the exact positions of their ends, and the parts that faces joined by them

@@ -2,7 +2,6 @@
  * together, and the edges of either. */
 #include "check/fix/fix.h"
 #include "check/explain/explain.h"
-#include "core/face/face.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,9 +2,373 @@
  * by an edit of its mesh; missing normals by computing them; transforms by baking them. A plan is
  * made without a change to the document, and may be applied to any copy of it. */
 #include "check/fix/fix.h"
+#include "check/rules/rules.h"
 #include "io/format/for_fixes.h"
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- Bodies that N302 names, to be reversed as a whole. As the rule has it, what is
+ * closed in its own primitive is a body by itself, and the open parts of all primitives of a glTF
+ * mesh are joined where their edges have equal positions. */
+
+typedef struct bodies {
+    const core_mesh *meshes;
+    size_t count, face_count;
+    fix_edge *edges;
+    size_t edge_count;
+    uint32_t *parts, *joined; /* of each face a face of the same part; of the same body */
+    uint8_t *open;            /* at the face that stands for a part */
+} bodies;
+
+static int same_edge(const fix_edge *a, const fix_edge *b) {
+    return norma_fix_compare_points(a->a, b->a) == 0 && norma_fix_compare_points(a->b, b->b) == 0;
+}
+
+/* ---- edges: of faces that have three or more */
+
+static int gather_body_edges(bodies *b) {
+    size_t corners = 0, face = 0;
+    for (size_t i = 0; i < b->count; i++) corners += b->meshes[i].corner_count;
+    b->edges = malloc((corners + 1) * sizeof *b->edges);
+    for (size_t i = 0; b->edges && i < b->count; i++)
+        for (size_t f = 0; f < b->meshes[i].face_count; f++, face++) {
+            fix_edge *edges = b->edges + b->edge_count;
+            const size_t count =
+                norma_fix_face_edges(&b->meshes[i], f, (uint32_t)face, (uint32_t)i, edges);
+            b->edge_count += count < 3 ? 0 : count;
+        }
+    if (b->edges) qsort(b->edges, b->edge_count, sizeof *b->edges, norma_fix_compare_edges);
+    return b->edges != NULL;
+}
+
+/* ---- parts and bodies */
+
+static void find_body_parts(bodies *b) {
+    const fix_edge *e = b->edges;
+    for (size_t i = 1; i < b->edge_count; i++)
+        if (norma_fix_compare_edges(&e[i - 1], &e[i]) == 0)
+            norma_fix_unite(b->parts, e[i - 1].face, e[i].face);
+    for (size_t begin = 0, end; begin < b->edge_count; begin = end) {
+        for (end = begin + 1;
+             end < b->edge_count && norma_fix_compare_edges(&e[begin], &e[end]) == 0;)
+            end++;
+        if (end - begin != 2 || e[begin].way == e[begin + 1].way)
+            b->open[norma_fix_root(b->parts, e[begin].face)] = 1;
+    }
+}
+
+static void join_open(bodies *b) {
+    for (size_t f = 0; f < b->face_count; f++) b->joined[f] = norma_fix_root(b->parts, (uint32_t)f);
+    for (size_t begin = 0, end; begin < b->edge_count; begin = end) {
+        size_t first = SIZE_MAX;
+        for (end = begin; end < b->edge_count && same_edge(&b->edges[begin], &b->edges[end]);
+             end++) {
+            const uint32_t part = norma_fix_root(b->parts, b->edges[end].face);
+            if (!b->open[part]) continue;
+            if (first != SIZE_MAX)
+                norma_fix_unite(b->joined, b->edges[first].face, b->edges[end].face);
+            first = end;
+        }
+    }
+}
+
+/* named: a mark for each face of all meshes; those of whole bodies in which a face
+ * is marked become marked. */
+static norma_result fix_whole_bodies(const core_mesh *meshes, size_t count, uint8_t *named) {
+    bodies b = {.meshes = meshes, .count = count};
+    for (size_t i = 0; i < count; i++) b.face_count += meshes[i].face_count;
+    b.parts = malloc((b.face_count + 1) * sizeof *b.parts);
+    b.joined = malloc((b.face_count + 1) * sizeof *b.joined);
+    b.open = calloc(b.face_count + 1, 1);
+    uint8_t *bodies_named = calloc(b.face_count + 1, 1);
+    const int fine = b.parts && b.joined && b.open && bodies_named && b.face_count < UINT32_MAX &&
+                     gather_body_edges(&b);
+    if (fine) {
+        for (size_t f = 0; f < b.face_count; f++) b.parts[f] = (uint32_t)f;
+        find_body_parts(&b);
+        join_open(&b);
+        for (size_t f = 0; f < b.face_count; f++)
+            if (named[f]) bodies_named[norma_fix_root(b.joined, (uint32_t)f)] = 1;
+        for (size_t f = 0; f < b.face_count; f++)
+            named[f] = bodies_named[norma_fix_root(b.joined, (uint32_t)f)];
+    }
+    free(b.edges);
+    free(b.parts);
+    free(b.joined);
+    free(b.open);
+    free(bodies_named);
+    return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
+}
+
+/* ---- Which faces are reversed with the whole body that they belong to: bodies that look
+ * inward (N302), and, where that is asked for, open ones (N304) as a majority of rays has it. The
+ * primitives of a glTF mesh are looked at together, as those rules do. */
+
+static int fix_mark_named(const fix_whole *t, check_rule rule, uint8_t *marks) {
+    const fix_group *g = t->group;
+    size_t begin = 0;
+    int any = 0;
+    for (size_t i = 0; i < g->count; begin += t->meshes[i++].face_count)
+        for (size_t k = 0; k < norma_findings_count(g->findings); k++) {
+            const norma_finding *finding = norma_findings_get(g->findings, k);
+            if (!norma_fix_is_rule(finding, rule) || !norma_fix_may(g->request, finding) ||
+                strcmp(finding->where, g->wheres[i]) != 0)
+                continue;
+            for (size_t s = 0; s < finding->sample_count; s++)
+                if (finding->samples[s].face < t->meshes[i].face_count)
+                    marks[begin + finding->samples[s].face] = 1, any = 1;
+        }
+    return any;
+}
+
+/* ---- rays */
+
+static void add_votes(fix_plan *plan, const norma_orient_report *report) {
+    plan->least_confidence = plan->by_rays == 0 || report->least_confidence < plan->least_confidence
+                                 ? report->least_confidence
+                                 : plan->least_confidence;
+    plan->by_rays += report->by_rays;
+    plan->undecided += report->undecided;
+}
+
+/* What rays turn is what differs from winding alike alone. marks: in, the faces that are open; out,
+ * those of them to be reversed. */
+static norma_result ask_rays(fix_whole *t, uint8_t *marks) {
+    const norma_options options = {
+        .struct_size = sizeof options, .threads = t->group->request->options.threads};
+    norma_orient_report report;
+    check_joined whole;
+    uint8_t *alike = malloc(t->face_count + 1), *rays = malloc(t->face_count + 1);
+    norma_result result = norma_check_join(t->meshes, t->group->count, &whole);
+    if (!result && !(alike && rays)) result = NORMA_ERROR_MEMORY;
+    if (!result)
+        result =
+            norma_orient(&whole.mesh, NORMA_ORIENT_OPEN_KEPT, &options, alike, t->face_count, NULL);
+    if (!result)
+        result = norma_orient(
+            &whole.mesh, NORMA_ORIENT_OPEN_BY_RAYS, &options, rays, t->face_count, &report);
+    for (size_t f = 0; f < t->face_count && !result; f++)
+        marks[f] = marks[f] && alike[f] != rays[f];
+    if (!result && report.open) add_votes(t->group->plan, &report);
+    norma_check_unjoin(&whole);
+    free(alike);
+    free(rays);
+    return result;
+}
+
+/* ---- whole bodies; and those of which every shell has the wrong sign: what lies right inside one
+ * that looks inward is turned with it, if all of it looks outward */
+
+static void mark_bodies(const core_components *c, uint8_t *marks) {
+    for (size_t i = 0; i < c->count; i++) {
+        int any = 0;
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++) any |= marks[c->faces[k]];
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++) marks[c->faces[k]] = (uint8_t)any;
+    }
+}
+
+static void mark_shells(const core_components *c, uint8_t *marks, uint8_t *keeps) {
+    for (size_t i = 0; i < c->count; i++)
+        if (c->each[i].parent != UINT32_MAX && c->each[i].verdict != COMPONENT_NESTED)
+            keeps[c->each[i].parent] = 1;
+    for (size_t i = 0; i < c->count; i++) {
+        const uint32_t parent = c->each[i].parent;
+        if (parent == UINT32_MAX || keeps[parent] || c->each[parent].verdict != COMPONENT_INWARD ||
+            !marks[c->faces[c->starts[parent]]])
+            continue;
+        for (size_t k = c->starts[i]; k < c->starts[i + 1]; k++) marks[c->faces[k]] = 1;
+    }
+}
+
+static norma_result judge_shells(core_topology *topology, uint8_t *marks) {
+    static const uint8_t not_closed = COMPONENT_OPEN | COMPONENT_CONFLICT | COMPONENT_UNBALANCED;
+    const core_topology_visitor nobody = {NULL, NULL, NULL, NULL};
+    core_components c;
+    norma_result result = norma_core_pair_edges(topology, &nobody);
+    if (!result) result = norma_core_find_components(topology, CORE_JOIN_BODIES, &c);
+    if (result) return result;
+    uint8_t *keeps = calloc(c.count + 1, 1);
+    result = keeps ? norma_core_measure_components(topology, &c, not_closed) : NORMA_ERROR_MEMORY;
+    if (!result) result = norma_core_judge_nesting(topology, &c, not_closed);
+    if (!result) mark_bodies(&c, marks);
+    if (!result) mark_shells(&c, marks, keeps);
+    free(keeps);
+    norma_core_release_components(topology->call, &c);
+    return result;
+}
+
+static norma_result turn_shells(fix_whole *t, uint8_t *marks) {
+    const norma_options options = {
+        .struct_size = sizeof options, .threads = t->group->request->options.threads};
+    core_call call;
+    core_mesh checked;
+    core_topology topology;
+    check_joined whole;
+    norma_result result = norma_core_begin(&call, &options);
+    if (!result) result = norma_check_join(t->meshes, t->group->count, &whole);
+    if (result) return result;
+    result = norma_core_mesh_shape(&whole.mesh, &checked);
+    if (!result) result = norma_core_mesh_content(&call, &checked);
+    if (!result) result = norma_core_topology_open(&call, &checked, &topology);
+    if (!result) {
+        result = judge_shells(&topology, marks);
+        norma_core_topology_close(&topology);
+    }
+    norma_check_unjoin(&whole);
+    return result;
+}
+
+/* ---- all of it */
+
+static norma_result turn_whole(fix_whole *t, uint8_t *inward, uint8_t *open) {
+    norma_result result = NORMA_OK;
+    if (fix_mark_named(t, RULE_N302, inward)) result = turn_shells(t, inward);
+    if (result || !fix_mark_named(t, RULE_N304, open)) return result;
+    result = fix_whole_bodies(t->meshes, t->group->count, open);
+    return result ? result : ask_rays(t, open);
+}
+
+/* Of each mesh marks of its own, where there are any. */
+static norma_result share_turned(const fix_whole *t, const uint8_t *inward, const uint8_t *open) {
+    size_t begin = 0;
+    for (size_t i = 0; i < t->group->count; begin += t->meshes[i++].face_count) {
+        uint8_t *marks = malloc(t->meshes[i].face_count + 1);
+        int any = 0;
+        if (!marks) return NORMA_ERROR_MEMORY;
+        for (size_t f = 0; f < t->meshes[i].face_count; f++)
+            any |= marks[f] = inward[begin + f] ^ open[begin + f];
+        if (any)
+            t->group->turned[t->group->indices[i]] = marks;
+        else
+            free(marks);
+    }
+    return NORMA_OK;
+}
+
+/* N302, N304 */
+static norma_document_result fix_turn(const fix_group *group, norma_result *how) {
+    fix_whole t;
+    norma_document_result result = norma_fix_open_whole(group, &t, how);
+    uint8_t *inward = calloc(t.face_count + 1, 1), *open = calloc(t.face_count + 1, 1);
+    if (!result && !*how) *how = inward && open ? turn_whole(&t, inward, open) : NORMA_ERROR_MEMORY;
+    if (!result && !*how) *how = share_turned(&t, inward, open);
+    norma_fix_close_whole(&t);
+    free(inward);
+    free(open);
+    return result;
+}
+
+/* ---- Where normals and winding disagree (N201, N205), or neighbours do (N301), which faces
+ * are turned: those that are shown to be, by the volume of what is closed and by rays from what is
+ * open. Rays say nothing of a material that is seen from both sides. The primitives of a glTF mesh
+ * are looked at together. */
+
+/* 1: its material is double-sided, or not opaque. */
+static norma_document_result is_on_purpose(const fix_group *group, size_t index, int *on_purpose) {
+    norma_mesh_attributes attributes;
+    norma_material_info material;
+    *on_purpose = 0;
+    norma_document_result result =
+        norma_document_mesh_attributes(group->document, index, &attributes, group->error);
+    if (result || attributes.material >= norma_document_material_count(group->document))
+        return result;
+    result = norma_document_material_info(group->document, attributes.material, &material);
+    *on_purpose = !result && (material.double_sided || material.not_opaque);
+    return result;
+}
+
+static norma_document_result share_sides(
+    const fix_whole *whole, const uint8_t *sides, norma_result *how) {
+    const fix_group *group = whole->group;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t i = 0; i < group->count && !result; sides += whole->meshes[i++].face_count) {
+        const size_t faces = whole->meshes[i].face_count;
+        int on_purpose;
+        uint8_t *own = malloc(faces + 1);
+        if (!own) {
+            *how = NORMA_ERROR_MEMORY;
+            return result;
+        }
+        memcpy(own, sides, faces);
+        group->sides[group->indices[i]] = own;
+        result = is_on_purpose(group, group->indices[i], &on_purpose);
+        for (size_t f = 0; f < faces && !result && on_purpose; f++)
+            if (own[f] & CORE_SIDE_BY_RAYS) own[f] |= CORE_SIDE_UNDECIDED;
+    }
+    return result;
+}
+
+/* The faces whose sides matter: those that are named, those that are turned with a whole body, and
+ * those at edges that two faces run along the same way. Rays are cast from the pieces of these
+ * alone, as the rules do. NULL: out of memory. */
+static uint8_t *mark_asked_faces(const fix_whole *whole, const core_topology *topology) {
+    static const check_rule rules[] = {RULE_N201, RULE_N205};
+    const fix_group *group = whole->group;
+    uint8_t *asked = calloc(whole->face_count + 1, 1);
+    if (!asked) return NULL;
+    (void)norma_check_count_conflicts(topology, asked);
+    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
+        (void)fix_mark_named(whole, rules[i], asked);
+    size_t begin = 0;
+    for (size_t i = 0; i < group->count; begin += whole->meshes[i++].face_count) {
+        const uint8_t *turned = group->turned[group->indices[i]];
+        for (size_t f = 0; turned && f < whole->meshes[i].face_count; f++)
+            asked[begin + f] |= turned[f];
+    }
+    return asked;
+}
+
+static norma_result ask_sides(const fix_whole *whole, check_judge *judge, uint8_t *sides) {
+    const fix_group *group = whole->group;
+    norma_result result = NORMA_OK;
+    if (!judge->is_open)
+        result = norma_check_open_judge(
+            whole->meshes, group->count, group->request->options.threads, judge);
+    if (result) return result;
+    norma_core_side_judge_forget(&judge->sides);
+    uint8_t *asked = mark_asked_faces(whole, &judge->sides.topology);
+    result = asked ? norma_core_side_judge_ask(&judge->sides, 0, whole->face_count, asked, sides)
+                   : NORMA_ERROR_MEMORY;
+    free(asked);
+    return result ? result : norma_check_sides_at_folds(&judge->sides, 0, whole->face_count, sides);
+}
+
+/* Those of an STL by their stored normals, where nothing else decides. */
+static norma_document_result judge_group_sides(
+    fix_whole *whole, uint8_t *sides, norma_result *how) {
+    const fix_group *group = whole->group;
+    check_judge own = {.is_open = 0},
+                *judge = group->request->judges ? &group->request->judges[group->indices[0]] : &own;
+    norma_mesh_info info;
+    norma_mesh_data data;
+    norma_document_result result =
+        norma_document_mesh_info(group->document, group->indices[0], &info);
+    if (!result)
+        result = norma_document_mesh_data(group->document, group->indices[0], &data, group->error);
+    if (result || !whole->face_count) return result;
+    *how = ask_sides(whole, judge, sides);
+    if (!*how && info.normals == NORMA_NORMALS_PER_FACET)
+        *how = norma_check_sides_by_facets(&judge->sides, &data.normals, sides);
+    norma_check_close_judge(&own);
+    return result;
+}
+
+/* N201, N205, N301 */
+static norma_document_result fix_sides(const fix_group *group, norma_result *how) {
+    fix_whole whole;
+    norma_document_result result = norma_fix_open_whole(group, &whole, how);
+    uint8_t *sides = !result && !*how ? malloc(whole.face_count + 1) : NULL;
+    if (!result && !*how && !sides) *how = NORMA_ERROR_MEMORY;
+    if (!result && !*how) result = judge_group_sides(&whole, sides, how);
+    if (!result && !*how) result = share_sides(&whole, sides, how);
+    norma_fix_close_whole(&whole);
+    free(sides);
+    return result;
+}
+
+/* ---- What the rules found and a program may put right: every element that a finding names,
+ * by an edit of its mesh; missing normals by computing them; transforms by baking them. A plan is
+ * made without a change to the document, and may be applied to any copy of it. */
 
 typedef struct mender {
     norma_document *document;
@@ -150,8 +514,8 @@ static norma_document_result fix_groups(mender *m, int turns, int sides, int sha
         first = norma_fix_gather_group(m->document, first, indices, wheres, &count);
         const fix_group group = {m->document, m->findings, indices, wheres, count, m->request,
             m->turned, m->sides, m->smooth, m->plan, m->error};
-        if (count && turns) result = norma_fix_turn(&group, &how);
-        if (count && !result && !how && sides) result = norma_fix_sides(&group, &how);
+        if (count && turns) result = fix_turn(&group, &how);
+        if (count && !result && !how && sides) result = fix_sides(&group, &how);
         if (!result && !how && count > 1 && shares) result = norma_fix_seams(&group, &how);
         if (!result && how) result = fail_plan(m, how);
     }

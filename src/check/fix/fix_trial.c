@@ -1,6 +1,5 @@
 /* fix_trial.c: what fixes would make of a document, found out on a copy of it, and measured. */
 #include "check/fix/fix.h"
-#include "core/topology/topology.h"
 #include "io/format/for_fixes.h"
 #include <stdlib.h>
 #include <string.h>
