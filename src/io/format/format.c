@@ -1,7 +1,6 @@
 /* format.c: what every format needs of its document: errors and notes, options, files beside it,
  * memory of what it tells. */
 #include "io/format/format.h"
-#include "io/file/file.h"
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>

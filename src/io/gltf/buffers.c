@@ -218,20 +218,6 @@ char *norma_gltf_folder_of(const char *path) {
  * first needed. A file is opened only inside the asset's folder. Lengths that do not fit are told
  * where the bytes are wanted, not before: a file may hold views that we never touch. */
 
-static norma_document_result read_list(
-    const gltf *g, const char *name, uint32_t *list, uint32_t *count, norma_document_error *error) {
-    const json *j = &g->json;
-    *list = norma_json_member(j, 0, name);
-    *count = norma_json_size(j, *list);
-    if (*list != JSON_NONE && !norma_json_is(j, *list, JSON_ARRAY))
-        return norma_gltf_malformed(g, error, *list, "an array");
-    for (uint32_t item = norma_json_first(j, *list); item != JSON_NONE;
-         item = norma_json_next(j, *list, item))
-        if (!norma_json_is(j, item, JSON_OBJECT))
-            return norma_gltf_malformed(g, error, item, "an object");
-    return NORMA_DOCUMENT_OK;
-}
-
 static char *file_name_of(const gltf *g, uint32_t token) {
     char *uri = norma_json_string(&g->json, token), *name = uri ? norma_gltf_uri_decode(uri) : NULL;
     free(uri);
@@ -338,14 +324,14 @@ static void note_overruns(gltf *g) {
 
 norma_document_result norma_gltf_read_buffers(gltf *g, norma_document_error *error) {
     uint32_t buffers, views, number = 0;
-    norma_document_result result = read_list(g, "buffers", &buffers, &g->buffer_count, error);
-    if (!result) result = read_list(g, "bufferViews", &views, &g->view_count, error);
+    norma_document_result result =
+        norma_gltf_read_list(g, "buffers", &buffers, &g->buffer_count, error);
+    if (!result) result = norma_gltf_read_list(g, "bufferViews", &views, &g->view_count, error);
     if (result) return result;
     g->buffers = norma_io_allocate(g->buffer_count, sizeof *g->buffers);
     g->views = norma_io_allocate(g->view_count, sizeof *g->views);
     if (!g->buffers || !g->views) return norma_document_fail_memory(g->document, error);
-    for (uint32_t item = norma_json_first(&g->json, buffers); item != JSON_NONE;
-         item = norma_json_next(&g->json, buffers, item), ++number) {
+    for (uint32_t item = JSON_NONE; norma_json_each(&g->json, buffers, &item); ++number) {
         g->buffers[number].token = item;
         size_t length = SIZE_MAX;
         if (!norma_gltf_size_member(g, item, "byteLength", &length) || length == SIZE_MAX)
@@ -356,8 +342,7 @@ norma_document_result norma_gltf_read_buffers(gltf *g, norma_document_error *err
         if (result) return result;
     }
     number = 0;
-    for (uint32_t item = norma_json_first(&g->json, views); item != JSON_NONE;
-         item = norma_json_next(&g->json, views, item), ++number) {
+    for (uint32_t item = JSON_NONE; norma_json_each(&g->json, views, &item); ++number) {
         g->views[number].token = item;
         result = read_view_object(g, &g->views[number], error);
         if (result) return result;

@@ -296,8 +296,7 @@ static norma_document_result add_image_names(companions *c, file_names *names) {
     uint32_t images = norma_json_member(j, 0, "images");
     norma_document_result result = NORMA_DOCUMENT_OK;
     size_t number = 0;
-    for (uint32_t image = norma_json_first(j, images); !result && image != JSON_NONE;
-         image = norma_json_next(j, images, image)) {
+    for (uint32_t image = JSON_NONE; !result && norma_json_each(j, images, &image);) {
         int failed;
         if (norma_document_given_image(c->document, number++)) continue;
         char *name = norma_gltf_image_name(j, image, &failed);
@@ -363,8 +362,7 @@ static int visit_images(const norma_document *document, norma_visit_file *visit,
     const uint32_t images = norma_json_member(j, 0, "images");
     int stop = 0;
     size_t number = 0;
-    for (uint32_t image = norma_json_first(j, images); !stop && image != JSON_NONE;
-         image = norma_json_next(j, images, image)) {
+    for (uint32_t image = JSON_NONE; !stop && norma_json_each(j, images, &image);) {
         if (norma_document_given_image(document, number++)) continue;
         char *name = norma_gltf_image_name(j, image, &stop);
         if (stop) return -1;

@@ -39,11 +39,11 @@ static int mark_roots(const gltf *g, uint8_t *shown) {
                    chosen = norma_json_member(j, 0, "scene");
     if (!norma_json_is(j, list, JSON_ARRAY) || norma_json_size(j, list) == 0) return 0;
     if (chosen != JSON_NONE && !norma_json_uint(j, chosen, &number)) return 0;
-    uint32_t scene = norma_json_first(j, list);
-    for (; number > 0 && scene != JSON_NONE; --number) scene = norma_json_next(j, list, scene);
-    const uint32_t roots = scene == JSON_NONE ? JSON_NONE : norma_json_member(j, scene, "nodes");
-    for (uint32_t item = norma_json_first(j, roots); item != JSON_NONE;
-         item = norma_json_next(j, roots, item)) {
+    const uint32_t scene = number < norma_json_size(j, list)
+                               ? norma_json_element(j, list, (uint32_t)number)
+                               : JSON_NONE,
+                   roots = norma_json_member(j, scene, "nodes");
+    for (uint32_t item = JSON_NONE; norma_json_each(j, roots, &item);) {
         uint64_t node;
         if (norma_json_uint(j, item, &node) && node < g->node_count) shown[node] = 1;
     }
@@ -78,9 +78,8 @@ static int has_weights(const gltf *g, const gltf_node *node, const gltf_primitiv
     const uint32_t list = weights_of(g, node, p->mesh);
     double weight;
     uint32_t target = 0;
-    for (uint32_t item = norma_json_first(&g->json, list);
-         item != JSON_NONE && target < p->target_count;
-         item = norma_json_next(&g->json, list, item), ++target)
+    for (uint32_t item = JSON_NONE;
+         target < p->target_count && norma_json_each(&g->json, list, &item); ++target)
         if (norma_json_number(&g->json, item, &weight) && weight != 0) return 1;
     return 0;
 }
@@ -115,9 +114,8 @@ static norma_document_result add_targets(mover *m, norma_document_error *error) 
     const uint32_t list = weights_of(m->g, m->node, m->p->mesh);
     norma_document_result result = NORMA_DOCUMENT_OK;
     uint32_t target = 0;
-    for (uint32_t item = norma_json_first(j, list);
-         item != JSON_NONE && target < m->p->target_count && !result;
-         item = norma_json_next(j, list, item), ++target) {
+    for (uint32_t item = JSON_NONE;
+         target < m->p->target_count && !result && norma_json_each(j, list, &item); ++target) {
         double weight;
         if (norma_json_number(j, item, &weight) && weight != 0 && isfinite(weight))
             result =
@@ -160,8 +158,7 @@ static norma_document_result fill_joints(gltf *g, uint32_t list, const gltf_arra
     double *matrices, norma_document_error *error) {
     const json *j = &g->json;
     uint32_t number = 0;
-    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
-         item = norma_json_next(j, list, item), ++number) {
+    for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item); ++number) {
         uint64_t node;
         float bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
         double matrix[16];

@@ -1,7 +1,6 @@
 /* gltf.c: a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
  * requires, and its table of functions. */
 #include "io/gltf/gltf.h"
-#include "io/format/format.h"
 #include "io/gltf/draco_decoder.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -130,8 +129,7 @@ static norma_document_result check_required(const gltf *g, norma_document_error 
     uint32_t list = norma_json_member(j, 0, "extensionsRequired");
     if (list != JSON_NONE && !norma_json_is(j, list, JSON_ARRAY))
         return norma_gltf_malformed(g, error, list, "an array");
-    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
-         item = norma_json_next(j, list, item)) {
+    for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item);) {
         if (!norma_json_is(j, item, JSON_STRING))
             return norma_gltf_malformed(g, error, item, "the name of an extension");
         char *name = norma_json_string(j, item);

@@ -174,7 +174,7 @@ typedef struct gltf_patch
     gltf_patch; /* gltf.h: what is to become of accessors, views and buffers */
 
 enum { TILE_DEPTH = 8 };
-/* A GLB in its file: all of it, or the end of a tile of 3D Tiles 1.0 (tile.c). */
+/* A GLB in its file: all of it, or the end of a tile of 3D Tiles 1.0 (gltf_write.c). */
 typedef struct gltf_tile {
     size_t at, end;             /* of the GLB; of the tile or the file */
     size_t headers[TILE_DEPTH]; /* offsets of the tile's and the composites' around it */
@@ -225,14 +225,9 @@ typedef struct gltf_output {
     void *user;
     int failed;
 } gltf_output;
-void norma_gltf_write_bytes(gltf_output *out, const void *bytes, size_t size);
-void norma_gltf_write_fill(gltf_output *out, unsigned char fill, size_t size);
-void norma_gltf_write_u32(gltf_output *out, uint32_t value);
-/* What stands before and behind a GLB of glb bytes in its file, which is so long then; tile.c. */
+/* What stands before and behind a GLB of glb bytes in its file, which is so long then;
+ * gltf_write.c. */
 norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error);
-size_t norma_gltf_tile_size(const gltf *g, size_t glb);
-void norma_gltf_begin_tile(const gltf *g, size_t glb, gltf_output *out);
-void norma_gltf_end_tile(const gltf *g, size_t glb, gltf_output *out);
 /* Bytes behind the GLB that are more than what aligns a tile. */
 size_t norma_gltf_surplus(const gltf *g);
 norma_document_result norma_gltf_read_buffers(
@@ -254,9 +249,6 @@ typedef struct gltf_elements {
     uint32_t token, view;
     size_t offset, count, size;
 } gltf_elements;
-/* Whether they are apart from one another and end inside the view; none of its bytes are read. */
-norma_document_result norma_gltf_measure_elements(
-    gltf *g, const gltf_elements *elements, size_t *stride, norma_document_error *error);
 
 const char *norma_gltf_extension_of(
     const gltf *g, const gltf_meshopt *m); /* its name in the file */
@@ -265,12 +257,10 @@ const char *norma_gltf_extension_of(
  * memory. */
 unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes);
 int norma_gltf_reads_meshopt(void); /* 0: the library is built without meshoptimizer */
-/* compressed.c: reads the extension of a primitive whose accessors are known, and gives the
+/* Reads the extension of a primitive whose accessors are known, and gives the
  * accessors that it names to its stream; *why: the primitive cannot be read. */
 norma_document_result norma_gltf_read_draco(
     gltf *g, uint32_t primitive, const char **why, norma_document_error *error);
-norma_document_result norma_gltf_decode_draco(
-    gltf *g, uint32_t primitive, norma_document_error *error); /* resolves those accessors */
 /* The elements of an accessor, resolved once and cached. */
 norma_document_result norma_gltf_array(
     gltf *g, uint32_t accessor, gltf_array *array, norma_document_error *error);
@@ -329,6 +319,9 @@ uint32_t norma_gltf_find(const gltf *g, const gltf_attributes *attributes,
 int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value);
 int norma_gltf_index_member(
     const gltf *g, uint32_t object, const char *key, uint32_t limit, uint32_t *value);
+/* A list of objects among the root's members; empty where there is none. */
+norma_document_result norma_gltf_read_list(
+    const gltf *g, const char *name, uint32_t *list, uint32_t *count, norma_document_error *error);
 norma_document_result norma_gltf_malformed(const gltf *g, norma_document_error *error,
     uint32_t token, const char *expected); /* names the JSON pointer of token */
 char *norma_gltf_pointer(
@@ -436,10 +429,6 @@ norma_document_result norma_gltf_transform(norma_document *document,
     norma_document_error *error);
 /* vertex_contents.c: the elements of an accessor as the edit's new vertices have them (*owned: to
  * be freed; NULL: as stored); all attributes that the edit does not set, put. */
-norma_document_result norma_gltf_copy_array(gltf *g, uint32_t accessor, const norma_mesh_edit *edit,
-    gltf_array *array, unsigned char **owned, norma_document_error *error);
-norma_document_result norma_gltf_put_vertices(
-    gltf *g, uint32_t primitive, const norma_mesh_edit *edit, norma_document_error *error);
 size_t norma_gltf_vertex_size(
     const gltf *g, const gltf_primitive *p); /* bytes, those of all targets among them */
 norma_document_result norma_gltf_equal_vertices(
@@ -475,7 +464,7 @@ double norma_gltf_matrix_decompose(const double m[16], gltf_trs *trs);
  * decomposition, inner a rotation. So two nodes, one below the other, hold what one cannot. */
 void norma_gltf_matrix_split(const double m[16], gltf_trs *outer, gltf_trs *inner);
 
-/* ---- what else a glTF's surfaces have (gltf_scene.c, drawn_mesh.c, skins.c, materials.c) */
+/* ---- what else a glTF's surfaces have (gltf_scene.c, drawn_mesh.c, skins.c) */
 
 /* What several elements share is found out once, so that a small file that names one thing a
  * thousand times costs no more than its size. */
@@ -506,6 +495,7 @@ const char *norma_gltf_root_ignore(gltf *g);
 const char *norma_gltf_ignored_with(gltf *g, const char *above, uint32_t token);
 /* The "name" of an object, "" for none; NULL: out of memory. */
 const char *norma_gltf_name(gltf *g, uint32_t token);
+char *norma_gltf_read_name(const gltf *g, uint32_t token); /* the same, to be freed */
 /* "/LIST/NUMBER"; NULL: out of memory. */
 const char *norma_gltf_where(gltf *g, const char *list, size_t number);
 /* An accessor as floats, width of them for each element, tight: the file's own bytes where they are
@@ -513,12 +503,10 @@ const char *norma_gltf_where(gltf *g, const char *list, size_t number);
 norma_document_result norma_gltf_decode(
     gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error);
 
-/* materials.c */
 uint32_t norma_gltf_normal_use(const gltf *g, uint32_t material); /* the texture's info */
 /* Where a texture, by its info, is looked up: everything of it that needs no image. */
 norma_texture_info norma_gltf_normal_map(const gltf *g, uint32_t material); /* or clear coat's */
 int norma_gltf_moves(const norma_texture_info *place); /* its transform is not the identity */
-norma_document_result norma_gltf_materials(norma_document *document, norma_document_error *error);
 
 /* skins.c */
 size_t norma_gltf_skin_count(const norma_document *document);
@@ -533,9 +521,6 @@ norma_document_result norma_gltf_skin_token(
 norma_document_result norma_gltf_move_drawn(norma_document *document, size_t node, size_t mesh,
     norma_drawn_mesh *drawn, norma_document_error *error);
 
-/* materials.c; set: gltf_scene.c */
-norma_document_result norma_gltf_material_maps(norma_document *document, size_t material,
-    norma_material_maps *maps, norma_document_error *error);
 norma_document_result norma_gltf_normal_texture(norma_document *document, size_t material,
     norma_texture_info *map, norma_document_error *error);
 
@@ -586,7 +571,7 @@ static inline void norma_gltf_turn(double angle, double *cosine, double *sine) {
 }
 
 /* ---- What is to become of accessors, views and buffers. patch.c gathers what is put,
- * assign_accessors.c decides accessor by accessor, assign_views.c view by view, byte_layout.c where
+ * and decides accessor by accessor, assign_views.c view by view, byte_layout.c where
  * in the buffers the bytes go, gltf_write.c writes. */
 
 typedef struct patch_slot {
@@ -701,10 +686,6 @@ void norma_gltf_edit_extensions(gltf *g); /* patch.c: what was unlisted */
 
 /* The steps of norma_gltf_finish. */
 norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error);
-norma_document_result norma_gltf_make_data_runs(
-    gltf *g, norma_document_error *error); /* and edits the accessors */
-void norma_gltf_point_data_run(gltf *g, const data_run *run, uint32_t view, size_t offset);
-norma_document_result norma_gltf_append_accessors(gltf *g, norma_document_error *error);
 norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error);
 
 typedef enum gltf_destination {
@@ -777,12 +758,6 @@ typedef enum bake_role {
     BAKE_WINDING
 } bake_role;
 
-/* array->count elements of array->width numbers into values. base: the normals that tangents go
- * with, or that deltas of normals are added to, or the tangents that deltas of tangents are; NULL
- * where there are none. */
-void norma_gltf_transform_vectors(bake_role role, const bake_map *map, const gltf_array *array,
-    const gltf_array *base, double *values);
-
 /* values in the encoding of the stored array where that can hold them (positions: exactly;
  * directions: as well as it ever does; their deltas: in range), else as floats. */
 typedef enum bake_encoded { BAKE_ENCODED = 0, BAKE_NO_MEMORY, BAKE_TOO_LARGE } bake_encoded;
@@ -849,7 +824,6 @@ typedef struct gltf_surface {
     float *normals;
     uint8_t *reasons;
     size_t point_count;
-    int in_order; /* points are numbered as corners first use them, and each is used */
 } gltf_surface;
 
 typedef struct gltf_set {
@@ -893,11 +867,6 @@ static inline norma_document_result norma_gltf_job_memory(const gltf_job *job) {
 static inline const uint32_t *norma_gltf_points(const gltf_surface *s) {
     return s->points ? s->points : (const uint32_t *)s->core.corners;
 }
-
-norma_document_result norma_gltf_gather(
-    gltf_job *job, uint32_t mesh, gltf_surface *surface); /* mesh_surface.c */
-norma_document_result norma_gltf_find_points(gltf_job *job, gltf_surface *surface);
-void norma_gltf_surface_free(gltf_surface *surface);
 
 norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job); /* vertex_sharing.c */
 norma_document_result norma_gltf_take_points(
@@ -990,8 +959,8 @@ void norma_gltf_tree_raise(gltf_tree *tree, const unsigned char *wanted, const d
 norma_document_result norma_gltf_tree_write(
     gltf_tree *tree, norma_document_error *error); /* into g->edits */
 
-/* ---- --bake: bake.c decides which nodes are baked and what becomes of the hierarchy, bake_mesh.c
- * transforms a mesh's data and reverses its triangles. */
+/* ---- --bake: gltf_transform.c decides which nodes are baked and what becomes of the hierarchy,
+ * bake_mesh.c transforms a mesh's data and reverses its triangles. */
 
 /* Contents that several slots ask for, made once. */
 typedef struct bake_entry {
@@ -1027,13 +996,5 @@ enum {
     BAKE_JOINT = 8,      /* of a skin, or its skeleton */
     BAKE_HOLDS_MORE = 16 /* a camera, a light, an extension that may depend on where the node is */
 };
-unsigned char *norma_gltf_bake_flags(
-    const gltf *g, const uint32_t *order); /* NULL: out of memory; to be freed */
-/* Parents before their children; NULL: out of memory; to be freed. */
-uint32_t *norma_gltf_bake_order(const gltf *g, const gltf_tree *tree);
-/* NULL, or why a mesh cannot be transformed. */
-const char *norma_gltf_bake_obstacle(const gltf *g, uint32_t mesh);
 
-norma_document_result norma_gltf_bake(gltf *g, const norma_transform_options *options,
-    norma_transform_summary *summary, norma_document_error *error);
 #endif

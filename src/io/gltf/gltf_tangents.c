@@ -1,7 +1,6 @@
 /* gltf_tangents.c: tangents for an asset: what they are made of, those of corners, the vertices
  * that they become. */
 #include "io/gltf/gltf.h"
-#include "io/file/file.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,9 +43,8 @@ static norma_document_result gltf_find_materials(tangent_job *job) {
     size_t number = 0;
     job->materials = norma_io_allocate((size_t)g->material_count + 1, sizeof *job->materials);
     if (!job->materials) return norma_document_fail_memory(g->document, job->sets.error);
-    for (uint32_t item = norma_json_first(&g->json, list);
-         item != JSON_NONE && number < g->material_count;
-         item = norma_json_next(&g->json, list, item))
+    for (uint32_t item = JSON_NONE;
+         number < g->material_count && norma_json_each(&g->json, list, &item);)
         job->materials[number++] = item;
     return NORMA_DOCUMENT_OK;
 }

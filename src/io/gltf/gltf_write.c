@@ -1,9 +1,163 @@
 /* gltf_write.c: the beginning and the end of a change; the asset written as bytes, to a file or to
  * be opened again. */
 #include "io/gltf/gltf.h"
-#include "io/stream/stream.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { BYTE_LENGTH = 8, COMPOSITE_HEADER = 16, TABLES = 12, MODEL_TABLES_END = 28, ALIGNED = 8 };
+
+typedef struct tile_search {
+    gltf *g;
+    gltf_tile path;      /* the headers above what is looked at */
+    size_t found;        /* GLBs */
+    const char *without; /* NULL, or what the last tile without a GLB has instead */
+} tile_search;
+
+static norma_document_result fail_tile(const tile_search *s, norma_document_error *error,
+    norma_document_result result, size_t byte, const char *message) {
+    char place[40];
+    snprintf(place, sizeof place, "byte %zu", byte);
+    return norma_document_fail(s->g->document, error, result, place, "%s", message);
+}
+
+static int has_magic(const unsigned char *at, const char *magic) {
+    return memcmp(at, magic, 4) == 0;
+}
+
+/* The GLB begins behind a header and four tables, whose lengths the header lists. */
+static norma_document_result find_model(
+    tile_search *s, size_t at, size_t end, norma_document_error *error) {
+    const unsigned char *tile = s->g->document->source.data + at;
+    const int has_instances = has_magic(tile, "i3dm");
+    uint64_t begin = MODEL_TABLES_END + (has_instances ? 4 : 0);
+    if (end - at < begin)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at, "the tile's header is cut");
+    const int is_outside = has_instances && norma_gltf_u32(tile + MODEL_TABLES_END) == 0;
+    for (int i = TABLES; i < MODEL_TABLES_END; i += 4) begin += norma_gltf_u32(tile + i);
+    if (begin > end - at)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at + TABLES,
+            "the tables are longer than the tile; expected the 28 bytes of a header as 3D Tiles "
+            "1.0 "
+            "has them");
+    s->without =
+        is_outside ? "names a glTF file instead of holding one; give that file" : s->without;
+    if (is_outside) return NORMA_DOCUMENT_OK;
+    if (s->found++ == 0) {
+        s->g->tile = s->path;
+        s->g->tile.at = at + (size_t)begin;
+        s->g->tile.end = end;
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result look_into_tile(
+    tile_search *s, size_t at, size_t end, size_t *next, norma_document_error *error) {
+    const unsigned char *tile = s->g->document->source.data + at;
+    if (end - at < COMPOSITE_HEADER)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at,
+            "expected the header of a tile; found the end");
+    const size_t length = norma_gltf_u32(tile + BYTE_LENGTH);
+    if (norma_gltf_u32(tile + 4) != 1)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, at + 4,
+            "this is not version 1 of a tile, the only one that can be read");
+    if (length < COMPOSITE_HEADER || length > end - at)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at + BYTE_LENGTH,
+            "the tile's length does not fit into the file");
+    if (s->path.depth == TILE_DEPTH)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, at,
+            "composite tiles are nested more than eight deep");
+    *next = at + length;
+    s->path.headers[s->path.depth++] = at;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (has_magic(tile, "b3dm") || has_magic(tile, "i3dm"))
+        result = find_model(s, at, *next, error);
+    else if (has_magic(tile, "cmpt")) {
+        size_t inner = at + COMPOSITE_HEADER;
+        for (uint32_t i = norma_gltf_u32(tile + 12); i > 0 && !result; --i)
+            result = look_into_tile(s, inner, *next, &inner, error);
+    } else if (has_magic(tile, "pnts"))
+        s->without = "has points, which have no faces";
+    else
+        result = fail_tile(s, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, at,
+            "expected a tile that begins with b3dm, i3dm, cmpt or pnts");
+    --s->path.depth;
+    return result;
+}
+
+norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error) {
+    tile_search s = {.g = g};
+    size_t next = 0;
+    if (g->document->format == NORMA_FILE_GLB) return NORMA_DOCUMENT_OK;
+    const norma_document_result result =
+        look_into_tile(&s, 0, g->document->source.size, &next, error);
+    if (result || s.found == 1) return result;
+    if (s.found == 0)
+        return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "the tile %s", s.without ? s.without : "is empty");
+    return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+        "the composite has %zu tiles with meshes; only one can be read, so split it first",
+        s.found);
+}
+
+size_t norma_gltf_surplus(const gltf *g) {
+    const size_t size = g->container_size ? g->tile.end - g->tile.at - g->container_size : 0;
+    return g->tile.depth && size < ALIGNED ? 0 : size;
+}
+
+/* ---- writing: bytes in order */
+
+static void gltf_write_bytes(gltf_output *out, const void *bytes, size_t size) {
+    if (!out->failed && size) out->failed = out->write(out->user, bytes, size);
+}
+
+static void gltf_write_fill(gltf_output *out, unsigned char fill, size_t size) {
+    unsigned char block[256];
+    memset(block, fill, sizeof block);
+    for (; size > 0 && !out->failed; size -= size < sizeof block ? size : sizeof block)
+        gltf_write_bytes(out, block, size < sizeof block ? size : sizeof block);
+}
+
+static void gltf_write_u32(gltf_output *out, uint32_t value) {
+    const unsigned char bytes[4] = {(unsigned char)value, (unsigned char)(value >> 8),
+        (unsigned char)(value >> 16), (unsigned char)(value >> 24)};
+    gltf_write_bytes(out, bytes, 4);
+}
+
+/* ---- what is around a GLB */
+
+/* How many zeros follow a GLB of so many bytes. */
+static size_t tile_padding(const gltf *g, size_t glb) {
+    if (!g->tile.depth) return 0;
+    const size_t length =
+        g->tile.at - g->tile.headers[g->tile.depth - 1] + glb + norma_gltf_surplus(g);
+    return (ALIGNED - length % ALIGNED) % ALIGNED;
+}
+
+static size_t gltf_tile_size(const gltf *g, size_t glb) {
+    return g->tile.at + glb + norma_gltf_surplus(g) + tile_padding(g, glb) +
+           (g->document->source.size - g->tile.end);
+}
+
+static void gltf_begin_tile(const gltf *g, size_t glb, gltf_output *out) {
+    const unsigned char *source = g->document->source.data;
+    const uint32_t grown = (uint32_t)(gltf_tile_size(g, glb) - g->document->source.size);
+    size_t at = 0;
+    for (uint32_t i = 0; i < g->tile.depth; ++i) {
+        const size_t length = g->tile.headers[i] + BYTE_LENGTH;
+        gltf_write_bytes(out, source + at, length - at);
+        gltf_write_u32(out, norma_gltf_u32(source + length) + grown);
+        at = length + 4;
+    }
+    gltf_write_bytes(out, source + at, g->tile.at - at);
+}
+
+static void gltf_end_tile(const gltf *g, size_t glb, gltf_output *out) {
+    const unsigned char *source = g->document->source.data;
+    gltf_write_bytes(out, source + g->tile.at + g->container_size, norma_gltf_surplus(g));
+    gltf_write_fill(out, 0, tile_padding(g, glb));
+    gltf_write_bytes(out, source + g->tile.end, g->document->source.size - g->tile.end);
+}
 
 /* ---- Beginning and end of a change: what was put becomes edits and views. */
 
@@ -97,17 +251,17 @@ static size_t padding(size_t size) { return (4 - size % 4) % 4; }
 static void put_segments(gltf_output *out, const patch_buffer *buffer) {
     for (size_t i = 0; i < buffer->segment_count; ++i) {
         if (buffer->segments[i].bytes)
-            norma_gltf_write_bytes(out, buffer->segments[i].bytes, buffer->segments[i].length);
+            gltf_write_bytes(out, buffer->segments[i].bytes, buffer->segments[i].length);
         else
-            norma_gltf_write_fill(out, 0, buffer->segments[i].length);
+            gltf_write_fill(out, 0, buffer->segments[i].length);
     }
 }
 
 static void put_bin(gltf_output *out, const patch_buffer *bin) {
-    norma_gltf_write_u32(out, (uint32_t)(bin->length + padding(bin->length)));
-    norma_gltf_write_u32(out, GLB_BIN);
+    gltf_write_u32(out, (uint32_t)(bin->length + padding(bin->length)));
+    gltf_write_u32(out, GLB_BIN);
     put_segments(out, bin);
-    norma_gltf_write_fill(out, 0, padding(bin->length));
+    gltf_write_fill(out, 0, padding(bin->length));
 }
 
 /* The BIN chunk where it is written anew, else NULL. */
@@ -132,26 +286,26 @@ static norma_document_result write_glb(
     if (bin)
         total += GLB_CHUNK_HEADER + bin->length + padding(bin->length) -
                  (g->bin ? GLB_CHUNK_HEADER + g->bin_size : 0);
-    if (norma_gltf_tile_size(g, total) > UINT32_MAX)
+    if (gltf_tile_size(g, total) > UINT32_MAX)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "would become larger than the 4 GiB that a GLB can be; expected a .gltf with its "
             "buffers beside it");
-    norma_gltf_begin_tile(g, total, out);
-    norma_gltf_write_bytes(out, "glTF", 4);
-    norma_gltf_write_u32(out, 2);
-    norma_gltf_write_u32(out, (uint32_t)total);
-    norma_gltf_write_u32(out, (uint32_t)json_size);
-    norma_gltf_write_bytes(out, "JSON", 4);
-    norma_gltf_write_bytes(out, text->data, text->size);
-    norma_gltf_write_fill(out, ' ', padding(text->size));
+    gltf_begin_tile(g, total, out);
+    gltf_write_bytes(out, "glTF", 4);
+    gltf_write_u32(out, 2);
+    gltf_write_u32(out, (uint32_t)total);
+    gltf_write_u32(out, (uint32_t)json_size);
+    gltf_write_bytes(out, "JSON", 4);
+    gltf_write_bytes(out, text->data, text->size);
+    gltf_write_fill(out, ' ', padding(text->size));
     if (bin && !g->bin) put_bin(out, bin);
     for (size_t at = first; at < g->container_size; at += chunk_size(g, at)) {
         if (bin && g->bin && at == g->bin_chunk)
             put_bin(out, bin);
         else
-            norma_gltf_write_bytes(out, source + at, chunk_size(g, at));
+            gltf_write_bytes(out, source + at, chunk_size(g, at));
     }
-    norma_gltf_end_tile(g, total, out);
+    gltf_end_tile(g, total, out);
     return NORMA_DOCUMENT_OK;
 }
 
@@ -165,7 +319,7 @@ static norma_document_result gltf_write_laid_out(
     else if (g->document->format != NORMA_FILE_GLTF)
         result = write_glb(g, &text, &out, error);
     else
-        norma_gltf_write_bytes(&out, text.data, text.size);
+        gltf_write_bytes(&out, text.data, text.size);
     free(text.data);
     if (!result && out.failed)
         result = norma_document_fail(

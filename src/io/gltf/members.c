@@ -8,10 +8,14 @@
 
 /* ---- How the elements of a glTF are named, and which rules their extras silence. */
 
-const char *norma_gltf_name(gltf *g, uint32_t token) {
+char *norma_gltf_read_name(const gltf *g, uint32_t token) {
     uint32_t name = norma_json_member(&g->json, token, "name");
-    if (!norma_json_is(&g->json, name, JSON_STRING)) return "";
-    char *decoded = norma_json_string(&g->json, name);
+    return norma_json_is(&g->json, name, JSON_STRING) ? norma_json_string(&g->json, name)
+                                                      : norma_io_allocate(1, 1);
+}
+
+const char *norma_gltf_name(gltf *g, uint32_t token) {
+    char *decoded = norma_gltf_read_name(g, token);
     char *kept = decoded ? norma_scene_text(g->document->scene, decoded) : NULL;
     free(decoded);
     return kept;
@@ -60,8 +64,7 @@ const char *norma_gltf_ignore(gltf *g, uint32_t token) {
     if (norma_json_is(j, ignore, JSON_STRING))
         add_ignored_rule(g, ignore, &list);
     else if (norma_json_is(j, ignore, JSON_ARRAY))
-        for (uint32_t item = norma_json_first(j, ignore); item != JSON_NONE;
-             item = norma_json_next(j, ignore, item))
+        for (uint32_t item = JSON_NONE; norma_json_each(j, ignore, &item);)
             if (norma_json_is(j, item, JSON_STRING) && !add_ignored_rule(g, item, &list)) break;
     if (!list.size && !list.failed) return "";
     norma_json_add(&list, "", 1);
@@ -158,6 +161,19 @@ int norma_gltf_index_member(
     if (!norma_json_uint(&g->json, token, &read) || read >= limit) return 0;
     *value = (uint32_t)read;
     return 1;
+}
+
+norma_document_result norma_gltf_read_list(
+    const gltf *g, const char *name, uint32_t *list, uint32_t *count, norma_document_error *error) {
+    const json *j = &g->json;
+    *list = norma_json_member(j, 0, name);
+    *count = norma_json_size(j, *list);
+    if (*list != JSON_NONE && !norma_json_is(j, *list, JSON_ARRAY))
+        return norma_gltf_malformed(g, error, *list, "an array");
+    for (uint32_t item = JSON_NONE; norma_json_each(j, *list, &item);)
+        if (!norma_json_is(j, item, JSON_OBJECT))
+            return norma_gltf_malformed(g, error, item, "an object");
+    return NORMA_DOCUMENT_OK;
 }
 
 /* ---- How much a file may stand for. Elements that share bytes (many primitives of one

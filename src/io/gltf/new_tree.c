@@ -43,12 +43,10 @@ static void read_scenes(gltf_tree *tree) {
         return;
     }
     tree_scene *scene = tree->scenes;
-    for (uint32_t token = norma_json_first(j, scenes); token != JSON_NONE;
-         token = norma_json_next(j, scenes, token), scene++) {
+    for (uint32_t token = JSON_NONE; norma_json_each(j, scenes, &token); scene++) {
         const uint32_t roots = norma_json_member(j, token, "nodes");
         scene->token = token;
-        for (uint32_t root = norma_json_first(j, roots); root != JSON_NONE;
-             root = norma_json_next(j, roots, root)) {
+        for (uint32_t root = JSON_NONE; norma_json_each(j, roots, &root);) {
             uint64_t number;
             if (norma_json_uint(j, root, &number) && number < tree->g->node_count)
                 add_root(tree, scene, (uint32_t)number);
@@ -76,8 +74,7 @@ void norma_gltf_tree_read(gltf *g, gltf_tree *tree) {
     for (uint32_t i = 0; i < g->node_count; i++) tree->nodes[i] = no_node;
     for (uint32_t i = 0; i < g->node_count; i++) {
         const uint32_t children = norma_json_member(&g->json, g->nodes[i].token, "children");
-        for (uint32_t child = norma_json_first(&g->json, children); child != JSON_NONE;
-             child = norma_json_next(&g->json, children, child)) {
+        for (uint32_t child = JSON_NONE; norma_json_each(&g->json, children, &child);) {
             uint64_t number;
             if (norma_json_uint(&g->json, child, &number) && number < g->node_count &&
                 g->nodes[number].parent == i && tree->nodes[number].parent == GLTF_NONE)

@@ -330,8 +330,7 @@ static int read_node_numbers(
     *there = list != JSON_NONE;
     if (!*there) return 1;
     if (!norma_json_is(j, list, JSON_ARRAY) || norma_json_size(j, list) != count) return 0;
-    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
-         item = norma_json_next(j, list, item))
+    for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item);)
         if (!norma_json_number(j, item, &out[i++])) return 0;
     return 1;
 }
@@ -367,11 +366,8 @@ static void read_instances(const gltf *g, gltf_node *node) {
 }
 
 static norma_document_result read_node(gltf *g, gltf_node *node, norma_document_error *error) {
-    const json *j = &g->json;
-    uint32_t name = norma_json_member(j, node->token, "name");
     node->mesh = node->skin = GLTF_NONE;
-    node->name =
-        norma_json_is(j, name, JSON_STRING) ? norma_json_string(j, name) : norma_io_allocate(1, 1);
+    node->name = norma_gltf_read_name(g, node->token);
     if (!node->name) return norma_document_fail_memory(g->document, error);
     if (!norma_gltf_index_member(g, node->token, "mesh", g->mesh_count, &node->mesh))
         return norma_gltf_malformed(
@@ -389,8 +385,7 @@ static norma_document_result read_children(gltf *g, uint32_t number, norma_docum
     uint32_t children = norma_json_member(j, g->nodes[number].token, "children");
     if (children != JSON_NONE && !norma_json_is(j, children, JSON_ARRAY))
         return norma_gltf_malformed(g, error, children, "an array");
-    for (uint32_t item = norma_json_first(j, children); item != JSON_NONE;
-         item = norma_json_next(j, children, item)) {
+    for (uint32_t item = JSON_NONE; norma_json_each(j, children, &item);) {
         uint64_t child;
         if (!norma_json_uint(j, item, &child) || child >= g->node_count)
             return norma_gltf_malformed(g, error, item, "the number of an existing node");
@@ -430,10 +425,7 @@ static norma_document_result place_nodes(
 static norma_document_result read_all_nodes(gltf *g, uint32_t list, norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     uint32_t number = 0;
-    for (uint32_t item = norma_json_first(&g->json, list); !result && item != JSON_NONE;
-         item = norma_json_next(&g->json, list, item), ++number) {
-        if (!norma_json_is(&g->json, item, JSON_OBJECT))
-            return norma_gltf_malformed(g, error, item, "an object");
+    for (uint32_t item = JSON_NONE; !result && norma_json_each(&g->json, list, &item); ++number) {
         g->nodes[number].token = item;
         g->nodes[number].parent = GLTF_NONE;
         result = read_node(g, &g->nodes[number], error);
@@ -443,10 +435,9 @@ static norma_document_result read_all_nodes(gltf *g, uint32_t list, norma_docume
 }
 
 norma_document_result norma_gltf_read_nodes(gltf *g, norma_document_error *error) {
-    uint32_t list = norma_json_member(&g->json, 0, "nodes");
-    if (list != JSON_NONE && !norma_json_is(&g->json, list, JSON_ARRAY))
-        return norma_gltf_malformed(g, error, list, "an array");
-    g->node_count = norma_json_size(&g->json, list);
+    uint32_t list;
+    norma_document_result result = norma_gltf_read_list(g, "nodes", &list, &g->node_count, error);
+    if (result) return result;
     const uint32_t skins = norma_json_member(&g->json, 0, "skins");
     g->skin_count =
         norma_json_is(&g->json, skins, JSON_ARRAY) ? norma_json_size(&g->json, skins) : 0;
@@ -454,7 +445,6 @@ norma_document_result norma_gltf_read_nodes(gltf *g, norma_document_error *error
     g->drawing = norma_io_allocate(g->node_count, sizeof *g->drawing);
     uint32_t *path = norma_io_allocate(g->node_count, sizeof *path);
     unsigned char *done = norma_io_allocate(g->node_count, 1);
-    norma_document_result result = NORMA_DOCUMENT_OK;
     if (!g->nodes || !g->drawing || !path || !done)
         result = norma_document_fail_memory(g->document, error);
     if (!result) result = read_all_nodes(g, list, error);

@@ -95,8 +95,8 @@ static int is_named(const gltf *g, const given_image *image, const char *name) {
     int failed = 0, found = 0;
     for (uint32_t b = 0; b < g->buffer_count; ++b)
         found |= g->buffers[b].name && equals_name(g->buffers[b].name, name);
-    for (uint32_t token = norma_json_first(j, images); token != JSON_NONE && !found && !failed;
-         token = norma_json_next(j, images, token), ++number) {
+    for (uint32_t token = JSON_NONE; !found && !failed && norma_json_each(j, images, &token);
+         ++number) {
         if (number == image->number) continue;
         const given_image *given = norma_document_given_image(g->document, number);
         char *other = given ? NULL : norma_gltf_image_name(j, token, &failed);

@@ -84,8 +84,7 @@ static uint8_t *find_buffers(search *s, const json *j, uint32_t list, uint32_t c
     uint8_t *same = norma_io_allocate(count, 1);
     uint32_t number = 0;
     int any = 0;
-    for (uint32_t item = norma_json_first(j, list); same && item != JSON_NONE;
-         item = norma_json_next(j, list, item), ++number) {
+    for (uint32_t item = JSON_NONE; same && norma_json_each(j, list, &item); ++number) {
         const uint32_t token = norma_json_member(j, item, "uri");
         char *uri = norma_json_string(j, token),
              *name = uri && !norma_gltf_uri_is_data(uri) ? norma_gltf_uri_decode(uri) : NULL,
@@ -132,8 +131,7 @@ static void add_named_bytes(search *s, const json *j) {
         add_named_range(s, offset, offset + length);
     }
     uint32_t b = 0;
-    for (uint32_t item = norma_json_first(j, list); same && item != JSON_NONE;
-         item = norma_json_next(j, list, item), ++b) {
+    for (uint32_t item = JSON_NONE; same && norma_json_each(j, list, &item); ++b) {
         const size_t length = same[b] ? size_of_named(j, item, "byteLength", 0) : 0;
         s->length = length > s->length ? length : s->length;
         if (same[b] == 1) add_named_range(s, 0, SIZE_MAX / 4);

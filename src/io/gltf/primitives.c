@@ -1,8 +1,6 @@
 /* primitives.c: meshes and their primitives: which accessors they use, how many triangles they
  * draw, and the corners of those. */
 #include "io/gltf/gltf.h"
-#include "io/file/file.h"
-#include "io/stream/stream.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,12 +8,6 @@
 typedef struct counts {
     uint32_t primitives, targets, attributes;
 } counts;
-
-static char *mesh_name_of(const gltf *g, uint32_t token) {
-    uint32_t name = norma_json_member(&g->json, token, "name");
-    return norma_json_is(&g->json, name, JSON_STRING) ? norma_json_string(&g->json, name)
-                                                      : norma_io_allocate(1, 1);
-}
 
 /* How much there is, so that everything is allocated once. Types are checked here, once for both
  * passes. */
@@ -31,8 +23,7 @@ static norma_document_result count_primitive(
         return norma_gltf_malformed(g, error, targets, "an array");
     ++n->primitives;
     n->attributes += norma_json_size(j, attributes);
-    for (uint32_t target = norma_json_first(j, targets); target != JSON_NONE;
-         target = norma_json_next(j, targets, target)) {
+    for (uint32_t target = JSON_NONE; norma_json_each(j, targets, &target);) {
         if (!norma_json_is(j, target, JSON_OBJECT))
             return norma_gltf_malformed(g, error, target, "an object");
         ++n->targets;
@@ -46,13 +37,11 @@ static norma_document_result count_all(
     const json *j = &g->json;
     if (meshes != JSON_NONE && !norma_json_is(j, meshes, JSON_ARRAY))
         return norma_gltf_malformed(g, error, meshes, "an array");
-    for (uint32_t mesh = norma_json_first(j, meshes); mesh != JSON_NONE;
-         mesh = norma_json_next(j, meshes, mesh)) {
+    for (uint32_t mesh = JSON_NONE; norma_json_each(j, meshes, &mesh);) {
         uint32_t primitives = norma_json_member(j, mesh, "primitives");
         if (!norma_json_is(j, mesh, JSON_OBJECT) || !norma_json_is(j, primitives, JSON_ARRAY))
             return norma_gltf_malformed(g, error, mesh, "a mesh with an array \"primitives\"");
-        for (uint32_t p = norma_json_first(j, primitives); p != JSON_NONE;
-             p = norma_json_next(j, primitives, p)) {
+        for (uint32_t p = JSON_NONE; norma_json_each(j, primitives, &p);) {
             norma_document_result result = count_primitive(g, p, n, error);
             if (result) return result;
         }
@@ -78,8 +67,7 @@ static norma_document_result read_primitive_attributes(
         .position = GLTF_NONE,
         .normal = GLTF_NONE,
         .tangent = GLTF_NONE};
-    for (uint32_t value = norma_json_first(j, token); value != JSON_NONE;
-         value = norma_json_next(j, token, value)) {
+    for (uint32_t value = JSON_NONE; norma_json_each(j, token, &value);) {
         gltf_attribute *attribute = &g->attributes[g->attribute_count];
         uint64_t accessor;
         if (!norma_json_uint(j, value, &accessor) || accessor >= g->accessor_count)
@@ -188,8 +176,7 @@ static norma_document_result read_primitive(
     uint32_t targets = norma_json_member(j, p->token, "targets");
     p->first_target = g->target_count;
     p->target_count = norma_json_size(j, targets);
-    for (uint32_t target = norma_json_first(j, targets); !result && target != JSON_NONE;
-         target = norma_json_next(j, targets, target))
+    for (uint32_t target = JSON_NONE; !result && norma_json_each(j, targets, &target);)
         result = read_primitive_attributes(g, target, &g->targets[g->target_count++], error);
     if (result) return result;
     p->vertices = p->base.position == GLTF_NONE ? 0 : g->accessors[p->base.position].count;
@@ -259,11 +246,10 @@ static norma_document_result read_mesh_object(
     gltf *g, uint32_t number, norma_document_error *error) {
     gltf_mesh *mesh = &g->meshes[number];
     uint32_t primitives = norma_json_member(&g->json, mesh->token, "primitives");
-    mesh->name = mesh_name_of(g, mesh->token);
+    mesh->name = norma_gltf_read_name(g, mesh->token);
     if (!mesh->name) return norma_document_fail_memory(g->document, error);
     mesh->first_primitive = g->primitive_count;
-    for (uint32_t token = norma_json_first(&g->json, primitives); token != JSON_NONE;
-         token = norma_json_next(&g->json, primitives, token)) {
+    for (uint32_t token = JSON_NONE; norma_json_each(&g->json, primitives, &token);) {
         gltf_primitive *p = &g->primitives[g->primitive_count++];
         *p = (gltf_primitive){.token = token, .mesh = number, .number = mesh->primitive_count++};
         snprintf(p->where, sizeof p->where, "/meshes/%u/primitives/%u", (unsigned)number,
@@ -299,8 +285,7 @@ norma_document_result norma_gltf_read_meshes(gltf *g, norma_document_error *erro
     g->attributes = norma_io_allocate(n.attributes, sizeof *g->attributes);
     if (!g->meshes || !g->primitives || !g->targets || !g->attributes)
         return norma_document_fail_memory(g->document, error);
-    for (uint32_t token = norma_json_first(&g->json, meshes); !result && token != JSON_NONE;
-         token = norma_json_next(&g->json, meshes, token)) {
+    for (uint32_t token = JSON_NONE; !result && norma_json_each(&g->json, meshes, &token);) {
         g->meshes[number].token = token;
         ++g->mesh_count;
         result = read_mesh_object(g, number++, error);
@@ -367,33 +352,9 @@ static norma_document_result fill_primitive_corners(
     return NORMA_DOCUMENT_OK;
 }
 
-enum { LEAST_SLICE = 1 << 17 };
-
-/* Whether every index is below a limit; slices of them are looked at side by side. */
-typedef struct index_check {
-    const uint32_t *indices;
-    size_t count, slices, limit;
-    uint32_t greatest[256]; /* of each slice */
-} index_check;
-
-static void find_greatest(void *context, size_t slice) {
-    index_check *check = context;
-    const size_t end = norma_io_slice(check->count, check->slices, slice + 1);
+static int all_below(const uint32_t *indices, size_t count, size_t limit) {
     uint32_t greatest = 0;
-    for (size_t i = norma_io_slice(check->count, check->slices, slice); i < end; ++i)
-        greatest = check->indices[i] > greatest ? check->indices[i] : greatest;
-    check->greatest[slice] = greatest;
-}
-
-static int all_below(const gltf *g, const uint32_t *indices, size_t count, size_t limit) {
-    index_check check = {.indices = indices,
-        .count = count,
-        .slices = norma_io_slices(count, LEAST_SLICE),
-        .limit = limit};
-    uint32_t greatest = 0;
-    norma_io_tasks(g->document->threads, check.slices, find_greatest, &check);
-    for (size_t i = 0; i < check.slices; ++i)
-        greatest = check.greatest[i] > greatest ? check.greatest[i] : greatest;
+    for (size_t i = 0; i < count; ++i) greatest = indices[i] > greatest ? indices[i] : greatest;
     return count == 0 || greatest < limit;
 }
 
@@ -409,7 +370,7 @@ static const uint32_t *corners_in_place(
         indices->stride != sizeof(uint32_t) || (uintptr_t)indices->data % sizeof(uint32_t) != 0)
         return NULL;
     const uint32_t *corners = (const uint32_t *)(const void *)indices->data;
-    return all_below(g, corners, 3 * p->faces, p->vertices) ? corners : NULL;
+    return all_below(corners, 3 * p->faces, p->vertices) ? corners : NULL;
 }
 
 static norma_document_result read_primitive_corners(

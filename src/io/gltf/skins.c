@@ -1,6 +1,5 @@
 /* skins.c: skins, and the animations that move their joints. */
 #include "io/gltf/gltf.h"
-#include "core/face/face.h"
 #include "core/matrix/matrix.h"
 #include <math.h>
 #include <stdlib.h>
@@ -68,11 +67,9 @@ static norma_document_result read_animation(
         .channels = norma_scene_allocate(g->document->scene, count, sizeof *animation->channels)};
     uint32_t *tokens = norma_scene_allocate(g->document->scene, sampler_count, sizeof *tokens);
     if (!animation->channels || !tokens) return norma_document_fail_memory(g->document, error);
-    for (uint32_t sampler = norma_json_first(j, samplers); sampler != JSON_NONE;
-         sampler = norma_json_next(j, samplers, sampler))
+    for (uint32_t sampler = JSON_NONE; norma_json_each(j, samplers, &sampler);)
         tokens[at++] = sampler;
-    for (uint32_t item = count ? norma_json_first(j, channels) : JSON_NONE; item != JSON_NONE;
-         item = norma_json_next(j, channels, item)) {
+    for (uint32_t item = JSON_NONE; count && norma_json_each(j, channels, &item);) {
         gltf_channel *channel = &animation->channels[animation->count];
         uint32_t sampler = GLTF_NONE;
         if (!is_channel_wanted(g, norma_json_member(j, item, "target"), channel)) continue;
@@ -93,8 +90,7 @@ static norma_document_result read_animations(
     gltf_animation *made = norma_scene_allocate(g->document->scene, count, sizeof *made);
     norma_document_result result =
         made ? NORMA_DOCUMENT_OK : norma_document_fail_memory(g->document, error);
-    for (uint32_t item = norma_json_first(&g->json, list); !result && item != JSON_NONE;
-         item = norma_json_next(&g->json, list, item))
+    for (uint32_t item = JSON_NONE; !result && norma_json_each(&g->json, list, &item);)
         result = read_animation(g, item, &made[number++], error);
     if (!result) {
         scene->animations = made;
@@ -233,8 +229,7 @@ static void read_rest(const gltf *g, uint32_t node, const char *key, size_t coun
     const json *j = &g->json;
     uint32_t list = norma_json_member(j, g->nodes[node].token, key);
     size_t i = 0;
-    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE && i < count;
-         item = norma_json_next(j, list, item))
+    for (uint32_t item = JSON_NONE; i < count && norma_json_each(j, list, &item);)
         norma_json_number(j, item, &out[i++]);
 }
 
@@ -415,8 +410,7 @@ static norma_document_result read_skin_joints(
         return norma_gltf_malformed(p->g, error, list, "an array");
     p->joints = norma_io_allocate(norma_json_size(j, list), sizeof *p->joints);
     if (!p->joints) return fail_skin(p, error);
-    for (uint32_t item = norma_json_first(j, list); item != JSON_NONE;
-         item = norma_json_next(j, list, item)) {
+    for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item);) {
         uint64_t node;
         if (!norma_json_uint(j, item, &node) || node >= p->g->node_count)
             return norma_gltf_malformed(p->g, error, item, "the number of an existing node");
@@ -456,9 +450,7 @@ static norma_document_result find_skins(gltf *g, gltf_scene *scene, norma_docume
     uint32_t *skins =
         scene ? norma_scene_allocate(g->document->scene, g->skin_count, sizeof *skins) : NULL;
     if (!skins) return norma_document_fail_memory(g->document, error);
-    for (uint32_t item = norma_json_first(&g->json, list); item != JSON_NONE;
-         item = norma_json_next(&g->json, list, item))
-        skins[number++] = item;
+    for (uint32_t item = JSON_NONE; norma_json_each(&g->json, list, &item);) skins[number++] = item;
     scene->skins = skins;
     return NORMA_DOCUMENT_OK;
 }

@@ -81,8 +81,7 @@ static int has_other_image(const turner *t, uint32_t texture) {
     const json *j = &t->g->json;
     const uint32_t extensions = norma_json_member(
         j, norma_json_element(j, references_of(t, "textures"), texture), "extensions");
-    for (uint32_t e = norma_json_first(j, extensions); e != JSON_NONE;
-         e = norma_json_next(j, extensions, e))
+    for (uint32_t e = JSON_NONE; norma_json_each(j, extensions, &e);)
         if (norma_json_member(j, e, "source") != JSON_NONE) return 1;
     return 0;
 }

@@ -1,10 +1,7 @@
 /* vertex_sharing.c: which primitives share vertices, and what becomes of those: points become
  * vertices, corners new indices. */
 #include "io/gltf/gltf.h"
-#include "core/call/call.h"
 #include "core/call/table.h"
-#include "io/file/file.h"
-#include "io/stream/stream.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -294,18 +291,6 @@ static uint32_t take_set_vertex(
     return (uint32_t)number;
 }
 
-/* Where a mesh is one primitive, every point is drawn, and they come in the order of their corners:
- * no need to look at those. */
-static int take_all_points(gltf_set *set, const gltf_surface *s, uint32_t *places) {
-    const uint32_t first = (uint32_t)s->position_start[0];
-    for (size_t point = 0; point < s->point_count; ++point) {
-        places[point] = take_set_vertex(
-            set, s->sources[point] - first, s->normals + 3 * point, s->reasons[point]);
-        if (places[point] == GLTF_NONE) return 0;
-    }
-    return 1;
-}
-
 /* The points of a primitive's corners, for which stamps do not say already that they have their
  * place. */
 static int take_points_of(gltf_set *set, uint32_t set_number, const gltf_surface *s, uint32_t local,
@@ -324,57 +309,25 @@ static int take_points_of(gltf_set *set, uint32_t set_number, const gltf_surface
     return 1;
 }
 
-enum { LEAST_SLICE = 1 << 16 };
-
-typedef struct placing {
-    const uint32_t *points, *places;
-    uint32_t *corners; /* may be the points */
-    size_t count, slices;
-} placing;
-
-static void place_point_slice(void *context, size_t slice) {
-    const placing *p = context;
-    const size_t end = norma_io_slice(p->count, p->slices, slice + 1);
-    for (size_t c = norma_io_slice(p->count, p->slices, slice); c < end; ++c)
-        p->corners[c] = p->places[p->points[c]];
-}
-
-/* Whether the mesh is one primitive whose points nobody needs once it has its corners. */
-static int is_alone_in_set(const gltf_job *job, const gltf_surface *s, uint32_t number) {
-    return job->g->meshes[s->mesh].primitive_count == 1 && s->in_order &&
-           job->set_of[number] != GLTF_NONE && !job->sets[job->set_of[number]].has_morphs;
-}
-
 /* places: for each point of the surface its vertex in this set, valid where stamps says the set's
- * number + 1. The corners of a mesh that is one primitive are made where its points stand, which
- * nobody needs any more. */
+ * number + 1. */
 static int take_primitive(
-    gltf_job *job, gltf_surface *s, uint32_t number, uint32_t *places, uint32_t *stamps) {
-    gltf *g = job->g;
-    const gltf_primitive *p = &g->primitives[number];
-    uint32_t local = p->number, set_number = job->set_of[number];
+    gltf_job *job, const gltf_surface *s, uint32_t number, uint32_t *places, uint32_t *stamps) {
+    const gltf_primitive *p = &job->g->primitives[number];
+    const uint32_t local = p->number, set_number = job->set_of[number];
     gltf_set *set = &job->sets[set_number];
-    const int alone = is_alone_in_set(job, s, number);
-    if (!begin_set_vertices(set)) return 0;
-    if (!(alone ? take_all_points(set, s, places)
-                : take_points_of(set, set_number, s, local, 3 * p->faces, places, stamps)))
+    if (!begin_set_vertices(set) ||
+        !take_points_of(set, set_number, s, local, 3 * p->faces, places, stamps))
         return 0;
-    placing placed = {.points = norma_gltf_points(s) + s->corner_start[local],
-        .places = places,
-        .count = 3 * p->faces};
-    placed.corners = alone ? s->points : norma_io_block(placed.count, sizeof *placed.corners);
-    if (!placed.corners) return 0;
-    placed.slices = norma_io_slices(placed.count, LEAST_SLICE);
-    norma_io_tasks(job->policy.core.threads, placed.slices, place_point_slice, &placed);
-    if (alone) s->points = NULL;
-    job->corners[number] = placed.corners;
-    return 1;
+    const uint32_t *points = norma_gltf_points(s) + s->corner_start[local];
+    uint32_t *corners = job->corners[number] = norma_io_block(p->faces, 3 * sizeof *corners);
+    for (size_t c = 0; corners && c < 3 * p->faces; ++c) corners[c] = places[points[c]];
+    return corners != NULL;
 }
 
 norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s) {
     const gltf_mesh *mesh = &job->g->meshes[s->mesh];
-    const int alone = is_alone_in_set(job, s, mesh->first_primitive);
-    uint32_t *places = alone ? s->sources : norma_io_block(s->point_count, sizeof *places),
+    uint32_t *places = norma_io_block(s->point_count, sizeof *places),
              *stamps = norma_io_allocate(s->point_count, sizeof *stamps);
     unsigned char *done = norma_io_allocate(mesh->primitive_count, 1);
     int ok = places && stamps && done;
@@ -388,7 +341,7 @@ norma_document_result norma_gltf_take_points(gltf_job *job, gltf_surface *s) {
             }
         done[i] = 1;
     }
-    if (!alone) free(places);
+    free(places);
     free(stamps);
     free(done);
     return ok ? NORMA_DOCUMENT_OK : norma_gltf_job_memory(job);

@@ -1,6 +1,5 @@
 /* large.c: the public calls for files larger than memory, and files read part by part. */
 #include "io/large/large.h"
-#include "io/stl/stl.h"
 #include <math.h>
 #include <stdlib.h>
 

@@ -3,9 +3,6 @@
 #include "io/obj/obj.h"
 #include "core/call/call.h"
 #include "core/call/table.h"
-#include "io/format/format.h"
-#include "io/stream/stream.h"
-#include "io/text/text.h"
 #include <stdlib.h>
 #include <string.h>
 

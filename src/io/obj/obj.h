@@ -330,26 +330,6 @@ norma_document_result norma_obj_equal_vertices(
 norma_document_result norma_obj_edit_vertices(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error);
 
-/* ---- Equal normals are one, numbered in the order of their first use. */
-
-typedef struct obj_numbering {
-    const float *normals; /* of elements, three each */
-    size_t element_count;
-    uint32_t *order;              /* elements in the order of first use; NULL: all, as they are */
-    size_t count;                 /* of the order */
-    const norma_options *options; /* threads, and who may cancel */
-    /* found */
-    uint32_t *numbers; /* of each element in the order; of others undefined */
-    float *unique;     /* each normal once, by its number */
-    size_t unique_count;
-} obj_numbering;
-
-typedef enum obj_numbered {
-    OBJ_NUMBERED = 0,
-    OBJ_NUMBERED_CANCELLED,
-    OBJ_NUMBERED_MEMORY
-} obj_numbered;
-
 /* ---- Faces by the names of their object, groups and material. */
 
 typedef int obj_asks_name(void *user, const char *name);

@@ -1,178 +1,44 @@
 /* obj_compute.c: new normals for the corners that need one; an OBJ under a matrix. */
 #include "io/obj/obj.h"
-#include "core/call/table.h"
-#include "io/file/file.h"
-#include "io/format/format.h"
-#include "io/stream/stream.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Equal normals are one, numbered in the order of their first use. Elements
- * are dealt out by a hash of their normals, in order, so that each share is small enough for a
- * table in the cache and needs nothing of the others; the first of each share's equal
- * normals stands for them, whichever thread found it. */
+/* ---- Equal normals are one, numbered in the order of their first use. */
 
-enum { SHARES = 256, LEAST_NUMBERED = 1 << 14 };
+typedef struct obj_numbering {
+    const float *normals; /* of elements, three each */
+    size_t element_count;
+    uint32_t *order; /* elements in the order of first use; NULL: all, as they are */
+    size_t count;    /* of the order */
+    /* found */
+    uint32_t *numbers; /* of each element in the order; of others undefined */
+    float *unique;     /* each normal once, by its number */
+    size_t unique_count;
+} obj_numbering;
 
-typedef struct numberer {
-    obj_numbering *n;
-    size_t slices;
-    uint32_t *counts; /* of each slice and share; then where its part of the share begins */
-    uint64_t *dealt;  /* share after share: a place in the order below its normal's tag */
-    size_t starts[SHARES + 1]; /* of each share in dealt */
-    uint32_t *first; /* for each place in the order the first place with the same normal */
-    size_t *firsts;  /* of each slice: how many stand for themselves; then how many before it */
-    int *failed;     /* of each share */
-} numberer;
-
-static const float *normal_at(const obj_numbering *n, size_t place) {
-    return n->normals + 3 * (n->order ? n->order[place] : place);
+static const unsigned char *normal_row(const void *context, size_t place, size_t *length) {
+    const obj_numbering *n = context;
+    *length = 3 * sizeof *n->normals;
+    return (const unsigned char *)(n->normals + 3 * (n->order ? n->order[place] : place));
 }
 
-static uint64_t hash_normal(const obj_numbering *n, size_t place) {
-    return norma_core_hash(normal_at(n, place), 3 * sizeof *n->normals);
-}
-
-static size_t obj_share_of(uint64_t hash) { return (size_t)(hash >> 56); }
-/* The lower half of the hash, above where a place goes: most others are told apart by it, without a
- * look at normals that lie far apart. */
-static uint64_t obj_tag_of(uint64_t hash) { return hash << 32; }
-static uint32_t obj_place_of(uint64_t tagged) { return (uint32_t)tagged; }
-
-static void count_shares(void *context, size_t slice) {
-    numberer *w = context;
-    uint32_t *counts = w->counts + slice * SHARES;
-    const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
-    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
-        ++counts[obj_share_of(hash_normal(w->n, i))];
-}
-
-static void place_shares(numberer *w) {
-    uint32_t at = 0;
-    for (size_t share = 0; share < SHARES; ++share) {
-        w->starts[share] = at;
-        for (size_t slice = 0; slice < w->slices; ++slice) {
-            const uint32_t count = w->counts[slice * SHARES + share];
-            w->counts[slice * SHARES + share] = at;
-            at += count;
-        }
-    }
-    w->starts[SHARES] = at;
-}
-
-static void obj_deal(void *context, size_t slice) {
-    numberer *w = context;
-    uint32_t *next = w->counts + slice * SHARES;
-    const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
-    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i) {
-        const uint64_t hash = hash_normal(w->n, i);
-        w->dealt[next[obj_share_of(hash)]++] = obj_tag_of(hash) | i;
-    }
-}
-
-static int obj_are_equal(const obj_numbering *n, uint32_t a, uint32_t b) {
-    return memcmp(normal_at(n, a), normal_at(n, b), 3 * sizeof(float)) == 0;
-}
-
-/* A slot: a place + 1 below its normal's tag; 0: free. */
-static void obj_find_firsts(void *context, size_t share) {
-    numberer *w = context;
-    const size_t begin = w->starts[share], end = w->starts[share + 1];
-    size_t size = 16;
-    if (begin == end) return;
-    while (size < 2 * (end - begin)) size *= 2;
-    uint64_t *slots = norma_io_allocate(size, sizeof *slots);
-    w->failed[share] = !slots;
-    for (size_t i = begin; slots && i < end; ++i) {
-        const uint32_t place = obj_place_of(w->dealt[i]);
-        const uint64_t tag = w->dealt[i] - place;
-        size_t slot = (size_t)(tag >> 32) & (size - 1);
-        while (slots[slot] && (slots[slot] - obj_place_of(slots[slot]) != tag ||
-                                  !obj_are_equal(w->n, obj_place_of(slots[slot]) - 1, place)))
-            slot = (slot + 1) & (size - 1);
-        if (!slots[slot]) slots[slot] = tag | (place + 1);
-        w->first[place] = obj_place_of(slots[slot]) - 1;
-    }
-    free(slots);
-}
-
-static void obj_count_firsts(void *context, size_t slice) {
-    numberer *w = context;
-    const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
-    size_t count = 0;
-    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
-        count += w->first[i] == i;
-    w->firsts[slice] = count;
-}
-
-/* Those that stand for themselves get their numbers, into dealt, which has served. */
-static void number_firsts(void *context, size_t slice) {
-    numberer *w = context;
-    const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
-    size_t number = w->firsts[slice];
-    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
-        if (w->first[i] == i) {
-            memcpy(w->n->unique + 3 * number, normal_at(w->n, i), 3 * sizeof(float));
-            w->dealt[i] = number++;
-        }
-}
-
-static void number_all(void *context, size_t slice) {
-    numberer *w = context;
-    const size_t end = norma_io_slice(w->n->count, w->slices, slice + 1);
-    for (size_t i = norma_io_slice(w->n->count, w->slices, slice); i < end; ++i)
-        w->n->numbers[w->n->order ? w->n->order[i] : i] = (uint32_t)w->dealt[w->first[i]];
-}
-
-static int run_slices(const numberer *w, size_t count, norma_task *task) {
-    return !norma_io_tasks_watched(w->n->options, count, task, (void *)(uintptr_t)w);
-}
-
-static void sum_firsts(numberer *w) {
-    w->n->unique_count = 0;
-    for (size_t slice = 0; slice < w->slices; ++slice) {
-        const size_t count = w->firsts[slice];
-        w->firsts[slice] = w->n->unique_count;
-        w->n->unique_count += count;
-    }
-}
-
-static obj_numbered number(numberer *w) {
-    obj_numbering *n = w->n;
-    if (!run_slices(w, w->slices, count_shares)) return OBJ_NUMBERED_CANCELLED;
-    place_shares(w);
-    if (!run_slices(w, w->slices, obj_deal) || !run_slices(w, SHARES, obj_find_firsts))
-        return OBJ_NUMBERED_CANCELLED;
-    for (size_t share = 0; share < SHARES; ++share)
-        if (w->failed[share]) return OBJ_NUMBERED_MEMORY;
-    if (!run_slices(w, w->slices, obj_count_firsts)) return OBJ_NUMBERED_CANCELLED;
-    sum_firsts(w);
-    n->unique = norma_io_block(n->unique_count, 3 * sizeof *n->unique);
+/* What it found is the caller's to free. 0: out of memory. */
+static int obj_number(obj_numbering *n) {
+    uint32_t *numbers = norma_io_block(n->count, sizeof *numbers);
     n->numbers = norma_io_block(n->element_count, sizeof *n->numbers);
-    if (!n->unique || !n->numbers) return OBJ_NUMBERED_MEMORY;
-    return run_slices(w, w->slices, number_firsts) && run_slices(w, w->slices, number_all)
-               ? OBJ_NUMBERED
-               : OBJ_NUMBERED_CANCELLED;
-}
-
-/* What it found is the caller's to free. */
-static obj_numbered obj_number(obj_numbering *n) {
-    numberer w = {.n = n, .slices = norma_io_slices(n->count, LEAST_NUMBERED)};
-    w.counts = norma_io_allocate(w.slices * SHARES, sizeof *w.counts);
-    w.firsts = norma_io_allocate(w.slices, sizeof *w.firsts);
-    w.failed = norma_io_allocate(SHARES, sizeof *w.failed);
-    w.dealt = norma_io_block(n->count, sizeof *w.dealt);
-    w.first = norma_io_block(n->count, sizeof *w.first);
-    obj_numbered result =
-        w.counts && w.firsts && w.failed && w.dealt && w.first ? number(&w) : OBJ_NUMBERED_MEMORY;
-    free(w.counts);
-    free(w.firsts);
-    free(w.failed);
-    free(w.dealt);
-    free(w.first);
-    return result;
+    if (numbers && n->numbers &&
+        norma_number_rows(normal_row, n, n->count, numbers, &n->unique_count))
+        n->unique = norma_io_block(n->unique_count, 3 * sizeof *n->unique);
+    for (size_t i = 0; n->unique && i < n->count; ++i) {
+        size_t length;
+        const unsigned char *normal = normal_row(n, i, &length);
+        memcpy(n->unique + 3 * (size_t)numbers[i], normal, length);
+        n->numbers[n->order ? n->order[i] : i] = numbers[i];
+    }
+    free(numbers);
+    return n->unique != NULL;
 }
 
 /* ---- New normals for the corners that need one; of the old ones stay those that
@@ -291,21 +157,10 @@ static size_t obj_element_of(const computation *c, size_t face, size_t corner) {
                                                     : corner;
 }
 
-enum { LEAST_SLICE = 1 << 15 };
-
-typedef struct renumbering {
-    const computation *c;
-    const uint32_t *numbers, *old_numbers;
-    size_t slices, kept;
-    uint32_t *corner_normals;
-} renumbering;
-
 /* Normals as they are written: what no element of the mesh has is up; zero has no sign. */
-static void finish_normals(void *context, size_t slice) {
-    const renumbering *r = context;
-    const size_t count = r->c->made.count, end = norma_io_slice(count, r->slices, slice + 1);
-    for (size_t i = norma_io_slice(count, r->slices, slice); i < end; ++i) {
-        float *n = r->c->made.normals + 3 * i;
+static void finish_normals(computed_normals *made) {
+    for (size_t i = 0; i < made->count; ++i) {
+        float *n = made->normals + 3 * i;
         for (int k = 0; k < 3; ++k) n[k] += 0.0f;
         norma_policy_point_up(n);
     }
@@ -336,20 +191,17 @@ static int order_elements(computation *c, obj_numbering *numbering) {
 
 /* Each wanted corner's number, the others' as they were kept. Points become numbers where they
  * stand. */
-static void renumber_slice(void *context, size_t slice) {
-    const renumbering *r = context;
-    const computation *c = r->c;
+static void renumber(const computation *c, const uint32_t *numbers, const uint32_t *old_numbers,
+    size_t kept, uint32_t *corner_normals) {
     const obj_state *state = c->state;
-    const size_t end = norma_io_slice(state->face_count, r->slices, slice + 1);
-    for (size_t face = norma_io_slice(state->face_count, r->slices, slice); face < end; ++face)
+    for (size_t face = 0; face < state->face_count; ++face)
         for (size_t corner = norma_obj_face_start(state, face);
              corner < norma_obj_face_start(state, face + 1); ++corner) {
             const uint32_t old = norma_obj_normal(state, corner);
             if (c->wanted && !c->wanted[corner])
-                r->corner_normals[corner] = old == OBJ_NO_NORMAL ? old : r->old_numbers[old];
+                corner_normals[corner] = old == OBJ_NO_NORMAL ? old : old_numbers[old];
             else
-                r->corner_normals[corner] =
-                    (uint32_t)r->kept + r->numbers[obj_element_of(c, face, corner)];
+                corner_normals[corner] = (uint32_t)kept + numbers[obj_element_of(c, face, corner)];
         }
 }
 
@@ -403,25 +255,19 @@ static int replace_normals(
     return 1;
 }
 
-/* Numbers for all corners. */
-static obj_numbered obj_number_corners(computation *c, obj_numbering *numbering, renumbering *r) {
-    const obj_state *state = c->state;
-    r->slices = norma_io_slices(c->made.count, LEAST_SLICE);
-    if (norma_io_tasks_watched(&c->policy.core, r->slices, finish_normals, r))
-        return OBJ_NUMBERED_CANCELLED;
-    if (!c->made.points && !order_elements(c, numbering)) return OBJ_NUMBERED_MEMORY;
-    obj_numbered result = obj_number(numbering);
-    if (!result && numbering->unique_count > OBJ_MOST - r->kept) result = OBJ_NUMBERED_MEMORY;
-    if (result) return result;
-    r->numbers = numbering->numbers;
-    r->corner_normals = c->made.points
-                            ? c->made.points
-                            : norma_io_block(state->corner_count, sizeof *r->corner_normals);
-    if (!r->corner_normals) return OBJ_NUMBERED_MEMORY;
-    r->slices = norma_io_slices(state->face_count, LEAST_SLICE);
-    const int cancelled = norma_io_tasks_watched(&c->policy.core, r->slices, renumber_slice, r);
+/* Numbers for all corners, the caller's to free; NULL: out of memory. */
+static uint32_t *obj_number_corners(
+    computation *c, obj_numbering *numbering, const uint32_t *old_numbers, size_t kept) {
+    finish_normals(&c->made);
+    if ((!c->made.points && !order_elements(c, numbering)) || !obj_number(numbering) ||
+        numbering->unique_count > OBJ_MOST - kept)
+        return NULL;
+    uint32_t *corner_normals = c->made.points
+                                   ? c->made.points
+                                   : norma_io_block(c->state->corner_count, sizeof *corner_normals);
+    if (corner_normals) renumber(c, numbering->numbers, old_numbers, kept, corner_normals);
     c->made.points = NULL;
-    return cancelled ? OBJ_NUMBERED_CANCELLED : OBJ_NUMBERED;
+    return corner_normals;
 }
 
 static void take_corner_normals(obj_state *state, uint32_t *corner_normals) {
@@ -435,29 +281,23 @@ static void take_corner_normals(obj_state *state, uint32_t *corner_normals) {
 static norma_document_result obj_store(computation *c) {
     obj_state *state = c->state;
     uint32_t *old_numbers = norma_io_allocate(state->normal_count, sizeof *old_numbers);
-    renumbering r = {
-        .c = c, .old_numbers = old_numbers, .kept = old_numbers ? number_old(c, old_numbers) : 0};
+    const size_t kept = old_numbers ? number_old(c, old_numbers) : 0;
     obj_numbering numbering = {.normals = c->made.normals,
         .element_count = c->made.count,
-        .count = c->made.points ? c->made.count : 0,
-        .options = &c->policy.core};
-    obj_numbered numbered =
-        old_numbers ? obj_number_corners(c, &numbering, &r) : OBJ_NUMBERED_MEMORY;
-    const int idle = !numbered && says_so_already(c, numbering.unique, r.kept, r.corner_normals);
-    if (!numbered && !idle && !replace_normals(state, &numbering, old_numbers, r.kept))
-        numbered = OBJ_NUMBERED_MEMORY;
+        .count = c->made.points ? c->made.count : 0};
+    uint32_t *corners = old_numbers ? obj_number_corners(c, &numbering, old_numbers, kept) : NULL;
+    const int idle = corners && says_so_already(c, numbering.unique, kept, corners),
+              stored = corners && !idle && replace_normals(state, &numbering, old_numbers, kept);
     free(old_numbers);
     free(numbering.order);
     free(numbering.numbers);
     free(numbering.unique);
-    if (!numbered && !idle)
-        take_corner_normals(state, r.corner_normals);
-    else if (r.corner_normals != c->made.points)
-        free(r.corner_normals);
-    c->policy.summary->changed = !numbered && !idle;
-    if (numbered == OBJ_NUMBERED_CANCELLED)
-        return norma_document_fail_core(c->document, c->error, NORMA_CANCELLED);
-    return numbered ? norma_document_fail_memory(c->document, c->error) : NORMA_DOCUMENT_OK;
+    if (stored)
+        take_corner_normals(state, corners);
+    else
+        free(corners);
+    c->policy.summary->changed = stored;
+    return idle || stored ? NORMA_DOCUMENT_OK : norma_document_fail_memory(c->document, c->error);
 }
 
 static norma_document_result number_and_keep(computation *c) {

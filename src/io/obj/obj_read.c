@@ -8,8 +8,6 @@
 #include "io/obj/obj.h"
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"
-#include "io/file/file.h"
-#include "io/text/text.h"
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* obj_text.c: the grammar of OBJ's lines, as little of it as normals need; and one pass over a part
  * of the text. */
 #include "io/obj/obj.h"
-#include "io/text/text.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

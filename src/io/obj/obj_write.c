@@ -1,8 +1,5 @@
 /* obj_write.c: the file again, its statements walked in the order they were read. */
 #include "io/obj/obj.h"
-#include "io/format/format.h"
-#include "io/stream/stream.h"
-#include "io/text/text.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,5 @@
 /* ply.c: PLY documents: opened, edited, read again, and as a scene. */
 #include "io/ply/ply.h"
-#include "io/format/format.h"
-#include "io/stream/stream.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,5 @@
 /* ply_compute.c: a PLY with new normals, and under a matrix. */
 #include "io/ply/ply.h"
-#include "io/file/file.h"
-#include "io/format/format.h"
-#include "io/stream/stream.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -214,32 +211,15 @@ static int place_normals(ply_job *job, const split_mesh *split, const uint32_t *
     return 1;
 }
 
-enum { LEAST_SLICE = 1 << 16 };
-
-typedef struct placing {
-    const uint32_t *place;
-    uint32_t *corners; /* they get their places where they stand */
-    size_t count, slices;
-} placing;
-
-static void ply_place_slice(void *context, size_t slice) {
-    const placing *p = context;
-    const size_t end = norma_io_slice(p->count, p->slices, slice + 1);
-    for (size_t i = norma_io_slice(p->count, p->slices, slice); i < end; ++i)
-        p->corners[i] = p->place[p->corners[i]];
-}
-
 static norma_document_result place_vertices(ply_job *job, split_mesh *split) {
     uint32_t *place = norma_io_allocate(split->made.count, sizeof *place);
     job->added = norma_io_allocate(split->made.count, sizeof *job->added);
     const int ok =
         place && job->added && number_places(job, split, place) && place_normals(job, split, place);
     if (ok) {
-        placing p = {
-            .place = place, .corners = split->made.points, .count = job->state->mesh.corner_count};
-        p.slices = norma_io_slices(p.count, LEAST_SLICE);
-        norma_io_tasks(job->policy.core.threads, p.slices, ply_place_slice, &p);
-        job->corners = split->made.points;
+        uint32_t *corners = split->made.points; /* they get their places where they stand */
+        for (size_t i = 0; i < job->state->mesh.corner_count; ++i) corners[i] = place[corners[i]];
+        job->corners = corners;
         split->made.points = NULL;
     }
     free(place);

@@ -1,8 +1,6 @@
 /* ply_read.c: positions, corners and normals of a PLY for the core: views of the file's own bytes
  * where their layout allows, decoded copies elsewhere. */
 #include "io/ply/ply.h"
-#include "io/file/file.h"
-#include "io/stream/stream.h"
 #include <stdlib.h>
 
 /* ---- Triangle strips as VRML and old scanning tools write them into PLY: one list
@@ -220,7 +218,8 @@ static norma_document_result fail_changed(norma_document *document, norma_docume
     return norma_document_fail_file(document->path, error, "cannot be read", FILE_CHANGED);
 }
 
-norma_document_result norma_ply_read_lists(norma_document *document, const ply_element *element,
+/* The items too, of text. */
+static norma_document_result count_lists(norma_document *document, const ply_element *element,
     int property, ply_lists *lists, norma_document_error *error) {
     const ply_state *state = document->state;
     lists->counts = element->count > SIZE_MAX / 4
@@ -229,8 +228,16 @@ norma_document_result norma_ply_read_lists(norma_document *document, const ply_e
     if (!lists->counts) return norma_document_fail_memory(document, error);
     if (state->header.encoding == PLY_ASCII)
         return norma_ply_read_text_lists(document, element, property, lists, error);
-    if (!count_binary_lists(state, element, property, lists->counts, &lists->item_count))
-        return fail_changed(document, error);
+    return count_binary_lists(state, element, property, lists->counts, &lists->item_count)
+               ? NORMA_DOCUMENT_OK
+               : fail_changed(document, error);
+}
+
+norma_document_result norma_ply_read_lists(norma_document *document, const ply_element *element,
+    int property, ply_lists *lists, norma_document_error *error) {
+    const ply_state *state = document->state;
+    norma_document_result result = count_lists(document, element, property, lists, error);
+    if (result || state->header.encoding == PLY_ASCII) return result;
     lists->item_capacity = lists->item_count;
     lists->items = lists->item_count > SIZE_MAX / 8
                        ? NULL
@@ -275,36 +282,14 @@ static int is_plain_triangles(const ply_state *state, const ply_element *face) {
            (list->type == PLY_INT32 || list->type == PLY_UINT32);
 }
 
-enum { LEAST_SLICE = 1 << 15 };
-
-typedef struct triangle_copy {
-    const unsigned char *rows;
-    uint32_t *corners;
-    size_t count, slices;
-    uint32_t greatest[256]; /* of each slice */
-} triangle_copy;
-
-static void copy_slice(void *context, size_t slice) {
-    triangle_copy *copy = context;
-    const size_t begin = norma_io_slice(copy->count, copy->slices, slice),
-                 end = norma_io_slice(copy->count, copy->slices, slice + 1);
-    copy->greatest[slice] = norma_ply_copy_triangles(
-        copy->rows + 13 * begin + 1, 13, end - begin, copy->corners + 3 * begin);
-}
-
 static norma_document_result read_plain_triangles(
     norma_document *document, const ply_element *face, norma_document_error *error) {
     ply_state *state = document->state;
     const size_t count = (size_t)face->count;
-    triangle_copy copy = {.rows = state->bytes + face->begin,
-        .corners = norma_io_block(count, 12),
-        .count = count,
-        .slices = norma_io_slices(count, LEAST_SLICE)};
-    uint32_t *corners = state->mesh.corners = copy.corners, greatest = 0;
+    uint32_t *corners = state->mesh.corners = norma_io_block(count, 12);
     if (!corners) return norma_document_fail_memory(document, error);
-    norma_io_tasks(document->threads, copy.slices, copy_slice, &copy);
-    for (size_t i = 0; i < copy.slices; ++i)
-        greatest = copy.greatest[i] > greatest ? copy.greatest[i] : greatest;
+    const uint32_t greatest =
+        norma_ply_copy_triangles(state->bytes + face->begin + 1, 13, count, corners);
     for (size_t i = 0; greatest >= state->vertices && i < 3 * count; ++i)
         if (corners[i] >= state->vertices)
             return ply_fail_index(document, error, "face", i / 3,
@@ -440,25 +425,12 @@ static norma_document_result ply_count_faces(
         state->mesh.triangle_count += (size_t)face->count;
         return NORMA_DOCUMENT_OK;
     }
-    if (header->encoding == PLY_ASCII) {
-        ply_lists lists = {0};
-        norma_document_result result =
-            norma_ply_read_lists(document, face, header->face_list, &lists, error);
-        for (size_t i = 0; !result && i < face->count; ++i)
-            state->mesh.triangle_count += triangles_of(lists.counts[i]);
-        norma_ply_free_lists(&lists);
-        return result;
-    }
-    const ply_type count_type = norma_ply_property(header, face, header->face_list)->count_type;
-    const unsigned char *row = state->bytes + face->begin;
-    for (size_t i = 0; row && i < face->count; ++i) {
-        const unsigned char *at = property_at(state, face, (size_t)header->face_list, row);
-        if (!at) return fail_changed(document, error);
-        state->mesh.triangle_count +=
-            triangles_of((uint32_t)norma_ply_get_integer(at, count_type, header->encoding));
-        row = row_end(state, face, row);
-    }
-    return row ? NORMA_DOCUMENT_OK : fail_changed(document, error);
+    ply_lists lists = {0};
+    norma_document_result result = count_lists(document, face, header->face_list, &lists, error);
+    for (size_t i = 0; !result && i < face->count; ++i)
+        state->mesh.triangle_count += triangles_of(lists.counts[i]);
+    norma_ply_free_lists(&lists);
+    return result;
 }
 
 /* Words that should be normals are looked at now, so that a file that cannot be computed is not

@@ -1,7 +1,6 @@
 /* ply_rows.c: binary rows of a PLY: where they lie, and rewritten with some properties replaced or
  * put in. */
 #include "io/ply/ply.h"
-#include "io/stream/stream.h"
 #include "io/text/text.h"
 #include <stdlib.h>
 
@@ -33,37 +32,14 @@ static size_t measure_row(
     return at - begin;
 }
 
-enum { LEAST_SLICE = 1 << 16 };
-
-/* Rows of a list of three, as far as their counts say so. */
-typedef struct triangle_check {
-    const unsigned char *rows;
-    size_t count, row_size, slices;
-    unsigned char differs[256]; /* of each slice */
-} triangle_check;
-
-static void check_slice(void *context, size_t slice) {
-    triangle_check *check = context;
-    const size_t end = norma_io_slice(check->count, check->slices, slice + 1);
-    unsigned differs = 0;
-    for (size_t i = norma_io_slice(check->count, check->slices, slice); i < end; ++i)
-        differs |= check->rows[i * check->row_size] ^ 3u;
-    check->differs[slice] = differs != 0;
-}
-
-/* The commonest faces by far are triangles: then no row hangs on the one before it, and all are
- * looked at side by side. */
+/* The commonest faces by far are triangles: then no row hangs on the one before it. */
 static int are_triangles(
-    const norma_document *document, const ply_element *element, size_t at, size_t row_size) {
-    const ply_state *state = document->state;
-    if (element->count == 0 || element->count > (state->size - at) / row_size ||
-        state->bytes[at] != 3)
-        return 0;
-    triangle_check check = {
-        .rows = state->bytes + at, .count = (size_t)element->count, .row_size = row_size};
-    check.slices = norma_io_slices(check.count, LEAST_SLICE);
-    norma_io_tasks(document->threads, check.slices, check_slice, &check);
-    return memchr(check.differs, 1, check.slices) == NULL;
+    const ply_state *state, const ply_element *element, size_t at, size_t row_size) {
+    unsigned differs = 0;
+    if (element->count == 0 || element->count > (state->size - at) / row_size) return 0;
+    for (size_t i = 0; i < element->count && !differs; ++i)
+        differs = state->bytes[at + i * row_size] ^ 3u;
+    return !differs;
 }
 
 /* Other faces of one list whose count is a byte. Stops where a row does not fit. */
@@ -86,7 +62,7 @@ static norma_document_result walk_lists(const norma_document *document, ply_elem
         norma_ply_property(&state->header, element, 0)->count_type == PLY_UINT8) {
         const size_t row_size =
             1 + 3 * norma_ply_type_size(norma_ply_property(&state->header, element, 0)->type);
-        if (are_triangles(document, element, at, row_size)) {
+        if (are_triangles(state, element, at, row_size)) {
             element->triangle_row = row_size;
             *end = at + (size_t)element->count * row_size;
             return NORMA_DOCUMENT_OK;
@@ -160,8 +136,6 @@ typedef struct row_writer {
     norma_sink *sink;
     row_step *steps;
     size_t step_count;
-    size_t spliced; /* not 0: the bytes of a row whose steps only copy, skip and take from the side
-                     */
     const uint32_t *next_index; /* of faces */
     const uint32_t *triangle;   /* of the face that is cut, which this row is; or NULL */
     const int64_t *next_item;   /* of strips */
@@ -199,24 +173,6 @@ static void add_value(row_writer *writer, const ply_item *item) {
         add_step(writer, (row_step){.kind = STEP_VALUE, .item = item});
 }
 
-/* Triangles alone whose new corners are stored as they are in memory (rows of 13 bytes: a count of
- * one, three numbers of four): their count stays, the corners come from the side. 0: they are no
- * such. */
-static int binary_add_triangle(row_writer *writer) {
-    const ply_plan *plan = writer->plan;
-    const size_t size = sizeof(uint32_t);
-    if (plan->lists || plan->cut_rows || plan->element->triangle_row != 1 + 3 * size ||
-        !norma_ply_is_native(writer->state->header.encoding))
-        return 0;
-    add_step(writer, (row_step){.kind = STEP_COPY, .size = 1});
-    add_step(writer, (row_step){.kind = STEP_SIDE,
-                         .size = 3 * size,
-                         .stride = 3 * size,
-                         .side = (const unsigned char *)plan->indices});
-    add_step(writer, (row_step){.kind = STEP_SKIP, .size = 3 * size});
-    return 1;
-}
-
 /* Skips move behind the values that neighbour them, so that three replaced numbers are one step
  * each way. */
 static void binary_compile(row_writer *writer) {
@@ -230,7 +186,6 @@ static void binary_compile(row_writer *writer) {
         }
         if (skipped > 0) add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
         skipped = 0;
-        if (item->action == PLY_INDICES && binary_add_triangle(writer)) continue;
         if (item->action == PLY_INDICES)
             add_step(writer, (row_step){.kind = STEP_INDICES, .item = item});
         else if (item->action == PLY_CORNERS)
@@ -242,13 +197,6 @@ static void binary_compile(row_writer *writer) {
                 writer, (row_step){.kind = STEP_COPY, .size = norma_ply_type_size(item->type)});
     }
     if (skipped > 0) add_step(writer, (row_step){.kind = STEP_SKIP, .size = skipped});
-    int plain = 1;
-    for (size_t i = 0; i < writer->step_count; ++i) {
-        const row_step *step = &writer->steps[i];
-        plain &= step->kind <= STEP_SIDE;
-        writer->spliced += step->kind == STEP_SKIP ? 0 : step->size;
-    }
-    if (!plain || writer->spliced > SINK_BLOCK) writer->spliced = 0;
 }
 
 /* ---- its steps */
@@ -361,33 +309,8 @@ static const unsigned char *binary_run_step(
     return at + size;
 }
 
-/* A row of bytes that stay and vectors that are put between them. */
-static const unsigned char *splice_row(
-    const row_writer *writer, const unsigned char *at, size_t number) {
-    unsigned char *out = norma_sink_room(writer->sink, writer->spliced);
-    for (const row_step *step = writer->steps, *end = step + writer->step_count; step < end;
-         ++step) {
-        const size_t size = step->size;
-        const unsigned char *from =
-            step->kind == STEP_SIDE ? step->side + step->stride * number : at;
-        at += step->kind == STEP_SIDE ? 0 : size;
-        if (step->kind == STEP_SKIP) continue;
-        if (size == 12) /* in line, as are those below */
-            memcpy(out, from, 12);
-        else if (size == 24)
-            memcpy(out, from, 24);
-        else if (size == 1)
-            *out = *from;
-        else
-            memcpy(out, from, size);
-        out += size;
-    }
-    return at;
-}
-
 static const unsigned char *write_row(
     row_writer *writer, const unsigned char *at, size_t row, size_t number) {
-    if (writer->spliced) return splice_row(writer, at, number);
     for (size_t i = 0; i < writer->step_count; ++i)
         at = binary_run_step(writer, &writer->steps[i], at, row, number);
     return at;

@@ -1,8 +1,5 @@
 /* stl.c: STL documents: opened, read again, computed, transformed and written. */
 #include "io/stl/stl.h"
-#include "io/file/file.h"
-#include "io/format/format.h"
-#include "io/stream/stream.h"
 #include "io/text/text.h"
 #include <float.h>
 #include <math.h>

@@ -1,9 +1,6 @@
 /* stl_facets.c: binary STL: 80 bytes of anything, the number of facets, then 50 bytes for each,
  * little-endian: normal, three vertices, two bytes of attributes. */
 #include "io/stl/stl.h"
-#include "io/file/file.h"
-#include "io/format/format.h"
-#include "io/stream/stream.h"
 #include "io/text/text.h"
 #include <stdio.h>
 #include <stdlib.h>

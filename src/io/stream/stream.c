@@ -4,24 +4,12 @@
 #include "io/stream/stream.h"
 #include "core/call/call.h"
 #include "core/call/table.h"
-#include "io/file/file.h"
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Work of the formats that threads share: the core's own threads, without its progress. */
-
-static void ordered_begin(core_call *call, uint32_t threads) {
-    const norma_options options = {.struct_size = sizeof options, .threads = threads};
-    norma_core_begin(call, &options);
-}
-
-void norma_io_tasks(uint32_t threads, size_t count, norma_task *task, void *context) {
-    core_call call;
-    ordered_begin(&call, threads);
-    if (count) norma_core_parallel(&call, count, task, context);
-}
+/* ---- Work of the formats that threads share: the core's own threads. */
 
 norma_result norma_io_tasks_told(
     const norma_options *options, size_t count, norma_task *task, void *context) {
@@ -30,28 +18,11 @@ norma_result norma_io_tasks_told(
     return result || count == 0 ? result : norma_core_parallel(&call, count, task, context);
 }
 
-static int io_cancelled(const norma_options *options) {
-    return options->progress && options->progress(options->progress_user, 1);
-}
-
-static int tell_the_end(void *options, double fraction) {
-    (void)fraction;
-    return io_cancelled(options);
-}
-
-int norma_io_tasks_watched(
-    const norma_options *options, size_t count, norma_task *task, void *context) {
-    const norma_options watched = {.struct_size = sizeof watched,
-        .threads = options->threads,
-        .progress = options->progress ? tell_the_end : NULL,
-        .progress_user = (void *)(uintptr_t)options};
-    return norma_io_tasks_told(&watched, count, task, context) == NORMA_CANCELLED;
-}
-
 /* How many threads that number means: at least 1. */
 static size_t io_threads(uint32_t threads) {
+    const norma_options options = {.struct_size = sizeof options, .threads = threads};
     core_call call;
-    ordered_begin(&call, threads);
+    norma_core_begin(&call, &options);
     return norma_core_workers(&call);
 }
 
@@ -317,5 +288,14 @@ int norma_equal_rows(norma_row_of *row_of, const void *context, size_t count, ui
         first[row] = *slot - 1;
     }
     free(table);
+    return 1;
+}
+
+int norma_number_rows(
+    norma_row_of *row_of, const void *context, size_t count, uint32_t *numbers, size_t *distinct) {
+    *distinct = 0;
+    if (!norma_equal_rows(row_of, context, count, numbers)) return 0;
+    for (size_t row = 0; row < count; ++row)
+        numbers[row] = numbers[row] == row ? (uint32_t)(*distinct)++ : numbers[numbers[row]];
     return 1;
 }

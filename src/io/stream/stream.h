@@ -10,25 +10,10 @@
 
 /* ---- Work of the formats that threads share. */
 
-/* Runs task for each index below count, by as many threads as norma_options means with this number.
- * Tasks share nothing but what they only read. */
-void norma_io_tasks(uint32_t threads, size_t count, norma_task *task, void *context);
-/* The same with the threads and the progress of the core's options, which may cancel. */
+/* Runs task for each index below count, with the threads and the progress of the core's options,
+ * which may cancel. Tasks share nothing but what they only read. */
 norma_result norma_io_tasks_told(
     const norma_options *options, size_t count, norma_task *task, void *context);
-/* The same after the core has told that it is done: nothing more is told but that. Nonzero:
- * cancelled, then some tasks did not run. */
-int norma_io_tasks_watched(
-    const norma_options *options, size_t count, norma_task *task, void *context);
-
-/* A count cut into tasks of about equal size, not smaller than least: how many, and where one
- * begins. */
-static inline size_t norma_io_slices(size_t count, size_t least) {
-    return count / least < 256 ? count / least + 1 : 256;
-}
-static inline size_t norma_io_slice(size_t count, size_t slices, size_t slice) {
-    return count / slices * slice + (slice < count % slices ? slice : count % slices);
-}
 
 /* ---- Bytes on their way out, gathered into blocks before they are handed on; or kept, all of
  * them, for someone else to hand on. */
@@ -119,4 +104,7 @@ norma_ordered_result norma_write_ordered(norma_ordered_how how, size_t count,
 typedef const unsigned char *norma_row_of(const void *context, size_t row, size_t *length);
 /* first: of each row the first that has the same bytes. 0: out of memory. Expected linear time. */
 int norma_equal_rows(norma_row_of *row_of, const void *context, size_t count, uint32_t *first);
+/* numbers: of each row that of its bytes, in the order of their first rows; distinct: how many. */
+int norma_number_rows(
+    norma_row_of *row_of, const void *context, size_t count, uint32_t *numbers, size_t *distinct);
 #endif
