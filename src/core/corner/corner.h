@@ -86,8 +86,8 @@ typedef struct core_prepared_mesh {
                          whose faces are measured where they are met */
     uint32_t *borrowed_from; /* NULL where no face needs one; else of each face without a direction
                          the face whose direction it borrows, UINT32_MAX: none */
-    atomic_uchar *flat_at; /* with borrowed_from: nonzero at the positions of faces that have edges
-                              but no direction */
+    atomic_uchar *flat_at;   /* NULL, or nonzero at the positions of faces that have edges but no
+                                direction; of triangles, of those that have been met */
     norma_count degenerate_faces; /* of polygons, for sums only those without corners; others are
                                      counted where they are met */
     core_crease crease;           /* may be changed: nothing else here hangs on it */
@@ -112,9 +112,11 @@ norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, 
  * and polygons measured, those of the chunks alone, so that stars may be made, or fans. */
 norma_result norma_core_prepare_stars(
     core_prepared_mesh *prepared, const core_some_positions *some);
-/* For triangles, once one without a direction has been met: finds whose directions such borrow.
- * MEMORY or CANCELLED: it has not. */
-norma_result norma_core_find_borrowed_directions(core_prepared_mesh *prepared);
+/* From here on, stars that meet a triangle without a direction mark its positions; once all have
+ * been made that may: finds whose directions such borrow. */
+norma_result norma_core_watch_for_flat(core_prepared_mesh *prepared);
+void norma_core_mark_flat(const core_prepared_mesh *prepared, uint32_t position);
+norma_result norma_core_borrow_directions(core_prepared_mesh *prepared);
 void norma_core_prepared_mesh_close(core_prepared_mesh *prepared);
 
 static inline void norma_core_prepared_mesh_face(

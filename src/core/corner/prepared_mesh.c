@@ -13,25 +13,27 @@ typedef struct survey_part {
 
 typedef struct face_survey {
     core_prepared_mesh *prepared;
-    atomic_uchar
-        *flat_at; /* NULL, or nonzero at positions of faces that have edges but no direction */
     const uint8_t *chunks; /* NULL, or of each CORE_FACES_IN_CHUNK faces: 0 where none is wanted */
     survey_part *parts;    /* of each chunk of this survey */
 } face_survey;
 
+void norma_core_mark_flat(const core_prepared_mesh *prepared, uint32_t position) {
+    atomic_store_explicit(&prepared->flat_at[position], 1, memory_order_relaxed);
+}
+
 static void survey_face(
     const face_survey *survey, size_t f, const core_face *face, survey_part *part) {
-    const core_mesh *mesh = &survey->prepared->mesh;
-    if (survey->prepared->faces) survey->prepared->faces[f] = *face;
-    if (survey->prepared->faces && survey->flat_at && (face->flags & CORE_FACE_EDGED))
-        survey->prepared->faces[f].key = norma_core_twin_key(mesh, f);
+    const core_prepared_mesh *s = survey->prepared;
+    const core_mesh *mesh = &s->mesh;
+    s->faces[f] = *face;
+    if (s->flat_at && (face->flags & CORE_FACE_EDGED))
+        s->faces[f].key = norma_core_twin_key(mesh, f);
     if ((face->flags & CORE_FACE_DIRECTED) || !(face->flags & CORE_FACE_FINITE)) return;
     norma_core_count_one(&part->degenerate, f);
-    if (!survey->flat_at || !(face->flags & CORE_FACE_EDGED)) return;
+    if (!s->flat_at || !(face->flags & CORE_FACE_EDGED)) return;
     part->any_flat = 1;
     for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++)
-        atomic_store_explicit(
-            &survey->flat_at[norma_core_welded_corner(mesh, c)], 1, memory_order_relaxed);
+        norma_core_mark_flat(s, norma_core_welded_corner(mesh, c));
 }
 
 static void survey_chunk(void *context, size_t chunk) {
@@ -52,7 +54,7 @@ static void survey_chunk(void *context, size_t chunk) {
     }
 }
 
-/* Measures all faces once: polygons are kept, of triangles only what is wrong with them. */
+/* Measures all polygons once, and keeps them. */
 static norma_result survey_faces(face_survey *survey, int *any_flat) {
     core_prepared_mesh *s = survey->prepared;
     const size_t chunks =
@@ -62,7 +64,7 @@ static norma_result survey_faces(face_survey *survey, int *any_flat) {
     memset(survey->parts, 0, chunks * sizeof *survey->parts);
     const norma_result result = norma_core_parallel(s->call, chunks, survey_chunk, survey);
     for (size_t i = 0; i < chunks; i++) {
-        if (s->faces) norma_core_count_add(&s->degenerate_faces, &survey->parts[i].degenerate);
+        norma_core_count_add(&s->degenerate_faces, &survey->parts[i].degenerate);
         *any_flat |= survey->parts[i].any_flat;
     }
     norma_core_release(s->call, survey->parts, chunks, sizeof *survey->parts);
@@ -80,7 +82,7 @@ static void borrow_at_each(
     }
 }
 
-static norma_result borrow_directions(core_prepared_mesh *s) {
+norma_result norma_core_borrow_directions(core_prepared_mesh *s) {
     const size_t faces = s->mesh.face_count;
     core_star star = {0};
     uint32_t *borrowed_from = norma_core_allocate(s->call, faces, sizeof *borrowed_from),
@@ -99,21 +101,22 @@ static norma_result borrow_directions(core_prepared_mesh *s) {
     return result;
 }
 
-/* Of the faces of some chunks, or of all. */
-static norma_result find_borrowed_directions(core_prepared_mesh *s, const uint8_t *chunks) {
+norma_result norma_core_watch_for_flat(core_prepared_mesh *s) {
     const size_t positions = s->mesh.positions.count;
-    face_survey survey = {.prepared = s, .chunks = chunks};
-    int any_flat = 0;
-    survey.flat_at = norma_core_allocate(s->call, positions, sizeof *survey.flat_at);
-    if (!survey.flat_at) return NORMA_ERROR_MEMORY;
-    for (size_t p = 0; p < positions; p++) atomic_init(&survey.flat_at[p], 0);
-    s->flat_at = survey.flat_at;
-    const norma_result result = survey_faces(&survey, &any_flat);
-    return result == NORMA_OK && any_flat ? borrow_directions(s) : result;
+    if (s->flat_at) return NORMA_OK;
+    s->flat_at = norma_core_allocate(s->call, positions, sizeof *s->flat_at);
+    if (!s->flat_at) return NORMA_ERROR_MEMORY;
+    for (size_t p = 0; p < positions; p++) atomic_init(&s->flat_at[p], 0);
+    return NORMA_OK;
 }
 
-norma_result norma_core_find_borrowed_directions(core_prepared_mesh *s) {
-    return find_borrowed_directions(s, NULL);
+/* For fans: polygons of some chunks, or all. */
+static norma_result survey_for_fans(core_prepared_mesh *s, const uint8_t *chunks) {
+    face_survey survey = {.prepared = s, .chunks = chunks};
+    int any_flat = 0;
+    norma_result result = norma_core_watch_for_flat(s);
+    if (result == NORMA_OK) result = survey_faces(&survey, &any_flat);
+    return result == NORMA_OK && any_flat ? norma_core_borrow_directions(s) : result;
 }
 
 /* Faces without corners: who adds to sums of positions never meets them. */
@@ -133,8 +136,7 @@ static norma_result measure_polygons(core_prepared_mesh *s, core_use use) {
     }
     if (!(s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces)))
         return NORMA_ERROR_MEMORY;
-    return use == CORE_FOR_FANS ? norma_core_find_borrowed_directions(s)
-                                : survey_faces(&survey, &any_flat);
+    return use == CORE_FOR_FANS ? survey_for_fans(s, NULL) : survey_faces(&survey, &any_flat);
 }
 
 norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, core_use use,
@@ -167,7 +169,7 @@ static norma_result measure_some_polygons(core_prepared_mesh *s, const uint8_t *
     s->flat_at = NULL;
     s->borrowed_from = NULL;
     s->faces = norma_core_allocate(call, faces, sizeof *s->faces);
-    return s->faces ? find_borrowed_directions(s, chunks) : NORMA_ERROR_MEMORY;
+    return s->faces ? survey_for_fans(s, chunks) : NORMA_ERROR_MEMORY;
 }
 
 norma_result norma_core_prepare_stars(

@@ -43,10 +43,21 @@ void norma_core_star_release(const core_call *call, core_star *star, size_t corn
     *star = (core_star){0};
 }
 
+/* All stars of a face without a direction need to know whose it borrows, those too that are passed
+ * over: it is looked for at one of them. */
+static void wait_for_lenders(const core_prepared_mesh *prepared, core_star *star, star_corner *c) {
+    if (!(c->flags & STAR_FLAT)) return;
+    star->waits = 1;
+    if (!prepared->flat_at) return;
+    norma_core_mark_flat(prepared, star->position);
+    norma_core_mark_flat(prepared, c->next);
+    norma_core_mark_flat(prepared, c->previous);
+}
+
 /* A flat face's direction is that of its borrowed_from, once lenders are known. */
 static void borrow_normal(const core_prepared_mesh *prepared, core_star *star, star_corner *c) {
     core_face borrowed_from;
-    if (!prepared->borrowed_from) star->waits |= c->flags & STAR_FLAT;
+    if (!prepared->borrowed_from) wait_for_lenders(prepared, star, c);
     if (!prepared->borrowed_from || prepared->borrowed_from[c->face] == UINT32_MAX) return;
     norma_core_prepared_mesh_face(prepared, prepared->borrowed_from[c->face], &borrowed_from);
     memcpy(c->normal, borrowed_from.normal, sizeof c->normal);

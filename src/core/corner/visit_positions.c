@@ -418,9 +418,11 @@ norma_result norma_core_visit_positions(
         .settle = norma_core_choose_fans(prepared->call->options.isa)};
     *sum = (stars_part){.tally.degenerate = prepared->degenerate_faces};
     if (!prepared->mesh.positions.count) return NORMA_OK;
-    norma_result result = visit_in_parallel(&v, sum);
+    norma_result result =
+        visit->join == CORE_JOIN_FANS ? norma_core_watch_for_flat(prepared) : NORMA_OK;
+    if (result == NORMA_OK) result = visit_in_parallel(&v, sum);
     if (result != NORMA_OK || !sum->waiting) return result;
-    result = norma_core_find_borrowed_directions(prepared);
+    result = norma_core_borrow_directions(prepared);
     v.only = prepared->flat_at;
     return result == NORMA_OK ? visit_in_parallel(&v, sum) : result;
 }

@@ -188,6 +188,16 @@ static int allocate(creases *c) {
            c->alone && c->has_alone;
 }
 
+/* Of those that doubles do not decide, some may have no direction. */
+static int find_lenders(creases *c, const uint8_t *sure) {
+    const core_mesh *mesh = &c->surface.mesh;
+    if (norma_core_watch_for_flat(&c->surface) != NORMA_OK) return 0;
+    for (size_t corner = 0; corner < mesh->corner_count; ++corner)
+        if (!sure[corner / 3])
+            norma_core_mark_flat(&c->surface, norma_core_welded_corner(mesh, corner));
+    return norma_core_borrow_directions(&c->surface) == NORMA_OK;
+}
+
 static int keep_triangles(creases *c) {
     const size_t faces = c->surface.mesh.face_count;
     uint8_t *sure = malloc(faces + 1);
@@ -195,9 +205,9 @@ static int keep_triangles(creases *c) {
     measure_all(c, NORMA_WEIGHT_ANGLE, sure);
     for (size_t p = 0; p < c->surface.mesh.positions.count; ++p)
         keep_position(c, (uint32_t)p, sure);
-    const int all_sure = !memchr(sure, 0, faces);
+    const int found = !memchr(sure, 0, faces) || find_lenders(c, sure);
     free(sure);
-    return all_sure || norma_core_find_borrowed_directions(&c->surface) == NORMA_OK;
+    return found;
 }
 
 creases *creases_open(const norma_mesh *mesh, norma_weld weld) {
