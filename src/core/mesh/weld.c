@@ -14,6 +14,8 @@ enum {
     RECENT_BITS = 10,
     MOST_BITS = 12,
     IN_BUCKET = 2048,
+    MOST_IN_ONE = 1 << 18, /* of one slice: its table is in the second cache, and each key is hashed
+                              and gone through once instead of twice */
     MOST_SLICES = 32,
     FEWEST_IN_SLICE = 1 << 14,
     LARGE_BUCKET = 1 << 16,
@@ -87,7 +89,7 @@ CORE_INLINE size_t for_slice(const welding *w, size_t slice, int first_time, see
     return near;
 }
 
-/* Into the one bucket of a small mesh go at most all, which need not be counted before. */
+/* The one bucket of a mesh needs no counts before. */
 static int is_one_bucket(const welding *w) { return !w->bits && w->slices == 1; }
 
 CORE_INLINE void count_key(const welding *w, uint32_t *counts, uint32_t key, uint64_t hash) {
@@ -196,22 +198,28 @@ static size_t weld_few(const weld_keys *keys, uint32_t *weld) {
     return weld_bucket(keys, entries, count, table, weld);
 }
 
+/* Returns the most keys in one bucket, or SIZE_MAX where the call was cancelled. */
+static size_t fill_buckets(core_call *call, welding *w) {
+    size_t most = 0;
+    if (is_one_bucket(w)) {
+        w->cursors[0] = w->starts[0] = 0;
+    } else {
+        if (norma_core_parallel(call, w->slices, count_slice, w) != NORMA_OK) return SIZE_MAX;
+        most = place_buckets(w);
+    }
+    if (norma_core_parallel(call, w->slices, deal_slice, w) != NORMA_OK) return SIZE_MAX;
+    return is_one_bucket(w) ? w->starts[1] = w->cursors[0] : most;
+}
+
 /* With memory for all of it. */
 static norma_result run_welding(core_call *call, welding *w, size_t *found) {
-    norma_result result = NORMA_OK;
-    if (is_one_bucket(w))
-        w->cursors[0] = (uint32_t)w->keys->count;
-    else
-        result = norma_core_parallel(call, w->slices, count_slice, w);
-    if (result != NORMA_OK) return result;
-    const size_t most = place_buckets(w);
+    const size_t most = fill_buckets(call, w);
+    if (most == SIZE_MAX) return NORMA_CANCELLED;
     w->table_size = (size_t)1 << table_bits(most);
     w->groups = most > LARGE_BUCKET || buckets_of(w) < w->slices ? 1 : w->slices;
     w->tables = norma_core_allocate(call, w->groups * w->table_size, sizeof *w->tables);
     if (!w->tables) return NORMA_ERROR_MEMORY;
-    result = norma_core_parallel(call, w->slices, deal_slice, w);
-    if (is_one_bucket(w)) w->starts[1] = w->cursors[0];
-    if (result == NORMA_OK) result = norma_core_parallel(call, w->groups, weld_group, w);
+    norma_result result = norma_core_parallel(call, w->groups, weld_group, w);
     if (result == NORMA_OK) result = norma_core_parallel(call, w->slices, follow_slice, w);
     for (size_t i = 0; i < w->groups && result == NORMA_OK; i++) *found += w->found[i];
     for (size_t i = 0; i < w->slices && result == NORMA_OK; i++) *found += w->near[i];
@@ -236,7 +244,8 @@ norma_result norma_core_weld_keys(
         return NORMA_OK;
     }
     welding w = {.keys = keys, .weld = weld, .slices = slices_for(call, count)};
-    while (w.bits < MOST_BITS && count >> w.bits > IN_BUCKET) w.bits++;
+    if (w.slices > 1 || count > MOST_IN_ONE)
+        while (w.bits < MOST_BITS && count >> w.bits > IN_BUCKET) w.bits++;
     w.entries = norma_core_allocate(call, count, sizeof *w.entries);
     w.cursors = norma_core_allocate(call, w.slices << w.bits, sizeof *w.cursors);
     w.starts = norma_core_allocate(call, buckets_of(&w) + 1, sizeof *w.starts);
@@ -449,7 +458,16 @@ static void hash_positions(const void *context, size_t first, size_t count, uint
 }
 
 static int same_position(const void *context, uint32_t one, uint32_t other) {
+    const core_mesh *mesh = context;
     double a[3], b[3];
+    if (mesh->positions.format == NORMA_FORMAT_FLOAT) {
+        const unsigned char *data = mesh->positions.data;
+        const size_t stride = mesh->positions.stride;
+        float p[3], q[3];
+        memcpy(p, data + one * stride, sizeof p);
+        memcpy(q, data + other * stride, sizeof q);
+        return (p[0] == q[0]) & (p[1] == q[1]) & (p[2] == q[2]);
+    }
     norma_core_position(context, one, a);
     norma_core_position(context, other, b);
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
