@@ -33,9 +33,8 @@ CORE_INLINE void measure_waiting(
         uint32_t *welded = out->at[place];
         memcpy(out->row[place], normals.row[i], sizeof normals.row[i]);
         memcpy(out->row[place] + 4, weights.row[i], sizeof weights.row[i]);
-        for (int k = 0; k < 3; k++) welded[k] = norma_core_welded(&s->mesh, at[k]);
-        welded[3] = welded[0];
-        welded[4] = welded[1];
+        for (int k = 0; k < 3; k++) welded[(k + 2) % 3 + 1] = norma_core_welded(&s->mesh, at[k]);
+        welded[0] = welded[1];
     }
 }
 
@@ -61,9 +60,48 @@ int norma_core_can_batch(const core_prepared_mesh *prepared) {
            !(prepared->mesh.weld && o->weld == NORMA_WELD_DISTANCE);
 }
 
-void norma_core_clear_batch(fan_batch *batch) {
-    memset(batch->kept.held, 0xff, sizeof batch->kept.held);
-    batch->kept.lists = 0;
+/* Of a triangle that is kept: its row, positions, and which it is. */
+static size_t kept_bytes(size_t room) {
+    const kept_faces *k = NULL;
+    return (room + BATCH_CORNERS) * (sizeof *k->row + sizeof *k->at) + room * sizeof *k->held;
+}
+
+enum { LINE = 64 };
+
+static norma_result allocate_kept(const core_call *call, size_t room, kept_faces *kept) {
+    const size_t places = room + BATCH_CORNERS;
+    kept->room = (uint32_t)room;
+    if (!(kept->block = norma_core_allocate(call, kept_bytes(room) + LINE, 1)))
+        return NORMA_ERROR_MEMORY;
+    unsigned char *at = kept->block;
+    at += LINE - (uintptr_t)at % LINE;
+    kept->row = (double(*)[8])(void *)at;
+    kept->at = (uint32_t(*)[4])(void *)(kept->row + places);
+    kept->held = (uint64_t *)(void *)(kept->at + places);
+    memset(kept->held, 0xff, room * sizeof *kept->held);
+    return NORMA_OK;
+}
+
+norma_result norma_core_kept_allocate(
+    const core_prepared_mesh *prepared, size_t count, kept_faces **kept) {
+    const core_call *call = prepared->call;
+    size_t room = 1;
+    norma_result result = NORMA_OK;
+    while (room < FACES_KEPT && room < prepared->mesh.face_count && !prepared->faces) room *= 2;
+    if (!(*kept = norma_core_allocate(call, count, sizeof **kept))) return NORMA_ERROR_MEMORY;
+    memset(*kept, 0, count * sizeof **kept);
+    for (size_t i = 0; i < count && result == NORMA_OK; i++) {
+        atomic_init(&(*kept)[i].taken, 0);
+        result = allocate_kept(call, room, &(*kept)[i]);
+    }
+    if (result != NORMA_OK) norma_core_kept_release(prepared, count, *kept);
+    return result;
+}
+
+void norma_core_kept_release(const core_prepared_mesh *prepared, size_t count, kept_faces *kept) {
+    for (size_t i = 0; i < count && kept; i++)
+        norma_core_release(prepared->call, kept[i].block, kept_bytes(kept[i].room) + LINE, 1);
+    norma_core_release(prepared->call, kept, count, sizeof *kept);
 }
 
 void norma_core_clear_list(star_list *list, const position_visit *visit) {
@@ -87,38 +125,49 @@ int norma_core_list_star(
     return 1;
 }
 
-static uint32_t place_behind(size_t corner) { return FACES_KEPT + (uint32_t)corner; }
+static uint32_t place_behind(const kept_faces *kept, size_t corner) {
+    return kept->room + (uint32_t)corner;
+}
+
+CORE_INLINE void read_triangle(const core_mesh *mesh, size_t face, uint32_t at[3]) {
+    if (mesh->corners && mesh->corner_size == sizeof *at)
+        memcpy(at, (const unsigned char *)mesh->corners + 3 * face * sizeof *at, 3 * sizeof *at);
+    else
+        for (size_t k = 0; k < 3; k++) at[k] = norma_core_corner(mesh, 3 * face + k);
+}
 
 /* The place of each corner's face, there already or once none waits. Which of the two is written
  * beyond the end of those that wait, or not: no branch could foretell it. */
 static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *list) {
     const uint64_t lists = (uint64_t)++kept->lists << 32;
+    const uint32_t mask = kept->room - 1, *corners = list->corners;
+    uint64_t *holds = kept->held;
+    const size_t count = list->corner_count;
     uint32_t waiting = 0;
-    for (uint32_t i = 0; i < list->corner_count; i++) {
-        const uint32_t corner = list->corners[i], face = corner / 3, own = face % FACES_KEPT;
-        const uint64_t held = kept->held[own];
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t corner = corners[i], face = corner / 3, own = face & mask;
+        const uint64_t held = holds[own];
         const int waits = (uint32_t)held != face,
                   is_taken = waits & (held >> 32 == lists >> 32); /* by another of this list */
-        const uint32_t place = is_taken ? place_behind(i) : own;
-        kept->held[own] = is_taken ? held : lists | face;
+        const uint32_t place = is_taken ? place_behind(kept, i) : own;
+        holds[own] = is_taken ? held : lists | face;
         list->key[i] = 8 * place + (corner - 3 * face);
         list->face[waiting] = face;
         list->place[waiting] = (uint16_t)place;
         waiting += (uint32_t)waits;
     }
     list->waiting = waiting;
-    for (uint32_t i = 0; i < waiting; i++)
-        for (uint32_t k = 0; k < 3; k++)
-            list->at[i][k] = norma_core_corner(mesh, 3 * (size_t)list->face[i] + k);
+    for (uint32_t i = 0; i < waiting; i++) read_triangle(mesh, list->face[i], list->at[i]);
 }
 
-static void read_polygon_corners(const core_prepared_mesh *prepared, star_list *list) {
+static void read_polygon_corners(
+    const core_prepared_mesh *prepared, const kept_faces *kept, star_list *list) {
     const core_mesh *mesh = &prepared->mesh;
     for (size_t i = 0; i < list->corner_count; i++) {
         const size_t corner = list->corners[i],
                      face = norma_core_face_of(&prepared->corners_of, corner);
         list->face[i] = (uint32_t)face;
-        list->key[i] = 8 * place_behind(i);
+        list->key[i] = 8 * place_behind(kept, i);
         list->at[i][0] = norma_core_corner(mesh, corner);
         list->at[i][1] = norma_core_corner(mesh, norma_core_next_in_face(mesh, face, corner));
         list->at[i][2] = norma_core_corner(mesh, norma_core_previous_in_face(mesh, face, corner));
@@ -141,9 +190,9 @@ static void ask_for_positions(const core_prepared_mesh *prepared, const star_lis
 
 void norma_core_read_list(const core_prepared_mesh *prepared, fan_batch *batch, star_list *list) {
     if (prepared->faces)
-        read_polygon_corners(prepared, list);
+        read_polygon_corners(prepared, batch->kept, list);
     else
-        read_triangles(&prepared->mesh, &batch->kept, list);
+        read_triangles(&prepared->mesh, batch->kept, list);
     if (list->scattered) ask_for_positions(prepared, list);
 }
 
@@ -239,7 +288,7 @@ CORE_INLINE void weigh_polygons(
             load_polygon(s, list, from + (i < count ? i : 0), &t, i);
         CORE_LOOP_FOR_WEIGHT(s->call->options.weight, measure_lanes, &t)
         for (size_t i = 0; i < count; i++) {
-            const uint32_t place = place_behind(from + i);
+            const uint32_t place = place_behind(out, from + i);
             const double row[5] = {
                 t.normal[0][i], t.normal[1][i], t.normal[2][i], t.sure[i], t.weight[i]};
             memcpy(out->row[place], row, sizeof row);
@@ -366,7 +415,7 @@ CORE_INLINE row_lanes load_row(const double *row) {
 /* Of all corners the products of the normals of their face and of that across the edge to next, and
  * of whether they are sure. */
 CORE_INLINE void multiply_normals(const uint32_t *key, fan_batch *t, size_t count) {
-    const double *rows = t->kept.row[0];
+    const double *rows = t->kept->row[0];
     for (size_t c = 0; c < count; c++) {
         const row_lanes product =
             load_row(rows + (key[c] & ~7U)) * load_row(rows + (key[t->other[c]] & ~7U));
@@ -482,7 +531,7 @@ static uint32_t number_linked_fans(const star_links *l, uint32_t count, uint32_t
 
 /* The one fan of most stars, in a register: a sum in memory would wait for its last store. */
 CORE_INLINE void sum_one_fan(fan_batch *t, const uint32_t *key, const listed_star *star) {
-    const double *rows = t->kept.row[0];
+    const double *rows = t->kept->row[0];
     row_lanes sum = {0};
     for (uint32_t i = 0; i < star->count; i++)
         sum += load_row(rows + (key[i] & ~7U)) * rows[key[i] + 4];
@@ -492,7 +541,7 @@ CORE_INLINE void sum_one_fan(fan_batch *t, const uint32_t *key, const listed_sta
 
 /* Several fans, each in the order of its corners. */
 static void sum_fans(fan_batch *t, const uint32_t *key, const listed_star *star, uint32_t fans) {
-    const double *rows = t->kept.row[0];
+    const double *rows = t->kept->row[0];
     const uint32_t *fan_of = t->fan_of + star->begin;
     double(*sums)[4] = t->row + star->first_fan;
     memset(sums, 0, fans * sizeof *sums);
@@ -551,14 +600,15 @@ CORE_INLINE void name_fans(fan_batch *t, size_t count) {
 }
 
 CORE_INLINE void measure_list(const core_prepared_mesh *s, star_list *list, fan_batch *t) {
-    const uint32_t *at = t->kept.at[0];
+    const uint32_t *at = t->kept->at[0];
     if (s->faces)
-        weigh_polygons(s, list, &t->kept);
+        weigh_polygons(s, list, t->kept);
     else
-        measure_all_waiting(s, list, &t->kept);
+        measure_all_waiting(s, list, t->kept);
     for (size_t i = 0; i < list->corner_count; i++) {
-        t->next[i] = at[list->key[i] + 1];
-        t->previous[i] = at[list->key[i] + 2];
+        const uint32_t first = list->key[i] / 8 * 4, corner = list->key[i] % 8;
+        t->next[i] = at[first + corner + 1];
+        t->previous[i] = at[first + (corner + 2) % 4];
     }
 }
 

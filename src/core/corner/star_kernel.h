@@ -9,7 +9,7 @@
  * with one face out and one back at most along each edge, and no twins; of polygons, with faces
  * that keep all their corners. */
 
-enum { BATCH_CORNERS = 128, FACES_KEPT = 512, ORDINARY_CORNERS = 16 };
+enum { BATCH_CORNERS = 128, FACES_KEPT = 4096, ORDINARY_CORNERS = 16 };
 
 /* The triangles that a batch of stars needs, measured many at a time, and kept for the batches that
  * follow: among neighbours, each is at three stars not far from each other. Each has the place that
@@ -18,13 +18,20 @@ enum { BATCH_CORNERS = 128, FACES_KEPT = 512, ORDINARY_CORNERS = 16 };
  * corner there, their first. */
 typedef struct kept_faces {
     /* The unit normal, and 1, or 0 where doubles do not decide it; the weights of the corners. */
-    _Alignas(64) double row[FACES_KEPT + BATCH_CORNERS][8];
-    /* The corners' welded positions, and the first two again: after a corner's come those of its
-     * next and its previous. */
-    uint32_t at[FACES_KEPT + BATCH_CORNERS][8];
-    uint64_t held[FACES_KEPT]; /* which face, and 2^32 times the last list that needs it */
-    uint32_t lists;
+    double (*row)[8];
+    /* The welded positions of corners 1, 1, 2 and 0: from 1 on those of each corner's next, from 2
+     * on, and then round to the first, of its previous. */
+    uint32_t (*at)[4];
+    uint64_t *held; /* which face, and 2^32 times the last list that needs it */
+    void *block;    /* of all three */
+    uint32_t room, lists;
+    atomic_int taken; /* by one who works */
 } kept_faces;
+
+/* For each who works at once. MEMORY leaves nothing to release. */
+norma_result norma_core_kept_allocate(
+    const core_prepared_mesh *prepared, size_t count, kept_faces **kept);
+void norma_core_kept_release(const core_prepared_mesh *prepared, size_t count, kept_faces *kept);
 
 typedef struct listed_star {
     uint32_t position;
@@ -50,7 +57,7 @@ enum { EDGE_CUT = 1, EDGE_NEAR_CREASE = 2, EDGE_UNSURE = 4 };
 enum { BATCH_ROOM = BATCH_CORNERS + ORDINARY_CORNERS }; /* the last star is read to its end */
 
 typedef struct fan_batch {
-    kept_faces kept;
+    kept_faces *kept;
     uint32_t next[BATCH_ROOM], previous[BATCH_ROOM]; /* of each corner, the positions in its face */
     /* Of each, as bits, the corners of its star whose faces run back along its edge to next, and
      * out along that from previous. */
@@ -66,7 +73,6 @@ typedef struct fan_batch {
 } fan_batch;
 
 int norma_core_can_batch(const core_prepared_mesh *prepared);
-void norma_core_clear_batch(fan_batch *batch);
 void norma_core_clear_list(star_list *list, const position_visit *visit);
 /* Adds a star. 0: the list is full. */
 int norma_core_list_star(

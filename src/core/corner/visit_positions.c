@@ -241,6 +241,8 @@ typedef struct visit_all {
     const position_visit *visit;
     atomic_uchar *only; /* NULL, or nonzero at the positions whose stars waited */
     fans_simd *settle;
+    kept_faces *kept; /* for each who works at once; NULL: stars are visited one by one */
+    size_t kept_count;
     stars_part *parts;
 } visit_all;
 
@@ -328,12 +330,19 @@ static size_t list_stars(const visit_all *v, size_t position, size_t end, fan_ba
     return position;
 }
 
+static kept_faces *take_kept(const visit_all *v) {
+    size_t at = 0;
+    while (atomic_exchange_explicit(&v->kept[at].taken, 1, memory_order_acquire))
+        at = (at + 1) % v->kept_count;
+    return &v->kept[at];
+}
+
 /* While one list is worked on, the memory of the next is on its way. */
 static void visit_in_batches(const visit_all *v, size_t position, size_t end, stars_part *part) {
     star_list lists[2];
     fan_batch batch;
     int at = 0;
-    norma_core_clear_batch(&batch);
+    batch.kept = take_kept(v);
     position = list_stars(v, position, end, &batch, &lists[at], part);
     while (lists[at].star_count) {
         position = list_stars(v, position, end, &batch, &lists[!at], part);
@@ -343,6 +352,7 @@ static void visit_in_batches(const visit_all *v, size_t position, size_t end, st
         if (!all) visit_singly(v, &lists[at], part);
         at = !at;
     }
+    atomic_store_explicit(&batch.kept->taken, 0, memory_order_release);
 }
 
 static int go_in_batches(const visit_all *v) {
@@ -355,7 +365,7 @@ static void visit_chunk(void *context, size_t chunk) {
     const size_t end = count - begin < POSITIONS_IN_CHUNK ? count : begin + POSITIONS_IN_CHUNK;
     const uint32_t *starts = v->prepared->corners_of.starts;
     if (starts[begin] == starts[end]) return;
-    if (go_in_batches(v))
+    if (v->kept)
         visit_in_batches(v, begin, end, &v->parts[chunk]);
     else
         visit_chunk_singly(v, begin, end, &v->parts[chunk]);
@@ -404,7 +414,13 @@ static norma_result visit_in_parallel(visit_all *v, stars_part *sum) {
     v->parts = norma_core_allocate(call, chunks, sizeof *v->parts);
     if (!v->parts) return NORMA_ERROR_MEMORY;
     memset(v->parts, 0, chunks * sizeof *v->parts);
-    norma_result result = norma_core_parallel(call, chunks, visit_chunk, v);
+    v->kept = NULL;
+    v->kept_count = norma_core_shares(call) < chunks ? norma_core_shares(call) : chunks;
+    norma_result result = go_in_batches(v)
+                              ? norma_core_kept_allocate(v->prepared, v->kept_count, &v->kept)
+                              : NORMA_OK;
+    if (result == NORMA_OK) result = norma_core_parallel(call, chunks, visit_chunk, v);
+    norma_core_kept_release(v->prepared, v->kept_count, v->kept);
     if (result == NORMA_OK) result = visit_large_stars(v, sum);
     for (size_t i = 0; i < chunks; i++) add_part(sum, &v->parts[i]);
     norma_core_release(call, v->parts, chunks, sizeof *v->parts);
