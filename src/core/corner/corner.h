@@ -345,6 +345,8 @@ typedef struct position_visit {
     const uint8_t *skip; /* NULL, or nonzero at positions that are passed over */
     position_visitor *see;
     void *context;
+    const core_output *output; /* NULL, or where see does nothing but write fans that have normals,
+                                  which many stars' may then be at once */
     const void
         *target; /* NULL, or where the visitor will write: target_size bytes for each corner */
     size_t target_size;

@@ -592,10 +592,13 @@ typedef float fan_lanes __attribute__((vector_size(sizeof(core_fan))));
 _Static_assert(NORMA_REASON_NONE == 0, "a fan with a normal ends in zeros");
 
 CORE_INLINE void name_fans(fan_batch *t, size_t count) {
+    t->all_decided = 1;
     for (size_t f = 0; f < count; f++) {
         const fan_lanes fan = {t->direction[0][f], t->direction[1][f], t->direction[2][f], 0};
         memcpy(&t->fans[f], &fan, sizeof fan);
-        if (t->decided[f] == 0) norma_core_decide_sum(t->row[f], t->row[f][3], &t->fans[f]);
+        if (t->decided[f] != 0) continue;
+        norma_core_decide_sum(t->row[f], t->row[f][3], &t->fans[f]);
+        t->all_decided = 0;
     }
 }
 
@@ -629,6 +632,7 @@ CORE_INLINE int settle(
     for (size_t i = 0; i < list->star_count; i++) {
         listed_star *star = &list->stars[i];
         star->first_fan = (uint16_t)fans;
+        for (uint32_t c = 0; c < ORDINARY_CORNERS; c++) t->first_fan[star->begin + c] = fans;
         if (star->fan_count)
             star->fan_count = (uint16_t)settle_star(t, list->key + star->begin, star, edges);
         fans += star->fan_count;

@@ -69,7 +69,9 @@ typedef struct fan_batch {
     double decided[BATCH_ROOM];             /* of each fan, from here on */
     float direction[3][BATCH_ROOM];
     core_fan fans[BATCH_CORNERS];
-    uint32_t fan_of[BATCH_ROOM]; /* of each corner: its fan, numbered from its star's first */
+    int all_decided;                /* each fan has a normal */
+    uint32_t fan_of[BATCH_ROOM];    /* of each corner: its fan, numbered from its star's first */
+    uint32_t first_fan[BATCH_ROOM]; /* which is this one */
 } fan_batch;
 
 int norma_core_can_batch(const core_prepared_mesh *prepared);

@@ -92,9 +92,11 @@ static void count_part(void *context, size_t part) {
 static void add_up_range(void *context, size_t range) {
     part_work *w = context;
     uint32_t *sums = w->corners_of->starts + 1, listed = 0, most = 0;
-    for (size_t p = range_begin(w, range); p < range_begin(w, range + 1); p++) {
-        uint32_t count = 0;
-        for (size_t part = 0; part < w->parts; part++) count += counts_of_part(w, part)[p];
+    const uint32_t *first = counts_of_part(w, 0);
+    const size_t end = range_begin(w, range + 1);
+    for (size_t p = range_begin(w, range); p < end; p++) {
+        uint32_t count = first[p];
+        for (size_t part = 1; part < w->parts; part++) count += counts_of_part(w, part)[p];
         sums[p] = count;
         listed += count;
         most = count > most ? count : most;
@@ -107,8 +109,9 @@ static void add_up_range(void *context, size_t range) {
  * placing moves it to where the next position starts. */
 static void turn_into_places(const part_work *w, size_t range) {
     uint32_t *places = w->corners_of->starts + 1, sum = 0;
+    const size_t end = range_begin(w, range + 1);
     for (size_t before = 0; before < range; before++) sum += w->listed[before];
-    for (size_t p = range_begin(w, range); p < range_begin(w, range + 1); p++) {
+    for (size_t p = range_begin(w, range); p < end; p++) {
         const uint32_t count = places[p];
         places[p] = sum;
         sum += count;

@@ -45,6 +45,7 @@ static norma_result compute_stars(core_prepared_mesh *prepared, const smooth_fan
         .by_fan = 1,
         .see = write_fans,
         .context = &work,
+        .output = output->nearest || output->reasons ? NULL : output,
         .target = output->normals,
         .target_size = output->stride};
     if (output->nearest && !(work.reasons = norma_core_allocate(call, count, 1)))
