@@ -33,8 +33,9 @@ CORE_INLINE void measure_waiting(
         uint32_t *welded = out->at[place];
         memcpy(out->row[place], normals.row[i], sizeof normals.row[i]);
         memcpy(out->row[place] + 4, weights.row[i], sizeof weights.row[i]);
-        for (int k = 0; k < 3; k++) welded[(k + 2) % 3 + 1] = norma_core_welded(&s->mesh, at[k]);
-        welded[0] = welded[1];
+        for (int k = 0; k < 3; k++) welded[k] = norma_core_welded(&s->mesh, at[k]);
+        welded[3] = welded[0];
+        welded[4] = welded[1];
     }
 }
 
@@ -76,7 +77,7 @@ static norma_result allocate_kept(const core_call *call, size_t room, kept_faces
     unsigned char *at = kept->block;
     at += LINE - (uintptr_t)at % LINE;
     kept->row = (double(*)[8])(void *)at;
-    kept->at = (uint32_t(*)[4])(void *)(kept->row + places);
+    kept->at = (uint32_t(*)[8])(void *)(kept->row + places);
     kept->held = (uint64_t *)(void *)(kept->at + places);
     memset(kept->held, 0xff, room * sizeof *kept->held);
     return NORMA_OK;
@@ -109,6 +110,8 @@ void norma_core_clear_list(star_list *list, const position_visit *visit) {
     list->corner_count = 0;
     list->star_count = 0;
     list->scattered = 0;
+    list->least = UINT32_MAX;
+    list->most = 0;
 }
 
 /* Those in a row: corners of other positions, left out, end a list. */
@@ -122,6 +125,8 @@ int norma_core_list_star(
         (listed_star){.position = position, .begin = (uint16_t)at, .count = (uint16_t)count};
     list->corner_count += count;
     list->scattered |= corners[count - 1] - corners[0] > NEAR;
+    list->least = corners[0] < list->least ? corners[0] : list->least;
+    list->most = corners[count - 1] > list->most ? corners[count - 1] : list->most;
     return 1;
 }
 
@@ -137,8 +142,9 @@ CORE_INLINE void read_triangle(const core_mesh *mesh, size_t face, uint32_t at[3
 }
 
 /* The place of each corner's face, there already or once none waits. Which of the two is written
- * beyond the end of those that wait, or not: no branch could foretell it. */
-static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *list) {
+ * beyond the end of those that wait, or not: no branch could foretell it. near: no two faces of the
+ * list have the same place, so that none needs one behind. Returns how many wait. */
+CORE_INLINE uint32_t find_places(kept_faces *kept, star_list *list, int near) {
     const uint64_t lists = (uint64_t)++kept->lists << 32;
     const uint32_t mask = kept->room - 1, *corners = list->corners;
     uint64_t *holds = kept->held;
@@ -148,7 +154,7 @@ static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *l
         const uint32_t corner = corners[i], face = corner / 3, own = face & mask;
         const uint64_t held = holds[own];
         const int waits = (uint32_t)held != face,
-                  is_taken = waits & (held >> 32 == lists >> 32); /* by another of this list */
+                  is_taken = (near ? 0 : waits) & (held >> 32 == lists >> 32);
         const uint32_t place = is_taken ? place_behind(kept, i) : own;
         holds[own] = is_taken ? held : lists | face;
         list->key[i] = 8 * place + (corner - 3 * face);
@@ -156,8 +162,13 @@ static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *l
         list->place[waiting] = (uint16_t)place;
         waiting += (uint32_t)waits;
     }
-    list->waiting = waiting;
-    for (uint32_t i = 0; i < waiting; i++) read_triangle(mesh, list->face[i], list->at[i]);
+    return waiting;
+}
+
+static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *list) {
+    const int near = list->corner_count && list->most / 3 - list->least / 3 < kept->room;
+    list->waiting = near ? find_places(kept, list, 1) : find_places(kept, list, 0);
+    for (uint32_t i = 0; i < list->waiting; i++) read_triangle(mesh, list->face[i], list->at[i]);
 }
 
 static void read_polygon_corners(
@@ -609,9 +620,8 @@ CORE_INLINE void measure_list(const core_prepared_mesh *s, star_list *list, fan_
     else
         measure_all_waiting(s, list, t->kept);
     for (size_t i = 0; i < list->corner_count; i++) {
-        const uint32_t first = list->key[i] / 8 * 4, corner = list->key[i] % 8;
-        t->next[i] = at[first + corner + 1];
-        t->previous[i] = at[first + (corner + 2) % 4];
+        t->next[i] = at[list->key[i] + 1];
+        t->previous[i] = at[list->key[i] + 2];
     }
 }
 

@@ -19,9 +19,9 @@ enum { BATCH_CORNERS = 128, FACES_KEPT = 4096, ORDINARY_CORNERS = 16 };
 typedef struct kept_faces {
     /* The unit normal, and 1, or 0 where doubles do not decide it; the weights of the corners. */
     double (*row)[8];
-    /* The welded positions of corners 1, 1, 2 and 0: from 1 on those of each corner's next, from 2
-     * on, and then round to the first, of its previous. */
-    uint32_t (*at)[4];
+    /* The corners' welded positions, and the first two again: after a corner's come those of its
+     * next and its previous. */
+    uint32_t (*at)[8];
     uint64_t *held; /* which face, and 2^32 times the last list that needs it */
     void *block;    /* of all three */
     uint32_t room, lists;
@@ -43,6 +43,7 @@ typedef struct star_list {
     size_t corner_count, star_count;
     const position_visit *visit;
     const uint32_t *corners; /* of each star ascending, as its sums run */
+    uint32_t least, most;    /* of the corners */
     int scattered;    /* their faces lie far apart: what memory they need is asked for ahead */
     uint32_t waiting; /* faces to measure; of polygons, one for each corner */
     uint32_t key[BATCH_CORNERS];

@@ -306,8 +306,8 @@ static void visit_singly(const visit_all *v, const star_list *list, stars_part *
 static void write_ordinary(
     const core_output *output, const star_list *list, const fan_batch *batch) {
     for (size_t i = 0; i < list->corner_count; i++)
-        norma_core_write_normal(output, list->corners[i],
-            batch->fans[batch->first_fan[i] + batch->fan_of[i]].normal);
+        norma_core_write_normal(
+            output, list->corners[i], batch->fans[batch->first_fan[i] + batch->fan_of[i]].normal);
 }
 
 static void see_ordinary(
@@ -395,12 +395,13 @@ static norma_result visit_large_stars(const visit_all *v, stars_part *part) {
     core_star star = {0};
     large_star large = {0};
     const size_t most = v->prepared->corners_of.most;
+    const uint32_t *starts = v->prepared->corners_of.starts;
     const int by_fan = go_by_fan(v);
     if (most <= STAR_ROOM) return NORMA_OK;
     norma_result result = by_fan ? norma_core_large_star_allocate(call, &large, most)
                                  : norma_core_star_allocate(call, &star, most);
     for (size_t p = 0; p < v->prepared->mesh.positions.count && result == NORMA_OK; p++) {
-        if (star_size(v, p) <= STAR_ROOM) continue;
+        if (starts[p + 1] - starts[p] <= STAR_ROOM || !star_size(v, p)) continue;
         if (by_fan)
             result = norma_core_visit_large_star(v->prepared, v->visit, (uint32_t)p, &large, part);
         else

@@ -31,19 +31,38 @@ static uint32_t *counts_of_part(const part_work *w, size_t part) {
                          : w->corners_of->corners + part * w->corners_of->position_count;
 }
 
-/* One loop without a question inside for what nearly all meshes are. */
-CORE_INLINE int is_unwelded(const core_mesh *mesh) { return mesh->corner_size == 4 && !mesh->weld; }
+/* A loop without a question inside for each of what nearly all meshes are: indices of 32 bits. */
+typedef enum corner_kind { ANY_CORNERS, PLAIN_CORNERS, WELDED_CORNERS } corner_kind;
 
-CORE_INLINE uint32_t position_of(const core_mesh *mesh, size_t corner, int plain) {
-    uint32_t index;
-    if (!plain) return norma_core_welded_corner(mesh, corner);
-    memcpy(&index, (const unsigned char *)mesh->corners + 4 * corner, sizeof index);
-    return index;
+static corner_kind kind_of(const core_mesh *mesh) {
+    if (mesh->corner_size != sizeof(uint32_t) || !mesh->corners) return ANY_CORNERS;
+    return mesh->weld ? WELDED_CORNERS : PLAIN_CORNERS;
 }
 
+CORE_INLINE uint32_t position_of(const core_mesh *mesh, size_t corner, corner_kind kind) {
+    uint32_t index;
+    if (kind == ANY_CORNERS) return norma_core_welded_corner(mesh, corner);
+    memcpy(&index, (const unsigned char *)mesh->corners + sizeof index * corner, sizeof index);
+    return kind == WELDED_CORNERS ? mesh->weld[index] : index;
+}
+
+/* loop is compiled for each kind. */
+#define LOOP_FOR_KIND(mesh, loop, ...)                                                             \
+    switch (kind_of(mesh)) {                                                                       \
+    case ANY_CORNERS:                                                                              \
+        loop(__VA_ARGS__, ANY_CORNERS);                                                            \
+        break;                                                                                     \
+    case PLAIN_CORNERS:                                                                            \
+        loop(__VA_ARGS__, PLAIN_CORNERS);                                                          \
+        break;                                                                                     \
+    case WELDED_CORNERS:                                                                           \
+        loop(__VA_ARGS__, WELDED_CORNERS);                                                         \
+        break;                                                                                     \
+    }
+
 CORE_INLINE void count_range(
-    const core_mesh *mesh, size_t begin, size_t end, uint32_t *counts, int plain) {
-    for (size_t c = begin; c < end; c++) counts[position_of(mesh, c, plain)]++;
+    const core_mesh *mesh, size_t begin, size_t end, uint32_t *counts, corner_kind kind) {
+    for (size_t c = begin; c < end; c++) counts[position_of(mesh, c, kind)]++;
 }
 
 /* The corners of a chunk of faces that lie in a range; none where no corner of it is wanted. */
@@ -82,10 +101,8 @@ static void count_part(void *context, size_t part) {
     memset(counts, 0, w->corners_of->position_count * sizeof *counts);
     if (w->some)
         count_some(w, begin, end, counts);
-    else if (is_unwelded(w->mesh))
-        count_range(w->mesh, begin, end, counts, 1);
     else
-        count_range(w->mesh, begin, end, counts, 0);
+        LOOP_FOR_KIND(w->mesh, count_range, w->mesh, begin, end, counts)
 }
 
 /* The counts of all parts lie where corners will be placed, so all are added up before any is. */
@@ -118,19 +135,20 @@ static void turn_into_places(const part_work *w, size_t range) {
     }
 }
 
-CORE_INLINE void place_between(const part_work *w, uint32_t first, uint32_t count, int plain) {
+CORE_INLINE void place_between(
+    const part_work *w, uint32_t first, uint32_t count, corner_kind kind) {
     const core_mesh *mesh = w->mesh;
     uint32_t *places = w->corners_of->starts + 1, *corners = w->corners_of->corners;
     for (size_t c = 0; c < mesh->corner_count; c++) {
-        const uint32_t p = position_of(mesh, c, plain);
+        const uint32_t p = position_of(mesh, c, kind);
         if (p - first < count) corners[places[p]++] = (uint32_t)c;
     }
 }
 
-CORE_INLINE void place_all(const part_work *w, int plain) {
+CORE_INLINE void place_all(const part_work *w, corner_kind kind) {
     uint32_t *places = w->corners_of->starts + 1, *corners = w->corners_of->corners;
     for (size_t c = 0; c < w->mesh->corner_count; c++)
-        corners[places[position_of(w->mesh, c, plain)]++] = (uint32_t)c;
+        corners[places[position_of(w->mesh, c, kind)]++] = (uint32_t)c;
 }
 
 static void place_some(const part_work *w, uint32_t first, uint32_t count) {
@@ -151,14 +169,10 @@ static void place_range(void *context, size_t range) {
     turn_into_places(w, range);
     if (w->some)
         place_some(w, begin, end - begin);
-    else if (w->ranges == 1 && is_unwelded(w->mesh))
-        place_all(w, 1);
     else if (w->ranges == 1)
-        place_all(w, 0);
-    else if (is_unwelded(w->mesh))
-        place_between(w, begin, end - begin, 1);
+        LOOP_FOR_KIND(w->mesh, place_all, w)
     else
-        place_between(w, begin, end - begin, 0);
+        LOOP_FOR_KIND(w->mesh, place_between, w, begin, end - begin)
 }
 
 static void name_faces(const core_mesh *mesh, core_corners_of_position *corners_of) {

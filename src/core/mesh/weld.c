@@ -457,19 +457,17 @@ static void hash_positions(const void *context, size_t first, size_t count, uint
     }
 }
 
+/* Neither is NaN, which has no hash: equal bits are equal numbers. */
 static int same_position(const void *context, uint32_t one, uint32_t other) {
     const core_mesh *mesh = context;
+    const unsigned char *data = mesh->positions.data;
+    const size_t stride = mesh->positions.stride;
     double a[3], b[3];
-    if (mesh->positions.format == NORMA_FORMAT_FLOAT) {
-        const unsigned char *data = mesh->positions.data;
-        const size_t stride = mesh->positions.stride;
-        float p[3], q[3];
-        memcpy(p, data + one * stride, sizeof p);
-        memcpy(q, data + other * stride, sizeof q);
-        return (p[0] == q[0]) & (p[1] == q[1]) & (p[2] == q[2]);
-    }
-    norma_core_position(context, one, a);
-    norma_core_position(context, other, b);
+    if (mesh->positions.format == NORMA_FORMAT_FLOAT &&
+        !memcmp(data + one * stride, data + other * stride, 3 * sizeof(float)))
+        return 1;
+    norma_core_position(mesh, one, a);
+    norma_core_position(mesh, other, b);
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
