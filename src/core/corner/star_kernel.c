@@ -83,19 +83,32 @@ static norma_result allocate_kept(const core_call *call, size_t room, kept_faces
     return NORMA_OK;
 }
 
+/* Scratch is bounded for each triangle, and by what one who works alone has: more of them keep
+ * less. */
+static size_t choose_room(const core_prepared_mesh *prepared, size_t count) {
+    enum { LEAST = 64, BYTES_A_FACE = 23 };
+    const size_t faces = prepared->mesh.face_count, alone = kept_bytes(FACES_KEPT) + faces;
+    const size_t bytes = faces < alone / BYTES_A_FACE ? BYTES_A_FACE * faces : alone;
+    size_t room = prepared->faces ? 1 : LEAST;
+    while (room < FACES_KEPT && !prepared->faces && kept_bytes(2 * room) <= bytes / count)
+        room *= 2;
+    return room;
+}
+
 norma_result norma_core_kept_allocate(
     const core_prepared_mesh *prepared, size_t count, kept_faces **kept) {
     const core_call *call = prepared->call;
-    size_t room = 1;
+    const size_t room = choose_room(prepared, count);
     norma_result result = NORMA_OK;
-    while (room < FACES_KEPT && room < prepared->mesh.face_count && !prepared->faces) room *= 2;
     if (!(*kept = norma_core_allocate(call, count, sizeof **kept))) return NORMA_ERROR_MEMORY;
     memset(*kept, 0, count * sizeof **kept);
     for (size_t i = 0; i < count && result == NORMA_OK; i++) {
         atomic_init(&(*kept)[i].taken, 0);
         result = allocate_kept(call, room, &(*kept)[i]);
     }
-    if (result != NORMA_OK) norma_core_kept_release(prepared, count, *kept);
+    if (result == NORMA_OK) return NORMA_OK;
+    norma_core_kept_release(prepared, count, *kept);
+    *kept = NULL;
     return result;
 }
 
