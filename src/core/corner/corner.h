@@ -115,7 +115,9 @@ norma_result norma_core_prepare_stars(
 /* From here on, stars that meet a triangle without a direction mark its positions; once all have
  * been made that may: finds whose directions such borrow. */
 norma_result norma_core_watch_for_flat(core_prepared_mesh *prepared);
-void norma_core_mark_flat(const core_prepared_mesh *prepared, uint32_t position);
+static inline void norma_core_mark_flat(const core_prepared_mesh *prepared, uint32_t position) {
+    atomic_store_explicit(&prepared->flat_at[position], 1, memory_order_relaxed);
+}
 norma_result norma_core_borrow_directions(core_prepared_mesh *prepared);
 void norma_core_prepared_mesh_close(core_prepared_mesh *prepared);
 

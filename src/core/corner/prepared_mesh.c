@@ -17,10 +17,6 @@ typedef struct face_survey {
     survey_part *parts;    /* of each chunk of this survey */
 } face_survey;
 
-void norma_core_mark_flat(const core_prepared_mesh *prepared, uint32_t position) {
-    atomic_store_explicit(&prepared->flat_at[position], 1, memory_order_relaxed);
-}
-
 static void survey_face(
     const face_survey *survey, size_t f, const core_face *face, survey_part *part) {
     const core_prepared_mesh *s = survey->prepared;

@@ -147,7 +147,7 @@ static uint32_t place_behind(const kept_faces *kept, size_t corner) {
     return kept->room + (uint32_t)corner;
 }
 
-CORE_INLINE void read_triangle(const core_mesh *mesh, size_t face, uint32_t at[3]) {
+CORE_INLINE void read_face_corners(const core_mesh *mesh, size_t face, uint32_t at[3]) {
     if (mesh->corners && mesh->corner_size == sizeof *at)
         memcpy(at, (const unsigned char *)mesh->corners + 3 * face * sizeof *at, 3 * sizeof *at);
     else
@@ -181,7 +181,8 @@ CORE_INLINE uint32_t find_places(kept_faces *kept, star_list *list, int near) {
 static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *list) {
     const int near = list->corner_count && list->most / 3 - list->least / 3 < kept->room;
     list->waiting = near ? find_places(kept, list, 1) : find_places(kept, list, 0);
-    for (uint32_t i = 0; i < list->waiting; i++) read_triangle(mesh, list->face[i], list->at[i]);
+    for (uint32_t i = 0; i < list->waiting; i++)
+        read_face_corners(mesh, list->face[i], list->at[i]);
 }
 
 static void read_polygon_corners(

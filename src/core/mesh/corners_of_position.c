@@ -34,7 +34,7 @@ static uint32_t *counts_of_part(const part_work *w, size_t part) {
 /* A loop without a question inside for each of what nearly all meshes are: indices of 32 bits. */
 typedef enum corner_kind { ANY_CORNERS, PLAIN_CORNERS, WELDED_CORNERS } corner_kind;
 
-static corner_kind kind_of(const core_mesh *mesh) {
+static corner_kind corners_kind(const core_mesh *mesh) {
     if (mesh->corner_size != sizeof(uint32_t) || !mesh->corners) return ANY_CORNERS;
     return mesh->weld ? WELDED_CORNERS : PLAIN_CORNERS;
 }
@@ -48,7 +48,7 @@ CORE_INLINE uint32_t position_of(const core_mesh *mesh, size_t corner, corner_ki
 
 /* loop is compiled for each kind. */
 #define LOOP_FOR_KIND(mesh, loop, ...)                                                             \
-    switch (kind_of(mesh)) {                                                                       \
+    switch (corners_kind(mesh)) {                                                                  \
     case ANY_CORNERS:                                                                              \
         loop(__VA_ARGS__, ANY_CORNERS);                                                            \
         break;                                                                                     \
