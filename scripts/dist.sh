@@ -65,6 +65,7 @@ binary() {
     cp "$source"/docs/man/*.1 "$tree/$name/man/"
     cp "$source"/completions/* "$tree/$name/completions/"
     cp "$source/LICENSE" "$source/README.md" "$source/CHANGELOG.md" "$tree/$name/"
+    cp "$source/web/licences/draco3dgltf.txt" "$tree/$name/LICENSE-Apache-2.0" # the letters of pictures, the decoder in the page
 }
 
 # Where a program looks for libraries. An empty place is the folder that somebody happens to be in: a libm.so.6 there would be run.

@@ -102,7 +102,7 @@ draw scale "$models/sphere.obj" --compare=before,plain,right --scale 2,0.5,1 --c
 draw shear "$models/sphere.obj" --compare=before,plain,right --matrix "1 1 0 0  0 1 0 0  0 0 1 0  0 0 0 1" --camera 12,10 "${three[@]}"
 draw mirror assets/goathead.obj --compare=before,right --scale -1,1,1 --size 360x320 --camera 0,6 --label 'before' --label 'mirrored: faces reversed'
 draw flat "$models/dome.obj" --compare=before,plain,right --scale 1,0,1 --camera 20,24 "${three[@]}"
-draw wrong-right assets/goathead.obj --compare=plain,right --scale 1,0.4,1 --size 400x280 --camera -42,20 --light -10,60,0.95 \
+draw wrong-right assets/goathead.obj --compare=plain,right --scale 1,0.4,1 --size 390x274 --camera -42,20 --light -10,60,0.95 \
     --show hedgehog --lines vertices --most-lines 150 --line-width 2 --line-length 3 \
     --label 'WRONG: normals through M' --label 'RIGHT: normals through the normal matrix'
 

@@ -51,6 +51,12 @@ for (const [name, [licence, from, relation, use, debian]] of Object.entries(know
         externalRefs: debian.split(", ").map((one) => ({ referenceCategory: "PACKAGE-MANAGER", referenceType: "purl", referenceLocator: `pkg:deb/debian/${one}` })),
     }, relation);
 
+add("open-sans", {
+    name: "open-sans", versionInfo: "1.11", downloadLocation: "https://www.opensans.com/", licenseConcluded: "Apache-2.0", licenseDeclared: "Apache-2.0",
+    comment: "the tool: outlines of the letters in pictures, src/render/picture/outlines.h; Debian: fonts-open-sans",
+    externalRefs: [{ referenceCategory: "PACKAGE-MANAGER", referenceType: "purl", referenceLocator: "pkg:deb/debian/fonts-open-sans" }],
+}, "CONTAINED_BY");
+
 for (const [folder, relation] of [["web", "CONTAINED_BY"], ["tests/cli/validator", "TEST_DEPENDENCY_OF"], ["tests/web", "TEST_DEPENDENCY_OF"], ["bench", "TEST_DEPENDENCY_OF"]]) {
     if (!existsSync(join(root, folder, "package-lock.json"))) continue;
     for (const [path, entry] of Object.entries(JSON.parse(read(`${folder}/package-lock.json`)).packages)) {

@@ -2,7 +2,7 @@
 #include "render/picture/picture.h"
 #include "io/image/image.h"
 #include "io/image/png_memory.h"
-#include "render/picture/font.h"
+#include "render/picture/outlines.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <math.h>
@@ -35,8 +35,7 @@ enum render_result render_image_decode(
         error, RENDER_ERROR_ARGUMENT, "an image cannot be decoded: %s", norma_image_text(result));
 }
 
-/* ---- Words in a picture: the strokes of a font as lines of even width with round ends,
- * their borders as smooth as their distance says. */
+/* ---- Words in a picture: the outlines of a font, filled, each pixel as far as it is within. */
 
 /* The next character of UTF-8 text; what is no UTF-8 counts byte for byte, as '?'. */
 static uint32_t next_character(const char **text) {
@@ -55,21 +54,24 @@ static uint32_t next_character(const char **text) {
 }
 
 static const char *glyph_of(uint32_t character) {
-    if (character >= RENDER_FIRST_GLYPH && character < RENDER_FIRST_GLYPH + RENDER_GLYPHS)
-        return render_glyphs[character - RENDER_FIRST_GLYPH];
-    for (size_t i = 0; i < sizeof render_extra_glyphs / sizeof *render_extra_glyphs; ++i)
-        if (render_extra_glyphs[i].character == character) return render_extra_glyphs[i].glyph;
-    return render_glyphs['?' - RENDER_FIRST_GLYPH];
+    if (character >= RENDER_FIRST_OUTLINE && character < RENDER_FIRST_OUTLINE + RENDER_OUTLINES)
+        return render_outlines[character - RENDER_FIRST_OUTLINE];
+    for (size_t i = 0; i < sizeof render_extra_outlines / sizeof *render_extra_outlines; ++i)
+        if (render_extra_outlines[i].character == character) return render_extra_outlines[i].glyph;
+    return render_outlines['?' - RENDER_FIRST_OUTLINE];
 }
 
-static double unit_of(double size) { return size / (RENDER_GLYPH_BOTTOM - RENDER_GLYPH_TOP); }
+static double unit_of(double size) { return size / RENDER_CAPITALS; }
+
+static int outline_number(const char *letters) {
+    const int first = letters[0] - '#' - (letters[0] > '?'),
+              second = letters[1] - '#' - (letters[1] > '?');
+    return first * RENDER_OUTLINE_BASE + second - RENDER_OUTLINE_OFFSET;
+}
 
 double render_text_width(const char *text, double size) {
     double units = 0;
-    while (*text) {
-        const char *glyph = glyph_of(next_character(&text));
-        units += glyph[1] - glyph[0];
-    }
+    while (*text) units += outline_number(glyph_of(next_character(&text)));
     return units * unit_of(size);
 }
 
@@ -77,49 +79,75 @@ double render_text_width(const char *text, double size) {
 
 typedef struct coverage {
     long left, top, width, height;
-    float *ink;
-    double half_width;
+    float *ink; /* of rows longer by two */
 } coverage;
 
-static double distance_to(double x, double y, double ax, double ay, double bx, double by) {
-    const double dx = bx - ax, dy = by - ay, squared = dx * dx + dy * dy;
-    double t = squared > 0 ? ((x - ax) * dx + (y - ay) * dy) / squared : 0;
-    t = fmax(0, fmin(1, t));
-    return hypot(x - ax - t * dx, y - ay - t * dy);
+typedef struct pen { /* glyphs' units to pixels of the box */
+    double x, y, unit;
+} pen;
+
+/* What lies to the right of an edge is within, or, where the edge goes up, no more: each of a
+ * pixel's rows adds its share where it crosses, and sums from the left tell how much is ink. */
+static void add_edge(coverage *c, const double a[2], const double b[2]) {
+    enum { ROWS = 16 };
+    const double *upper = a[1] < b[1] ? a : b, *lower = a[1] < b[1] ? b : a;
+    const float share = (a[1] < b[1] ? 1.0F : -1.0F) / ROWS;
+    const long end = (long)ceil(fmin(lower[1], (double)c->height) * ROWS - 0.5);
+    for (long row = (long)ceil(fmax(upper[1], 0) * ROWS - 0.5); row < end; ++row) {
+        const double t = (((double)row + 0.5) / ROWS - upper[1]) / (lower[1] - upper[1]),
+                     x = fmin(fmax(upper[0] + t * (lower[0] - upper[0]), 0), (double)c->width),
+                     whole = floor(x);
+        float *ink = c->ink + row / ROWS * (c->width + 2) + (long)whole;
+        ink[0] += share * (float)(1 - (x - whole));
+        ink[1] += share * (float)(x - whole);
+    }
 }
 
-static void stroke(coverage *c, double ax, double ay, double bx, double by) {
-    const double reach = c->half_width + 1;
-    const long x0 = (long)floor(fmin(ax, bx) - reach), x1 = (long)ceil(fmax(ax, bx) + reach),
-               y0 = (long)floor(fmin(ay, by) - reach), y1 = (long)ceil(fmax(ay, by) + reach);
-    for (long y = y0 > c->top ? y0 : c->top; y < y1 && y < c->top + c->height; ++y)
-        for (long x = x0 > c->left ? x0 : c->left; x < x1 && x < c->left + c->width; ++x) {
-            float *ink = &c->ink[(y - c->top) * c->width + x - c->left];
-            const double covered =
-                c->half_width + 0.5 - distance_to((double)x + 0.5, (double)y + 0.5, ax, ay, bx, by);
-            *ink = fmaxf(*ink, (float)fmax(0, fmin(1, covered)));
-        }
+static void add_curve(coverage *c, const double from[2], const double by[2], const double to[2]) {
+    enum { PARTS = 6 };
+    double last[2] = {from[0], from[1]}, next[2];
+    for (int i = 1; i <= PARTS; ++i) {
+        const double t = (double)i / PARTS, u = 1 - t;
+        for (int k = 0; k < 2; ++k) next[k] = u * u * from[k] + 2 * u * t * by[k] + t * t * to[k];
+        add_edge(c, last, next);
+        memcpy(last, next, sizeof last);
+    }
 }
 
-static void strokes(coverage *c, const char *text, double x, double y, double unit) {
-    while (*text) {
-        const char *glyph = glyph_of(next_character(&text));
-        const double origin = x - (glyph[0] - 'R') * unit;
-        double last_x = 0, last_y = 0;
-        int down = 0;
-        for (const char *at = glyph + 2; at[0] && at[1]; at += 2) {
-            if (at[0] == ' ') {
-                down = 0;
-                continue;
-            }
-            const double px = origin + (at[0] - 'R') * unit,
-                         py = y + (at[1] - 'R' - RENDER_GLYPH_BOTTOM) * unit;
-            if (down) stroke(c, last_x, last_y, px, py);
-            last_x = px;
-            last_y = py;
-            down = 1;
+static const char *read_point(const pen *p, const char *letters, double point[2]) {
+    point[0] = p->x + outline_number(letters) * p->unit;
+    point[1] = p->y - outline_number(letters + 2) * p->unit;
+    return letters + 4;
+}
+
+static void add_glyph(coverage *c, const pen *p, const char *glyph) {
+    double start[2] = {0}, last[2] = {0}, by[2], next[2];
+    for (const char *at = glyph + 4; *at;) {
+        const char part = *at++;
+        if (part == 'm') {
+            add_edge(c, last, start); /* the outline before it is closed */
+            at = read_point(p, at, start);
+            memcpy(last, start, sizeof last);
+            continue;
         }
-        x += (glyph[1] - glyph[0]) * unit;
+        if (part == 'q') at = read_point(p, at, by);
+        at = read_point(p, at, next);
+        if (part == 'q')
+            add_curve(c, last, by, next);
+        else
+            add_edge(c, last, next);
+        memcpy(last, next, sizeof last);
+    }
+    add_edge(c, last, start);
+}
+
+static void sum_ink(coverage *c) {
+    for (long y = 0; y < c->height; ++y) {
+        float sum = 0, *row = c->ink + y * (c->width + 2);
+        for (long x = 0; x < c->width; ++x) {
+            sum += row[x];
+            row[x] = fminf(fabsf(sum), 1);
+        }
     }
 }
 
@@ -128,8 +156,8 @@ static void blend(render_picture *picture, const coverage *c, const uint8_t ink[
         for (long x = 0; x < c->width; ++x) {
             uint8_t *pixel = picture->pixels +
                              4 * ((size_t)(c->top + y) * picture->width + (size_t)(c->left + x));
-            const double a = (double)c->ink[y * c->width + x], under = pixel[3] / 255.0 * (1 - a),
-                         alpha = a + under;
+            const double a = (double)c->ink[y * (c->width + 2) + x],
+                         under = pixel[3] / 255.0 * (1 - a), alpha = a + under;
             for (int k = 0; k < 3 && alpha > 0; ++k)
                 pixel[k] = (uint8_t)lround((a * ink[k] + under * pixel[k]) / alpha);
             pixel[3] = (uint8_t)lround(alpha * 255);
@@ -138,10 +166,7 @@ static void blend(render_picture *picture, const coverage *c, const uint8_t ink[
 
 void render_text_draw(render_picture *picture, const char *text, double x, double y, double size,
     const uint8_t ink[3]) {
-    const double unit = unit_of(size);
-    coverage c = {.left = (long)floor(x - size),
-        .top = (long)floor(y - 2 * size),
-        .half_width = fmax(0.55, 0.055 * size)};
+    coverage c = {.left = (long)floor(x - size), .top = (long)floor(y - 2 * size)};
     long right = (long)ceil(x + render_text_width(text, size) + size),
          bottom = (long)ceil(y + size);
     c.left = c.left > 0 ? c.left : 0;
@@ -151,9 +176,15 @@ void render_text_draw(render_picture *picture, const char *text, double x, doubl
     c.width = right - c.left;
     c.height = bottom - c.top;
     if (c.width <= 0 || c.height <= 0) return;
-    c.ink = calloc((size_t)c.width * (size_t)c.height, sizeof *c.ink);
+    c.ink = calloc(((size_t)c.width + 2) * (size_t)c.height, sizeof *c.ink);
     if (!c.ink) return;
-    strokes(&c, text, x, y, unit);
+    pen p = {x - (double)c.left, round(y) - (double)c.top, unit_of(size)};
+    while (*text) {
+        const char *glyph = glyph_of(next_character(&text));
+        add_glyph(&c, &p, glyph);
+        p.x += outline_number(glyph) * p.unit;
+    }
+    sum_ink(&c);
     blend(picture, &c, ink);
     free(c.ink);
 }

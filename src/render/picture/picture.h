@@ -10,7 +10,7 @@ typedef struct render_srgb { /* IEC 61966-2-1, both ways; a level that is decode
 } render_srgb;
 void render_srgb_make(render_srgb *table);
 
-/* Words in strokes of the Hershey fonts, drawn with their own smooth borders. size: the height of
+/* Words in Open Sans. size: the height of
  * capitals in pixels; (x, y): where the line of writing begins. */
 double render_text_width(const char *text, double size);
 void render_text_draw(render_picture *picture, const char *text, double x, double y, double size,

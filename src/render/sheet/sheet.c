@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double least_text = 7.5, room_of_width = 0.96;
+static const double least_text = 7.5, room_of_width = 0.96, line_step = 1.8; /* of capitals */
 
 /* The bytes of the words that fit, up to a blank; at least one word. */
 static size_t line_length(const char *words, double size, double room) {
@@ -52,7 +52,7 @@ static double text_size(const render_look *look) {
 
 static size_t strip_height(const render_look *look, const char *words, size_t width) {
     const render_text_lines l = break_words(words, text_size(look), width);
-    return (size_t)lround(2.4 * text_size(look) + (double)(l.count - 1) * 1.5 * l.size);
+    return (size_t)lround(2.4 * text_size(look) + (double)(l.count - 1) * line_step * l.size);
 }
 
 /* ---- where things lie */
@@ -143,14 +143,15 @@ static enum render_result make_picture(
 static void draw_centred(const render_look *look, render_picture *picture, const char *words,
     size_t x, size_t width, size_t y, size_t height) {
     const render_text_lines l = break_words(words, text_size(look), width);
-    double base = (double)y + ((double)height + l.size - (double)(l.count - 1) * 1.5 * l.size) / 2;
+    double base =
+        (double)y + ((double)height + l.size - (double)(l.count - 1) * line_step * l.size) / 2;
     for (size_t i = 0; i < l.count; ++i) {
         char line[640];
         snprintf(line, sizeof line, "%.*s", (int)l.lengths[i], words);
         render_text_draw(picture, line,
             (double)x + ((double)width - render_text_width(line, l.size)) / 2, base, l.size,
             look->ink);
-        base += 1.5 * l.size;
+        base += line_step * l.size;
         words += l.lengths[i] + (words[l.lengths[i]] == ' ');
     }
 }
