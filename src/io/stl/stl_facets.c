@@ -39,16 +39,27 @@ static void store_floats(unsigned char *at, const float *values, size_t count) {
     }
 }
 
-/* Of a file that is read in parts no more than its beginning is there. */
+static int is_in_line(int byte) { return byte != '\n' && byte != '\r'; }
+
+/* The format has no comments, but people and programs write them, on lines of their own. */
+static int begins_comment(const char *at, const char *end) {
+    return at < end && (*at == '#' || *at == ';' || *at == '!' || *at == '%' ||
+                           (*at == '/' && at + 1 < end && at[1] == '/'));
+}
+
+/* Behind comments. Of a file that is read in parts no more than its beginning is there. */
 static int begins_with_solid(const stl_state *state) {
-    enum { MOST_BLANKS = 1 << 16 };
+    enum { MOST_SKIPPED = 1 << 16 };
     static const char word[] = "solid";
-    size_t at = 0;
-    while (at < state->size && at < MOST_BLANKS &&
-           (state->bytes[at] == ' ' || (state->bytes[at] >= '\t' && state->bytes[at] <= '\r')))
-        ++at;
-    for (size_t i = 0; i < 5; ++i)
-        if (at + i >= state->size || (state->bytes[at + i] | 0x20) != word[i]) return 0;
+    const size_t size = state->size < MOST_SKIPPED ? state->size : MOST_SKIPPED;
+    const char *at = (const char *)state->bytes, *end = at + size;
+    for (;;) {
+        while (at < end && norma_is_blank(*at)) ++at;
+        if (!begins_comment(at, end)) break;
+        while (at < end && is_in_line(*at)) ++at;
+    }
+    for (size_t i = 0; i < 5; ++i, ++at)
+        if (at == end || (*at | 0x20) != word[i]) return 0;
     return 1;
 }
 
@@ -74,6 +85,9 @@ norma_document_result norma_stl_read_binary(norma_document *document, norma_docu
             state->size == 0 ? "the file is empty" : "not an STL file");
     const uint32_t count = load_32(state->bytes + 80);
     const size_t room = (state->size - STL_HEADER) / STL_FACET;
+    if (count > room && looks_like_text(state))
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "1",
+            "text that does not begin with \"solid\"; expected an STL file");
     if (count > room)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "byte 80",
             "the header declares %lu facets, but the file holds only %zu", (unsigned long)count,
@@ -177,7 +191,6 @@ typedef struct text_scanner {
 } text_scanner;
 
 static int is_no_blank(int byte) { return !norma_is_blank(byte); }
-static int is_in_line(int byte) { return byte != '\n' && byte != '\r'; }
 
 static void stl_stop(text_scanner *scanner) {
     scanner->stopped = 1;
@@ -319,6 +332,11 @@ static norma_document_result stl_take_name(text_scanner *scanner) {
 }
 
 static norma_document_result scan_statement(text_scanner *scanner, stl_word word) {
+    if (begins_comment(word.text, word.end)) {
+        scanner->at = word.text;
+        pass(scanner, is_in_line);
+        return NORMA_DOCUMENT_OK;
+    }
     if (!scanner->inside) {
         scanner->inside = 1;
         return stl_is_word(word, "solid") ? stl_take_name(scanner)
