@@ -304,6 +304,7 @@ typedef struct norma_texture_info {
     float strength;             /* of a normal map: its x and y are multiplied by it */
     int wrap_s, wrap_t;         /* 10497: repeat; 33071: clamp; 33648: mirrored */
     int mag_filter, min_filter; /* 9728: nearest, 9729: linear, ...; 0: not given */
+    const char *name;           /* of the image: its file, or what the file calls it; NULL: none */
 } norma_texture_info;
 
 typedef enum norma_alpha_mode {

@@ -426,9 +426,13 @@ static int find_curl(const map_texels *texels, const map_mask *mask, map_curl *c
 static const double MOST_BAD = .05;
 enum { FEW_TEXELS = 16 };
 
+/* what: "the normal map NAME: " goes in front of it. */
 static norma_result add_map_finding(
-    check_mesh *m, check_rule rule, double value, const char *message) {
+    check_mesh *m, const norma_texture_info *map, check_rule rule, double value, const char *what) {
     check_hits one = {0};
+    char message[CHECK_MESSAGE];
+    norma_check_message(message, map->name ? "normal map \"%s\": %s" : "normal map: %s%s",
+        map->name ? map->name : "", what);
     norma_check_hit(m->run, &one, value, CHECK_NOWHERE);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = rule,
@@ -449,25 +453,26 @@ static double bad_share(const map_lengths *l) {
     return l->used ? (double)l->bad / (double)l->used : 0;
 }
 
-static norma_result tell_lengths(check_mesh *m, const map_texels *texels, const map_lengths *l) {
+static norma_result tell_lengths(
+    check_mesh *m, const norma_texture_info *map, const map_texels *texels, const map_lengths *l) {
     char message[CHECK_MESSAGE];
     const size_t all = texels->columns * texels->rows;
     const double percent = 100 * bad_share(l);
     if (l->used && l->one_value && (l->used >= FEW_TEXELS || l->used == all)) {
         if (is_flat(l->first)) return NORMA_OK;
         norma_check_message(message,
-            "all texels of the normal map that faces use are (%z, %z, %z); one value throughout "
-            "turns every normal by the same angle",
+            "all texels that faces use are (%z, %z, %z); one value throughout turns every normal "
+            "by the same angle",
             (size_t)l->first[0], (size_t)l->first[1], (size_t)l->first[2]);
     } else if (bad_share(l) > MOST_BAD) {
         norma_check_message(message,
-            "%g %% of the normal map's texels that faces use are not unit vectors above the "
-            "surface; the map may be a bump map, or stored in another way than glTF asks",
+            "it may be a bump map, or stored in another way than glTF asks: %g %% of the texels "
+            "that faces use are not unit vectors above the surface",
             percent);
     } else {
         return NORMA_OK;
     }
-    return add_map_finding(m, RULE_N811, percent, message);
+    return add_map_finding(m, map, RULE_N811, percent, message);
 }
 
 /* ---- N812 */
@@ -493,14 +498,15 @@ static int is_turned(const map_curl *curl, double *agreement) {
     return *agreement < TURNED;
 }
 
-static norma_result judge_curl(check_mesh *m, const map_texels *texels, const map_mask *mask) {
+static norma_result judge_curl(
+    check_mesh *m, const norma_texture_info *map, const map_texels *texels, const map_mask *mask) {
     map_curl curl;
     double agreement;
     if (!find_curl(texels, mask, &curl)) return NORMA_ERROR_MEMORY;
     if (!is_turned(&curl, &agreement)) return NORMA_OK;
-    return add_map_finding(m, RULE_N812, -agreement,
-        "the normal map fits a surface only with its green channel inverted; it was made for the "
-        "other convention (DirectX), so light from above makes bumps look like dents");
+    return add_map_finding(m, map, RULE_N812, -agreement,
+        "bumps look like dents in light from above; it fits a surface only with its green channel "
+        "inverted, so it was made for the other convention (DirectX)");
 }
 
 norma_result norma_check_map(
@@ -511,10 +517,10 @@ norma_result norma_check_map(
     if (!norma_check_wants_any(m, RULE_N811, RULE_N812)) return NORMA_OK;
     if (!make_mask(m, map, texels, &mask)) return NORMA_ERROR_MEMORY;
     find_lengths(texels, &mask, &lengths);
-    if (norma_check_wants(m, RULE_N811)) result = tell_lengths(m, texels, &lengths);
+    if (norma_check_wants(m, RULE_N811)) result = tell_lengths(m, map, texels, &lengths);
     const int are_normals = bad_share(&lengths) <= MOST_BAD; /* else they decide nothing */
     if (!result && are_normals && norma_check_wants(m, RULE_N812))
-        result = judge_curl(m, texels, &mask);
+        result = judge_curl(m, map, texels, &mask);
     free(mask.bits);
     return result;
 }

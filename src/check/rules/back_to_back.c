@@ -74,8 +74,7 @@ static norma_result find_sheets(
 static norma_result add_solids(check_mesh *m, norma_severity severity, check_hits *hits) {
     return norma_check_report(m,
         &(check_report){.rule = RULE_N306, .severity = severity, .no_value = 1, .hits = hits},
-        "%z pair%s of back-to-back faces: a closed solid stands there a second time, turned inside "
-        "out",
+        "a second copy of the solid, turned inside out: %z pair%s of back-to-back faces",
         hits->count, norma_check_plural(hits->count));
 }
 
@@ -84,18 +83,15 @@ static norma_result add_sheets(
     const int print = m->run->profile == NORMA_CHECK_PROFILE_PRINT;
     char solids[CHECK_MESSAGE] = "";
     if (of_solids)
-        norma_check_message(solids,
-            "; %z of them make up a closed solid that stands there a second time, turned inside "
-            "out",
-            of_solids);
+        norma_check_message(
+            solids, "; %z of them make up a second copy of a solid, turned inside out", of_solids);
     return norma_check_report(m,
         &(check_report){.rule = RULE_N306, .severity = severity, .no_value = 1, .hits = hits},
-        "%z pair%s of back-to-back faces: %s%s%s", hits->count, norma_check_plural(hits->count),
-        print ? "walls without thickness" : "a sheet modelled with two sides",
-        !print && m->given->material.double_sided
-            ? ", of a material that shows both sides of each: they flicker"
-            : "",
-        solids);
+        "%s: %z pair%s of back-to-back faces%s",
+        print                             ? "walls without thickness"
+        : m->given->material.double_sided ? "faces that flicker, as the material shows both sides"
+                                          : "a sheet modelled with two sides",
+        hits->count, norma_check_plural(hits->count), solids);
 }
 
 /* One finding for each severity. */

@@ -19,7 +19,8 @@ norma_result norma_check_add_open(check_mesh *m, const core_topology *topology, 
     return norma_check_report(m,
         &(check_report){
             .rule = RULE_N307, .severity = NORMA_SEVERITY_WARNING, .no_value = 1, .hits = &hits},
-        "%z open edge%s (of one face only); nothing separates inside from outside there",
+        "holes, or sheets without thickness: %z edge%s of one face only; nothing separates inside "
+        "from outside there",
         hits.count, norma_check_plural(hits.count));
 }
 
@@ -325,8 +326,8 @@ static norma_result add_duplicates(check_mesh *m, check_hits *hits, double twice
                                                                          : NORMA_SEVERITY_WARNING,
             .no_value = 1,
             .hits = hits},
-        "%z face%s repeated with the same winding; drawn more than once", hits->count,
-        norma_check_plural(hits->count));
+        "drawn more than once: %z face%s with the winding of a face that is there already",
+        hits->count, norma_check_plural(hits->count));
 }
 
 static norma_result add_pairs(check_mesh *m, const edge_part *parts, size_t blocks, size_t count) {

@@ -182,8 +182,7 @@ norma_result norma_check_placeholder(check_mesh *m) {
     const norma_result result = find_placeholder(m, &p);
     if (result || m->placeholder != CHECK_YES) return result;
     norma_check_message(message,
-        "%z of %z normals are (%g, %g, %g), although the mesh is curved; it is lit like a flat "
-        "plate",
+        "lit like a flat plate: %z of %z normals are (%g, %g, %g), although the mesh is curved",
         p.alike, p.used, p.normal[0], p.normal[1], p.normal[2]);
     return norma_check_add_one(m->run, &m->place, m, RULE_N203,
         m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
@@ -350,12 +349,13 @@ static norma_result add_frame(check_mesh *m, const explain_frame *frame) {
     describe_trial(&frame->trial, trial);
     if (frame->kind)
         norma_check_message(message,
-            "the normals do not fit the surface: half of them are %g degrees off or more; %s, to "
-            "within %g degrees at half of them (%s)",
+            "lit from a wrong direction: half of the normals are %g degrees off the surface's or "
+            "more; %s, to within %g degrees at half of them (%s)",
             median, how, frame->median_rad * degrees, trial);
     else
         norma_check_message(message,
-            "the normals do not fit the surface: half of them are %g degrees off or more; %s",
+            "lit from a wrong direction: half of the normals are %g degrees off the surface's or "
+            "more; %s",
             median, how);
     norma_check_hit(m->run, &hits, median, CHECK_NOWHERE);
     return norma_check_add(m->run, &m->place, m,
@@ -547,9 +547,9 @@ static norma_result add_far(check_mesh *m, const far_state *state, int large) {
             .severity = m->on_purpose || !large ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,
             .unit = "deg",
             .hits = &hits},
-        "%z normal%s more than 75 degrees from every face at the position, up to %g, and far "
-        "from every average of those faces%s",
-        hits.count, norma_check_plural(hits.count), hits.worst,
+        "spots or smears in the shading: %z normal%s more than 75 degrees from every face at the "
+        "position, up to %g, and far from every average of those faces%s",
+        hits.count, hits.count == 1 ? " is" : "s are", hits.worst,
         large ? "" : "; all of them are small");
 }
 
@@ -650,9 +650,9 @@ static norma_result add_opposed(check_mesh *m) {
             .unit = "deg",
             .no_fix = !sides.turned && !sides.right,
             .hits = &hits},
-        "%z of %z faces (%g %% of the area) %s lit from behind, as at every corner the normal "
-        "points to the back of the face; %s",
-        hits.count, m->mesh.face_count, 100 * part, hits.count == 1 ? "is" : "are", which);
+        "lit from behind: at %z of %z faces (%g %% of the area) every corner's normal points to "
+        "the back of the face; %s",
+        hits.count, m->mesh.face_count, 100 * part, which);
 }
 
 /* ---- both rules */

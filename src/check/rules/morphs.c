@@ -127,8 +127,8 @@ static norma_result judge_bends(check_mesh *m) {
             .severity = hits.worst > BENDS_MUCH_DEG ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .unit = "deg",
             .hits = &hits},
-        "%z of %z morph targets turn faces (by up to %g degrees) but have no normals; the moved "
-        "surface is shaded as if it had not moved",
+        "the moved surface is shaded as if it had not moved: %z of %z morph targets turn faces "
+        "(by up to %g degrees) but have no normals",
         targets, m->given->morph_count, hits.worst);
 }
 

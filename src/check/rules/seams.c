@@ -258,9 +258,10 @@ static norma_result add_seams_of(check_mesh *m, norma_severity severity, check_h
     return norma_check_report(m,
         &(check_report){.rule = RULE_N501, .severity = severity, .unit = "deg", .hits = hits},
         severity == NORMA_SEVERITY_INFO
-            ? "%z position%s on seams where normals differ, by up to %g degrees; it may be meant"
-            : "%z position%s on seams where normals differ, by up to %g degrees, although the "
-              "surface is smooth; a line is visible there",
+            ? "a step in the shading, which may be meant: at %z position%s on seams normals "
+              "differ, by up to %g degrees"
+            : "a line is visible along a seam: at %z position%s normals differ, by up to %g "
+              "degrees, although the surface is smooth",
         hits->count, norma_check_plural(hits->count), hits->worst);
 }
 

@@ -119,10 +119,10 @@ static norma_result add_smoothed(check_mesh *m, smoothed_part *sum) {
             .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,
             .unit = "deg",
             .hits = &sum->hits},
-        "%z of %z faces at hard edges are shaded as if they were round: over %g %% of the area the "
-        "shading is more than 45 degrees off the face, by up to %g; a crease of 60 degrees makes "
+        "shaded as if round: at %z of %z faces, all with hard edges, the shading is more than 45 "
+        "degrees off the face, by up to %g, over %g %% of the area; a crease of 60 degrees makes "
         "these edges hard",
-        sum->hits.count, m->mesh.face_count, 100 * sum->twice_area / whole, sum->hits.worst);
+        sum->hits.count, m->mesh.face_count, sum->hits.worst, 100 * sum->twice_area / whole);
 }
 
 norma_result norma_check_smoothed(check_mesh *m) {

@@ -82,7 +82,8 @@ static norma_result tell_not_read(const map_job *job, const map_use *use, const 
         norma_check_label(&mesh->info, label);
     } else {
         norma_check_message(where, "/images/%z", use->map.image);
-        norma_check_message(label, "image %z", use->map.image);
+        norma_check_message(label, use->map.name ? "image %z \"%s\"" : "image %z", use->map.image,
+            use->map.name ? use->map.name : "");
     }
     const check_place place = {job->orders[use->mesh], where, label};
     norma_check_partly(job->run);

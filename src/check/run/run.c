@@ -105,34 +105,43 @@ void norma_check_close_mesh(check_mesh *m) {
     if (m->has_topology) norma_core_topology_close(&m->topology);
 }
 
-typedef norma_result check_family(check_mesh *m);
+/* share: of the time of all, on meshes of many kinds; for progress alone. */
+typedef struct check_family {
+    norma_result (*run)(check_mesh *m);
+    double share;
+} check_family;
 
 static norma_result run_mesh(check_run *run, size_t number) {
-    static check_family *const families[] = {
-        norma_check_lengths,
-        norma_check_placeholder,
-        norma_check_deviation,
-        norma_check_frame,
-        norma_check_facing,
-        norma_check_smoothed,
-        norma_check_facets,
-        norma_check_edges,
-        norma_check_solids,
-        norma_check_open_edges,
-        norma_check_shapes,
-        norma_check_cancelled,
-        norma_check_polygons,
-        norma_check_seams,
-        norma_check_coincident,
-        norma_check_precision,
-        norma_check_missing_normals,
-        norma_check_tangents,
-        norma_check_tangent_deviation,
-        norma_check_morphs,
+    static const check_family families[] = {
+        {norma_check_lengths, 1},
+        {norma_check_placeholder, 1},
+        {norma_check_deviation, 15},
+        {norma_check_frame, 1},
+        {norma_check_facing, 3},
+        {norma_check_smoothed, 1},
+        {norma_check_facets, 1},
+        {norma_check_edges, 40},
+        {norma_check_solids, 20},
+        {norma_check_open_edges, 1},
+        {norma_check_shapes, 1},
+        {norma_check_cancelled, 3},
+        {norma_check_polygons, 1},
+        {norma_check_seams, 1},
+        {norma_check_coincident, 10},
+        {norma_check_precision, 2},
+        {norma_check_missing_normals, 1},
+        {norma_check_tangents, 1},
+        {norma_check_tangent_deviation, 5},
+        {norma_check_morphs, 1},
     };
+    enum { SHARES = 110 };
+    const double from = run->call.progress_from, to = run->call.progress_to,
+                 share = (to - from) / (double)run->group->count / SHARES;
+    double done = SHARES * (double)number;
     char label[CHECK_MESSAGE];
     check_mesh m;
     const norma_check_mesh *given = &run->group->meshes[number];
+    norma_core_stage(&run->call, from + share * done, from + share * done);
     norma_result result = norma_check_open_mesh(run, given, &m);
     if (result) return result;
     m.number = number;
@@ -142,8 +151,13 @@ static norma_result run_mesh(check_run *run, size_t number) {
         (check_place){.order = run->group->orders ? run->group->orders[number] : run->next_order++,
             .where = given->info.where ? given->info.where : "",
             .label = label};
-    for (size_t i = 0; i < sizeof families / sizeof *families && !result; i++)
-        result = families[i](&m);
+    for (size_t i = 0; i < sizeof families / sizeof *families && !result; i++) {
+        norma_core_stage(
+            &run->call, from + share * done, from + share * (done + families[i].share));
+        done += families[i].share;
+        result = families[i].run(&m);
+    }
+    norma_core_stage(&run->call, from, to);
     norma_check_close_mesh(&m);
     return result;
 }

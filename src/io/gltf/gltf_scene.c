@@ -17,6 +17,7 @@ typedef struct gltf_image { /* its bytes live as long as the document */
     const unsigned char *bytes;
     size_t size;
     const char *not_read;
+    const char *name; /* for people; NULL: none */
     int looked_at;
     uint64_t device, file; /* of one of its own: several images may name it */
 } gltf_image;
@@ -96,6 +97,27 @@ static int load_view(gltf *g, gltf_image *image, uint32_t token) {
     return 1;
 }
 
+/* Its file, or what it is called. */
+static int name_image(gltf *g, gltf_image *image, uint32_t token) {
+    static const char *const keys[] = {"uri", "name"};
+    for (size_t i = 0; i < 2 && !image->name; ++i) {
+        const uint32_t value = norma_json_member(&g->json, token, keys[i]);
+        char *text = norma_json_is(&g->json, value, JSON_STRING)
+                         ? norma_json_string(&g->json, value)
+                         : NULL;
+        if (!text || norma_gltf_uri_is_data(text) || !*text) {
+            free(text);
+            continue;
+        }
+        char *kept = norma_scene_allocate(g->document->scene, strlen(text) + 1, 1);
+        if (kept) strcpy(kept, text);
+        free(text);
+        if (!kept) return 0;
+        image->name = kept;
+    }
+    return 1;
+}
+
 static int load_image(gltf *g, gltf_image *image, uint32_t token) {
     const uint32_t view = norma_json_member(&g->json, token, "bufferView"),
                    uri = norma_json_member(&g->json, token, "uri");
@@ -155,12 +177,18 @@ static int read_image(gltf *g, uint32_t texture, norma_texture_info *info) {
         return 0;
     gltf_image *image = &scene->images[number];
     const given_image *given = norma_document_given_image(g->document, (size_t)number);
-    if (given) *image = (gltf_image){given->bytes, given->size, NULL, 1, 0, 0};
+    if (!image->looked_at && !name_image(g, image, token)) return 0;
+    if (given)
+        *image = (gltf_image){.bytes = given->bytes,
+            .size = given->size,
+            .name = image->name,
+            .looked_at = 1};
     if (!image->looked_at && !load_image(g, image, token)) return 0;
     image->looked_at = 1;
     info->bytes = image->bytes;
     info->size = image->size;
     info->not_read = image->not_read;
+    info->name = image->name;
     info->image = (size_t)number;
     return 1;
 }
