@@ -16,12 +16,14 @@ shows() { if grep -qE -- "$2" shown; then pass "$1"; else fail "$1" "$(cat -v sh
 shows_not() { if grep -qE -- "$2" shown; then fail "$1" "$(cat -v shown)"; else pass "$1"; fi; }
 
 watched check large.obj --no-config --threads 1 --max-samples 1
-shows "check of one file shows the time" '^checking large.obj: [0-9]+ s'
+shows "check of one file shows percent and the time left" '^checking large.obj: +[0-9]+ %, [0-9]+ s left'
+parts=$(sed -nE 's/^checking large.obj: +([0-9]+) %.*/\1/p' shown)
+if [ "$(echo "$parts" | sort -nu | wc -l)" -ge 6 ] && [ "$parts" = "$(echo "$parts" | sort -n)" ]; then pass "the percent never fall, and do not jump"; else fail "the percent never fall, and do not jump" "$parts"; fi
 watched check large.obj large1.obj large2.obj large3.obj large4.obj --no-config --threads 2
 shows "check of several files shows how many are done" '^checking files: +[0-9]+ %'
 shows "what is left of the line is cleared before a report" $'\e\\[Klarge'
 watched check large.obj --no-config --threads 1 --fix-unsafe --select N1 -o fixed.obj
-shows "--fix shows the time" '^checking large.obj: [0-9]+ s'
+shows "--fix shows percent and the time left" '^checking large.obj: +[0-9]+ %, [0-9]+ s left'
 watched check large.obj --no-config --threads 1 --quiet
 shows_not "--quiet shows none" '^checking'
 watched check small.obj --no-config

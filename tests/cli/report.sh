@@ -279,4 +279,69 @@ for id in $(norma explain | cut -d ' ' -f 1); do
     [ "$(sed -n "/ id=\"$id\"/,/<\/article>/p" rules.html | grep -c '<svg .*<path')" -eq 2 ] || without+=" $id"
 done
 if [ -z "$without" ]; then pass "the manual has a picture of wrong and one of right for every rule"; else fail "the manual has a picture of wrong and one of right for every rule" "$without"; fi
+
+# ---- for people: the worst file first, what several files share once, files without problems folded
+mkdir worst worst/deep
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >worst/a-clean.obj
+sed -E 's/^f (.*) (.*) (.*)/f \1 \3 \2/' worst/a-clean.obj >worst/b-inside-out.obj # N302, a warning
+for copy in c-copy d-copy deep/e-copy f-copy; do cp worst/b-inside-out.obj "worst/$copy.obj"; done
+sed 's/^v 0 0 1/v 0 0 2/' worst/b-inside-out.obj >worst/g-other.obj # the same words, of another mesh
+printf "$bad" >worst/y-error.obj                                    # N102
+{ printf "$bad"; printf 'v 5 0 0\nv 6 0 0\nv 5 1 0\nvn 0 0 3\nf 4//2 5//2 6//2\n'; } >worst/z-errors.obj # N102, N103
+norma check worst --no-config >worst.txt
+if [ "$(grep -o '^worst/[a-z/-]*.obj: [a-z]* N...' worst.txt | tr '\n' ' ')" = 'worst/z-errors.obj: error N102 worst/z-errors.obj: error N103 worst/y-error.obj: error N102 worst/b-inside-out.obj: warning N302 worst/g-other.obj: warning N302 ' ]; then
+    pass "text: files by their gravest finding, then by how many"
+else
+    fail "text: files by their gravest finding, then by how many" "$(cat worst.txt)"
+fi
+if grep -q '^worst/b-inside-out.obj: .* Also in worst/c-copy.obj, worst/d-copy.obj, worst/deep/e-copy.obj and 1 more file. Fix: norma check worst/b-inside-out.obj ' worst.txt && [ "$(grep -c 'Also in' worst.txt)" -eq 1 ] && tail -n 1 worst.txt | grep -q '^3 errors, 6 warnings in 8 of 9 files$'; then
+    pass "text: the same mesh in five files is one line, another mesh is not in it, and the totals count all"
+else
+    fail "text: the same mesh in five files is one line, another mesh is not in it, and the totals count all" "$(cat worst.txt)"
+fi
+norma check worst --no-config -o worst.html
+norma check worst --no-config -o worst.json
+sections() { grep -o '<section class="file" data-path="[^"]*"' "$1" | sed 's/.*path="worst.//; s/"//' | tr '\n' ' '; }
+if [ "$(sections worst.html)" = 'z-errors.obj y-error.obj b-inside-out.obj c-copy.obj d-copy.obj deep/e-copy.obj f-copy.obj g-other.obj a-clean.obj ' ] && [ "$(grep -o '"path": "[^"]*"' worst.json | head -n 1)" = '"path": "worst/a-clean.obj"' ]; then
+    pass "the page: the worst first; JSON: by path"
+else
+    fail "the page: the worst first; JSON: by path" "$(sections worst.html)"
+fi
+links=$(sed -n '/<details class="files"/,/<\/details>/p' worst.html | grep -o 'href="#f[0-9a-f]*"' | sed 's/.*#//; s/"//')
+missing=""
+for link in $links; do grep -q "<h2 id=\"$link\">" worst.html || missing+=" $link"; done
+if [ "$(echo "$links" | wc -l)" -eq 8 ] && [ -z "$missing" ] && [ "$(grep -o 'data-same="[0-9a-f]*"' worst.html | sort | uniq -c | sort -n | awk '{ print $1 }' | tr '\n' ' ')" = '1 1 1 1 5 ' ] && sed -n '/<details id="clean">/,$p' worst.html | grep -q '<details><summary><h2 id="f[0-9a-f]*">worst/a-clean.obj'; then
+    pass "the page: a list of files with links, the same meshes marked, clean files folded"
+else
+    fail "the page: a list of files with links, the same meshes marked, clean files folded" "$links / $missing / $(grep -o 'data-same="[0-9a-f]*"' worst.html)"
+fi
+for form in txt html; do
+    norma report --merge worst.json -o merged.$form
+    case $form in txt) order=$(grep -o '^worst/[a-z/-]*.obj: [a-z]* N' merged.txt | head -n 1) ;; html) order=$(sections merged.html) ;; esac
+    if [[ $order == *z-errors.obj* && $order != a-clean* ]] && { [ $form = html ] || grep -q 'Also in worst/c-copy.obj' merged.txt; }; then pass "JSON as $form: the worst first, too"; else fail "JSON as $form: the worst first, too" "$order"; fi
+done
+if ! norma check worst farm --no-config --info 2>/dev/null | grep -q places && ! grep -q 'places\|Places' farm.html worst.html; then pass "findings are not called places"; else fail "findings are not called places"; fi
+norma check "$PWD/worst" --no-config --format text >absolute.txt
+norma check "$PWD/worst" --no-config --format html >absolute.html
+if cmp -s absolute.txt worst.txt && ! sed 's/data-path="[^"]*"//' absolute.html | grep -qF "$PWD" && norma check "$PWD/worst" --no-config --json | grep -qF "$PWD/worst/a-clean.obj"; then
+    pass "paths in the working folder are relative for people, and as they were given for programs"
+else
+    fail "paths in the working folder are relative for people, and as they were given for programs" "$(diff absolute.txt worst.txt)"
+fi
+# A normal map whose picture is missing, in three files of different meshes; one has two of them.
+python3 -c '
+import base64, json, struct
+for name, maps, size in (("one", 1, 1), ("two", 2, 2), ("three", 1, 3)):
+    data = struct.pack("<9f9f6f", 0, 0, 0, size, 0, 0, 0, size, 0, *(0, 0, 1) * 3, 0, 0, 1, 0, 0, 1)
+    json.dump({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "images": [{"uri": "brick%d.png" % i} for i in range(maps)], "textures": [{"source": i} for i in range(maps)], "materials": [{"normalTexture": {"index": i}} for i in range(maps)],
+        "meshes": [{"primitives": [{"material": i, "attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}} for i in range(maps)]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [size, size, 0]}, {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 3, "type": "VEC3"}, {"bufferView": 0, "byteOffset": 72, "componentType": 5126, "count": 3, "type": "VEC2"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 96}], "buffers": [{"byteLength": 96, "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}, open("map-%s.gltf" % name, "w"))'
+norma check map-*.gltf --no-config >maps.txt
+if [ "$(grep -c N002 maps.txt)" -eq 2 ] && grep -q '^map-two.gltf: warning N002 not-checked: 2 textures are missing or cannot be read: image 0 "brick0.png", image 1 "brick1.png"; .* Also in map-one.gltf, map-three.gltf.$' maps.txt; then pass "missing textures are one line, with their names"; else fail "missing textures are one line, with their names" "$(cat maps.txt)"; fi
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n' >sheet.obj
+if norma check sheet.obj --no-config | grep -q '^sheet.obj: No problems found (open edges are not looked at in profile render)$' && norma check worst/a-clean.obj --no-config | grep -q '^worst/a-clean.obj: No problems found$'; then pass "what profile render does not look at is said where there are holes"; else fail "what profile render does not look at is said where there are holes"; fi
+norma check worst/b-inside-out.obj --no-config --fix-unsafe -o turned.obj >fixed.txt
+if grep -q '^    N302 inside-out  *1  *0$' fixed.txt && ! grep -q 'info\|N204\|N104' fixed.txt; then pass "after a fix: what changed, and no totals of informations"; else fail "after a fix: what changed, and no totals of informations" "$(cat fixed.txt)"; fi
 finish

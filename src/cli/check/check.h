@@ -3,6 +3,7 @@
 #define NORMA_CLI_CHECK_CHECK_H
 #include "cli/files/files.h"
 #include <norma/check.h>
+#include <inttypes.h>
 
 /* ---- What the files of norma check share: its settings, the report on one file, the
  * forms of reports. */
@@ -112,20 +113,22 @@ typedef struct check_item {
     const norma_finding *finding;
     norma_severity severity; /* after the configuration */
     char *command;           /* fixes it; NULL: nothing does, or it was tried, and this is left */
+    uint64_t mesh;           /* the same for equal meshes, in whichever file; 0: not known */
 } check_item;
 
 enum { CHECK_SEVERITIES = NORMA_SEVERITY_ERROR + 1 };
 
 typedef struct check_report {
     const check_settings *settings;
-    const char *path; /* as it was named */
+    const char *path;  /* as it was named */
+    const char *shown; /* to people; for each form, once check_write_file has it */
     norma_check_profile profile;
     const char *status; /* "checked", "partly", "unreadable" */
     const check_item *items;
     size_t count;
-    int fail_on;                              /* for this file */
-    const size_t (*places)[CHECK_SEVERITIES]; /* how many items of each rule and severity */
-    norma_document *document;                 /* for pictures; NULL: unreadable */
+    int fail_on;                            /* for this file */
+    const size_t (*same)[CHECK_SEVERITIES]; /* how many items of each rule and severity */
+    norma_document *document;               /* for pictures; NULL: unreadable */
     size_t first_note;         /* reasons why a fix was left out are its notes from there on */
     int is_unchanged;          /* a fix was asked for, and there was nothing to do */
     const char *mended;        /* a table of counts before and after; NULL: nothing was mended */
@@ -135,8 +138,10 @@ typedef struct check_report {
 } check_report;
 
 typedef struct check_rule_total {
-    size_t places, files;
+    size_t findings, files;
 } check_rule_total;
+
+typedef struct check_list check_list;
 
 typedef struct check_totals {
     size_t errors, warnings, infos, files, files_with_trouble, not_checked;
@@ -147,6 +152,7 @@ typedef struct check_totals {
     int unreported;               /* a file is not in the report */
     int incomplete;               /* something could not be read or written that has no entry */
     size_t left_out[CHECK_RULES]; /* results of SARIF above its limit */
+    check_list *list;             /* of forms that put the worst files first */
     check_rule_total by_rule[CHECK_RULES][CHECK_SEVERITIES];
 } check_totals;
 
@@ -158,9 +164,41 @@ typedef struct check_format {
     void (*file)(FILE *out, const check_report *report);
     const char *between; /* two files */
     void (*end)(FILE *out, const check_totals *totals, const check_settings *settings);
+    int is_worst_first;       /* else files are in the order of their paths */
+    const char *before_clean; /* in front of the first file without problems; NULL: nothing */
 } check_format;
 extern const check_format check_format_text, check_format_quiet, check_format_line,
     check_format_json, check_format_sarif, check_format_html;
+
+/* ---- files for people: the worst first (file_order.c) */
+
+typedef struct check_entry {
+    const char *path;
+    size_t errors, warnings;
+    int is_clean;
+    char *text; /* its part of the report, the list's; NULL: written already */
+    size_t size;
+} check_entry;
+
+struct check_list {
+    check_entry *entries;
+    size_t count, room;
+};
+
+/* The path stays the caller's, the text becomes the list's. 0: out of memory. */
+int check_list_add(check_list *list, const check_entry *entry);
+void check_list_free(check_list *list);
+int check_compare_entries(const check_entry *one, const check_entry *other); /* for qsort */
+void check_list_sort(check_list *list);
+int check_list_write(const check_list *list, const check_format *format, FILE *out,
+    const check_settings *settings); /* 0: out of memory */
+/* Before the part of an entry is written. */
+void check_begin_entry(const check_list *list, size_t entry, const check_format *format, FILE *out);
+/* In the text of an entry: what is told once though several files have it, behind a key of 16
+ * hexadecimal digits, and where the other files are named. No other text has these bytes. */
+enum { CHECK_SAME = 1, CHECK_ALSO = 2, CHECK_SAME_END = 3 };
+/* Relative to the working folder where it is in there; the caller's path, or a part of it. */
+const char *check_shown_path(const char *path);
 
 /* The results of a SARIF report, of which it holds a limited number: rules with the most of them
  * lose some (findings_data.c). text: results as check_format_sarif writes them, each on a line. */
@@ -178,9 +216,12 @@ const check_format *check_format_of_name(const char *path); /* by its ending; NU
 
 /* How a page can be taken apart again: each file begins with CHECK_HTML_FILE and its path, and the
  * totals are JSON between CHECK_HTML_TOTALS and the end of that script. */
-#define CHECK_HTML_FILE     "<section class=\"file\" data-path=\""
-#define CHECK_HTML_STATUS   "\" data-status=\""
-#define CHECK_HTML_FAILS    "\" data-fails>"
+#define CHECK_HTML_FILE   "<section class=\"file\" data-path=\""
+#define CHECK_HTML_STATUS "\" data-status=\"%s\" data-errors=\"%zu\" data-warnings=\"%zu\""
+#define CHECK_HTML_SCAN                                                                            \
+    "\" data-status=\"%15[a-z]\" data-errors=\"%" SCNu32 "\" data-warnings=\"%" SCNu32 "\"%39[^>]"
+#define CHECK_HTML_CLEAN    " data-clean"
+#define CHECK_HTML_FAILS    " data-fails"
 #define CHECK_HTML_FILE_END "</section><!-- end of file -->\n"
 #define CHECK_HTML_TOTALS   "<script type=\"application/json\" id=\"totals\">"
 
@@ -209,7 +250,13 @@ int check_is_clean(const check_report *report);
 int check_fails(const check_report *report); /* whether a finding is at or above --fail-on */
 int check_is_same(const check_item *item, const check_item *other); /* rule and severity */
 int check_is_first(const check_report *report, size_t index);       /* of those that are the same */
-size_t check_places(const check_report *report, const check_item *item); /* how many are the same */
+int check_is_picture(const check_item *item); /* one that is missing, or cannot be read */
+/* The same for equal findings of equal meshes in several files, and for pictures that are missing.
+ * 0: the finding is of this file alone. */
+uint64_t check_key(const check_report *report, const check_item *item);
+size_t check_count_same(const check_report *report, const check_item *item);
+/* What a clean file was not asked, in words that follow "No problems found"; or "". */
+const char *check_unseen(const check_report *report);
 /* Whether note i of a document differs from those before it, from the first on. */
 int check_is_new_note(const norma_document *document, size_t first, size_t i);
 /* Names from the root of the scene to the first node that draws the mesh of a finding, or to the
@@ -290,6 +337,8 @@ void check_fixed_free(check_fixed *mended);
 
 /* ---- A small drawing of a finding's place, as SVG. */
 
+/* The mesh that a finding stands at. 0: none, or it was not read. */
+int check_find_mesh(norma_document *document, const char *where, norma_mesh_data *data);
 /* Writes an <svg> of the surface round the worst place of a finding, the faces that it names in
  * red; nothing where it names no place. */
 void check_draw_finding(FILE *out, norma_document *document, const norma_finding *finding);

@@ -99,8 +99,7 @@ enum { WINDOW = 256, MOST_WORKERS = 64 };
 /* ---- the report, in the order of files */
 
 typedef struct file_part {
-    char *bytes;
-    size_t size;
+    check_entry entry;
     int done;
 } file_part;
 
@@ -139,7 +138,7 @@ static void add_totals(check_totals *sum, const check_totals *more) {
     sum->hidden += more->hidden;
     for (size_t rule = 0; rule < CHECK_RULES; ++rule)
         for (size_t severity = 0; severity < CHECK_SEVERITIES; ++severity) {
-            sum->by_rule[rule][severity].places += more->by_rule[rule][severity].places;
+            sum->by_rule[rule][severity].findings += more->by_rule[rule][severity].findings;
             sum->by_rule[rule][severity].files += more->by_rule[rule][severity].files;
         }
     sum->status = cli_worse(sum->status, more->status);
@@ -147,24 +146,29 @@ static void add_totals(check_totals *sum, const check_totals *more) {
     sum->unreported |= more->unreported;
 }
 
-static void write_file_part(check_collector *all, const file_part *part) {
-    if (all->results) {
-        if (check_results_add(all->results, part->bytes, part->size)) return;
-        all->totals.status = cli_out_of_memory();
-        all->totals.incomplete = all->totals.unreported = 1;
+/* May take over the text. */
+static void write_file_part(check_collector *all, check_entry *part) {
+    if (!all->results && !all->format->is_worst_first) {
+        if (part->size && all->told_any) fputs(all->format->between, all->out);
+        all->told_any |= part->size != 0;
+        fwrite(part->text, 1, part->size, all->out);
         return;
     }
-    if (part->size && all->told_any) fputs(all->format->between, all->out);
-    all->told_any |= part->size != 0;
-    fwrite(part->bytes, 1, part->size, all->out);
+    if (all->results ? check_results_add(all->results, part->text, part->size)
+                     : check_list_add(all->totals.list, part)) {
+        if (!all->results) part->text = NULL;
+        return;
+    }
+    all->totals.status = cli_out_of_memory();
+    all->totals.incomplete = all->totals.unreported = 1;
 }
 
 static void tell_what_is_next(check_collector *all) {
     cli_progress_hide(&all->progress); /* a report may go to the same terminal */
     while (all->told < all->inputs->count && all->parts[all->told % WINDOW].done) {
         file_part *part = &all->parts[all->told % WINDOW];
-        write_file_part(all, part);
-        free(part->bytes);
+        write_file_part(all, &part->entry);
+        free(part->entry.text);
         *part = (file_part){0};
         ++all->told;
     }
@@ -173,8 +177,12 @@ static void tell_what_is_next(check_collector *all) {
 /* Takes over the bytes and the baseline. */
 static void collect_checked(check_collector *all, const checked_file *checked) {
     file_part *part = &all->parts[checked->file % WINDOW];
-    part->bytes = checked->bytes;
-    part->size = checked->size;
+    part->entry = (check_entry){.path = all->inputs->paths[checked->file],
+        .errors = checked->totals.errors,
+        .warnings = checked->totals.warnings,
+        .is_clean = checked->totals.clean > 0,
+        .text = checked->bytes,
+        .size = checked->size};
     part->done = 1;
     add_totals(&all->totals, &checked->totals);
     if (all->settings->baseline)
@@ -225,12 +233,12 @@ static void send_checked(check_pool *pool, const checked_file *checked) {
     check_baseline_free(checked->baseline);
 }
 
-/* A norma_progress of any thread: of one file the seconds, of several how many are done; a worker's
- * caller shows that. */
+/* A norma_progress of any thread: of several files, how many are done; a worker's caller shows
+ * that. */
 static int report_progress(void *user, double fraction) {
     check_pool *pool = user;
     check_collector *all = pool->all;
-    if (all->inputs->count == 1) return cli_progress_elapsed(&all->progress, fraction);
+    if (all->inputs->count == 1) return cli_progress_report(&all->progress, fraction);
     if (pool->worker || !all->progress.enabled || pthread_mutex_trylock(&pool->lock))
         return cli_interrupted();
     const int stop =
@@ -440,12 +448,23 @@ static int check_in_workers(check_collector *all, check_configs *configs) {
     return status;
 }
 
+static void write_list(check_collector *all) {
+    check_list_sort(all->totals.list);
+    if (check_list_write(all->totals.list, all->format, all->out, all->settings)) return;
+    all->totals.status = cli_out_of_memory();
+    all->totals.incomplete = all->totals.unreported = 1;
+}
+
 int check_all_files(const check_settings *settings, check_configs *configs,
     const check_format *format, FILE *out, check_totals *totals) {
     const cli_inputs *inputs = &settings->files->inputs;
     check_collector *all = calloc(1, sizeof *all);
     if (!all) return cli_out_of_memory();
-    *all = (check_collector){.settings = settings, .format = format, .inputs = inputs, .out = out};
+    *all = (check_collector){.settings = settings,
+        .format = format,
+        .inputs = inputs,
+        .out = out,
+        .totals.list = totals->list};
     cli_progress_start(&all->progress, "checking",
         inputs->count == 1 ? cli_input_name(inputs->paths[0]) : "files", settings->quiet, 0);
     const int is_limited = format == &check_format_sarif && !settings->shards;
@@ -456,9 +475,11 @@ int check_all_files(const check_settings *settings, check_configs *configs,
     const int status = check_in_workers(all, configs);
     if (all->results) check_results_write(all->results, out, &all->totals);
     check_results_free(all->results);
+    cli_progress_hide(&all->progress);
+    if (format->is_worst_first) write_list(all);
     /* After an interruption or a bad configuration, parts may be left behind one that was never
      * begun. */
-    for (size_t i = 0; i < WINDOW; ++i) free(all->parts[i].bytes);
+    for (size_t i = 0; i < WINDOW; ++i) free(all->parts[i].entry.text);
     cli_progress_stop(&all->progress);
     all->totals.status = cli_worse(all->totals.status, status);
     *totals = all->totals;

@@ -325,7 +325,8 @@ static void choose_style(check_work *work, FILE *out) {
 /* found: what was said of the inputs before; a folder that cannot be read has no entry. */
 static int check_files(check_work *work, check_configs *configs, int found) {
     cli_output output;
-    check_totals totals = {0};
+    check_list list = {0};
+    check_totals totals = {.list = &list};
     const int streams = work->settings.fix && !work->settings.dry_run && work->files.output &&
                         strcmp(work->files.output, "-") == 0;
     int status = read_configs(work, configs);
@@ -350,10 +351,12 @@ static int check_files(check_work *work, check_configs *configs, int found) {
         if (output.passes_on && work->format != &check_format_text &&
             work->format != &check_format_quiet)
             work->format->end(output.out, &totals, &work->settings);
+        check_list_free(&list);
         if (!streams) cli_output_drop(&output);
         return status;
     }
     work->format->end(output.out, &totals, &work->settings);
+    check_list_free(&list);
     return cli_worse(status, streams ? cli_finish(CLI_OK) : cli_output_end(&output));
 }
 

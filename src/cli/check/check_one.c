@@ -12,24 +12,33 @@
 
 /* ---- the table */
 
-static size_t places_of_rule(const norma_findings *findings, const norma_rule *rule) {
+/* What a rule counts; *gravest: the highest severity of its findings so far. */
+static size_t count_of_rule(
+    const norma_findings *findings, const norma_rule *rule, norma_severity *gravest) {
     size_t sum = 0;
-    for (size_t i = 0; i < norma_findings_count(findings); ++i)
-        if (norma_findings_get(findings, i)->rule == rule)
-            sum += norma_findings_get(findings, i)->count;
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        if (finding->rule != rule) continue;
+        sum += finding->count;
+        if (finding->severity > *gravest) *gravest = finding->severity;
+    }
     return sum;
 }
 
-static char *make_table(const norma_findings *before, const norma_findings *now) {
-    size_t count;
+/* Only what changed; information only if it is listed. */
+static char *make_table(
+    const norma_findings *before, const norma_findings *now, norma_severity least) {
+    size_t count, rows = 0;
     cli_memory_stream table;
     const norma_rule *rules = norma_rules(&count);
     if (!cli_memory_open(&table)) return NULL;
-    fprintf(table.out, "    %-32s %10s %10s\n", "rule", "before", "after");
     for (size_t i = 0; i < count; ++i) {
-        size_t old = places_of_rule(before, &rules[i]), left = places_of_rule(now, &rules[i]);
-        if (old || left)
-            fprintf(table.out, "    %s %-27s %10zu %10zu\n", rules[i].id, rules[i].name, old, left);
+        norma_severity gravest = NORMA_SEVERITY_NONE;
+        const size_t old = count_of_rule(before, &rules[i], &gravest),
+                     left = count_of_rule(now, &rules[i], &gravest);
+        if (old == left || gravest < least) continue;
+        if (!rows++) fprintf(table.out, "    %-32s %10s %10s\n", "rule", "before", "after");
+        fprintf(table.out, "    %s %-27s %10zu %10zu\n", rules[i].id, rules[i].name, old, left);
     }
     (void)cli_memory_close(&table);
     return table.text;
@@ -44,13 +53,14 @@ static void tell_notes(const char *path, const norma_document *document, size_t 
             cli_error("%s: %s", cli_input_name(path), norma_document_note(document, i));
 }
 
-static norma_document_result save_fixed(const check_settings *settings, const char *output,
-    check_fixed *mended, norma_document_error *error) {
+static norma_document_result save_fixed(const check_settings *settings,
+    const norma_check_options *checking, const char *output, check_fixed *mended,
+    norma_document_error *error) {
     /* A copy without a change is written only where it was named. */
     if (settings->dry_run || (!settings->files->output && !mended->summary.changed))
         return NORMA_DOCUMENT_OK;
     norma_save_options options = {
-        .progress = settings->progress, .progress_user = settings->progress_user};
+        .progress = checking->progress, .progress_user = checking->progress_user};
     const norma_document_result result =
         cli_save(settings->files, mended->document, output, &options, error);
     mended->written = !result;
@@ -83,11 +93,12 @@ norma_document_result check_fix(const check_settings *settings, norma_document *
     if (!result && mended->summary.changed)
         result = norma_check_document(document, options, &mended->findings, error);
     if (!result && mended->summary.changed &&
-        !(mended->table = make_table(before, mended->findings))) {
+        !(mended->table = make_table(before, mended->findings,
+              settings->list_infos ? NORMA_SEVERITY_INFO : options->fix_from))) {
         *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         result = error->result;
     }
-    if (!result) result = save_fixed(settings, output, mended, error);
+    if (!result) result = save_fixed(settings, options, output, mended, error);
     free(output);
     return result;
 }
@@ -114,9 +125,28 @@ typedef struct file_check {
     void *memory;
     norma_findings *findings;
     check_fixed mended; /* with --fix: what the report is then about */
+    double from, to;    /* what is done now, as parts of the whole */
+    double told;        /* never falls, though a fixed file is checked again */
     int fix_status;
     norma_document_error error;
 } file_check;
+
+/* ---- how far it is: reading, checking, then fixes or the trial of them */
+
+static const double READ = 0.3, CHECKED = 0.85;
+
+static int report_stage(void *user, double fraction) {
+    file_check *check = user;
+    const check_settings *settings = check->settings;
+    const double now = check->from + (check->to - check->from) * fraction;
+    check->told = now > check->told ? now : check->told;
+    return settings->progress ? settings->progress(settings->progress_user, check->told) : 0;
+}
+
+static void begin_stage(file_check *check, double to) {
+    check->from = check->to;
+    check->to = to;
+}
 
 /* ---- what is asked of this file */
 
@@ -149,8 +179,8 @@ static norma_check_options choose_options(const file_check *check, const uint8_t
         .max_samples = settings->max_samples,
         .rules = rules,
         .threads = settings->threads,
-        .progress = settings->progress,
-        .progress_user = settings->progress_user,
+        .progress = report_stage,
+        .progress_user = (void *)(uintptr_t)check,
         .open_by_rays = settings->open_by_rays,
         .fix_from = is_selecting(check) ? NORMA_SEVERITY_NONE : NORMA_SEVERITY_WARNING};
 }
@@ -205,6 +235,7 @@ static void fix_file(file_check *check, const norma_check_options *options) {
 /* Files that are checked at once share the memory. */
 static norma_document_result judge_in_parts(file_check *check, const norma_check_options *options) {
     const check_settings *settings = check->settings;
+    begin_stage(check, 1);
     const norma_large_options large = {.struct_size = sizeof large,
         .max_memory = cli_memory_for_data() / (settings->at_once ? settings->at_once : 1),
         .format = settings->input_format};
@@ -224,12 +255,15 @@ static norma_document_result judge_whole(file_check *check, const norma_check_op
         .format = settings->input_format,
         .threads = settings->threads,
         .lenient = 1,
-        .progress = settings->progress,
-        .progress_user = settings->progress_user};
+        .progress = report_stage,
+        .progress_user = check};
+    begin_stage(check, READ);
     norma_document_result result = cli_open(
         settings->files, check->path, &opening, &check->document, &check->memory, &check->error);
+    begin_stage(check, settings->fix ? (READ + CHECKED) / 2 : CHECKED);
     if (!result)
         result = norma_check_document(check->document, options, &check->findings, &check->error);
+    if (settings->fix) begin_stage(check, CHECKED);
     if (!result && settings->fix) fix_file(check, options);
     return result;
 }
@@ -263,6 +297,7 @@ static norma_document_result try_offers(file_check *check, const check_format *f
         return NORMA_DOCUMENT_OK;
     for (size_t rule = 0; rule < CHECK_RULES; ++rule) changes |= config->severity[rule] != 0;
     choose_checked_rules(check, rules);
+    begin_stage(check, 1);
     const norma_check_options options = choose_options(check, rules);
     return norma_document_try_fixes(document_of(check), &options,
         is_text && !settings->list_infos && !changes ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
@@ -283,21 +318,53 @@ static norma_fix offered_fix(const file_check *check, const norma_finding *findi
 }
 
 /* NULL where no fix is offered; 0: memory is out. */
-static int make_command(const file_check *check, const norma_finding *finding, char **command) {
+static int make_command(
+    const file_check *check, const char *path, const norma_finding *finding, char **command) {
     const char *const *options = check->settings->command_options;
     if (offered_fix(check, finding) == NORMA_FIX_NONE) return 1;
-    const size_t length = norma_finding_command(finding, check->path, options, NULL, 0);
+    const size_t length = norma_finding_command(finding, path, options, NULL, 0);
     if (!length) return 1;
     *command = malloc(length + 1);
-    if (*command) norma_finding_command(finding, check->path, options, *command, length + 1);
+    if (*command) norma_finding_command(finding, path, options, *command, length + 1);
     return *command != NULL;
 }
 
-static int make_commands(const file_check *check, check_item *items, size_t count) {
+/* For people, who paste them where they are. */
+static int make_commands(
+    const file_check *check, const check_format *format, check_item *items, size_t count) {
     int made = 1;
+    const char *shown = check_shown_path(check->path),
+               *path = format->is_worst_first && check->path[0] == '/' ? shown : check->path;
     for (size_t i = 0; i < count && made; ++i)
-        made = make_command(check, items[i].finding, &items[i].command);
+        made = make_command(check, path, items[i].finding, &items[i].command);
     return made;
+}
+
+/* ---- the same mesh in several files */
+
+static uint64_t hash_mesh(norma_document *document, const char *where) {
+    norma_mesh_data data;
+    uint64_t hash = CLI_HASH;
+    if (!check_find_mesh(document, where, &data)) return 0;
+    for (size_t i = 0; i < data.mesh.positions.count; ++i) {
+        double position[3];
+        norma_view_vector(&data.mesh.positions, i, position);
+        hash = cli_hash(hash, position, sizeof position);
+    }
+    return cli_hash(hash, &data.mesh.corner_count, sizeof data.mesh.corner_count);
+}
+
+/* Of findings that reports list; those of one mesh follow one another. */
+static void name_meshes(const file_check *check, check_item *items, size_t count) {
+    const check_item *last = NULL;
+    for (size_t i = 0; i < count && document_of(check); ++i) {
+        const char *where = items[i].finding->where;
+        if (items[i].severity < NORMA_SEVERITY_WARNING) continue;
+        items[i].mesh = last && strcmp(last->finding->where, where) == 0
+                            ? last->mesh
+                            : hash_mesh(document_of(check), where);
+        last = &items[i];
+    }
 }
 
 static void free_items(check_item *items, size_t count) {
@@ -323,7 +390,7 @@ static int weigh(const file_check *check, check_item *items, size_t *count, chec
         if (is_known)
             ++known;
         else
-            items[(*count)++] = (check_item){finding, (norma_severity)severity, NULL};
+            items[(*count)++] = (check_item){finding, (norma_severity)severity, NULL, 0};
     }
     totals->known += known;
     return 1;
@@ -373,12 +440,14 @@ static void report_findings(
     file_check *check, const check_format *format, FILE *out, check_totals *totals) {
     check_item *items = calloc(norma_findings_count(findings_of(check)) + 1, sizeof *items);
     size_t count = 0;
-    if (!items || !weigh(check, items, &count, totals) || !make_commands(check, items, count)) {
+    if (!items || !weigh(check, items, &count, totals) ||
+        !make_commands(check, format, items, count)) {
         free_items(items, count);
         check->error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         report_unreadable(check, format, out, totals);
         return;
     }
+    if (format->is_worst_first || format == &check_format_json) name_meshes(check, items, count);
     check_report report = {.settings = check->settings,
         .path = check->path,
         .profile = norma_findings_profile(findings_of(check)),

@@ -2,6 +2,7 @@
 #include "cli/check/check.h"
 #include "cli/text/text.h"
 #include "cli/process/process.h"
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,6 +89,11 @@ static void write_json_item(cli_json *json, const check_item *item) {
     cli_json_string(json, "fix", fix_name(finding->fix));
     cli_json_string(json, "command", item->command);
     cli_json_string(json, "message", finding->message);
+    if (item->mesh) {
+        char mesh[17];
+        snprintf(mesh, sizeof mesh, "%016" PRIx64, item->mesh);
+        cli_json_string(json, "mesh", mesh);
+    }
     if (finding->deviation) write_deviation(json, finding->deviation);
     cli_json_close(json, '}');
 }
@@ -150,7 +156,8 @@ static void end_json(FILE *out, const check_totals *totals, const check_settings
     fputs("}\n", out);
 }
 
-const check_format check_format_json = {"json", begin_json, write_json_file, ",\n", end_json};
+const check_format check_format_json = {
+    "json", begin_json, write_json_file, ",\n", end_json, 0, NULL};
 
 /* ---- Findings as SARIF 2.1.0 (OASIS 2020), for code scanning: the place within a
  * file is a logical location (a JSON pointer), and a fingerprint that stays the same from run to
@@ -416,4 +423,5 @@ static void end_sarif(FILE *out, const check_totals *totals, const check_setting
     fputs("}]}]}\n", out);
 }
 
-const check_format check_format_sarif = {"sarif", begin_sarif, write_sarif_file, ",\n", end_sarif};
+const check_format check_format_sarif = {
+    "sarif", begin_sarif, write_sarif_file, ",\n", end_sarif, 0, NULL};

@@ -3,347 +3,9 @@
 #include "cli/check/check.h"
 #include "cli/process/process.h"
 #include "cli/text/text.h"
-#include <float.h>
-#include <math.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- The surface round a finding's worst place, as SVG: its nearest faces seen
- * along the normals of those that are meant, from far to near (the painter's algorithm; Newell,
- * Newell, Sancha 1972), grey by their slope to the light. Those that are named are drawn once more
- * over all others, so that they are seen wherever they lie, and ringed if they are small; stored
- * normals of vertices that are named are lines. */
-
-enum { SIDE = 220, MOST_FACES = 140, MOST_SAMPLES = 10, SMALL = 14 };
-
-typedef struct near_face {
-    size_t face;
-    double distance; /* from the place, then along the view */
-} near_face;
-
-typedef struct picture {
-    const norma_mesh_data *data;
-    const norma_finding *finding;
-    double place[3], radius;
-    double right[3], up[3], view[3]; /* view: towards the eye */
-    near_face *faces;
-    size_t count;
-} picture;
-
-/* ---- reading the mesh */
-
-static size_t count_faces(const norma_mesh *mesh) {
-    return mesh->face_starts ? mesh->face_count : mesh->corner_count / 3;
-}
-static size_t face_begin(const norma_mesh *mesh, size_t face) {
-    return mesh->face_starts ? mesh->face_starts[face] : 3 * face;
-}
-static size_t face_end(const norma_mesh *mesh, size_t face) { return face_begin(mesh, face + 1); }
-
-static int read_vector(const norma_vec3_view *view, size_t index, double vector[3]) {
-    if (index >= view->count) return 0;
-    norma_view_vector(view, index, vector);
-    return isfinite(vector[0]) && isfinite(vector[1]) && isfinite(vector[2]);
-}
-
-/* ---- small vectors */
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2],
-           z = a[0] * b[1] - a[1] * b[0];
-    out[0] = x, out[1] = y, out[2] = z;
-}
-
-static int normalise(double v[3]) {
-    double length = sqrt(dot(v, v));
-    if (!(length > 0) || !isfinite(length)) return 0;
-    for (int axis = 0; axis < 3; ++axis) v[axis] /= length;
-    return 1;
-}
-
-/* The vector area of a face relative to its first corner; 0: it has none. */
-static int direction_of_face(const norma_mesh *mesh, size_t face, double normal[3]) {
-    size_t begin = face_begin(mesh, face), end = face_end(mesh, face);
-    double first[3], a[3], b[3], part[3];
-    memset(normal, 0, 3 * sizeof *normal);
-    if (end - begin < 3 || !read_vector(&mesh->positions, norma_mesh_corner(mesh, begin), first))
-        return 0;
-    for (size_t corner = begin + 1; corner + 1 < end; ++corner) {
-        if (!read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), a) ||
-            !read_vector(&mesh->positions, norma_mesh_corner(mesh, corner + 1), b))
-            return 0;
-        for (int axis = 0; axis < 3; ++axis) a[axis] -= first[axis], b[axis] -= first[axis];
-        cross(a, b, part);
-        for (int axis = 0; axis < 3; ++axis) normal[axis] += part[axis];
-    }
-    return normalise(normal);
-}
-
-/* ---- what is meant */
-
-static int is_sampled_face(const norma_finding *finding, size_t face) {
-    for (size_t i = 0; i < finding->sample_count; ++i)
-        if (finding->samples[i].face == face) return 1;
-    return finding->worst.face == face;
-}
-
-static int is_sampled_vertex(const norma_finding *finding, size_t vertex) {
-    for (size_t i = 0; i < finding->sample_count; ++i)
-        if (finding->samples[i].vertex == vertex) return 1;
-    return finding->worst.vertex == vertex;
-}
-
-static int is_named_face(const picture *drawn, size_t face) {
-    const norma_mesh *mesh = &drawn->data->mesh;
-    if (is_sampled_face(drawn->finding, face)) return 1;
-    if (drawn->finding->worst.face != SIZE_MAX) return 0;
-    size_t end = face_end(mesh, face);
-    for (size_t corner = face_begin(mesh, face); corner < end; ++corner)
-        if (is_sampled_vertex(drawn->finding, norma_mesh_corner(mesh, corner))) return 1;
-    return 0;
-}
-
-static int find_place(picture *drawn) {
-    const norma_sample *sample = drawn->finding->worst.has_position ? &drawn->finding->worst
-                                 : drawn->finding->sample_count     ? drawn->finding->samples
-                                                                    : NULL;
-    if (!sample || !sample->has_position) return 0;
-    memcpy(drawn->place, sample->position, sizeof drawn->place);
-    return isfinite(dot(drawn->place, drawn->place));
-}
-
-/* ---- which faces */
-
-static int compare_distance(const void *a, const void *b) {
-    const near_face *one = a, *other = b;
-    if (one->distance != other->distance) return one->distance < other->distance ? -1 : 1;
-    return one->face < other->face ? -1 : one->face > other->face;
-}
-
-/* By the nearest corner; infinite: a corner is not finite. */
-static double distance_of(const picture *drawn, size_t face) {
-    const norma_mesh *mesh = &drawn->data->mesh;
-    size_t end = face_end(mesh, face);
-    double nearest = INFINITY, at[3];
-    for (size_t corner = face_begin(mesh, face); corner < end; ++corner) {
-        if (!read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) return INFINITY;
-        for (int axis = 0; axis < 3; ++axis) at[axis] -= drawn->place[axis];
-        nearest = fmin(nearest, dot(at, at));
-    }
-    return nearest;
-}
-
-/* The nearest MOST_FACES, kept as a heap would: the list is cut back whenever it is twice as long.
- */
-static int find_nearest_faces(picture *drawn) {
-    const norma_mesh *mesh = &drawn->data->mesh;
-    drawn->faces = malloc(2 * MOST_FACES * sizeof *drawn->faces);
-    if (!drawn->faces) return 0;
-    for (size_t face = 0; face < count_faces(mesh); ++face) {
-        double distance = distance_of(drawn, face);
-        if (!isfinite(distance)) continue;
-        drawn->faces[drawn->count++] = (near_face){face, distance};
-        if (drawn->count == 2 * MOST_FACES) {
-            qsort(drawn->faces, drawn->count, sizeof *drawn->faces, compare_distance);
-            drawn->count = MOST_FACES;
-        }
-    }
-    qsort(drawn->faces, drawn->count, sizeof *drawn->faces, compare_distance);
-    drawn->count = drawn->count < MOST_FACES ? drawn->count : MOST_FACES;
-    return drawn->count > 0;
-}
-
-/* ---- the view: along what is meant, a little from the side, so that depth shows */
-
-/* The nearest faces count most, and those that are meant alone if there are any: they then face the
- * eye. */
-static void sum_normals(const picture *drawn, int meant_only, double sum[3]) {
-    double normal[3];
-    for (size_t i = 0; i < drawn->count; ++i) {
-        const size_t face = drawn->faces[i].face;
-        if (meant_only && !is_named_face(drawn, face)) continue;
-        if (!direction_of_face(&drawn->data->mesh, face, normal)) continue;
-        for (int axis = 0; axis < 3; ++axis) sum[axis] += normal[axis] / (1.0 + (double)i);
-    }
-}
-
-static void look(picture *drawn) {
-    double sum[3] = {0, 0, 0}, helper[3] = {0, 1, 0};
-    sum_normals(drawn, 1, sum);
-    if (dot(sum, sum) < 1e-6) sum_normals(drawn, 0, sum);
-    if (!normalise(sum)) sum[0] = sum[1] = 0, sum[2] = 1;
-    if (fabs(sum[1]) > 0.9) helper[1] = 0, helper[2] = 1;
-    cross(helper, sum, drawn->right);
-    normalise(drawn->right);
-    cross(sum, drawn->right, drawn->up);
-    for (int axis = 0; axis < 3; ++axis)
-        drawn->view[axis] = sum[axis] + 0.35 * drawn->right[axis] + 0.3 * drawn->up[axis];
-    normalise(drawn->view);
-    cross(drawn->up, drawn->view, drawn->right);
-    normalise(drawn->right);
-    cross(drawn->view, drawn->right, drawn->up);
-}
-
-/* So far that some two dozen faces show. */
-static void choose_radius(picture *drawn) {
-    size_t last = drawn->count < 24 ? drawn->count - 1 : 23;
-    double far_squared = drawn->faces[last].distance, at[3];
-    const norma_mesh *mesh = &drawn->data->mesh;
-    size_t nearest = drawn->faces[0].face;
-    for (size_t corner = face_begin(mesh, nearest); corner < face_end(mesh, nearest); ++corner)
-        if (read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) {
-            for (int axis = 0; axis < 3; ++axis) at[axis] -= drawn->place[axis];
-            far_squared = fmax(far_squared, dot(at, at));
-        }
-    drawn->radius = 1.3 * sqrt(far_squared);
-}
-
-/* A million radii away: of such a corner only the direction shows, and pixels stay whole numbers.
- */
-static void pull_near(double local[3], double radius) {
-    const double most = 1e6;
-    double far = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        local[axis] = fmax(-DBL_MAX, fmin(DBL_MAX, local[axis])); /* a difference overflows */
-        far = fmax(far, fabs(local[axis]));
-    }
-    if (far / radius <= most) return;
-    for (int axis = 0; axis < 3; ++axis) local[axis] = local[axis] / far * most * radius;
-}
-
-static void project(const picture *drawn, const double at[3], double *x, double *y, double *depth) {
-    double local[3] = {at[0] - drawn->place[0], at[1] - drawn->place[1], at[2] - drawn->place[2]};
-    pull_near(local, drawn->radius);
-    *x = SIDE / 2.0 + SIDE / 2.0 * (dot(local, drawn->right) / drawn->radius);
-    *y = SIDE / 2.0 - SIDE / 2.0 * (dot(local, drawn->up) / drawn->radius);
-    *depth = dot(local, drawn->view);
-}
-
-/* ---- drawing */
-
-/* From far to near; faces beyond the picture's border, most of them, are left out. */
-static void sort_by_depth(picture *drawn) {
-    const norma_mesh *mesh = &drawn->data->mesh;
-    size_t kept = 0;
-    for (size_t i = 0; i < drawn->count; ++i) {
-        const size_t face = drawn->faces[i].face, begin = face_begin(mesh, face),
-                     end = face_end(mesh, face);
-        double sum = 0, at[3], x, y, depth, least[2] = {SIDE, SIDE}, most[2] = {0, 0};
-        for (size_t corner = begin; corner < end; ++corner)
-            if (read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) {
-                project(drawn, at, &x, &y, &depth);
-                least[0] = fmin(least[0], x), least[1] = fmin(least[1], y);
-                most[0] = fmax(most[0], x), most[1] = fmax(most[1], y);
-                sum += depth;
-            }
-        if (least[0] < SIDE && least[1] < SIDE && most[0] > 0 && most[1] > 0)
-            drawn->faces[kept++] = (near_face){face, sum / (double)(end - begin)};
-    }
-    drawn->count = kept;
-    qsort(drawn->faces, drawn->count, sizeof *drawn->faces, compare_distance);
-}
-
-/* Corners as whole points, each from the last: a page holds many faces. */
-static void draw_outline(FILE *out, const picture *drawn, size_t face) {
-    const norma_mesh *mesh = &drawn->data->mesh;
-    long last[2] = {0, 0};
-    int count = 0;
-    for (size_t corner = face_begin(mesh, face); corner < face_end(mesh, face); ++corner) {
-        double at[3], x, y, depth;
-        if (!read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) continue;
-        project(drawn, at, &x, &y, &depth);
-        const long point[2] = {lround(x), lround(y)};
-        fprintf(out, count++ ? "l%ld %ld" : "M%ld %ld", point[0] - last[0], point[1] - last[1]);
-        last[0] = point[0], last[1] = point[1];
-    }
-    fputs("z'/>\n", out);
-}
-
-static void draw_face(FILE *out, const picture *drawn, size_t face) {
-    static const char digits[] = "0123456789abcdef";
-    double normal[3] = {0, 0, 0};
-    const double slope =
-        direction_of_face(&drawn->data->mesh, face, normal) ? fabs(dot(normal, drawn->view)) : 1;
-    const char grey = digits[(int)(6 + 8.9 * fmin(slope, 1))];
-    fprintf(out, "<path fill='#%c%c%c' d='", grey, grey, grey);
-    draw_outline(out, drawn, face);
-}
-
-/* Over all others; the extent of all of them is what a ring is drawn around. */
-static void draw_meant(FILE *out, const picture *drawn) {
-    const norma_mesh *mesh = &drawn->data->mesh;
-    double least[2] = {INFINITY, INFINITY}, most[2] = {-INFINITY, -INFINITY}, at[3], x, y, depth;
-    for (size_t i = 0; i < drawn->count; ++i) {
-        const size_t face = drawn->faces[i].face;
-        if (!is_named_face(drawn, face)) continue;
-        fputs("<path class='m' d='", out);
-        draw_outline(out, drawn, face);
-        for (size_t corner = face_begin(mesh, face); corner < face_end(mesh, face); ++corner)
-            if (read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) {
-                project(drawn, at, &x, &y, &depth);
-                least[0] = fmin(least[0], x), least[1] = fmin(least[1], y);
-                most[0] = fmax(most[0], x), most[1] = fmax(most[1], y);
-            }
-    }
-    const int is_seen = fmin(most[0] - least[0], most[1] - least[1]) >= SMALL;
-    project(drawn, drawn->place, &x, &y, &depth);
-    if (!is_seen) fprintf(out, "<circle class='r' cx='%.0f' cy='%.0f' r='%d'/>\n", x, y, SMALL);
-}
-
-/* Stored normals of the vertices that are named, a quarter of the picture long. */
-static void draw_normals(FILE *out, const picture *drawn) {
-    if (drawn->data->corner_normals) return;
-    for (size_t i = 0; i < drawn->finding->sample_count && i < MOST_SAMPLES; ++i) {
-        const norma_sample *sample = &drawn->finding->samples[i];
-        double normal[3], from[3], to[3], x0, y0, x1, y1, depth;
-        if (sample->vertex == SIZE_MAX || !sample->has_position ||
-            !read_vector(&drawn->data->normals, sample->vertex, normal) || !normalise(normal))
-            continue;
-        memcpy(from, sample->position, sizeof from);
-        for (int axis = 0; axis < 3; ++axis)
-            to[axis] = from[axis] + 0.5 * drawn->radius * normal[axis];
-        project(drawn, from, &x0, &y0, &depth);
-        project(drawn, to, &x1, &y1, &depth);
-        fprintf(out,
-            "<path class='n' d='M%.0f %.0fL%.0f %.0f'/><circle class='d' cx='%.0f' cy='%.0f' "
-            "r='3'/>\n",
-            x0, y0, x1, y1, x0, y0);
-    }
-}
-
-static int find_mesh(norma_document *document, const char *where, norma_mesh_data *data) {
-    norma_mesh_info info;
-    for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
-        if (!norma_document_mesh_info(document, i, &info) && strcmp(info.where, where) == 0)
-            return !info.not_read && !norma_document_mesh_data(document, i, data, NULL);
-    return 0;
-}
-
-void check_draw_finding(FILE *out, norma_document *document, const norma_finding *finding) {
-    norma_mesh_data data;
-    picture drawn = {.data = &data, .finding = finding};
-    if (document && find_place(&drawn) && find_mesh(document, finding->where, &data) &&
-        find_nearest_faces(&drawn)) {
-        look(&drawn);
-        choose_radius(&drawn);
-        if (drawn.radius > 0 && isfinite(drawn.radius)) {
-            sort_by_depth(&drawn);
-            fprintf(out,
-                "<svg viewBox='0 0 %d %d' role='img' aria-label='%s: the worst place, marked in "
-                "red'>\n",
-                SIDE, SIDE, finding->rule->name);
-            for (size_t i = 0; i < drawn.count; ++i) draw_face(out, &drawn, drawn.faces[i].face);
-            draw_meant(out, &drawn);
-            draw_normals(out, &drawn);
-            fputs("</svg>\n", out);
-        }
-    }
-    free(drawn.faces);
-}
 
 /* ---- Findings as one HTML file that needs nothing else: a summary, then each file
  * with its rules, a picture of the worst place of each, and what the rules mean. Information is
@@ -353,9 +15,10 @@ enum {
     PAGE_BYTES = 600000, /* of pictures, shared by the files */
     LEAST_BYTES = 5000,  /* of a file: one picture */
     MOST_BYTES = 200000,
-    PLACES_OF_PROBLEM = 10,
-    PLACES_OF_INFO = 3,
-    FILES_WITH_INFO_PICTURES = 4
+    MOST_OF_PROBLEM = 10,
+    MOST_OF_INFO = 3,
+    FILES_WITH_INFO_PICTURES = 4,
+    FILES_IN_SIGHT = 30 /* the list of more is folded */
 };
 
 static const char style[] =
@@ -385,7 +48,9 @@ static const char style[] =
     "figcaption{font-size:.85rem}\n"
     "ul{margin:.3rem 0;padding-left:1.2rem}li{overflow-wrap:anywhere}.place{font-size:.9rem}\n"
     "code{font-size:.9em;background:var(--soft);padding:.1em .3em;border-radius:3px;"
-    "overflow-wrap:anywhere}.fix code{user-select:all}\n"
+    "overflow-wrap:anywhere}.fix code{user-select:all}"
+    "button{font:inherit;font-size:.85rem}summary h2{display:inline;font-size:1rem;margin:0}"
+    ".files ol{margin:.3rem 0;padding-left:2rem}.files li{font-size:.95rem}\n"
     "details{margin:.6rem 0}summary{cursor:pointer;padding:.2rem 0}\n"
     "figure svg{width:220px;max-width:100%;height:auto;background:#dfe3e8;border-radius:6px}\n"
     "figure path{stroke:#0005;stroke-width:.5;stroke-linejoin:round}figure .m{stroke:#a00;"
@@ -395,30 +60,55 @@ static const char style[] =
     "0;white-space:nowrap}.bins "
     "i{display:inline-block;height:.7em;background:var(--info)}\n"
     "@media(max-width:640px){.rule{display:block}.rule>figure{margin:.5rem 0}main{padding:.7rem}"
-    ".wide{display:none}}\n"
+    "}\n"
     "[hidden]{display:none!important}\n";
 
 static const char script[] =
     "<script>\n"
+    "const all=(at,what)=>[...at.querySelectorAll(what)],make=(kind,words)=>Object.assign(doc"
+    "ument.createElement(kind),{textContent:words});\n"
     "const main=document.querySelector('main'),summary=document.getElementById('summary');\n"
     "document.querySelector('header').after(summary);\n"
-    "const least=document.getElementById('least'),words=document.getElementById('words'),shown="
-    "document.getElementById('shown');\n"
-    "const show=()=>{const text=words.value.toLowerCase();let n=0,all=0;\n"
-    "  for(const file of document.querySelectorAll('.file')){let any=false;\n"
-    "    for(const rule of file.querySelectorAll('.rule')){const "
-    "seen=+rule.dataset.severity>=+least."
-    "value&&(file.dataset.path+' "
-    "'+rule.textContent).toLowerCase().includes(text);rule.hidden=!seen;"
-    "any||=seen;n+=seen;all++}\n"
-    "    const "
-    "infos=file.querySelector('.infos');if(infos)infos.hidden=!infos.querySelector('.rule:not("
-    "[hidden])');\n"
-    "    file.hidden=!any&&(text!==''||+least.value>0)}\n"
-    "  shown.textContent=n+' of '+all+' shown'};\n"
+    "const linkTo=file=>{const head=file.querySelector('h2'),link=make('a',head.textContent);"
+    "link.href='#'+head.id;return link};\n"
+    "const first={};\n"
+    "for(const at of all(main,'[data-same]')){const file=at.closest('.file'),same=first[at.da"
+    "taset.same]||={at,file,others:new Set()};\n"
+    "  if(same.file===file)continue;\n"
+    "  same.others.add(file);at.remove()}\n"
+    "for(const {at,others} of Object.values(first)){let n=0;\n"
+    "  for(const file of others){if(n===3)break;at.append(n++?', ':' Also in ',linkTo(file))}\n"
+    "  if(others.size>n)at.append(` and ${others.size-n} more`);\n"
+    "  if(n)at.append('.')}\n"
+    "for(const rule of all(main,'.rule'))if(!rule.querySelector('li'))rule.remove();\n"
+    "for(const file of all(main,'.file:not([data-clean])'))if(!file.querySelector(':scope>.ru"
+    "le'))file.querySelector('p').append(' What it has is told at the files above that have i"
+    "t too.');\n"
+    "for(const code of all(main,'.fix code')){const button=make('button','Copy');button.type="
+    "'button';\n"
+    "  button.onclick=async()=>{try{await navigator.clipboard.writeText(code.textContent)}cat"
+    "ch{getSelection().selectAllChildren(code);document.execCommand('copy')}\n"
+    "    button.textContent='Copied';setTimeout(()=>{button.textContent='Copy'},2000)};\n"
+    "  code.after(' ',button)}\n"
+    "const unfold=()=>{for(let at=document.getElementById(location.hash.slice(1));at;at=at.pa"
+    "rentElement)if(at.tagName==='DETAILS')at.open=true};\n"
+    "addEventListener('hashchange',unfold);unfold();\n"
+    "const least=document.getElementById('least'),words=document.getElementById('words'),show"
+    "n=document.getElementById('shown');\n"
+    "const show=()=>{const text=words.value.toLowerCase();let n=0,of=0;\n"
+    "  for(const file of all(main,'.file')){let any=false;\n"
+    "    for(const rule of all(file,'.rule')){const seen=+rule.dataset.severity>=+least.value"
+    "&&(file.dataset.path+' '+rule.textContent).toLowerCase().includes(text);\n"
+    "      rule.hidden=!seen;any||=seen;n+=seen;of++}\n"
+    "    const infos=file.querySelector('.infos');if(infos)infos.hidden=!infos.querySelector("
+    "'.rule:not([hidden])');\n"
+    "    file.hidden=!any&&(text!==''||least.value>0)}\n"
+    "  const clean=document.getElementById('clean');if(clean)clean.hidden=!clean.querySelecto"
+    "r('.file:not([hidden])');\n"
+    "  shown.textContent=n+' of '+of+' shown'};\n"
     "document.querySelector('form').hidden=false;\n"
-    "document.querySelector('form').addEventListener('input',show);document.querySelector('form')."
-    "addEventListener('submit',e=>e.preventDefault());show();\n"
+    "document.querySelector('form').addEventListener('input',show);\n"
+    "document.querySelector('form').addEventListener('submit',e=>e.preventDefault());show();\n"
     "</script>\n";
 
 static void begin_html(FILE *out, const check_settings *settings) {
@@ -470,7 +160,11 @@ static void write_histogram(FILE *out, const norma_deviation *deviation) {
 
 static void write_place(FILE *out, const check_report *report, const check_item *item) {
     const norma_finding *finding = item->finding;
-    fputs("<li>", out);
+    const uint64_t key = check_key(report, item);
+    if (key)
+        fprintf(out, "<li data-same=\"%016" PRIx64 "\">", key);
+    else
+        fputs("<li>", out);
     if (finding->label[0]) {
         cli_write_outside_html(out, finding->label);
         fputs(": ", out);
@@ -482,17 +176,17 @@ static void write_place(FILE *out, const check_report *report, const check_item 
     fputs("</li>\n", out);
 }
 
-static void write_places(FILE *out, const check_report *report, const check_item *first) {
-    const size_t most = first->severity == NORMA_SEVERITY_INFO ? PLACES_OF_INFO : PLACES_OF_PROBLEM;
-    const size_t places = check_places(report, first);
+static void write_findings(FILE *out, const check_report *report, const check_item *first) {
+    const size_t most = first->severity == NORMA_SEVERITY_INFO ? MOST_OF_INFO : MOST_OF_PROBLEM;
+    const size_t count = check_count_same(report, first);
     size_t written = 0;
     fputs("<ul>\n", out);
-    for (const check_item *item = first; written < places && written < most; ++item) {
+    for (const check_item *item = first; written < count && written < most; ++item) {
         if (!check_is_same(first, item)) continue;
         write_place(out, report, item);
         ++written;
     }
-    if (places > written) fprintf(out, "<li>and %zu more places</li>\n", places - written);
+    if (count > written) fprintf(out, "<li>and %zu more</li>\n", count - written);
     fputs("</ul>\n", out);
 }
 
@@ -514,16 +208,16 @@ static void write_html_rule(
     FILE *out, const check_report *report, const check_item *item, size_t *budget) {
     const norma_rule *rule = item->finding->rule;
     const char *severity = cli_severity_name(item->severity);
-    const size_t places = check_places(report, item);
+    const size_t count = check_count_same(report, item);
     fprintf(out,
         "<section class=\"rule is-%s\" data-severity=\"%d\"><h3><span class=\"severity "
         "%s\">%s</span> "
         "<a href=\"#%s\">%s %s</a>",
         severity, (int)item->severity, severity, severity, rule->id, rule->id, rule->name);
-    if (places > 1) fprintf(out, ", %zu places", places);
+    if (count > 1) fprintf(out, ", %zu findings", count);
     fputs("</h3>\n", out);
-    write_places(out, report, item);
-    if (item->finding->deviation && places == 1) write_histogram(out, item->finding->deviation);
+    write_findings(out, report, item);
+    if (item->finding->deviation && count == 1) write_histogram(out, item->finding->deviation);
     if (item->command) {
         fputs("<p class=\"fix\">Fix: <code>", out);
         cli_write_outside_html(out, item->command);
@@ -574,7 +268,7 @@ static void write_infos(FILE *out, const check_report *report, size_t *budget) {
 static void write_counts(FILE *out, const check_report *report) {
     fputs("<p>", out);
     if (check_is_clean(report)) {
-        fputs("No problems found", out);
+        fprintf(out, "No problems found%s", check_unseen(report));
     } else {
         cli_counted(out, items_of(report, NORMA_SEVERITY_ERROR), "error", "errors");
         fputs(", ", out);
@@ -598,14 +292,25 @@ static void write_html_reasons(FILE *out, const check_report *report) {
     }
 }
 
+/* Where links lead to. */
+static void write_anchor(FILE *out, const char *path) {
+    fprintf(out, "f%016" PRIx64, cli_hash(CLI_HASH, path, strlen(path)));
+}
+
 static void write_html_file(FILE *out, const check_report *report) {
     size_t budget = budget_of(report);
+    const int is_clean = check_is_clean(report), folds = report->settings->file_count > 1;
     fputs(CHECK_HTML_FILE, out);
     check_write_bytes(out, report->path);
-    fprintf(out, CHECK_HTML_STATUS "%s%s<h2>", report->status,
-        check_fails(report) ? CHECK_HTML_FAILS : "\">");
-    cli_write_outside_html(out, cli_input_name(report->path));
-    fputs("</h2>\n", out);
+    fprintf(out, CHECK_HTML_STATUS "%s%s>", report->status, items_of(report, NORMA_SEVERITY_ERROR),
+        items_of(report, NORMA_SEVERITY_WARNING), check_fails(report) ? CHECK_HTML_FAILS : "",
+        is_clean ? CHECK_HTML_CLEAN : "");
+    if (is_clean && folds) fputs("<details><summary>", out);
+    fputs("<h2 id=\"", out);
+    write_anchor(out, report->path);
+    fputs("\">", out);
+    cli_write_outside_html(out, report->shown);
+    fputs(is_clean && folds ? "</h2></summary>\n" : "</h2>\n", out);
     write_counts(out, report);
     if (report->mended) {
         fputs("<p>Fixed:</p><pre tabindex=\"0\">", out);
@@ -616,6 +321,7 @@ static void write_html_file(FILE *out, const check_report *report) {
     write_rules(out, report, NORMA_SEVERITY_ERROR, &budget);
     write_rules(out, report, NORMA_SEVERITY_WARNING, &budget);
     write_infos(out, report, &budget);
+    if (is_clean && folds) fputs("</details>", out);
     fputs(CHECK_HTML_FILE_END, out);
 }
 
@@ -625,16 +331,16 @@ static void write_html_total(
     FILE *out, const norma_rule *rule, norma_severity severity, const check_rule_total *total) {
     const char *name = cli_severity_name(severity);
     fprintf(out,
-        "<tr><td><span class=\"severity %s\">%s</span></td><td><a href=\"#%s\">%s <span "
-        "class=\"wide\">%s</span></a></td><td class=\"number\">%zu</td><td "
+        "<tr><td><span class=\"severity %s\">%s</span></td><td><a href=\"#%s\">%s %s</a></td><td "
+        "class=\"number\">%zu</td><td "
         "class=\"number\">%zu</td></tr>\n",
-        name, name, rule->id, rule->id, rule->name, total->places, total->files);
+        name, name, rule->id, rule->id, rule->name, total->findings, total->files);
 }
 
 static size_t rules_of(const check_totals *totals, norma_severity severity) {
     size_t found = 0;
     for (size_t rule = 0; rule < CHECK_RULES; ++rule)
-        found += totals->by_rule[rule][severity].places > 0;
+        found += totals->by_rule[rule][severity].findings > 0;
     return found;
 }
 
@@ -643,12 +349,12 @@ static void write_html_totals(
     size_t count;
     const norma_rule *rules = norma_rules(&count);
     fputs("<table><thead><tr><th scope=\"col\">Severity</th><th scope=\"col\">Rule</th><th "
-          "scope=\"col\" class=\"number\">Places</th><th scope=\"col\" "
+          "scope=\"col\" class=\"number\">Findings</th><th scope=\"col\" "
           "class=\"number\">Files</th></tr></thead><tbody>\n",
         out);
     for (norma_severity severity = gravest; severity >= least; --severity)
         for (size_t rule = 0; rule < count; ++rule)
-            if (totals->by_rule[rule][severity].places)
+            if (totals->by_rule[rule][severity].findings)
                 write_html_total(out, &rules[rule], severity, &totals->by_rule[rule][severity]);
     fputs("</tbody></table>\n", out);
 }
@@ -667,13 +373,42 @@ static void write_all_totals(FILE *out, const check_totals *totals) {
     fputs("</details>\n", out);
 }
 
+/* ---- the list of files */
+
+static void write_listed_file(FILE *out, const check_entry *entry) {
+    fputs("<li><a href=\"#", out);
+    write_anchor(out, entry->path);
+    fputs("\">", out);
+    cli_write_outside_html(out, check_shown_path(entry->path));
+    fputs("</a> ", out);
+    if (entry->errors) cli_counted(out, entry->errors, "error", "errors");
+    if (entry->errors && entry->warnings) fputs(", ", out);
+    if (entry->warnings) cli_counted(out, entry->warnings, "warning", "warnings");
+    fputs("</li>\n", out);
+}
+
+static void write_file_list(FILE *out, const check_list *list) {
+    size_t troubled = 0;
+    while (troubled < list->count && !list->entries[troubled].is_clean) ++troubled;
+    if (list->count < 2 || !troubled) return;
+    fprintf(out, "<details class=\"files\"%s><summary>", troubled > FILES_IN_SIGHT ? "" : " open");
+    cli_counted(out, troubled, "file", "files");
+    fputs(" with problems</summary>\n<ol>\n", out);
+    for (size_t i = 0; i < troubled; ++i) write_listed_file(out, &list->entries[i]);
+    fputs("</ol></details>\n", out);
+}
+
+static int has_clean_fold(const check_list *list) {
+    return list->count > 1 && list->entries[list->count - 1].is_clean;
+}
+
 static void write_explanations(FILE *out, const check_totals *totals) {
     size_t count, written = 0;
     const norma_rule *rules = norma_rules(&count);
     for (size_t rule = 0; rule < count; ++rule) {
         const check_rule_total *total = totals->by_rule[rule];
-        if (!total[NORMA_SEVERITY_INFO].places && !total[NORMA_SEVERITY_WARNING].places &&
-            !total[NORMA_SEVERITY_ERROR].places)
+        if (!total[NORMA_SEVERITY_INFO].findings && !total[NORMA_SEVERITY_WARNING].findings &&
+            !total[NORMA_SEVERITY_ERROR].findings)
             continue;
         if (!written++) {
             fputs("<section><h2>What the rules mean</h2>\n", out);
@@ -697,11 +432,11 @@ static void write_machine_totals(
     cli_json_open(&json, "rules", '[');
     for (size_t rule = 0; rule < count; ++rule)
         for (size_t severity = 0; severity < CHECK_SEVERITIES; ++severity) {
-            if (!totals->by_rule[rule][severity].places) continue;
+            if (!totals->by_rule[rule][severity].findings) continue;
             cli_json_open(&json, NULL, '{');
             cli_json_string(&json, "rule", rules[rule].id);
             cli_json_string(&json, "severity", cli_severity_name((norma_severity)severity));
-            cli_json_size(&json, "places", totals->by_rule[rule][severity].places);
+            cli_json_size(&json, "findings", totals->by_rule[rule][severity].findings);
             cli_json_size(&json, "files", totals->by_rule[rule][severity].files);
             cli_json_close(&json, '}');
         }
@@ -711,6 +446,7 @@ static void write_machine_totals(
 }
 
 static void end_html(FILE *out, const check_totals *totals, const check_settings *settings) {
+    if (has_clean_fold(totals->list)) fputs("</details>\n", out);
     write_explanations(out, totals);
     fputs("<section id=\"summary\" aria-label=\"Summary\"><p class=\"verdict\">", out);
     if (totals->errors + totals->warnings + totals->not_checked == 0)
@@ -719,6 +455,7 @@ static void end_html(FILE *out, const check_totals *totals, const check_settings
     if (settings->missing) fprintf(out, "; shards %s are missing", settings->missing);
     fputs("</p>\n", out);
     write_all_totals(out, totals);
+    write_file_list(out, totals->list);
     fputs("<form hidden><label>Show <select id=\"least\"><option value=\"0\">everything</option>"
           "<option value=\"2\">errors and warnings</option><option value=\"3\">errors</option>"
           "</select></label> <label>with the words <input id=\"words\" type=\"search\"></label> "
@@ -729,4 +466,5 @@ static void end_html(FILE *out, const check_totals *totals, const check_settings
     fputs("</body></html>\n", out);
 }
 
-const check_format check_format_html = {"html", begin_html, write_html_file, "", end_html};
+const check_format check_format_html = {"html", begin_html, write_html_file, "", end_html, 1,
+    "<details id=\"clean\"><summary>Files without problems</summary>\n"};

@@ -3,9 +3,11 @@
 #include "cli/check/check.h"
 #include "cli/process/process.h"
 #include "cli/text/text.h"
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---- What all forms of the report ask of a finding or a file. */
 
@@ -56,8 +58,45 @@ int check_is_first(const check_report *report, size_t index) {
     return 1;
 }
 
-size_t check_places(const check_report *report, const check_item *item) {
-    return report->places[check_rule_number(item->finding->rule)][item->severity];
+size_t check_count_same(const check_report *report, const check_item *item) {
+    return report->same[check_rule_number(item->finding->rule)][item->severity];
+}
+
+int check_is_picture(const check_item *item) {
+    return strcmp(item->finding->rule->id, "N002") == 0 &&
+           strncmp(item->finding->where, "/images/", 8) == 0;
+}
+
+uint64_t check_key(const check_report *report, const check_item *item) {
+    const norma_finding *finding = item->finding;
+    const size_t of[] = {check_rule_number(finding->rule), item->severity};
+    const uint64_t key = cli_hash(CLI_HASH, of, sizeof of);
+    if (report->settings->file_count < 2) return 0;
+    if (check_is_picture(item)) return key;
+    if (!item->mesh) return 0;
+    return cli_hash(
+        cli_hash(key, &item->mesh, sizeof item->mesh), finding->message, strlen(finding->message));
+}
+
+/* Open edges are faults of a print, so for rendering they are not looked at; that a surface has
+ * some is known from N304. */
+const char *check_unseen(const check_report *report) {
+    if (report->profile != NORMA_CHECK_PROFILE_RENDER) return "";
+    for (size_t i = 0; i < report->count; ++i)
+        if (strcmp(report->items[i].finding->rule->id, "N304") == 0)
+            return " (open edges are not looked at in profile render)";
+    return "";
+}
+
+const char *check_shown_path(const char *path) {
+    char folder[4096];
+    const char *name = cli_input_name(path);
+    if (path[0] != '/' || !getcwd(folder, sizeof folder)) return name;
+    const size_t length = strlen(folder);
+    return length > 1 && strncmp(path, folder, length) == 0 && path[length] == '/' &&
+                   path[length + 1]
+               ? path + length + 1
+               : name;
 }
 
 int check_is_new_note(const norma_document *document, size_t first, size_t i) {
@@ -69,24 +108,24 @@ int check_is_new_note(const norma_document *document, size_t first, size_t i) {
 /* ---- totals */
 
 static void count_items(
-    const check_report *report, size_t places[][CHECK_SEVERITIES], check_totals *totals) {
+    const check_report *report, size_t same[][CHECK_SEVERITIES], check_totals *totals) {
     for (size_t i = 0; i < report->count; ++i) {
         const check_item *item = &report->items[i];
-        ++places[check_rule_number(item->finding->rule)][item->severity];
+        ++same[check_rule_number(item->finding->rule)][item->severity];
         totals->hidden += !check_is_listed(report, item);
         if ((int)item->severity >= report->fail_on)
             totals->status = cli_worse(totals->status, CLI_FINDINGS);
     }
 }
 
-/* Of one file: the places of each rule and severity. */
-static void add_places(size_t places[][CHECK_SEVERITIES], check_totals *totals) {
+/* Of one file: the findings of each rule and severity. */
+static void count_findings(size_t same[][CHECK_SEVERITIES], check_totals *totals) {
     size_t of[CHECK_SEVERITIES] = {0};
     for (size_t rule = 0; rule < CHECK_RULES; ++rule)
         for (size_t severity = 0; severity < CHECK_SEVERITIES; ++severity) {
-            of[severity] += places[rule][severity];
-            totals->by_rule[rule][severity].places += places[rule][severity];
-            totals->by_rule[rule][severity].files += places[rule][severity] > 0;
+            of[severity] += same[rule][severity];
+            totals->by_rule[rule][severity].findings += same[rule][severity];
+            totals->by_rule[rule][severity].files += same[rule][severity] > 0;
         }
     totals->errors += of[NORMA_SEVERITY_ERROR];
     totals->warnings += of[NORMA_SEVERITY_WARNING];
@@ -96,13 +135,14 @@ static void add_places(size_t places[][CHECK_SEVERITIES], check_totals *totals) 
 
 void check_write_file(
     check_report *report, const check_format *format, FILE *out, check_totals *totals) {
-    size_t places[CHECK_RULES][CHECK_SEVERITIES] = {{0}};
-    count_items(report, places, totals);
-    add_places(places, totals);
+    size_t same[CHECK_RULES][CHECK_SEVERITIES] = {{0}};
+    count_items(report, same, totals);
+    count_findings(same, totals);
     ++totals->files;
     totals->not_checked += strcmp(report->status, "checked") != 0;
     totals->clean += (size_t)check_is_clean(report);
-    report->places = (const size_t(*)[CHECK_SEVERITIES])places;
+    report->same = (const size_t(*)[CHECK_SEVERITIES])same;
+    report->shown = check_shown_path(report->path);
     format->file(out, report);
 }
 
@@ -170,8 +210,8 @@ void check_write_bytes(FILE *out, const char *path) {
 
 enum {
     INDENT = 4,
-    MOST_PLACES = 10, /* a rule with more in one file is told in one line */
-    PLACES_NAMED = 3, /* of those */
+    MOST_LINES = 10,  /* a rule with more findings in one file is told in one line */
+    LABELS_NAMED = 3, /* of those */
     MOST_CLEAN = 10   /* if there are more files, those without problems are only counted */
 };
 
@@ -208,7 +248,7 @@ static void write_text_sample(FILE *out, const norma_sample *sample) {
 }
 
 static void write_head(FILE *line, const check_report *report, const check_item *item) {
-    cli_say(line, "%s: ", cli_input_name(report->path));
+    cli_say(line, "%s: ", report->shown);
     write_severity(line, report->settings, item->severity);
     cli_say(line, " %s %s: ", item->finding->rule->id, item->finding->rule->name);
 }
@@ -236,7 +276,7 @@ static void write_single(FILE *line, const check_report *report, const check_ite
     write_text_worst(line, report, item->finding);
 }
 
-/* ---- a rule that many places share */
+/* ---- findings of one rule in one line */
 
 static void write_label(FILE *line, const norma_finding *finding) {
     if (finding->label[0])
@@ -245,46 +285,92 @@ static void write_label(FILE *line, const norma_finding *finding) {
         fputs("the file", line);
 }
 
-/* item is the first of them. */
-static void write_shared(FILE *line, const check_report *report, const check_item *item) {
-    const size_t places = check_places(report, item);
+static int is_of_group(const check_item *first, const check_item *item) {
+    return check_is_same(first, item) && check_is_picture(first) == check_is_picture(item);
+}
+
+/* Of the group of an item, which is its first. */
+static size_t count_together(const check_report *report, const check_item *item) {
+    size_t count = 0;
+    for (const check_item *at = item; at < report->items + report->count; ++at)
+        count += (size_t)is_of_group(item, at);
+    return count;
+}
+
+static int is_first_of_group(const check_report *report, const check_item *item) {
+    for (const check_item *at = report->items; at < item; ++at)
+        if (is_of_group(item, at)) return 0;
+    return 1;
+}
+
+static int is_told_together(const check_report *report, const check_item *item) {
+    return check_is_picture(item) || check_count_same(report, item) > MOST_LINES;
+}
+
+static void write_together(FILE *line, const check_report *report, const check_item *item) {
+    const size_t count = count_together(report, item);
     size_t named = 0;
     write_head(line, report, item);
-    fprintf(line, "%zu places: ", places);
-    for (const check_item *at = item; named < PLACES_NAMED; ++at) {
-        if (!check_is_same(item, at)) continue;
+    if (check_is_picture(item))
+        cli_counted(line, count,
+            "texture is missing or cannot be read: ", "textures are missing or cannot be read: ");
+    else
+        fprintf(line, "%zu findings: in ", count);
+    for (const check_item *at = item; named < count && named < LABELS_NAMED; ++at) {
+        if (!is_of_group(item, at)) continue;
         fputs(named++ ? ", " : "", line);
         write_label(line, at->finding);
     }
-    fprintf(line, " and %zu more. The first: ", places - named);
+    if (count > named) fprintf(line, " and %zu more", count - named);
+    if (check_is_picture(item)) {
+        fputs("; normal maps in them were not checked.", line);
+        return;
+    }
+    fputs(". The first: ", line);
     write_sentence(line, item->finding->message);
 }
 
 /* ---- lines */
+
+/* The same for what several files have in common. 0: of this file alone. */
+static uint64_t line_key(const check_report *report, const check_item *item) {
+    uint64_t key = 0;
+    for (const check_item *at = item; at < report->items + report->count; ++at) {
+        if (at != item && !(is_told_together(report, item) && is_of_group(item, at))) continue;
+        const uint64_t one = check_key(report, at);
+        if (!one) return 0;
+        if (at == item || !check_is_picture(at)) key = 31 * key + one;
+    }
+    return key;
+}
 
 /* Without memory to wrap it, a line is as long as it is. A command is never wrapped: on a terminal
  * it has a line of its own. */
 static void write_item(FILE *out, const check_report *report, const check_item *item) {
     const size_t width = report->settings->style.width;
     void (*write)(FILE *, const check_report *, const check_item *) =
-        check_places(report, item) > MOST_PLACES ? write_shared : write_single;
+        is_told_together(report, item) ? write_together : write_single;
+    const uint64_t key = line_key(report, item);
     cli_memory_stream line;
+    if (key) fprintf(out, "%c%016" PRIx64, CHECK_SAME, key);
     if (cli_memory_open(&line)) write(line.out, report, item);
     if (cli_memory_close(&line))
         cli_write_wrapped(out, line.text, width, INDENT);
     else
         write(out, report, item);
     free(line.text);
+    if (key) fputc(CHECK_ALSO, out);
     if (item->command)
         fprintf(out, "%s%*sFix: %s", width ? "\n" : " ", width ? INDENT : 0, "", item->command);
     fputc('\n', out);
+    if (key) fputc(CHECK_SAME_END, out);
 }
 
-static void write_items(FILE *out, const check_report *report) {
+static void write_items(FILE *out, const check_report *report, norma_severity severity) {
     for (size_t i = 0; i < report->count; ++i) {
         const check_item *item = &report->items[i];
-        if (!check_is_listed(report, item)) continue;
-        if (check_places(report, item) > MOST_PLACES && !check_is_first(report, i)) continue;
+        if (item->severity != severity || !check_is_listed(report, item)) continue;
+        if (is_told_together(report, item) && !is_first_of_group(report, item)) continue;
         write_item(out, report, item);
     }
 }
@@ -292,7 +378,7 @@ static void write_items(FILE *out, const check_report *report) {
 /* ---- one file */
 
 static void write_rays(FILE *out, const check_report *report) {
-    const char *path = cli_input_name(report->path);
+    const char *path = report->shown;
     if (report->by_rays) {
         cli_say(out, "%s: %zu open %s outward by a majority of rays, confidence at least %.2f",
             path, report->by_rays, report->by_rays == 1 ? "component looks" : "components look",
@@ -309,7 +395,7 @@ static void write_rays(FILE *out, const check_report *report) {
 
 static void write_unchanged(FILE *out, const check_report *report) {
     const check_settings *settings = report->settings;
-    cli_say(out, "%s: nothing was fixed%s", cli_input_name(report->path),
+    cli_say(out, "%s: nothing was fixed%s", report->shown,
         settings->dry_run         ? ""
         : settings->files->output ? ", the output is the input, byte for byte"
                                   : ", no file is written");
@@ -320,38 +406,40 @@ static void write_text_file(FILE *out, const check_report *report) {
     const int is_shown = !check_is_clean(report) || report->settings->file_count <= MOST_CLEAN;
     if (report->is_unchanged && is_shown) write_unchanged(out, report);
     if (report->mended) {
-        cli_say(out, "%s: fixed", cli_input_name(report->path));
+        cli_say(out, "%s: fixed", report->shown);
         fprintf(out, "\n%s", report->mended);
     }
     write_rays(out, report);
-    write_items(out, report);
+    for (int severity = NORMA_SEVERITY_ERROR; severity >= NORMA_SEVERITY_INFO; --severity)
+        write_items(out, report, (norma_severity)severity);
     const int listed = report->settings->list_infos && report->count;
     if (check_is_clean(report) && !listed && report->settings->file_count <= MOST_CLEAN) {
-        cli_say(out, "%s: No problems found", cli_input_name(report->path));
+        cli_say(out, "%s: No problems found%s", report->shown, check_unseen(report));
         fputc('\n', out);
     }
 }
 
 /* ---- the end */
 
-/* "    warning  N602 mirrored                         3 in 2 files" */
+/* "    warning N602 mirrored                         3 in 2 files" */
 static void write_text_total(FILE *out, const check_settings *settings, const norma_rule *rule,
     norma_severity severity, const check_rule_total *total) {
     fprintf(out, "%*s", INDENT, "");
     write_severity(out, settings, severity);
     fprintf(out, "%*s %s %-25s %6zu in %zu %s\n",
         (int)(strlen("warning") - strlen(cli_severity_name(severity))), "", rule->id, rule->name,
-        total->places, total->files, total->files == 1 ? "file" : "files");
+        total->findings, total->files, total->files == 1 ? "file" : "files");
 }
 
 static void write_text_totals(
     FILE *out, const check_totals *totals, const check_settings *settings) {
     size_t count;
     const norma_rule *rules = norma_rules(&count);
-    fputs("Totals by rule:\n", out);
-    for (int severity = NORMA_SEVERITY_ERROR; severity >= NORMA_SEVERITY_INFO; --severity)
+    fputs("Findings by rule:\n", out);
+    for (int severity = NORMA_SEVERITY_ERROR;
+         severity >= (totals->hidden ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO); --severity)
         for (size_t rule = 0; rule < count; ++rule)
-            if (totals->by_rule[rule][severity].places)
+            if (totals->by_rule[rule][severity].findings)
                 write_text_total(out, settings, &rules[rule], (norma_severity)severity,
                     &totals->by_rule[rule][severity]);
 }
@@ -377,14 +465,14 @@ static void end_quietly(FILE *out, const check_totals *totals, const check_setti
 }
 
 static void end_text(FILE *out, const check_totals *totals, const check_settings *settings) {
-    const size_t all = totals->errors + totals->warnings + totals->infos;
+    const size_t listed = totals->errors + totals->warnings + totals->infos - totals->hidden;
     if (totals->clean && settings->file_count > MOST_CLEAN) {
         fputs("No problems found in ", out);
         cli_counted(out, totals->clean, "file", "files");
         fputc('\n', out);
     }
-    if (totals->hidden || all > 1) write_text_totals(out, totals, settings);
-    if (totals->hidden) {
+    if (totals->files > 1 && listed > 1) write_text_totals(out, totals, settings);
+    if (totals->hidden && !settings->fix) {
         cli_counted(out, totals->hidden, "info", "infos");
         fprintf(out, " not listed; --info lists %s\n", totals->hidden == 1 ? "it" : "them");
     }
@@ -396,9 +484,10 @@ static void write_nothing(FILE *out, const check_report *report) {
     (void)report;
 }
 
-const check_format check_format_text = {"text", begin_nothing, write_text_file, "", end_text};
+const check_format check_format_text = {
+    "text", begin_nothing, write_text_file, "", end_text, 1, NULL};
 const check_format check_format_quiet = {
-    "text", begin_nothing, write_nothing, "", end_quietly}; /* the verdict alone */
+    "text", begin_nothing, write_nothing, "", end_quietly, 0, NULL}; /* the verdict alone */
 
 /* ---- Findings for grep and editors, one on each line and nothing else:
  *   path: severity rule place: message
@@ -422,4 +511,4 @@ static void end_lines(FILE *out, const check_totals *totals, const check_setting
     (void)settings;
 }
 
-const check_format check_format_line = {"line", begin_nothing, write_lines, "", end_lines};
+const check_format check_format_line = {"line", begin_nothing, write_lines, "", end_lines, 0, NULL};

@@ -20,6 +20,15 @@ static const char explain_help[] =
     "RULE is an id (N301), the beginning of several ids (N3) or a name.\n"
     "  --json                prints one object per line\n"
     "  -o, --output FILE     writes an HTML page with a wrong and a right picture for each rule\n"
+    "\n"
+    "To start with a folder of models\n"
+    "  norma check models --write-baseline norma-baseline.json\n"
+    "                                 records what is there, so that only new findings are shown\n"
+    "  norma check models --baseline norma-baseline.json --fail-on warning\n"
+    "                                 the gate. --profile render suits models to look at, print\n"
+    "                                 those to print, generated those that a program made\n"
+    "  docs/checking.md has the hook for pre-commit, and the action for GitHub\n"
+    "\n"
     "Exit status: 0 fine, 2 unknown rule.\n";
 
 /* The severity for models to render, and where it is another for prints or generated models. */

@@ -448,7 +448,7 @@ static void add_rule(cli_value entry, check_totals *totals) {
     const norma_severity severity = report_severity(entry);
     for (size_t rule = 0; rule < count && id && severity; ++rule)
         if (strcmp(rules[rule].id, id) == 0) {
-            totals->by_rule[rule][severity].places += count_in(entry, "places");
+            totals->by_rule[rule][severity].findings += count_in(entry, "findings");
             totals->by_rule[rule][severity].files += count_in(entry, "files");
         }
 }
@@ -494,16 +494,19 @@ static int read_totals(report_merge *merged, report_text *text) {
 
 /* ---- sections */
 
-/* Behind its path: whether the file was read, and whether a finding fails. */
-static int note_status(report_merge *merged, report_text *text, uint64_t at) {
-    static const char words[] = CHECK_HTML_STATUS, fails[] = CHECK_HTML_FAILS;
+/* Behind the path of a section: whether the file was read, how many errors and warnings it has, and
+ * whether a finding fails. */
+static int note_status(report_merge *merged, report_text *text, uint64_t at, report_part *part) {
+    char status[16], more[40] = "";
     const uint64_t end = report_text_find(text, at, ">");
-    if (end == UINT64_MAX || end - at > 100) return refuse_page(text);
+    if (end == UINT64_MAX || end - at > 150) return refuse_page(text);
     if (!read_between(merged, text, at, end + 1)) return CLI_FILE;
     merged->entry[end + 1 - at] = '\0';
-    if (strncmp(merged->entry, words, sizeof words - 1) != 0) return refuse_page(text);
-    if (strstr(merged->entry, fails)) merged->status = cli_worse(merged->status, CLI_FINDINGS);
-    if (strncmp(merged->entry + sizeof words - 1, "unreadable", 10) == 0) merged->status = CLI_FILE;
+    if (sscanf(merged->entry, CHECK_HTML_SCAN, status, &part->errors, &part->warnings, more) < 3)
+        return refuse_page(text);
+    part->is_clean = strstr(more, CHECK_HTML_CLEAN) != NULL;
+    if (strstr(more, CHECK_HTML_FAILS)) merged->status = cli_worse(merged->status, CLI_FINDINGS);
+    if (strcmp(status, "unreadable") == 0) merged->status = CLI_FILE;
     return CLI_OK;
 }
 
@@ -513,12 +516,13 @@ static int add_section(report_merge *merged, report_text *text, uint64_t from, u
                    path_end = report_text_find(text, path, "\"");
     if (path_end == UINT64_MAX || !report_copy_bytes(merged, &part, &part.hash, NULL))
         return refuse_page(text);
+    int status = note_status(merged, text, path_end, &part);
+    if (status) return status;
     if (!read_between(merged, text, path, path_end)) return CLI_FILE;
     merged->entry[path_end - path] = '\0';
     report_decode(merged->entry);
     part.path = merged->entry;
-    const int status = report_add_part(merged, part);
-    return status ? status : note_status(merged, text, path_end);
+    return report_add_part(merged, part);
 }
 
 int report_add_html(report_merge *merged, report_text *text) {
@@ -538,10 +542,18 @@ int report_add_html(report_merge *merged, report_text *text) {
 
 int report_write_html(report_merge *merged, FILE *out) {
     int status = CLI_OK;
+    check_list list = {0};
     merged->totals.status = merged->status;
+    merged->totals.list = &list;
     check_format_html.begin(out, &merged->settings);
-    for (size_t i = 0; i < merged->part_count && !status; ++i)
+    for (size_t i = 0; i < merged->part_count && !status; ++i) {
+        const check_entry entry = report_entry(&merged->parts[i]);
+        if (!check_list_add(&list, &entry)) status = cli_out_of_memory();
+        if (status) break;
+        check_begin_entry(&list, i, &check_format_html, out);
         status = report_copy_part(merged, &merged->parts[i], out);
+    }
     check_format_html.end(out, &merged->totals, &merged->settings);
+    check_list_free(&list);
     return status;
 }

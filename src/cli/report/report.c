@@ -135,8 +135,9 @@ static int write_file_as(const report_merge *merged, const char *path, cli_value
     for (cli_value object = cli_first(list); object.in && fine; object = cli_next(object)) {
         norma_finding *finding = &findings[report.count];
         if (!read_finding(object, finding)) continue;
-        items[report.count++] = (check_item){
-            finding, finding->severity, (char *)(uintptr_t)cli_string(cli_get(object, "command"))};
+        items[report.count++] = (check_item){finding, finding->severity,
+            (char *)(uintptr_t)cli_string(cli_get(object, "command")),
+            strtoull(text_of(object, "mesh"), NULL, 16)};
     }
     if (fine) check_write_file(&report, format, out, totals);
     free(items);
@@ -144,33 +145,55 @@ static int write_file_as(const report_merge *merged, const char *path, cli_value
     return fine ? CLI_OK : cli_out_of_memory();
 }
 
-/* Some forms have nothing to say of a file, and then need nothing between. */
+/* Takes over the text. Some forms have nothing to say of a file, and then need nothing between. */
+static int write_or_keep(check_entry *entry, const check_format *format, FILE *out,
+    const check_totals *totals, int *any) {
+    if (format->is_worst_first) return check_list_add(totals->list, entry);
+    if (entry->size && *any) fputs(format->between, out);
+    *any |= entry->size > 0;
+    fwrite(entry->text, 1, entry->size, out);
+    free(entry->text);
+    return 1;
+}
+
 static int write_part_as(report_merge *merged, const report_part *part, const check_format *format,
     FILE *out, check_totals *totals, int *any) {
     cli_memory_stream written;
     int status;
-    cli_parsed *entry = load_entry(merged, part, &status);
-    if (!entry) return status;
+    cli_parsed *parsed = load_entry(merged, part, &status);
+    const check_totals before = *totals;
+    if (!parsed) return status;
     if (cli_memory_open(&written))
         status =
-            write_file_as(merged, part->path, cli_json_root(entry), format, written.out, totals);
-    cli_json_free(entry);
+            write_file_as(merged, part->path, cli_json_root(parsed), format, written.out, totals);
+    cli_json_free(parsed);
     if (!cli_memory_close(&written)) return status ? status : cli_out_of_memory();
-    if (written.size && *any) fputs(format->between, out);
-    *any |= written.size > 0;
-    fwrite(written.text, 1, written.size, out);
+    check_entry entry = {.path = part->path,
+        .errors = totals->errors - before.errors,
+        .warnings = totals->warnings - before.warnings,
+        .is_clean = totals->clean > before.clean,
+        .text = written.text,
+        .size = written.size};
+    if (write_or_keep(&entry, format, out, totals, any)) return status;
     free(written.text);
-    return status;
+    return cli_out_of_memory();
 }
 
 int report_write_as(
     report_merge *merged, const check_format *format, FILE *out, check_totals *totals) {
     int status = CLI_OK, any = 0;
+    check_list list = {0};
+    totals->list = &list;
     format->begin(out, &merged->settings);
     for (size_t i = 0; i < merged->part_count && !status; ++i)
         status = write_part_as(merged, &merged->parts[i], format, out, totals, &any);
+    check_list_sort(&list);
+    if (!status && format->is_worst_first &&
+        !check_list_write(&list, format, out, &merged->settings))
+        status = cli_out_of_memory();
     totals->status = cli_worse(totals->status, merged->status);
     format->end(out, totals, &merged->settings);
+    check_list_free(&list);
     return status;
 }
 

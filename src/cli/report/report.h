@@ -54,6 +54,7 @@ typedef struct report_part { /* a file of JSON or HTML, a result of SARIF */
     uint32_t report;    /* its number among the inputs */
     uint32_t owns_path; /* 0: the path is that of the part before it */
     uint64_t offset, size, hash;
+    uint32_t errors, warnings, is_clean; /* of a file of HTML */
 } report_part;
 
 typedef struct report_shard { /* what a report says of itself */
@@ -79,7 +80,7 @@ typedef struct report_merge {
 /* The paths of the reports are the caller's. */
 int report_merge_begin(report_merge *merged, const char *const *reports, size_t count);
 void report_merge_free(report_merge *merged);
-void report_sort(report_merge *merged); /* by path, and else as they were read */
+void report_sort(report_merge *merged); /* pages: the worst first; by path, and as they were read */
 
 norma_severity report_severity(cli_value finding); /* NONE where none is called so */
 int report_fail_on(cli_value file);                /* the least severity that fails it */
@@ -91,6 +92,7 @@ int report_note_shards(report_merge *merged, size_t report, cli_value object);
 int report_note_shard(report_merge *merged, size_t report, const char *key, cli_value value);
 /* The path is copied. A status. */
 int report_add_part(report_merge *merged, report_part part);
+check_entry report_entry(const report_part *part);          /* without its text */
 void report_drop_parts(report_merge *merged, size_t count); /* all but so many */
 int report_grow_entry(report_merge *merged, size_t size);   /* 0: out of memory, reported */
 

@@ -165,9 +165,17 @@ int report_grow_entry(report_merge *merged, size_t size) {
     return 1;
 }
 
+check_entry report_entry(const report_part *part) {
+    return (check_entry){.path = part->path,
+        .errors = part->errors,
+        .warnings = part->warnings,
+        .is_clean = part->is_clean != 0};
+}
+
 static int compare_parts(const void *a, const void *b) {
     const report_part *one = a, *other = b;
-    const int order = strcmp(one->path, other->path);
+    const check_entry entry = report_entry(one), other_entry = report_entry(other);
+    const int order = check_compare_entries(&entry, &other_entry);
     if (order) return order;
     if (one->report != other->report) return one->report < other->report ? -1 : 1;
     return one->offset < other->offset ? -1 : one->offset > other->offset;

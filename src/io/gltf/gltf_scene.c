@@ -102,9 +102,8 @@ static int name_image(gltf *g, gltf_image *image, uint32_t token) {
     static const char *const keys[] = {"uri", "name"};
     for (size_t i = 0; i < 2 && !image->name; ++i) {
         const uint32_t value = norma_json_member(&g->json, token, keys[i]);
-        char *text = norma_json_is(&g->json, value, JSON_STRING)
-                         ? norma_json_string(&g->json, value)
-                         : NULL;
+        char *text =
+            norma_json_is(&g->json, value, JSON_STRING) ? norma_json_string(&g->json, value) : NULL;
         if (!text || norma_gltf_uri_is_data(text) || !*text) {
             free(text);
             continue;
@@ -179,10 +178,8 @@ static int read_image(gltf *g, uint32_t texture, norma_texture_info *info) {
     const given_image *given = norma_document_given_image(g->document, (size_t)number);
     if (!image->looked_at && !name_image(g, image, token)) return 0;
     if (given)
-        *image = (gltf_image){.bytes = given->bytes,
-            .size = given->size,
-            .name = image->name,
-            .looked_at = 1};
+        *image = (gltf_image){
+            .bytes = given->bytes, .size = given->size, .name = image->name, .looked_at = 1};
     if (!image->looked_at && !load_image(g, image, token)) return 0;
     image->looked_at = 1;
     info->bytes = image->bytes;
