@@ -1,6 +1,6 @@
-/* smooth_fans.h: positions whose faces are all one smooth fan, nearly all of most meshes: the sum
- * at the position is the normal of all corners there, and no star needs to be made. Each face is
- * measured once. */
+/* smooth_fans.h: positions whose faces are all one smooth fan, in meshes that are smooth all over:
+ * the sum at the position is the normal of all corners there, and no star needs to be made. Each
+ * face is measured once. */
 #ifndef NORMA_CORE_SMOOTH_FANS_H
 #define NORMA_CORE_SMOOTH_FANS_H
 #include "core/vertex/vertex.h"

@@ -131,8 +131,6 @@ typedef struct core_chunks {
 /* Adds all faces of some chunks that touch the bin; sums, first and count of the adder are its. */
 void norma_core_add_to_bin(const core_kernels *kernels, const core_bins *bins, const core_bin *bin,
     core_chunks chunks, core_adder *adder);
-/* A task for each chunk: its range of welded positions, in place of those that corners name. */
-void norma_core_range_of_welded(void *bins, size_t chunk);
 
 /* ---- weighted sums of vectors that do not depend on the order in which they are added, nor on how
  * they are grouped: for one surface in many files. Each number is cut into digits of 32 bits at

@@ -290,7 +290,7 @@ typedef struct sum_work {
     norma_count degenerate[MOST_RANGES];
 } sum_work;
 
-void norma_core_range_of_welded(void *bins_of_mesh, size_t chunk) {
+static void range_of_welded(void *bins_of_mesh, size_t chunk) {
     const core_bins *bins = bins_of_mesh;
     const core_mesh *mesh = bins->mesh;
     core_range touched = {UINT32_MAX, 0};
@@ -324,7 +324,7 @@ static norma_result sum_ranges(sum_work *work) {
     norma_result result = NORMA_OK;
     norma_core_stage(call, begin, from);
     if (bins->count > 1 && bins->mesh->weld)
-        result = norma_core_parallel(call, bins->chunks, norma_core_range_of_welded, &work->bins);
+        result = norma_core_parallel(call, bins->chunks, range_of_welded, &work->bins);
     for (size_t step = 0; step < steps && result == NORMA_OK; step++) {
         work->step = (core_chunks){bins->chunks * step / steps, bins->chunks * (step + 1) / steps};
         norma_core_stage(call, from + (to - from) * (double)step / (double)steps,
