@@ -32,6 +32,12 @@ norma_document_result norma_gltf_view_bytes(
     return NORMA_DOCUMENT_OK;
 }
 
+/* Elements of a view: count of them, each size bytes, from offset on. token: for messages. */
+typedef struct gltf_elements {
+    uint32_t token, view;
+    size_t offset, count, size;
+} gltf_elements;
+
 /* Whether they are apart from one another and end inside the view; none of its bytes are read. */
 static norma_document_result gltf_measure_elements(
     gltf *g, const gltf_elements *elements, size_t *stride, norma_document_error *error) {

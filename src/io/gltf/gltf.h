@@ -244,12 +244,6 @@ norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t view, const unsign
 norma_document_result norma_gltf_decode_meshopt(
     gltf *g, uint32_t view, norma_document_error *error);
 
-/* Elements of a view: count of them, each size bytes, from offset on. token: for messages. */
-typedef struct gltf_elements {
-    uint32_t token, view;
-    size_t offset, count, size;
-} gltf_elements;
-
 const char *norma_gltf_extension_of(
     const gltf *g, const gltf_meshopt *m); /* its name in the file */
 /* Compresses m->count rows of m->stride bytes by m->mode and m->filter, or by others where those do
@@ -558,16 +552,6 @@ static inline double norma_gltf_sine(double x) {
     double sum = 1;
     for (int n = steep ? 16 : 17; n > 1; n -= 2) sum = 1 - sum * z / (n * (n - 1));
     return steep ? sum : y * sum;
-}
-
-/* The cosine and the sine of any finite angle; the larger it is, the fewer of its digits count. */
-static inline void norma_gltf_turn(double angle, double *cosine, double *sine) {
-    const double size = fabs(angle), quarters = floor(size / (NORMA_PI / 2)),
-                 rest = fmin(fmax(size - quarters * (NORMA_PI / 2), 0), NORMA_PI / 2);
-    const double near = norma_gltf_sine(rest), far = norma_gltf_sine(NORMA_PI / 2 - rest);
-    const int quarter = (int)(quarters - 4 * floor(quarters / 4)), odd = quarter & 1;
-    *cosine = (quarter == 1 || quarter == 2 ? -1 : 1) * (odd ? near : far);
-    *sine = (quarter >= 2 ? -1 : 1) * (odd ? far : near) * (angle < 0 ? -1 : 1);
 }
 
 /* ---- What is to become of accessors, views and buffers. patch.c gathers what is put,
@@ -987,14 +971,5 @@ typedef struct mesh_use {
 } mesh_use;
 norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, const mesh_use *use,
     const bake_map *map, size_t *vertices, norma_document_error *error);
-
-/* For each node of the file. */
-enum {
-    BAKE_MOVES = 1,      /* an animation moves it */
-    BAKE_WEIGHTS = 2,    /* an animation sets its morph weights */
-    BAKE_MOVED = 4,      /* it or a node above it is moved */
-    BAKE_JOINT = 8,      /* of a skin, or its skeleton */
-    BAKE_HOLDS_MORE = 16 /* a camera, a light, an extension that may depend on where the node is */
-};
 
 #endif

@@ -132,6 +132,16 @@ static int load_image(gltf *g, gltf_image *image, uint32_t token) {
 
 /* ---- textures */
 
+/* The cosine and the sine of any finite angle; the larger it is, the fewer of its digits count. */
+static void gltf_turn(double angle, double *cosine, double *sine) {
+    const double size = fabs(angle), quarters = floor(size / (NORMA_PI / 2)),
+                 rest = fmin(fmax(size - quarters * (NORMA_PI / 2), 0), NORMA_PI / 2);
+    const double near = norma_gltf_sine(rest), far = norma_gltf_sine(NORMA_PI / 2 - rest);
+    const int quarter = (int)(quarters - 4 * floor(quarters / 4)), odd = quarter & 1;
+    *cosine = (quarter == 1 || quarter == 2 ? -1 : 1) * (odd ? near : far);
+    *sine = (quarter >= 2 ? -1 : 1) * (odd ? far : near) * (angle < 0 ? -1 : 1);
+}
+
 static uint32_t element(const gltf *g, const char *list, uint32_t number_token) {
     const json *j = &g->json;
     uint64_t number;
@@ -340,7 +350,7 @@ int norma_gltf_moves(const norma_texture_info *place) {
 void norma_texture_place(const norma_texture_info *info, const float *texcoords, size_t count,
     size_t stride, float *placed) {
     double c, s;
-    norma_gltf_turn((double)info->rotation, &c, &s);
+    gltf_turn((double)info->rotation, &c, &s);
     for (size_t i = 0; i < count; ++i) {
         const double x = (double)info->scale[0] * (double)texcoords[2 * i],
                      y = (double)info->scale[1] * (double)texcoords[2 * i + 1];
@@ -355,7 +365,7 @@ static void read_normal_map(const gltf *g, uint32_t material, norma_material_inf
     info->normal_texcoord = place.texcoord;
     if (!norma_gltf_moves(&place)) return;
     double c, s;
-    norma_gltf_turn((double)place.rotation, &c, &s);
+    gltf_turn((double)place.rotation, &c, &s);
     info->normal_turn[0] = (float)(c * (double)place.scale[0]);
     info->normal_turn[1] = (float)(s * (double)place.scale[1]);
     info->normal_turn[2] = (float)(-s * (double)place.scale[0]);

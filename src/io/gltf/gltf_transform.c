@@ -8,6 +8,15 @@
 /* ---- What is known of nodes before any is baked: which are animated, joints, or hold
  * more than a mesh. */
 
+/* For each node of the file. */
+enum {
+    BAKE_MOVES = 1,      /* an animation moves it */
+    BAKE_WEIGHTS = 2,    /* an animation sets its morph weights */
+    BAKE_MOVED = 4,      /* it or a node above it is moved */
+    BAKE_JOINT = 8,      /* of a skin, or its skeleton */
+    BAKE_HOLDS_MORE = 16 /* a camera, a light, an extension that may depend on where the node is */
+};
+
 /* Parents before their children; NULL: out of memory; to be freed. */
 static uint32_t *gltf_bake_order(const gltf *g, const gltf_tree *tree) {
     uint32_t *order = norma_io_allocate((size_t)g->node_count + 1, sizeof *order);

@@ -199,8 +199,8 @@ enum { OBJ_PLAIN_LENGTH = 32 }; /* bytes from p on that norma_obj_read_plain_cor
  * the end of the line. */
 typedef struct obj_plain_corner {
     uint32_t position, texture, normal; /* as written; 0 if they are missing, and if they are 0 */
-    int has_texture, has_normal;
-    const char *texture_end, *end; /* as of obj_corner */
+    int has_normal;
+    const char *end;
 } obj_plain_corner;
 
 /* The number at p and where it ends; NULL: no digit, or eight and more. */
@@ -222,20 +222,11 @@ static inline const char *norma_obj_plain_number(const char *p, uint32_t *number
 static inline int norma_obj_read_plain_corner(const char *p, obj_plain_corner *corner) {
     corner->texture = corner->normal = 0;
     p = norma_obj_plain_number(p, &corner->position);
+    const int has_texture = p && *p == '/' && p[1] != '/';
+    if (has_texture) p = norma_obj_plain_number(p + 1, &corner->texture);
+    corner->has_normal = p && *p == '/';
+    if (corner->has_normal) p = norma_obj_plain_number(p + (has_texture ? 1 : 2), &corner->normal);
     if (!p) return 0;
-    corner->texture_end = p;
-    corner->has_texture = *p == '/' && p[1] != '/';
-    corner->has_normal = 0;
-    if (corner->has_texture) {
-        p = norma_obj_plain_number(p + 1, &corner->texture);
-        if (!p) return 0;
-        corner->texture_end = p;
-    }
-    if (*p == '/') {
-        p = norma_obj_plain_number(p + (corner->has_texture ? 1 : 2), &corner->normal);
-        if (!p) return 0;
-        corner->has_normal = 1;
-    }
     corner->end = p;
     return *p == ' ' || norma_obj_is_end(*p);
 }

@@ -404,46 +404,9 @@ static inline int at_token(const writer *w, const char **p) {
     return *p < w->end && !norma_obj_is_end(**p) && **p != '#';
 }
 
-/* Plain corners, one blank before each, which get their normals: as far as they come. Returns how
- * many. */
-static size_t rewrite_plain_corners(
-    writer *w, const char **p, const uint32_t *normals, size_t count) {
-    size_t done = 0;
-#if NORMA_DIGITS_BY_WORD
-    enum { LONGEST = 2 * OBJ_PLAIN_LENGTH }; /* of a corner as it is copied; less of it stays */
-    const size_t gap = (size_t)(*p - w->pending), room = (count + 1) * LONGEST;
-    if (count > SINK_BLOCK / LONGEST - 1 || gap > LONGEST) return 0;
-    char *out = (char *)norma_sink_room(w->sink, room), *const room_end = out + room;
-    const char *at = *p;
-    memcpy(out, w->pending, gap);
-    out += gap;
-    for (obj_plain_corner corner;
-         done < count && w->end - at > OBJ_PLAIN_LENGTH && *at == ' ' && normals[done] < 99999999 &&
-         norma_obj_read_plain_corner(at + 1, &corner);
-         ++done, at = corner.end) {
-        memcpy(out, at, OBJ_PLAIN_LENGTH);
-        if (corner.has_normal && corner.normal == normals[done] + 1) { /* perhaps with zeros */
-            out += corner.end - at;
-            continue;
-        }
-        out += corner.texture_end - at;
-        memcpy(out, "//", 2);
-        out += corner.has_texture ? 1 : 2;
-        out += norma_digits_write(normals[done] + 1, out);
-    }
-    *p = at;
-    w->sink->used -= (size_t)(room_end - out);
-    w->pending = *p;
-#endif
-    return done;
-}
-
 /* Returns the place behind the last corner. */
 static const char *rewrite_face(writer *w, const char *p) {
-    const size_t begin = norma_obj_face_start(w->state, w->face),
-                 end = norma_obj_face_start(w->state, w->face + 1);
-    const uint32_t *normals = w->state->corner_normals + begin;
-    normals += rewrite_plain_corners(w, &p, normals, end - begin);
+    const uint32_t *normals = w->state->corner_normals + norma_obj_face_start(w->state, w->face);
     obj_corner corner;
     for (; !obj_stops(w, p) && at_token(w, &p) && norma_obj_corner(p, w->end, &corner);
          p = corner.end, ++normals)

@@ -76,15 +76,6 @@ static inline uint64_t norma_digits_split(uint32_t number) {
     return tens + ((pairs - 10 * tens) << 8);
 }
 
-/* number, from 1 to below 10^8, as text; the length. Eight bytes of out are written. */
-static inline size_t norma_digits_write(uint32_t number, char *out) {
-    const uint64_t digits = norma_digits_split(number);
-    const int zeros = __builtin_ctzll(digits) / 8;
-    const uint64_t text = (digits | UINT64_C(0x3030303030303030)) >> (8 * zeros);
-    memcpy(out, &text, sizeof text);
-    return (size_t)(8 - zeros);
-}
-
 enum { NORMA_PLAIN_LENGTH = 32 }; /* bytes that norma_digits_plain may look at */
 
 /* A sign or none, at most 7 digits, a point, at most 15 digits, where the number they make without
