@@ -344,4 +344,12 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n' >sheet.obj
 if norma check sheet.obj --no-config | grep -q '^sheet.obj: No problems found (open edges are not looked at in profile render)$' && norma check worst/a-clean.obj --no-config | grep -q '^worst/a-clean.obj: No problems found$'; then pass "what profile render does not look at is said where there are holes"; else fail "what profile render does not look at is said where there are holes"; fi
 norma check worst/b-inside-out.obj --no-config --fix-unsafe -o turned.obj >fixed.txt
 if grep -q '^    N302 inside-out  *1  *0$' fixed.txt && ! grep -q 'info\|N204\|N104' fixed.txt; then pass "after a fix: what changed, and no totals of informations"; else fail "after a fix: what changed, and no totals of informations" "$(cat fixed.txt)"; fi
+# The picture of a finding in a large mesh shows all of it in a corner, the place marked; of a mesh that the close-up shows whole there is no second picture.
+awk 'BEGIN { for (i = 0; i < 30; ++i) for (j = 0; j < 15; ++j) print "v", i, j, 0; print "vn 0 0 1\nvn 0 0 0";
+    for (i = 0; i < 29; ++i) for (j = 0; j < 14; ++j) { a = i * 15 + j + 1; n = a == 1 ? 2 : 1; printf "f %d//%d %d//1 %d//1 %d//1\n", a, n, a + 15, a + 16, a + 1 } }' >grid.obj
+norma check grid.obj --no-config --select N102 -o grid.html >/dev/null
+norma check wide.obj --no-config --select N102 -o wide.html >/dev/null
+rows=$(sed -n '/<title>The whole mesh/,/<\/g>/p' grid.html | grep -o 'M[0-9]* [0-9]*.5h[0-9]*' | sort -u | wc -l)
+filled=$(sed -n '/<title>The whole mesh/,/<\/g>/p' grid.html | grep -o 'h[0-9]*' | tr -d h | awk '{ n += $1 } END { print n }')
+if [ "$rows" -gt 20 ] && [ "$filled" -gt 800 ] && [ "$filled" -lt 2400 ] && sed -n '/<title>The whole mesh/,/<\/g>/p' grid.html | grep -q "<circle cx='[0-9]*' cy='[0-9]*' r='3.5'" && ! grep -q 'The whole mesh' wide.html; then pass "a picture shows the whole mesh beside the close-up"; else fail "a picture shows the whole mesh beside the close-up" "$rows rows, $filled points"; fi
 finish

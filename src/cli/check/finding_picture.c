@@ -312,6 +312,127 @@ static void draw_normals(FILE *out, const picture *drawn) {
     }
 }
 
+/* ---- The whole mesh, small in a corner of the picture: faces filled into a grid of points, the
+ * nearest wins (a depth buffer), and rows of equal shade drawn as lines. A point marks the place.
+ */
+
+enum { WHOLE = 64, WHOLE_MARGIN = 4, SHADES = 4 };
+
+typedef struct whole_mesh {
+    double least[2], scale; /* of the view, to points */
+    double depth[WHOLE][WHOLE];
+    unsigned char shade[WHOLE][WHOLE]; /* 0: nothing there */
+} whole_mesh;
+
+static int see_corner(const picture *drawn, size_t corner, double seen[3]) {
+    const norma_mesh *mesh = &drawn->data->mesh;
+    double at[3];
+    if (!read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) return 0;
+    seen[0] = dot(at, drawn->right);
+    seen[1] = -dot(at, drawn->up);
+    seen[2] = dot(at, drawn->view);
+    return 1;
+}
+
+static int frame_whole(const picture *drawn, whole_mesh *whole) {
+    double most[2] = {-INFINITY, -INFINITY}, seen[3];
+    whole->least[0] = whole->least[1] = INFINITY;
+    for (size_t corner = 0; corner < drawn->data->mesh.corner_count; ++corner)
+        for (int axis = 0; axis < 2 && see_corner(drawn, corner, seen); ++axis) {
+            whole->least[axis] = fmin(whole->least[axis], seen[axis]);
+            most[axis] = fmax(most[axis], seen[axis]);
+        }
+    const double width = most[0] - whole->least[0], height = most[1] - whole->least[1],
+                 size = fmax(width, height);
+    whole->scale = (WHOLE - 2) / size;
+    whole->least[0] -= (size - width) / 2 + size / (WHOLE - 2);
+    whole->least[1] -= (size - height) / 2 + size / (WHOLE - 2);
+    return size > 0 && isfinite(size) && isfinite(whole->scale);
+}
+
+static int on_grid(double at) { return !(at > 0) ? 0 : at > WHOLE - 1 ? WHOLE - 1 : (int)at; }
+
+/* The points of a triangle whose middle it covers, and those of its corners. */
+static void fill_triangle(whole_mesh *whole, double p[3][3], unsigned char shade) {
+    int from[2] = {WHOLE, WHOLE}, to[2] = {0, 0};
+    for (int i = 0; i < 3; ++i)
+        for (int axis = 0; axis < 2; ++axis) {
+            const int at = on_grid(p[i][axis]);
+            from[axis] = at < from[axis] ? at : from[axis];
+            to[axis] = at > to[axis] ? at : to[axis];
+        }
+    const double whole_area =
+        (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
+    for (int y = from[1]; y <= to[1]; ++y)
+        for (int x = from[0]; x <= to[0]; ++x) {
+            double part[3], depth = 0;
+            int is_in = 1;
+            for (int i = 0; i < 3; ++i) {
+                const double *a = p[(i + 1) % 3], *b = p[(i + 2) % 3];
+                part[i] = ((b[0] - a[0]) * (y + 0.5 - a[1]) - (b[1] - a[1]) * (x + 0.5 - a[0])) /
+                          whole_area;
+                is_in &= part[i] >= 0;
+                depth += part[i] * p[i][2];
+            }
+            const int is_small = to[0] - from[0] < 2 && to[1] - from[1] < 2;
+            if (!is_in && is_small) depth = p[0][2];
+            if ((!is_in && !is_small) || !(depth > whole->depth[y][x])) continue;
+            whole->depth[y][x] = depth;
+            whole->shade[y][x] = shade;
+        }
+}
+
+static void fill_face(const picture *drawn, whole_mesh *whole, size_t face) {
+    const norma_mesh *mesh = &drawn->data->mesh;
+    double normal[3], p[3][3];
+    if (!direction_of_face(mesh, face, normal)) return;
+    const double slope = fmin(fabs(dot(normal, drawn->view)), 1);
+    const unsigned char shade = (unsigned char)(1 + (int)((SHADES - 0.01) * slope));
+    const size_t begin = face_begin(mesh, face), end = face_end(mesh, face);
+    for (size_t corner = begin + 1; corner + 1 < end; ++corner) {
+        const size_t corners[] = {begin, corner, corner + 1};
+        int seen = 1;
+        for (int i = 0; i < 3; ++i) {
+            seen &= see_corner(drawn, corners[i], p[i]);
+            for (int axis = 0; axis < 2; ++axis)
+                p[i][axis] = (p[i][axis] - whole->least[axis]) * whole->scale;
+        }
+        if (seen) fill_triangle(whole, p, shade);
+    }
+}
+
+static void draw_rows(FILE *out, const whole_mesh *whole, int shade) {
+    fprintf(out, "<path style='stroke:#%x%x%x;stroke-width:1.1' d='", 4 + 2 * shade, 4 + 2 * shade,
+        4 + 2 * shade);
+    for (int y = 0; y < WHOLE; ++y)
+        for (int x = 0, to; x < WHOLE; x = to + 1) {
+            for (to = x; to < WHOLE && whole->shade[y][to] == shade; ++to)
+                ;
+            if (to > x) fprintf(out, "M%d %d.5h%d", x, y, to - x);
+        }
+    fputs("'/>\n", out);
+}
+
+/* Nothing where the close-up shows all of it, or without memory. */
+static void draw_whole(FILE *out, const picture *drawn) {
+    const size_t faces = count_faces(&drawn->data->mesh);
+    whole_mesh *whole = faces > drawn->count ? calloc(1, sizeof *whole) : NULL;
+    if (whole && frame_whole(drawn, whole)) {
+        const double x = (dot(drawn->place, drawn->right) - whole->least[0]) * whole->scale,
+                     y = (-dot(drawn->place, drawn->up) - whole->least[1]) * whole->scale;
+        for (int i = 0; i < WHOLE * WHOLE; ++i) whole->depth[i / WHOLE][i % WHOLE] = -INFINITY;
+        for (size_t face = 0; face < faces; ++face) fill_face(drawn, whole, face);
+        fprintf(out,
+            "<g transform='translate(%d %d)'><title>The whole mesh</title><rect width='%d' "
+            "height='%d' rx='4' fill='#fff' fill-opacity='.9'/>\n",
+            SIDE - WHOLE - WHOLE_MARGIN, WHOLE_MARGIN, WHOLE, WHOLE);
+        for (int shade = 1; shade <= SHADES; ++shade) draw_rows(out, whole, shade);
+        fprintf(out, "<circle cx='%d' cy='%d' r='3.5' fill='#e00' stroke='#fff'/></g>\n",
+            on_grid(x), on_grid(y));
+    }
+    free(whole);
+}
+
 int check_find_mesh(norma_document *document, const char *where, norma_mesh_data *data) {
     norma_mesh_info info;
     for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
@@ -336,6 +457,7 @@ void check_draw_finding(FILE *out, norma_document *document, const norma_finding
             for (size_t i = 0; i < drawn.count; ++i) draw_face(out, &drawn, drawn.faces[i].face);
             draw_meant(out, &drawn);
             draw_normals(out, &drawn);
+            draw_whole(out, &drawn);
             fputs("</svg>\n", out);
         }
     }

@@ -13,7 +13,7 @@
 
 enum {
     PAGE_BYTES = 600000, /* of pictures, shared by the files */
-    LEAST_BYTES = 5000,  /* of a file: one picture */
+    LEAST_BYTES = 8000,  /* of a file: one picture */
     MOST_BYTES = 200000,
     MOST_OF_PROBLEM = 10,
     MOST_OF_INFO = 3,
