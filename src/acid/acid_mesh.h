@@ -7,9 +7,10 @@
 
 /* Half of a patch's side, in metres. */
 #define ACID_HALF 0.43
-/* Bytes from -120 to 120 across a patch, and what one of them stands for in height. */
+/* Bytes from -120 to 120 across a patch, and the height that one of them stands for: -127 to 127
+ * hold all. */
 #define ACID_BYTES_ACROSS 120.0
-#define ACID_BYTE_HEIGHT  0.0046
+#define ACID_BYTE_HEIGHT  0.0037
 
 /* The directions of the lights, from the surface: each 30 degrees off +z. */
 enum { ACID_LIGHTS = 3 };

@@ -17,7 +17,7 @@ static double bump(double height, double steepness, double q, double *by_q) {
 }
 
 acid_relief acid_surface(double x, double y) {
-    acid_relief relief = {0.30 - 0.44 * x * x - 0.36 * y * y - 0.10 * x * x * x + 0.08 * x * y * y,
+    acid_relief relief = {0.36 - 0.44 * x * x - 0.36 * y * y - 0.10 * x * x * x + 0.08 * x * y * y,
         -0.88 * x - 0.30 * x * x + 0.08 * y * y, -0.72 * y + 0.16 * x * y};
     const double across = y - 0.5 * x - 0.35; /* the ridge */
     double by_q;

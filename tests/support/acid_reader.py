@@ -313,7 +313,7 @@ def compare_with_right(subject, instance, right, center):
         if other is None:
             return math.inf, math.inf
         for p, n in triangle:
-            q, m = min(other, key=lambda corner: sum((a - b) ** 2 for a, b in zip(p, corner[0])))
+            q, m = min(other, key=lambda corner: sum((a - b) ** 2 for a, b in zip(p[:2], corner[0][:2])))
             distance = max(distance, math.sqrt(sum((a - b) ** 2 for a, b in zip(p, q))) / side)
             angle = max(angle, degrees(n, m))
     return distance, angle
@@ -359,6 +359,12 @@ def main():
             print("# " + detail)
 
     whole = Scene(os.path.join(folder, layout["scene"]))
+    first = layout["cells"][0]
+    plain = Patch(whole, first["id"] + " right")
+    bent = [degrees(n, plain.fronts[0][i // 3]) for i, n in enumerate(corner_normals(plain, 0))]
+    report(max(bent) < 12 and sum(bent) / len(bent) < 3, "normals are those of the surface", "%.1f degrees from its faces at most" % max(bent))
+    steepest = max(degrees(n, [0, 0, 1]) for n in plain.normals[0])
+    report(45 < steepest <= 60, "normals are up to 60 degrees from +z", "%.1f" % steepest)
     for cell in layout["cells"]:
         name = cell["id"]
         scenes = [(whole, cell, "")] if angles_only else [(whole, cell, ""), (Scene(os.path.join(folder, cell["file"])), cell["alone"], ", alone")]
@@ -375,6 +381,12 @@ def main():
                        "%s%s: the subject is the right reference" % (name, which), "%.2g of its size, %.4f degrees" % (distance, angle))
             if which:
                 continue
+            if not angles_only and name not in ("flat", "flattened"):
+                distance, angle = compare_with_right(right, 0, plain, (centers[1], center_of(first["references"][0], half)))
+                coarse = name == "quantized"
+                mapped = "normalTexture" in subject.material
+                report((mapped or distance < 1e-3) and (name == "normal-scale" or angle < (1 if coarse or mapped else 0.05)),
+                       "%s: the surface is every cell's" % name, "%.2g of its size, %.4f degrees" % (distance, angle))
             for place in places["references"][1:]:
                 reference = Patch(scene, name + " " + place["id"])
                 if place["id"] == "lost":
