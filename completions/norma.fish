@@ -126,7 +126,7 @@ complete -c norma -n '__fish_seen_subcommand_from explain' -s o -l output -r -F 
 
 set -l acid '__fish_seen_subcommand_from acid'
 complete -c norma -n "$acid" -l judge -r -F -d 'A screenshot of the acid scene'
-complete -c norma -n "$acid" -l scene -r -F -d 'acid.json of the scene'
+complete -c norma -n "$acid" -l scene -r -F -d 'The cell or the layout that was drawn'
 complete -c norma -n "$acid" -l without -x -d 'Extensions that the renderer lacks'
 complete -c norma -n "$acid" -s o -l output -r -F -d 'The folder for scenes, or the marked screenshot'
 complete -c norma -n "$acid" -l tap -d 'Prints TAP'

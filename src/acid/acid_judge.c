@@ -6,12 +6,13 @@
  * the least over small shifts (a homography from four marks, and the parallax of a height field,
  * are good to a pixel or a few hundredths of a patch).
  *
- * Noise (compression, resampling) is what the control, which is drawn as its reference is, differs
- * from it by. It adds to all squared distances alike, and nearly nothing to their differences. So a
- * subject at the part t of the way from reference a to reference b has d_b^2 - d_a^2 = D^2 (1 - 2
- * t), where D is the distance of a and b in the same picture, which tone curves, exposure and
- * environment change as they change those of the subject. It looks like a if t is less than a
- * quarter for each b, and if what is left of its distance from a beside the noise is small as well.
+ * Noise is what the control, which is drawn as its reference is, differs from it by (compression),
+ * or what a reference differs from itself by, sampled half a pixel beside. It adds to all squared
+ * distances alike, and nearly nothing to their differences. So a subject at the part t of the way
+ * from reference a to reference b has d_b^2 - d_a^2 = D^2 (1 - 2 t), where D is the distance of a
+ * and b in the same picture, which tone curves, exposure and environment change as they change
+ * those of the subject. It looks like a if t is less than a quarter for each b, and if what is left
+ * of its distance from a beside the noise is small as well.
  */
 #include "acid/acid_judge.h"
 #include <math.h>
@@ -35,7 +36,7 @@ typedef struct judging {
     int side, inset; /* of swatches; cells at the rim that are not compared */
     double reach;    /* of shifts */
     double noise;
-    swatch subject, references[ACID_MOST_REFERENCES];
+    swatch subject, beside, references[ACID_MOST_REFERENCES];
 } judging;
 
 /* ---- sampling */
@@ -79,17 +80,19 @@ static void box_pixels(const acid_map *map, const acid_box *box, double *longer,
     *shorter = fmin(sides[0], sides[1]);
 }
 
-static void take_swatch(const judging *j, const acid_box *box, swatch *to) {
+/* beside: by how many pixels it is sampled to the right and below. */
+static void take_swatch(const judging *j, const acid_box *box, double beside, swatch *to) {
     double longer, shorter;
     box_pixels(j->map, box, &longer, &shorter);
     const int taps = (int)fmax(1, fmin(8, ceil(longer / j->side)));
+    const double aside = beside / longer;
     to->inside = 1;
     for (int y = 0; y < j->side; ++y)
         for (int x = 0; x < j->side; ++x) {
             double sum[3] = {0};
             for (int tap = 0; tap < taps * taps; ++tap) {
-                const double u = (x + (tap % taps + 0.5) / taps) / j->side - 0.5,
-                             v = (y + (tap / taps + 0.5) / taps) / j->side - 0.5,
+                const double u = aside + (x + (tap % taps + 0.5) / taps) / j->side - 0.5,
+                             v = aside + (y + (tap / taps + 0.5) / taps) / j->side - 0.5,
                              unit[2] = {box->center[0] + u * box->size[0],
                                  box->center[1] + v * box->size[1]};
                 if (!add_sample(j, unit, sum)) to->inside = 0;
@@ -243,10 +246,10 @@ static void unclear(acid_finding *finding, acid_reason reason) {
 /* Takes all patches of a row. */
 static int take_row_swatches(judging *j, const acid_row *row) {
     int inside;
-    take_swatch(j, &row->subject, &j->subject);
+    take_swatch(j, &row->subject, 0, &j->subject);
     inside = j->subject.inside;
     for (size_t i = 0; i < row->reference_count; ++i) {
-        take_swatch(j, &row->references[i].box, &j->references[i]);
+        take_swatch(j, &row->references[i].box, 0, &j->references[i]);
         inside = inside && j->references[i].inside;
     }
     return inside;
@@ -262,6 +265,13 @@ static int find_lost(const acid_row *row) {
 static void judge_missing(const acid_row *row, acid_finding *finding) {
     finding->nearest = find_lost(row);
     finding->verdict = finding->nearest < 0 ? ACID_MISSING : ACID_FAIL;
+}
+
+/* What pixels make of fine detail: the right reference differs so much from itself, sampled half a
+ * pixel beside. */
+static double sampling_noise(judging *j, const acid_row *row) {
+    take_swatch(j, &row->references[0].box, 0.5, &j->beside);
+    return swatch_distance(j, &j->references[0], &j->beside);
 }
 
 /* The subject against each reference, and those against the nearest one (apart). */
@@ -293,7 +303,7 @@ static int is_between(const acid_row *row, const acid_finding *finding, double n
 }
 
 static void judge_drawn(judging *j, const acid_row *row, acid_finding *finding) {
-    const double noise = fmax(least_noise, j->noise);
+    const double noise = fmax(least_noise, fmax(j->noise, sampling_noise(j, row)));
     double apart[ACID_MOST_REFERENCES];
     measure(j, row, finding, apart);
     const double least = finding->distances[finding->nearest],
@@ -371,6 +381,7 @@ static int choose_side(judging *j) {
 static int allocate_swatches(judging *j) {
     const size_t size = (size_t)j->side * (size_t)j->side;
     int there = (j->subject.colors = norma_io_allocate(size, 3 * sizeof(float))) != NULL;
+    there &= (j->beside.colors = norma_io_allocate(size, 3 * sizeof(float))) != NULL;
     for (int i = 0; i < ACID_MOST_REFERENCES; ++i)
         there &= (j->references[i].colors = norma_io_allocate(size, 3 * sizeof(float))) != NULL;
     return there;
@@ -378,6 +389,7 @@ static int allocate_swatches(judging *j) {
 
 static void free_swatches(judging *j) {
     free(j->subject.colors);
+    free(j->beside.colors);
     for (int i = 0; i < ACID_MOST_REFERENCES; ++i) free(j->references[i].colors);
 }
 

@@ -214,9 +214,9 @@ typedef struct window {
     long left, top, right, bottom; /* the last two are behind it */
 } window;
 
-/* Twice as large as the spot, and within the picture. */
+/* A little larger than the spot, and within the picture. */
 static window around_spot(const acid_picture *picture, const spot *s) {
-    const double x = 2 * sqrt(3 * s->xx) + 2, y = 2 * sqrt(3 * s->yy) + 2;
+    const double x = 1.15 * sqrt(3 * s->xx) + 3, y = 1.15 * sqrt(3 * s->yy) + 3;
     const long width = (long)picture->width, height = (long)picture->height;
     const window w = {lround(s->x - x), lround(s->y - y), lround(s->x + x), lround(s->y + y)};
     return (window){w.left > 0 ? w.left : 0, w.top > 0 ? w.top : 0,
@@ -244,15 +244,20 @@ static void find_colors(const acid_picture *picture, const spot *s, const window
     }
 }
 
-/* How far a colour is on the way from border to middle, 0 to 1. */
+/* How far a colour is on the way from border to middle, 0 to 1; 0 for one that is not on it, as of
+ * letters beside the mark. */
 static double part_covered(const uint8_t pixel[3], const double border[3], const double middle[3]) {
-    double along = 0, whole = 0;
+    double along = 0, whole = 0, off = 0;
     for (int k = 0; k < 3; ++k) {
         along += (pixel[k] - border[k]) * (middle[k] - border[k]);
         whole += (middle[k] - border[k]) * (middle[k] - border[k]);
     }
     const double part = along / fmax(1, whole);
-    return part < 0.15 ? 0 : fmin(1, part);
+    for (int k = 0; k < 3; ++k) {
+        const double there = border[k] + part * (middle[k] - border[k]);
+        off += (pixel[k] - there) * (pixel[k] - there);
+    }
+    return part < 0.15 || off > 0.1 * whole ? 0 : fmin(1, part);
 }
 
 /* Compression smears colours over some pixels, and where a spot seems to end depends on its colour

@@ -8,7 +8,7 @@
 
 /* ---- a patch's memory */
 
-enum { ACID_FACETS_ACROSS = 12, ACID_FACET_PARTS = 3 };
+enum { ACID_FACETS_ACROSS = 8, ACID_FACET_PARTS = 4 };
 
 static int allocate_patch(acid_patch *patch, size_t vertices, size_t indices) {
     *patch = (acid_patch){.vertices = calloc(vertices, sizeof *patch->vertices),
@@ -70,7 +70,7 @@ static double facet_corner(int column, int row) {
     const double step = 2.0 / ACID_FACETS_ACROSS;
     const acid_relief relief = acid_surface(-1 + step * column, -1 + step * row);
     const int above = (5 * column + 3 * row + column * row) % 7 % 2;
-    return 0.4 * relief.height + (above ? 0.08 : -0.08);
+    return 0.4 * relief.height + (above ? 0.17 : -0.17);
 }
 
 /* The height within a facet: each square of corners is two facets, cut from the lower left. */
@@ -209,11 +209,12 @@ static int quads_across(const acid_cell *cell) {
 }
 
 /* Whether triangles must run the other way round for their front to be seen: glTF reverses them
- * under a node that mirrors. */
+ * under a node that mirrors. Of a skin it leaves open whether joints count; so where they mirror,
+ * the skinned node does as well. */
 static int runs_backwards(const acid_cell *cell) {
     const acid_matrix m = pose_of(cell, 0.5);
     if (cell->way == ACID_BACK) return 1;
-    return cell->way != ACID_SKIN && acid_determinant(&m) < 0;
+    return acid_determinant(&m) < 0;
 }
 
 static void write_indices(const acid_cell *cell, acid_patch *patch) {
@@ -425,7 +426,7 @@ static int make_smoothed(const acid_patch *subject, acid_patch *patch) {
 static int make_posed(
     const acid_cell *cell, const acid_patch *subject, acid_fault fault, acid_patch *patch) {
     if (!allocate_patch(patch, subject->vertex_count, subject->index_count)) return 0;
-    patch->has_color = fault == ACID_NOT_NORMALIZED;
+    patch->has_color = fault == ACID_NOT_NORMALIZED || fault == ACID_LOST; /* of LOST: black */
     for (size_t i = 0; i < subject->vertex_count; ++i)
         pose_vertex(cell, subject, i, fault, &patch->vertices[i]);
     const size_t backwards = (size_t)runs_backwards(cell);

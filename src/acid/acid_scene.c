@@ -352,14 +352,18 @@ static void place_subject(
 
 /* ---- words */
 
-static void add_shape(
-    acid_making *making, const char *name, const char *what, size_t material, const acid_ink *ink) {
+/* colors: three for each vertex, or NULL. */
+static void add_shape(acid_making *making, const char *name, const char *what, size_t material,
+    const acid_ink *ink, const float *colors) {
     acid_glb *glb = &making->glb;
     const size_t count = 4 * ink->strokes;
     const size_t mesh = acid_add(&glb->meshes,
-        "{\"name\":\"%s %s\",\"primitives\":[{\"attributes\":{\"POSITION\":%zu},\"indices\":%zu,"
-        "\"material\":%zu}]}",
-        name, what, acid_add_floats(glb, ink->positions, 3, count, 3, 1),
+        "{\"name\":\"%s %s\",\"primitives\":[{\"attributes\":{\"POSITION\":%zu", name, what,
+        acid_add_floats(glb, ink->positions, 3, count, 3, 1));
+    if (colors)
+        acid_print(
+            &glb->meshes.text, ",\"COLOR_0\":%zu", acid_add_floats(glb, colors, 3, count, 3, 0));
+    acid_print(&glb->meshes.text, "},\"indices\":%zu,\"material\":%zu}]}",
         acid_add_indices(glb, ink->indices, 6 * ink->strokes), material);
     add_scene_root(making, begin_node(making, name, what));
     acid_print(&glb->nodes.text, ",\"mesh\":%zu", mesh);
@@ -387,28 +391,30 @@ static void label_cell(acid_making *making, size_t index, size_t material) {
     if (ink.failed)
         making->glb.failed = 1;
     else
-        add_shape(making, cell->id, "labels", material, &ink);
+        add_shape(making, cell->id, "labels", material, &ink, NULL);
     acid_free_ink(&ink);
 }
 
 /* ---- what frames and lights them */
 
+/* Coloured by their vertices as well, for renderers that draw clay. */
 static void add_marks(acid_making *making) {
     static const double colors[4][4] = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}, {1, 1, 0, 1}};
     const double half = mark_side * making->grid->width / 2;
     for (size_t mark = 0; mark < 4; ++mark) {
         double center[2];
-        float positions[12];
+        float positions[12], vertex_colors[12];
         uint16_t indices[6] = {0, 1, 2, 0, 2, 3};
         mark_center(making->grid, mark, center);
         for (size_t i = 0; i < 4; ++i) {
             positions[3 * i] = (float)(center[0] + (i == 1 || i == 2 ? half : -half));
             positions[3 * i + 1] = (float)(center[1] + (i > 1 ? half : -half));
             positions[3 * i + 2] = 0;
+            for (size_t k = 0; k < 3; ++k) vertex_colors[3 * i + k] = (float)colors[mark][k];
         }
         const acid_ink square = {.positions = positions, .indices = indices, .strokes = 1};
         add_shape(making, "mark", acid_mark_colors[mark],
-            add_unlit(making, acid_mark_colors[mark], colors[mark]), &square);
+            add_unlit(making, acid_mark_colors[mark], colors[mark]), &square, vertex_colors);
     }
 }
 

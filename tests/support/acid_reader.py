@@ -164,7 +164,7 @@ class Patch:
         self.positions, self.normals, self.fronts = [], [], []
         for matrices in scene.matrices(index, attributes, len(positions)):
             posed = [point(m, p) for m, p in zip(matrices, positions)]
-            mirrored = "skin" not in node and determinant(matrices[0]) < 0
+            mirrored = determinant(scene.world(index) if "skin" in node else matrices[0]) < 0
             order = self.indices if not mirrored else [self.indices[i + k] for i in range(0, len(self.indices), 3) for k in (0, 2, 1)]
             self.positions.append(posed)
             self.fronts.append([unit(cross([b - a for a, b in zip(posed[order[i]], posed[order[i + 1]])],

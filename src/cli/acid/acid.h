@@ -17,7 +17,8 @@ typedef struct acid_work {
     size_t without_count;
 } acid_work;
 
-/* Where things lie in the scene that was drawn: acid.json or one of the .glb beside it. A status;
+/* Where things lie in the scene that was drawn: as a layout file has it, or as this program writes
+ * scenes, of one cell where the scene is that cell's .glb. A status;
  * CLI_OK: the caller frees layout->rows. */
 int acid_layout_of(const acid_work *work, acid_layout *layout);
 
@@ -25,6 +26,7 @@ void acid_print_json(const acid_work *work, const acid_layout *layout, const aci
 void acid_print_tap(const acid_work *work, const acid_layout *layout, const acid_judgement *found);
 void acid_print_text(const acid_work *work, const acid_layout *layout, const acid_judgement *found);
 
+void acid_write_layout(FILE *out, const acid_grid *grid); /* acid.json */
 void acid_write_page(FILE *out, const acid_grid *grid);
 int acid_write_scenes(const acid_work *work); /* into the folder work->output; a status */
 

@@ -10,14 +10,15 @@ static const char acid_help[] =
     "\n"
     "Examples\n"
     "  norma acid -o scenes\n"
-    "  norma acid --judge shot.png --scene scenes/acid.json\n"
-    "  norma acid --judge shot.png --scene scenes/acid.json -o marked.png\n"
-    "  norma acid --judge shot.png --scene scenes/acid.json --without EXT_mesh_gpu_instancing\n"
+    "  norma acid --judge shot.png -o marked.png\n"
+    "  norma acid --judge shot.png --without EXT_mesh_gpu_instancing\n"
+    "  norma acid --judge shear.png --scene cells/shear.glb\n"
     "\n"
     "Options\n"
     "  --judge SHOT.png      the screenshot, a PNG or JPEG of any size that shows the scene's four "
     "marks\n"
-    "  --scene FILE          acid.json of the scene that was drawn\n"
+    "  --scene FILE          what was drawn, if not norma-acid.glb of this norma: cells/ID.glb, or "
+    "an acid.json\n"
     "  --without EXTENSIONS  extensions that the renderer lacks, with commas between; cells that "
     "need\n"
     "                        one are skipped\n"
@@ -57,7 +58,7 @@ static const char *add_without(void *settings, const char *value) {
 
 static const cli_option acid_options[] = {
     {"judge", CLI_TO(CLI_ONCE, acid_work, judge), .expected = "a screenshot"},
-    {"scene", CLI_TO(CLI_ONCE, acid_work, scene), .expected = "acid.json of the scene"},
+    {"scene", CLI_TO(CLI_ONCE, acid_work, scene), .expected = "cells/ID.glb or an acid.json"},
     {"without", CLI_SET(add_without)},
     {"output", 'o', CLI_TO(CLI_TEXT, acid_work, output),
         .expected = "a folder, or a file with --judge"},
@@ -71,8 +72,6 @@ static int acid(const cli_subcommand *command, acid_work *work) {
     if (!work->judge && !work->output)
         return cli_usage(command, "nothing to do was given; expected -o DIR or --judge SHOT.png");
     if (!work->judge) return acid_write_scenes(work);
-    if (!work->scene)
-        return cli_usage(command, "--judge needs --scene FILE, the scene's acid.json");
     return acid_judge_shot(command, work);
 }
 

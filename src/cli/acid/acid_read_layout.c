@@ -147,21 +147,28 @@ static int read_alone(
     return CLI_OK;
 }
 
-/* Of a .glb, the layout that was written with it: acid.json beside norma-acid.glb, and in the
- * folder above a cell's own file. To be freed. NULL: out of memory. */
-static char *layout_path(const char *scene, const char **id, size_t *length) {
+/* Whether the scene is a .glb; *id: the cell of which it is the own file, by its name. */
+static int is_glb(const char *scene, const char **id, size_t *length) {
     const char *base = cli_base_name(scene), *dot = strrchr(base, '.');
-    const int is_glb = dot && strcmp(dot, ".glb") == 0,
-              is_alone = is_glb && strcmp(base, "norma-acid.glb") != 0;
-    const size_t room = strlen(scene) + sizeof "../acid.json";
-    char *path = malloc(room);
-    *id = is_alone ? base : NULL;
-    *length = is_glb ? (size_t)(dot - base) : 0;
-    if (path && is_glb)
-        snprintf(path, room, "%.*s%sacid.json", (int)(base - scene), scene, is_alone ? "../" : "");
-    else if (path)
-        memcpy(path, scene, strlen(scene) + 1);
-    return path;
+    if (!dot || strcmp(dot, ".glb") != 0) return 0;
+    *id = strcmp(base, "norma-acid.glb") == 0 ? NULL : base;
+    *length = (size_t)(dot - base);
+    return 1;
+}
+
+/* The layout of the scenes that norma acid -o writes. */
+static cli_parsed *built_in_layout(void) {
+    const acid_grid grid = acid_grid_of_all();
+    cli_memory_stream stream;
+    cli_json_fault fault;
+    cli_parsed *parsed = NULL;
+    if (cli_memory_open(&stream)) {
+        acid_write_layout(stream.out, &grid);
+        if (cli_memory_close(&stream)) parsed = cli_json_parse(stream.text, stream.size, &fault);
+        free(stream.text);
+    }
+    if (!parsed) cli_out_of_memory();
+    return parsed;
 }
 
 static int is_schema(cli_value root) {
@@ -176,14 +183,13 @@ static int read_layout(
 }
 
 int acid_layout_of(const acid_work *work, acid_layout *layout) {
-    const char *id;
+    const char *id = NULL;
     size_t length = 0;
-    char *path = layout_path(work->scene, &id, &length);
+    const int is_built_in = !work->scene || is_glb(work->scene, &id, &length);
     *layout = (acid_layout){0};
-    if (!path) return cli_out_of_memory();
-    cli_parsed *parsed = check_load_json(path, "the layout of an acid scene");
-    cli_guard_read(work->files.guard, path);
-    free(path);
+    cli_parsed *parsed = is_built_in ? built_in_layout()
+                                     : check_load_json(work->scene, "the layout of an acid scene");
+    if (work->scene) cli_guard_read(work->files.guard, work->scene);
     if (!parsed) return CLI_FILE;
     int status = read_layout(work, cli_json_root(parsed), id, length, layout);
     cli_json_free(parsed);

@@ -84,7 +84,7 @@ static void write_cell_layout(cli_json *json, const acid_grid *grid, size_t inde
     cli_json_close(json, '}');
 }
 
-static void write_layout(FILE *out, const acid_grid *grid) {
+void acid_write_layout(FILE *out, const acid_grid *grid) {
     static const double aspect[2] = {4, 3};
     cli_json json = {.out = out};
     cli_json_open(&json, NULL, '{');
@@ -172,7 +172,7 @@ int acid_write_scenes(const acid_work *work) {
     int status = make_folders_of(work);
     if (!status) status = write_one_scene(work, &grid, "norma-acid.glb");
     for (size_t i = 0; i < acid_cell_count && !status; ++i) status = write_alone(work, i);
-    if (!status) status = write_text(work, &grid, "acid.json", write_layout);
+    if (!status) status = write_text(work, &grid, "acid.json", acid_write_layout);
     if (!status) status = write_text(work, &grid, "index.html", acid_write_page);
     if (!status && !work->common.quiet)
         fprintf(stderr, "%s: norma-acid.glb, %zu files in cells, acid.json, index.html\n",

@@ -70,7 +70,7 @@ void main() {
     to_lit = mat3(world_to_view) * to_lit;
 #endif
     lit_tangent = unit(to_lit * tangent.xyz);
-    lit_bitangent = unit(to_lit * (tangent.w * cross(unit(normal), tangent.xyz)));
+    lit_bitangent = (determinant(to_lit) < 0.0 ? -tangent.w : tangent.w) * cross(lit_normal, lit_tangent);
 #if defined(SHADING_GOURAUD)
     back_colour = lit(lit_point, -lit_normal, surface_colour.rgb);
     surface_colour.rgb = lit(lit_point, lit_normal, surface_colour.rgb);

@@ -1,0 +1,58 @@
+#!/bin/bash
+# norma render and the acid scene: it passes every cell, in the whole scene and in each file alone; and a norma render into which a mistake was put (tests/support/mistakes.cmake,
+# a build of its own) fails every cell that has that mistake beside it, by its name.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+norma=${NORMA_BIN:-$tree/bin/norma}
+cd "$root" || exit 1
+export MESA_SHADER_CACHE_DISABLE=true
+
+"$norma" acid -o "$scratch/scenes" --quiet || { skip "the tree was built without images"; finish; exit; }
+scene=$scratch/scenes/norma-acid.glb
+straight=(--camera 0,0 --fov 0 --renderer software --quiet)
+if ! "$norma" render "$scene" -o "$scratch/shot.png" --size 1600x1200 "${straight[@]}" 2>"$scratch/message"; then
+    skip "nothing can be drawn here: $(cat "$scratch/message")"
+    finish
+    exit
+fi
+check "norma render passes every cell" "$norma" acid --judge "$scratch/shot.png"
+"$norma" render "$scene" -o "$scratch/far.png" --size 1600x1200 "${straight[@]}" --fov 2
+check "seen from far away too" "$norma" acid --judge "$scratch/far.png"
+for file in "$scratch"/scenes/cells/*.glb; do
+    name=$(basename "$file" .glb)
+    "$norma" render "$file" -o "$scratch/alone.png" --size 800x600 "${straight[@]}"
+    check "$name alone passes" "$norma" acid --judge "$scratch/alone.png" --scene "$file"
+done
+
+# ---- mistakes: named in each cell where they lie beside the subject
+
+built=$scratch/mistakes
+if ! { cmake -S . -B "$built" -G Ninja -DNORMA_MISTAKES=ON -DNORMA_TESTS=OFF -DNORMA_WEB=OFF -DNORMA_SHARED=OFF -DNORMA_EXAMPLES=OFF && cmake --build "$built" --target norma-cli; } >"$scratch/log" 2>&1; then
+    fail "norma render with mistakes is built" "$(tail -n 20 "$scratch/log")"
+    finish
+    exit
+fi
+# verdicts SHOT: "cell verdict mistake" of each cell that has $mistake beside it.
+verdicts() {
+    "$norma" acid --judge "$1" --json >"$scratch/json"
+    python3 - "$scratch/json" "$scratch/scenes/acid.json" "$mistake" <<'END'
+import json, sys
+found = {cell["id"]: cell for cell in json.load(open(sys.argv[1]))["cells"]}
+for cell in json.load(open(sys.argv[2]))["cells"]:
+    if any(r["id"] == sys.argv[3] for r in cell["references"]):
+        print(cell["id"], found[cell["id"]]["verdict"], found[cell["id"]]["mistake"])
+END
+}
+# draw MISTAKE OUT
+draw() { NORMA_MISTAKE=$1 "$built/bin/norma" render "$scene" -o "$2" --size 1600x1200 "${straight[@]}" --weight area; }
+draw none "$scratch/shot.png"
+check "with no mistake chosen, it passes" "$norma" acid --judge "$scratch/shot.png"
+for mistake in $(grep -oE '\{"id": "[a-z-]+"' "$scratch/scenes/acid.json" | sed 's/.*"id": "//; s/"//' | grep -vxE 'right|not-normalized' | sort -u); do
+    grep -qE "[\"_]${mistake//-/[-_]}\b" tests/support/mistakes.cmake || continue
+    draw "$mistake" "$scratch/shot.png"
+    verdicts "$scratch/shot.png" >"$scratch/verdicts"
+    # Two mirrors make none, and a skin that mirrors is drawn by norma render as its mirror image under one.
+    wrong=$(grep -v " fail $mistake\$" "$scratch/verdicts" | grep -vE "^(mirror-twice|skinned-mirror) pass None")
+    if [ -s "$scratch/verdicts" ] && [ -z "$wrong" ]; then pass "$mistake is named in $(wc -l <"$scratch/verdicts") cells"; else fail "$mistake is named" "$wrong"; fi
+done
+finish

@@ -1,0 +1,160 @@
+# For tests only (NORMA_MISTAKES, off): a norma render that makes the mistakes of the acid scene, one at a time, by the environment variable NORMA_MISTAKE, so that the
+# judge can be asked which one it was. No line of it is in the sources: copies of some are compiled instead, in which a text is replaced that must stand there once.
+
+# norma_mistake(FILE OLD NEW): NEW may ask is_mistaken("ID") in C, and #ifdef MISTAKE_ID, with _ for -, in shaders.
+function(norma_mistake file old new)
+  set(copy ${PROJECT_BINARY_DIR}/generated/mistaken/${file})
+  if(NOT file IN_LIST mistaken_files)
+    set(mistaken_files ${mistaken_files} ${file} PARENT_SCOPE)
+    file(READ ${PROJECT_SOURCE_DIR}/${file} text)
+    if(file MATCHES "\\.c$")
+      string(PREPEND text "#define _GNU_SOURCE\n#include <stdlib.h>\n#include <string.h>\n__attribute__((unused)) static int is_mistaken(const char *id) { const char *made = getenv(\"NORMA_MISTAKE\"); return made && strcmp(made, id) == 0; }\n")
+    endif()
+    set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${file})
+  else()
+    file(READ ${copy} text)
+  endif()
+  string(FIND "${text}" "${old}" first)
+  string(FIND "${text}" "${old}" last REVERSE)
+  if(first EQUAL -1 OR NOT first EQUAL last)
+    message(FATAL_ERROR "tests/support/mistakes.cmake: this does not stand once in ${file}:\n${old}")
+  endif()
+  string(REPLACE "${old}" "${new}" text "${text}")
+  file(WRITE ${copy} "${text}")
+endfunction()
+
+# norma_mistaken(LIST): the copies instead of the files that they were made of.
+function(norma_mistaken list)
+  foreach(file ${${list}})
+    file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/${file})
+    if(IS_ABSOLUTE ${file})
+      file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${file})
+    endif()
+    if(name IN_LIST mistaken_files)
+      list(APPEND changed ${PROJECT_BINARY_DIR}/generated/mistaken/${name})
+    else()
+      list(APPEND changed ${file})
+    endif()
+  endforeach()
+  set(${list} ${changed} PARENT_SCOPE)
+endfunction()
+
+# ---- shaders know the mistake
+
+norma_mistake(src/render/gl/device.c [==[    char defines[80], log[200] = "";]==] [==[    char defines[160], log[200] = "", made[64] = "";
+    const char *mistake = getenv("NORMA_MISTAKE");
+    for (size_t i = 0; mistake && mistake[i] && i < sizeof made - 1; ++i) made[i] = mistake[i] == '-' ? '_' : mistake[i];]==])
+norma_mistake(src/render/gl/device.c [==[    snprintf(defines, sizeof defines, "#define %s\n%s", recipe->define,
+        space == RENDER_SPACE_VIEW ? "#define LIGHT_IN_VIEW\n" : "");]==] [==[    snprintf(defines, sizeof defines, "#define %s\n#define MISTAKE_%s\n%s", recipe->define, made,
+        space == RENDER_SPACE_VIEW ? "#define LIGHT_IN_VIEW\n" : "");]==])
+
+# ---- the normal matrix of a node or an instance
+
+# A surface is kept in a box: its length is that of the box's unit.
+norma_mistake(src/render/sheet/draw.c [==[/* From the node's local space to lit space, once]==] [==[static double length = 1;
+/* From the node's local space to lit space, once]==])
+norma_mistake(src/render/sheet/draw.c [==[    set_material(p, at, placed->surface);]==] [==[    length = 1 / v->box.scale;
+    set_normal_matrix(p, at, placed->to_world, p->stage->panel->space == RENDER_SPACE_VIEW, &mirrored);
+    set_material(p, at, placed->surface);]==])
+norma_mistake(src/render/sheet/draw.c [==[    p->gl->UniformMatrix3fv(at->normal_matrix,]==] [==[    norma_matrix_info info;
+    double matrix[9];
+    if (is_mistaken("model-matrix")) memcpy(right, plain, sizeof right);
+    if (is_mistaken("object-space") || is_mistaken("instance-ignored"))
+        for (int i = 0; i < 9; ++i) right[i] = i % 4 == 0;
+    if (is_mistaken("reversed") && *mirrored)
+        for (int i = 0; i < 9; ++i) right[i] = -right[i];
+    if (is_mistaken("separate-scale"))
+        for (int i = 0; i < 9; ++i) {
+            const double *column = to_world + 4 * (i / 3);
+            right[i] = (float)(to_world[4 * (i / 3) + i % 3] / (column[0] * column[0] + column[1] * column[1] + column[2] * column[2]));
+        }
+    if (is_mistaken("not-normalized") && !norma_inverse_transpose(to_world, matrix))
+        for (int i = 0; i < 9; ++i) right[i] = (float)(matrix[i] * length);
+    if (is_mistaken("lost") && !norma_normal_matrix_double(to_world, NORMA_WINDING_REVERSED, matrix, &info) && info.determinant == 0)
+        memset(right, 0, sizeof right);
+    p->gl->UniformMatrix3fv(at->normal_matrix,]==])
+norma_mistake(src/render/shaders/surface.vert [==[    lit_normal = unit(normal_matrix * normal);]==] [==[    lit_normal = unit(normal_matrix * normal);
+#ifdef MISTAKE_not_normalized
+    lit_normal = normal_matrix * normal;
+#endif]==])
+norma_mistake(src/render/shaders/surface.frag [==[    vec3 n = turned ? -unit(lit_normal) : unit(lit_normal);]==] [==[#ifdef MISTAKE_not_normalized
+#define unit(v) (v)
+#endif
+#ifdef MISTAKE_not_flipped
+    turned = false;
+#endif
+    vec3 n = turned ? -unit(lit_normal) : unit(lit_normal);]==])
+
+# ---- morph targets, skins, meshes without normals
+
+norma_mistake(src/io/gltf/drawn_mesh.c [==[    for (size_t i = 0; i < 3 * count && !result; ++i) m->normals[i] += (float)weight * moves[i];]==] [==[    for (size_t i = 0; i < 3 * count && !result && !is_mistaken("normals-not-morphed"); ++i) m->normals[i] += (float)weight * moves[i];]==])
+norma_mistake(src/io/gltf/drawn_mesh.c [==[    if (vertex < m->normal_count) move_direction(m->normals + 3 * vertex, cofactors, 3);]==] [==[    for (int i = 0; i < 9 && determinant < 0 && is_mistaken("reversed"); ++i) cofactors[i] = -cofactors[i];
+    if (is_mistaken("strongest-joint")) (void)normal_matrix(m->joints + 16 * (size_t)strongest, cofactors);
+    if (vertex < m->normal_count && is_mistaken("model-matrix"))
+        move_direction(m->normals + 3 * vertex, matrix, 4);
+    else if (vertex < m->normal_count)
+        move_direction(m->normals + 3 * vertex, cofactors, 3);
+    if (vertex < m->normal_count && is_mistaken("node-applied")) {
+        (void)normal_matrix(m->node->world, cofactors);
+        move_direction(m->normals + 3 * vertex, cofactors, 3);
+    }
+    if (vertex < m->tangent_count && is_mistaken("tangent-by-normal-matrix")) {
+        float kept[3];
+        memcpy(kept, m->tangents + 4 * vertex, sizeof kept);
+        move_direction(kept, cofactors, 3);
+        memcpy(m->tangents + 4 * vertex, kept, sizeof kept);
+        return determinant < 0;
+    }]==])
+norma_mistake(src/io/gltf/drawn_mesh.c [==[/* Whether the matrix mirrors. */]==] [==[static uint32_t strongest;
+static void find_strongest(const influences *set, size_t vertex) {
+    uint32_t joints[4];
+    float weights[4];
+    norma_gltf_uints(&set->joints, vertex, joints);
+    norma_gltf_floats(&set->weights, vertex, weights);
+    int most = 0;
+    for (int k = 1; k < 4; ++k) most = weights[k] > weights[most] ? k : most;
+    strongest = joints[most];
+}
+/* Whether the matrix mirrors. */]==])
+norma_mistake(src/io/gltf/drawn_mesh.c [==[        if (!result) mirrored += (size_t)move_vertex(m, i, matrix);]==] [==[        if (!result) find_strongest(sets, i);
+        if (!result) mirrored += (size_t)move_vertex(m, i, matrix);]==])
+norma_mistake(src/cli/render/render_scene.c [==[    const double flat = -1, all]==] [==[    const double flat = is_mistaken("smoothed") ? 3.14 : -1, all]==])
+
+# ---- normal maps
+
+norma_mistake(src/render/shaders/surface.vert [==[    lit_bitangent = (determinant(to_lit) < 0.0 ? -tangent.w : tangent.w) * cross(lit_normal, lit_tangent);]==] [==[#ifdef MISTAKE_tangent_by_normal_matrix
+    lit_tangent = unit(normal_matrix * tangent.xyz);
+#endif
+    lit_bitangent = (determinant(to_lit) < 0.0 ? -tangent.w : tangent.w) * cross(lit_normal, lit_tangent);
+#ifdef MISTAKE_sign_kept
+    lit_bitangent = tangent.w * cross(lit_normal, lit_tangent);
+#endif
+#ifdef MISTAKE_sign_lost
+    lit_bitangent = (determinant(to_lit) < 0.0 ? -1.0 : 1.0) * cross(lit_normal, lit_tangent);
+#endif]==])
+norma_mistake(src/render/shaders/surface.frag [==[    vec3 result = unit(maps.y * (bent.x * along_u + bent.y * against_v) + bent.z * n);]==] [==[#ifdef MISTAKE_green_flipped
+    bent.y = -bent.y;
+#endif
+    vec3 result = unit(maps.y * (bent.x * along_u + bent.y * against_v) + bent.z * n);
+#ifdef MISTAKE_scale_ignored
+    result = unit(bent.x * along_u + bent.y * against_v + bent.z * n);
+#endif
+#ifdef MISTAKE_scale_on_z
+    result = unit(bent.x * along_u + bent.y * against_v + maps.y * bent.z * n);
+#endif]==])
+
+# ---- the scene's own lights and colours in place of clay, as mistakes of length show in them
+
+norma_mistake(src/cli/render/render_scene.c [==[    memcpy(surface->base_colour, clay, sizeof clay);]==] [==[    memcpy(surface->base_colour, clay, sizeof clay);
+    if (known) memcpy(surface->base_colour, material.base_color, sizeof surface->base_colour);]==])
+norma_mistake(src/cli/render/render_scene.c [==[    if (attributes->colors)
+        for (int k = 0; k < 3; ++k) surface->base_colour[k] = 1;]==] [==[]==])
+norma_mistake(src/render/sheet/draw.c [==[    p->gl->Uniform4fv(at->phong, 1, usual);]==] [==[    const float matt[4] = {usual[0] * 0, 1, 0, 1};
+    p->gl->Uniform4fv(at->phong, 1, matt);]==])
+norma_mistake(src/render/sheet/draw.c [==[    p->gl->Uniform1i(at->light_count, stage->look->light_count);
+    p->gl->Uniform3fv(at->light_direction, RENDER_MOST_LIGHTS, p->light_directions);
+    p->gl->Uniform3fv(at->light_colour, RENDER_MOST_LIGHTS, p->light_colours);]==] [==[    static const float directions[9] = {0.5F, 0, 0.8660254F, -0.25F, 0.4330127F, 0.8660254F, -0.25F, -0.4330127F, 0.8660254F},
+                       colours[9] = {0.891F, 0, 0, 0, 0.891F, 0, 0, 0, 0.891F};
+    p->gl->Uniform1i(at->light_count, 3);
+    p->gl->Uniform3fv(at->light_direction, 3, directions);
+    p->gl->Uniform3fv(at->light_colour, 3, colours);]==])
