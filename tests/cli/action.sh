@@ -30,7 +30,7 @@ holds norma.sarif broken.obj
 holds norma.sarif zero.obj
 holds norma.sarif N102
 holds page.html broken.obj
-check "the last run tells what is wrong" grep -q 'zero.obj: error N102' said
+check "the last run tells what is wrong" grep -q '^models/with blank.obj: error N102 .* Also in models/zero.obj\. ' said
 run_step 1 models/zero.obj '' error
 check "no page where none is asked for" test ! -e work/page.html
 run_step 0 models/good.obj '' error
