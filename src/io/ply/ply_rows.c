@@ -42,22 +42,10 @@ static int are_triangles(
     return !differs;
 }
 
-/* Other faces of one list whose count is a byte. Stops where a row does not fit. */
-static uint64_t walk_short_lists(const ply_state *state, const ply_element *element, size_t *at) {
-    const size_t item = norma_ply_type_size(norma_ply_property(&state->header, element, 0)->type);
-    uint64_t row = 0;
-    for (size_t size; row < element->count && *at < state->size; ++row, *at += size) {
-        size = 1 + state->bytes[*at] * item;
-        if (size > state->size - *at) break;
-    }
-    return row;
-}
-
 static norma_document_result walk_lists(const norma_document *document, ply_element *element,
     size_t *end, norma_document_error *error) {
     const ply_state *state = document->state;
     size_t at = *end, bad = SIZE_MAX;
-    uint64_t row = 0;
     if (element->property_count == 1 &&
         norma_ply_property(&state->header, element, 0)->count_type == PLY_UINT8) {
         const size_t row_size =
@@ -67,9 +55,8 @@ static norma_document_result walk_lists(const norma_document *document, ply_elem
             *end = at + (size_t)element->count * row_size;
             return NORMA_DOCUMENT_OK;
         }
-        row = walk_short_lists(state, element, &at);
     }
-    for (; row < element->count; ++row) {
+    for (uint64_t row = 0; row < element->count; ++row) {
         size_t size = measure_row(state, element, at, &bad);
         if (bad != SIZE_MAX)
             return norma_ply_fail_at(document, error, bad, "a list of negative length");
