@@ -31,6 +31,7 @@ from ._check import Deviation, Finding, Report, Rule, Sample, check, rules
 from ._files import ComputeSummary, Document, FileError, FileMesh, FixSummary, open
 from ._norma import version as _version
 from ._results import Comparison, Indexed, MatrixInfo, NormalReport, OrientReport, Split, TangentReport
+from ._skins import Skin
 
 __version__: str = _version()
 __all__ = [
@@ -50,6 +51,7 @@ __all__ = [
     "Report",
     "Rule",
     "Sample",
+    "Skin",
     "Split",
     "TangentReport",
     "check",

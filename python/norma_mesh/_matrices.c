@@ -1,6 +1,6 @@
-/* _matrices.c: normal matrices, normals through them, and normals in few bits. Matrices of Python
- * are rows, those of the library columns: what is handed over is the transpose, and the cofactors
- * of a transpose are the transposed cofactors. */
+/* _matrices.c: normal matrices, normals through them and through skins, and normals in few bits.
+ * Matrices of Python are rows, those of the library columns: what is handed over is the transpose,
+ * and the cofactors of a transpose are the transposed cofactors. */
 #include "_norma.h"
 
 static PyObject *normal_matrices(PyObject *self, PyObject *arguments) {
@@ -110,9 +110,75 @@ static PyObject *encoding_error_rad(PyObject *self, PyObject *argument) {
     return PyFloat_FromDouble(norma_encoding_error_rad((norma_encoding)encoding));
 }
 
+/* ---- skins */
+
+static int parse_view(PyObject *tuple, norma_vec3_view *view) {
+    address data;
+    Py_ssize_t count, stride;
+    int format;
+    if (!PyArg_ParseTuple(tuple, "Knni", &data, &count, &stride, &format)) return 0;
+    *view = (norma_vec3_view){at(data), (size_t)count, (size_t)stride, (norma_format)format};
+    return 1;
+}
+
+static int parse_skin(PyObject *tuple, norma_skin *skin) {
+    address matrices, joints, weights;
+    Py_ssize_t joint_count, joint_size, influences, vertices;
+    int blend;
+    if (!PyArg_ParseTuple(tuple, "KnKnKnni", &matrices, &joint_count, &joints, &joint_size,
+            &weights, &influences, &vertices, &blend))
+        return 0;
+    *skin = (norma_skin){.matrices = at(matrices),
+        .joint_count = (size_t)joint_count,
+        .joints = at(joints),
+        .joint_size = (size_t)joint_size,
+        .weights = at(weights),
+        .influences = (size_t)influences,
+        .vertex_count = (size_t)vertices,
+        .blend = (norma_blend)blend};
+    return 1;
+}
+
+/* skin(of, skin, in, normals, options of calls on meshes, out) -> counts, or why it was refused;
+ * of: 0 positions, 1 normals, 2 tangents, for which normals are the skinned ones */
+static PyObject *skin(PyObject *self, PyObject *arguments) {
+    PyObject *skin_tuple, *in_tuple, *normals_tuple;
+    address out;
+    Py_ssize_t stride;
+    int of, fallback;
+    float x, y, z;
+    unsigned int threads;
+    norma_skin s;
+    norma_vec3_view in, normals;
+    norma_report report = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "iOOO(ifffnI)K", &of, &skin_tuple, &in_tuple, &normals_tuple,
+            &fallback, &x, &y, &z, &stride, &threads, &out) ||
+        !parse_skin(skin_tuple, &s) || !parse_view(in_tuple, &in) ||
+        !parse_view(normals_tuple, &normals))
+        return NULL;
+    watch w = norma_py_give_up_lock();
+    const norma_options options = {.struct_size = sizeof options,
+        .fallback = (norma_fallback)fallback,
+        .fallback_normal = {x, y, z},
+        .normal_stride = (size_t)stride,
+        .threads = threads,
+        .progress = norma_py_let_signals_in,
+        .progress_user = &w};
+    norma_fault fault = {0};
+    const norma_result result =
+        of == 0   ? norma_skin_positions(&s, in, &options, at(out), s.vertex_count)
+        : of == 1 ? norma_skin_normals(&s, in, &options, at(out), s.vertex_count, &report)
+                  : norma_skin_tangents(&s, in.data, normals, &options, at(out), s.vertex_count);
+    if (result != NORMA_OK) norma_find_skin_fault(&s, &options, &fault);
+    if (norma_py_take_lock(&w)) return NULL;
+    return result == NORMA_OK ? norma_py_counts(&report) : norma_py_refusal(result, &fault);
+}
+
 PyMethodDef norma_py_matrices[] = {{"normal_matrices", normal_matrices, METH_VARARGS, NULL},
     {"matrix_info", matrix_info, METH_O, NULL},
     {"transform_normals", transform_normals, METH_VARARGS, NULL},
     {"encode_normals", encode_normals, METH_VARARGS, NULL},
     {"decode_normals", decode_normals, METH_VARARGS, NULL},
-    {"encoding_error_rad", encoding_error_rad, METH_O, NULL}, {NULL, NULL, 0, NULL}};
+    {"encoding_error_rad", encoding_error_rad, METH_O, NULL}, {"skin", skin, METH_VARARGS, NULL},
+    {NULL, NULL, 0, NULL}};

@@ -16,7 +16,8 @@ import norma_mesh as norma
 KINDS = ["f4", "f8", "f2", ">f4", ">f8", "i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", ">i4", "c8", "?", "O", "S3", "M8[s]"]
 FINE = (ValueError, TypeError, IndexError, MemoryError)
 NAMES = "positions faces face_starts out weight weld fallback threads crease non_manifold per mode open smoothing_groups hard_edges " \
-    "normals texcoords normal_faces texcoord_faces streams moved model models matrix encoding codes"
+    "normals texcoords normal_faces texcoord_faces streams moved model models matrix encoding codes matrices joints weights " \
+    "tangents skinned_normals blend"
 NAMED = re.compile(rf"({NAMES.replace(' ', '|')})(\[[\d, ]+\])*(: .| is )")
 
 
@@ -127,7 +128,7 @@ def one(r):
     positions = vectors(r, points, 3)
     faces = some_faces(r, points)
     before = positions.tobytes() if isinstance(positions, np.ndarray) and positions.dtype != object else None
-    call = r.randrange(9)
+    call = r.randrange(10)
     creased = ["crease", "weight", "weld", "non_manifold", "fallback", "threads", "report"]
     if call == 0:
         norma.face_normals(positions, faces, out=some_out(r, points, 3), **some_options(r, ["weld", "fallback", "threads", "report"]))
@@ -161,6 +162,12 @@ def one(r):
         norma.normal_matrices(many)
         norma.normal_matrix(many[0] if len(many) else many)
         norma.matrix_info(many[0] if len(many) else many)
+    elif call == 8:
+        shape = (points, r.randrange(4))
+        skin = norma.Skin(numbers(r, (r.randrange(4), 4, 4)), numbers(r, shape), numbers(r, shape), blend=r.choice(["linear", "dual-quaternion", "none"]))
+        turned = skin.normals(positions, out=some_out(r, points, 3), **some_options(r, ["fallback", "threads"]))
+        skin.positions(positions, out=some_out(r, points, 3))
+        skin.tangents(vectors(r, points, 4), turned, out=some_out(r, points, 4))
     else:
         norma.transform_normals(numbers(r, (3, 3)), positions, out=some_out(r, points, 3))
         encoding = r.choice(["oct8", "oct12", "oct16", "10-10-10-2", "oct9", None])

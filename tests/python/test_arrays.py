@@ -121,6 +121,36 @@ class ClosedForms(unittest.TestCase):
         self.assertEqual(wide.tolist(), [[0, 0, 1, 0], [-1, 0, 0, 0]])
         self.assertEqual(norma.encode_normals(np.zeros((0, 3))).size, 0)
 
+    def test_skins(self):
+        """By the definition, in doubles: B = sum of w M, sign(det B) cof(B) n, and B t made perpendicular."""
+        r = np.random.default_rng(3)
+        matrices = r.normal(size=(5, 4, 4)) + 2 * np.eye(4)
+        matrices[:, 3] = [0, 0, 0, 1]
+        matrices[4, 0, :3] *= -1
+        joints, weights = r.integers(0, 5, size=(300, 3)), r.uniform(0, 1, (300, 3)).astype(np.float32)
+        points, normals, tangents = (r.normal(size=(300, 3)).astype(np.float32) for _ in range(3))
+        whole = np.einsum("nk,nkij->nij", weights.astype(float), matrices.astype(np.float32).astype(float)[joints])
+        b = whole[:, :3, :3]
+        expected = np.linalg.inv(b).transpose(0, 2, 1) @ normals[:, :, None].astype(float)
+        expected = expected[:, :, 0] / np.linalg.norm(expected[:, :, 0], axis=1)[:, None]
+        skin = norma.Skin(matrices, joints.astype(np.uint8), weights)
+        moved = np.einsum("nij,nj->ni", whole, np.c_[points, np.ones(300)])[:, :3]
+        self.assertLess(np.abs(skin.positions(points) - moved).max(), 1e-5)
+        out, report = skin.normals(normals, report=True)
+        self.assertLess(np.abs(out - expected).max(), 1e-5)
+        self.assertEqual((report.cancelled, report.non_finite), (0, 0))
+        signed = np.c_[tangents, np.ones(300, np.float32)]
+        turned = skin.tangents(signed, out)
+        self.assertLess(np.abs((turned[:, :3] * out).sum(axis=1)).max(), 1e-6)
+        self.assertTrue(np.array_equal(turned[:, 3], np.sign(np.linalg.det(b))))
+        place = points.copy()
+        self.assertIs(skin.positions(place, out=place), place)
+        self.assertTrue(np.array_equal(place, skin.positions(points)))
+        flat = norma.Skin([np.diag([1, 0, 0, 1])], [[0]], [[1]])
+        self.assertEqual(flat.normals([[0, 0, 1]], fallback=(0, 1, 0)).tolist(), [[0, 1, 0]])
+        quarter = norma.Skin([np.eye(4), [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]], [[0, 1]], [[0.5, 0.5]], blend="dual-quaternion")
+        self.assertLess(np.abs(quarter.positions([[1, 0, 0]]) - [[0.5 ** 0.5, 0.5 ** 0.5, 0]]).max(), 1e-6)
+
     def test_tangents_follow_u(self):
         uv = SQUARE[:, :2] @ np.array([[0, 1], [-1, 0]])  # u = -y, v = x
         found, report = norma.tangents(SQUARE, np.tile([0, 0, 1.0], (4, 1)), uv, [[0, 1, 2, 3]], report=True)
@@ -377,6 +407,13 @@ class Refusals(unittest.TestCase):
         self.refused(ValueError, "out: the array cannot be written", v, points, f, out=readonly)
         self.refused(ValueError, "out: the array overlaps", v, points, f, out=points)
         self.refused(ValueError, "out: the 3 numbers", v, points, f, out=np.empty((3, 4), np.float32).T)
+
+    def test_skins(self):
+        self.refused(IndexError, "joints[1]", norma.Skin([np.eye(4)], [[0, 7]], [[1, 1]]).normals, [[0, 0, 1]])
+        self.refused(ValueError, "weights[0]", norma.Skin([np.eye(4)], [[0]], [[np.nan]]).normals, [[0, 0, 1]])
+        self.refused(ValueError, "normals: shape", norma.Skin([np.eye(4)], [[0], [0]], [[1], [1]]).normals, [[0, 0, 1]])
+        self.refused(ValueError, "weights: the shape of joints", norma.Skin, [np.eye(4)], [[0]], [[1, 2]])
+        self.refused(ValueError, "blend", norma.Skin, [np.eye(4)], [[0]], [[1]], blend="cubic")
 
     def test_plans_and_matrices(self):
         plan = norma.Plan(SQUARE, [[0, 1, 2]])
