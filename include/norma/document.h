@@ -430,6 +430,17 @@ typedef struct norma_skin_info {
     double anisotropy;
     size_t joint;       /* the joint's node with this anisotropy; SIZE_MAX: no joints */
     const char *ignore; /* rules silenced by extras of the root */
+
+    /* The largest angle between a normal through a vertex's blended matrix itself and the same
+     * normal through its normal matrix, at rest or at a key of an animation; and where that is. NaN
+     * if the anisotropy is at most 1.05, or if there is nothing to measure. */
+    double normal_error_rad;
+    size_t error_mesh, error_vertex; /* mesh: as in norma_document_mesh_info */
+    size_t error_animation;          /* SIZE_MAX: at rest */
+    double error_time_s;
+
+    /* Not all keys of a skin with very many keys and vertices are examined. */
+    size_t keys, examined_keys;
 } norma_skin_info;
 
 /* Returns the number of skins. */

@@ -177,7 +177,9 @@ static void judge_normals(
                                                             : 1,
            bound = factor == 127     ? 0.00674
                    : factor == 32767 ? 0.0001
-                                     : 1e-5;
+                   : strcmp(info.encoding, "float16") == 0
+                       ? 1.0 / 2048 + 1e-5 /* each number to half a unit in its eleventh bit */
+                       : 1e-5;
     factor = data.normals.format == NORMA_FORMAT_FLOAT || data.normals.format == NORMA_FORMAT_DOUBLE
                  ? 1
                  : factor;

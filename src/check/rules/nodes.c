@@ -174,8 +174,28 @@ static norma_result judge_node(check_run *run, const norma_check_scene *scene, s
     return add_node_findings(&j, &sums);
 }
 
-static norma_result judge_skin(check_run *run, const norma_skin_info *skin, size_t number) {
-    char label[CHECK_MESSAGE], message[CHECK_MESSAGE];
+/* 0: nothing was measured. */
+static int describe_skin_error(
+    const norma_check_scene *scene, const norma_skin_info *skin, char *text) {
+    char when[CHECK_MESSAGE] = "at rest", part[CHECK_MESSAGE] = "";
+    if (isnan(skin->normal_error_rad) || skin->error_mesh >= scene->mesh_count) return 0;
+    const norma_mesh_info *mesh = &scene->meshes[skin->error_mesh].info;
+    if (skin->error_animation != SIZE_MAX)
+        norma_check_message(
+            when, "in animation %z at %g s", skin->error_animation, skin->error_time_s);
+    if (skin->examined_keys < skin->keys)
+        norma_check_message(part, " (%z of %z keys examined)", skin->examined_keys, skin->keys);
+    norma_check_message(text,
+        "a shader that takes normals through the blended matrix errs by up to %g degrees, at "
+        "vertex %z of mesh %z, %s%s",
+        skin->normal_error_rad * (180 / 3.141592653589793), skin->error_vertex, mesh->mesh, when,
+        part);
+    return 1;
+}
+
+static norma_result judge_skin(
+    check_run *run, const norma_check_scene *scene, const norma_skin_info *skin, size_t number) {
+    char label[CHECK_MESSAGE], message[CHECK_MESSAGE], measured[CHECK_MESSAGE] = "";
     node_judgement j = {.run = run};
     for (size_t i = 0; i < CHECK_RULE_COUNT; i++) j.rules[i] = run->rules[i];
     norma_check_silence(j.rules, skin->ignore);
@@ -184,8 +204,9 @@ static norma_result judge_skin(check_run *run, const norma_skin_info *skin, size
     label_of("skin", number, skin->name, label);
     norma_check_message(message,
         "joint node %z stretches one direction by %g times another, at rest or in an animation; "
-        "most skinning shaders err there",
-        skin->joint, skin->anisotropy);
+        "%s",
+        skin->joint, skin->anisotropy,
+        describe_skin_error(scene, skin, measured) ? measured : "most skinning shaders err there");
     return add_node_finding(&j, RULE_N605, NORMA_SEVERITY_INFO,
         skin->joint_count && skin->anisotropy > UNEVEN, skin->anisotropy, "ratio", message);
 }
@@ -196,6 +217,6 @@ norma_result norma_check_nodes(
     for (size_t i = 0; i < scene->node_count && !result; i++)
         result = judge_node(run, scene, i, world_of, context);
     for (size_t i = 0; i < scene->skin_count && !result; i++)
-        result = judge_skin(run, &scene->skins[i], i);
+        result = judge_skin(run, scene, &scene->skins[i], i);
     return result;
 }

@@ -23,7 +23,8 @@ typedef struct mover {
     const double *joints; /* the sixteen numbers of each joint's matrix */
     float *normals, *tangents;
     size_t joint_count;
-    int turned; /* the x axis is reversed: most vertices lie in matrices that mirror */
+    size_t mirrored; /* vertices that lie in matrices that mirror */
+    int turned;      /* the x axis is reversed: most vertices do */
 } mover;
 
 static norma_document_result fail_drawn(const gltf *g, norma_document_error *error) {
@@ -138,8 +139,8 @@ static int has_skin(const gltf *g, const gltf_node *node, const gltf_primitive *
            accessor_of(g, p, "WEIGHTS", 0) != GLTF_NONE;
 }
 
-static norma_document_result read_inverse(gltf *g, uint32_t skin, size_t joints, gltf_array *array,
-    int *there, norma_document_error *error) {
+norma_document_result norma_gltf_read_inverse(gltf *g, uint32_t skin, size_t joints,
+    gltf_array *array, int *there, norma_document_error *error) {
     const uint32_t token = norma_json_member(&g->json, skin, "inverseBindMatrices");
     uint64_t accessor;
     *there = token != JSON_NONE;
@@ -175,7 +176,7 @@ static norma_document_result make_joints(gltf *g, uint32_t skin, uint32_t list, 
     double **made, norma_document_error *error) {
     gltf_array inverse;
     int there;
-    norma_document_result result = read_inverse(g, skin, count, &inverse, &there, error);
+    norma_document_result result = norma_gltf_read_inverse(g, skin, count, &inverse, &there, error);
     if (!result) result = norma_gltf_spend(g, skin, count, 16 * sizeof **made, error);
     if (result) return result;
     *made = norma_scene_allocate(g->document->scene, count, 16 * sizeof **made);
@@ -213,7 +214,7 @@ typedef struct influences { /* one set of four joints for each vertex */
 enum { MOST_SETS = 8 };
 
 static norma_document_result read_influences(
-    mover *m, influences sets[MOST_SETS], int *count, norma_document_error *error) {
+    const mover *m, influences sets[MOST_SETS], int *count, norma_document_error *error) {
     gltf *g = m->g;
     for (*count = 0; *count < MOST_SETS; ++*count) {
         const uint32_t joints = accessor_of(g, m->p, "JOINTS", *count),
@@ -264,8 +265,7 @@ static norma_document_result blend_joints(const mover *m, const influences *sets
     return NORMA_DOCUMENT_OK;
 }
 
-/* The cofactors of the upper 3x3, their sign that of the determinant, which is returned. */
-static double normal_matrix(const double m[16], double cofactors[9]) {
+double norma_gltf_normal_matrix(const double m[16], double cofactors[9]) {
     for (int c = 0; c < 3; ++c)
         for (int r = 0; r < 3; ++r) {
             const int c1 = (c + 1) % 3, c2 = (c + 2) % 3, r1 = (r + 1) % 3, r2 = (r + 2) % 3;
@@ -294,7 +294,7 @@ static void move_direction(float *floats, const double *matrix, int step) {
 /* Whether the matrix mirrors. */
 static int move_vertex(mover *m, size_t vertex, const double matrix[16]) {
     double cofactors[9], *p = m->positions + 3 * vertex;
-    const double determinant = normal_matrix(matrix, cofactors);
+    const double determinant = norma_gltf_normal_matrix(matrix, cofactors);
     apply(matrix, 4, p);
     for (int k = 0; k < 3; ++k) p[k] += matrix[12 + k];
     if (vertex < m->normal_count) move_direction(m->normals + 3 * vertex, cofactors, 3);
@@ -317,18 +317,38 @@ static void turn_vertex(mover *m) {
     }
 }
 
-static norma_document_result apply_skin(mover *m, norma_document_error *error) {
+static norma_document_result blend_vertices(
+    const mover *m, see_blended *see, void *user, norma_document_error *error) {
     influences sets[MOST_SETS];
     int count = 0;
-    size_t mirrored = 0;
-    norma_document_result result = read_drawn_joints(m, error);
-    if (!result) result = read_influences(m, sets, &count, error);
+    norma_document_result result = read_influences(m, sets, &count, error);
     for (size_t i = 0; i < m->count && !result; ++i) {
         double matrix[16];
         result = blend_joints(m, sets, count, i, matrix, error);
-        if (!result) mirrored += (size_t)move_vertex(m, i, matrix);
+        if (!result) see(user, i, matrix);
     }
-    if (!result && mirrored > m->count / 2) turn_vertex(m);
+    return result;
+}
+
+norma_document_result norma_gltf_blend(gltf *g, uint32_t primitive, const double *joints,
+    size_t joint_count, see_blended *see, void *user, norma_document_error *error) {
+    const mover m = {.g = g,
+        .p = &g->primitives[primitive],
+        .count = g->primitives[primitive].vertices,
+        .joints = joints,
+        .joint_count = joint_count};
+    return blend_vertices(&m, see, user, error);
+}
+
+static void see_moved(void *user, size_t vertex, const double matrix[16]) {
+    mover *m = user;
+    m->mirrored += (size_t)move_vertex(m, vertex, matrix);
+}
+
+static norma_document_result apply_skin(mover *m, norma_document_error *error) {
+    norma_document_result result = read_drawn_joints(m, error);
+    if (!result) result = blend_vertices(m, see_moved, m, error);
+    if (!result && m->mirrored > m->count / 2) turn_vertex(m);
     return result;
 }
 

@@ -286,3 +286,24 @@ int norma_gltf_is_known(const char *name) {
         if (strcmp(name, names[i]) == 0) return 1;
     return norma_draco_reads() && strcmp(name, "KHR_draco_mesh_compression") == 0;
 }
+
+/* ---- Skins by their numbers: the list is walked once. */
+
+static norma_document_result find_skins(gltf *g, gltf_scene *scene, norma_document_error *error) {
+    if (scene && scene->skins) return NORMA_DOCUMENT_OK;
+    uint32_t list = norma_json_member(&g->json, 0, "skins"), number = 0;
+    uint32_t *skins =
+        scene ? norma_scene_allocate(g->document->scene, g->skin_count, sizeof *skins) : NULL;
+    if (!skins) return norma_document_fail_memory(g->document, error);
+    for (uint32_t item = JSON_NONE; norma_json_each(&g->json, list, &item);) skins[number++] = item;
+    scene->skins = skins;
+    return NORMA_DOCUMENT_OK;
+}
+
+norma_document_result norma_gltf_skin_token(
+    gltf *g, uint32_t skin, uint32_t *token, norma_document_error *error) {
+    gltf_scene *scene = norma_gltf_scene_of(g);
+    norma_document_result result = find_skins(g, scene, error);
+    if (!result) *token = scene->skins[skin];
+    return result;
+}

@@ -190,6 +190,15 @@ typedef struct pose {
     size_t *stamp; /* of each node: the time that its world is of, from 1 */
     uint32_t *chain;
     double *times;
+    /* while errors of normals are measured */
+    int is_measuring;
+    size_t *effort; /* what was spent, of all skins */
+    uint32_t index, skin;
+    double *matrices; /* sixteen for each joint: from the mesh, as it was bound */
+    gltf_array inverse;
+    int has_inverse;
+    size_t animation;
+    double time;
 } pose;
 
 static norma_document_result fail_skin(const pose *p, norma_document_error *error) {
@@ -278,7 +287,7 @@ static size_t play(pose *p, double time, size_t stamp) {
                 multiply_pose(p->world + 9 * (size_t)parent, local, p->world + 9 * (size_t)node);
             p->stamp[node] = stamp;
         }
-        judge_joint(p, p->world + 9 * (size_t)p->joints[i], p->joints[i]);
+        if (!p->is_measuring) judge_joint(p, p->world + 9 * (size_t)p->joints[i], p->joints[i]);
     }
     return visited;
 }
@@ -302,12 +311,14 @@ static int compare_times(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Every moment of a channel that scales a node at or above a joint, once. */
+/* Every moment of a channel that scales a node at or above a joint, once; measuring, of one that
+ * turns it as well. */
 static size_t collect_times(pose *p, const gltf_animation *animation) {
     size_t count = 0, kept = 0;
     for (size_t i = 0; i < animation->count; ++i)
-        for (size_t k = 0; animation->channels[i].scales && p->stamp[animation->channels[i].node] &&
-                           k < animation->channels[i].count;
+        for (size_t k = 0;
+             (p->is_measuring || animation->channels[i].scales) &&
+             p->stamp[animation->channels[i].node] && k < animation->channels[i].count;
              ++k)
             p->times[count++] = (double)animation->channels[i].times[k];
     qsort(p->times, count, sizeof *p->times, compare_times);
@@ -316,13 +327,17 @@ static size_t collect_times(pose *p, const gltf_animation *animation) {
     return kept;
 }
 
+static size_t most_effort(const pose *p) {
+    const size_t held = p->g->held < (size_t)1 << 22 ? p->g->held : (size_t)1 << 22;
+    return ((size_t)1 << 24) + 64 * held;
+}
+
 /* A small file can ask for any number of skins under any number of animations of any number of keys
  * that share their bytes: it gets no more time than its size is worth. */
 static norma_document_result spend(const pose *p, size_t steps, norma_document_error *error) {
-    const size_t held = p->g->held < (size_t)1 << 22 ? p->g->held : (size_t)1 << 22,
-                 most = ((size_t)1 << 24) + 64 * held;
-    p->scene->effort = steps < most - p->scene->effort ? p->scene->effort + steps : most;
-    if (p->scene->effort < most) return NORMA_DOCUMENT_OK;
+    const size_t most = most_effort(p);
+    *p->effort = steps < most - *p->effort ? *p->effort + steps : most;
+    if (*p->effort < most) return NORMA_DOCUMENT_OK;
     return norma_document_fail(p->g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
         p->info->where, "it has more joints and animation keys than this version examines");
 }
@@ -339,9 +354,9 @@ static norma_document_result take_channels(pose *p, const gltf_animation *animat
     for (size_t i = 0; !result && i < animation->count; ++i) {
         const gltf_channel *channel = &animation->channels[i];
         *(channel->scales ? &p->scale[channel->node] : &p->rotation[channel->node]) = channel;
-        if (!channel->scales || !p->stamp[channel->node]) continue;
+        if (!(channel->scales || p->is_measuring) || !p->stamp[channel->node]) continue;
         result = spend(p, 16 * channel->count, error); /* they will be sorted */
-        *uneven |= !result && is_uneven(channel);
+        *uneven |= !result && channel->scales && is_uneven(channel);
         *times += channel->count;
     }
     return result;
@@ -400,6 +415,162 @@ static norma_document_result judge_animations(pose *p, norma_document_error *err
     return result;
 }
 
+/* ---- Errors of normals: many skinning shaders take them through the blended matrix itself, which
+ * is right only where that scales evenly. Each vertex of each mesh that the skin moves, at rest and
+ * in every key of an animation that scales or turns a joint or a node above one. */
+
+enum { EFFORT_OF_VERTEX = 64 };
+static const double MEASURED_FROM = 1.05;
+
+typedef struct error_search {
+    pose *p;
+    uint32_t primitive;
+    const float *normals;
+    size_t normal_count;
+} error_search;
+
+static void judge_blended(void *user, size_t vertex, const double matrix[16]) {
+    error_search *s = user;
+    norma_skin_info *info = s->p->info;
+    double cofactors[9], through[3], right[3], cross[3];
+    if (vertex >= s->normal_count) return;
+    const float *n = s->normals + 3 * vertex;
+    norma_gltf_normal_matrix(matrix, cofactors);
+    for (int r = 0; r < 3; ++r) {
+        through[r] =
+            matrix[r] * (double)n[0] + matrix[4 + r] * (double)n[1] + matrix[8 + r] * (double)n[2];
+        right[r] = cofactors[r] * (double)n[0] + cofactors[3 + r] * (double)n[1] +
+                   cofactors[6 + r] * (double)n[2];
+    }
+    norma_core_cross(through, right, cross);
+    const double sine = sqrt(norma_core_dot(cross, cross)), cosine = norma_core_dot(through, right);
+    if (!(sine > 0 || cosine > 0 || cosine < 0) || !isfinite(sine) || !isfinite(cosine)) return;
+    const double angle = norma_core_angle(sine, cosine);
+    if (angle <= info->normal_error_rad) return;
+    info->normal_error_rad = angle;
+    info->error_mesh = s->primitive;
+    info->error_vertex = vertex;
+    info->error_animation = s->p->animation;
+    info->error_time_s = s->p->time;
+}
+
+/* Calls for each primitive that the skin moves and that has normals. */
+typedef norma_document_result visit_skinned(
+    pose *p, uint32_t primitive, void *user, norma_document_error *error);
+
+static norma_document_result visit_primitives_of_skin(
+    pose *p, visit_skinned *visit, void *user, norma_document_error *error) {
+    const gltf *g = p->g;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (uint32_t i = 0; i < g->drawing_count; ++i) {
+        const gltf_node *node = &g->nodes[g->drawing[i]];
+        const gltf_mesh *mesh = &g->meshes[node->mesh];
+        for (uint32_t k = 0; node->skin == p->index && k < mesh->primitive_count && !result; ++k) {
+            const gltf_primitive *of = &g->primitives[mesh->first_primitive + k];
+            if (!of->not_read && of->base.normal != GLTF_NONE)
+                result = visit(p, mesh->first_primitive + k, user, error);
+        }
+    }
+    return result;
+}
+
+static norma_document_result add_vertex_count(
+    pose *p, uint32_t primitive, void *user, norma_document_error *error) {
+    (void)error;
+    *(size_t *)user += p->g->primitives[primitive].vertices;
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result measure_primitive(
+    pose *p, uint32_t primitive, void *user, norma_document_error *error) {
+    const uint32_t normal = p->g->primitives[primitive].base.normal;
+    error_search s = {.p = p, .primitive = primitive};
+    (void)user;
+    s.normal_count = p->g->accessors[normal].count;
+    norma_document_result result =
+        spend(p, EFFORT_OF_VERTEX * p->g->primitives[primitive].vertices, error);
+    if (!result) result = norma_gltf_decode(p->g, normal, 3, &s.normals, error);
+    return result ? result
+                  : norma_gltf_blend(
+                        p->g, primitive, p->matrices, p->joint_count, judge_blended, &s, error);
+}
+
+/* worlds: nine numbers for each node; NULL: at rest. */
+static norma_document_result measure_moment(
+    pose *p, const double *worlds, norma_document_error *error) {
+    for (size_t j = 0; j < p->joint_count; ++j) {
+        double world[16] = {0}, bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+        for (size_t i = 0; i < 9; ++i)
+            world[i / 3 * 4 + i % 3] = worlds ? worlds[9 * (size_t)p->joints[j] + i]
+                                              : p->g->nodes[p->joints[j]].world[i / 3 * 4 + i % 3];
+        world[15] = 1;
+        if (p->has_inverse) norma_gltf_doubles(&p->inverse, j, bound);
+        norma_gltf_matrix_multiply(world, bound, p->matrices + 16 * j);
+    }
+    return visit_primitives_of_skin(p, measure_primitive, NULL, error);
+}
+
+static norma_document_result measure_keys(
+    pose *p, const gltf_animation *animation, size_t vertices, norma_document_error *error) {
+    int uneven;
+    size_t times;
+    norma_document_result result = take_channels(p, animation, &uneven, &times, error);
+    if (result || !times) return result;
+    p->times = norma_io_allocate(times, sizeof *p->times);
+    if (!p->times) return fail_skin(p, error);
+    times = collect_times(p, animation);
+    const size_t left = most_effort(p) - *p->effort,
+                 of_key = EFFORT_OF_VERTEX * vertices + 16 * (p->g->node_count + p->joint_count),
+                 room = left / 2 / of_key, step = room ? (times + room - 1) / room : 0;
+    memset(p->stamp, 0, p->g->node_count * sizeof *p->stamp);
+    p->info->keys += times;
+    for (size_t i = 0; !result && step && i < times; i += step) {
+        p->time = p->times[i];
+        result = spend(p, 8 * play(p, p->time, i + 1), error);
+        if (!result) result = measure_moment(p, p->world, error);
+        p->info->examined_keys += !result;
+    }
+    free(p->times);
+    return result;
+}
+
+static norma_document_result measure_animations(pose *p, norma_document_error *error) {
+    size_t vertices = 0;
+    norma_document_result result = visit_primitives_of_skin(p, add_vertex_count, &vertices, error);
+    if (!result && vertices) result = spend(p, EFFORT_OF_VERTEX * vertices, error);
+    if (result || !vertices) return result;
+    result =
+        norma_gltf_read_inverse(p->g, p->skin, p->joint_count, &p->inverse, &p->has_inverse, error);
+    if (!result) result = norma_gltf_spend(p->g, p->skin, p->joint_count, 128, error);
+    p->matrices = result ? NULL : norma_io_allocate(p->joint_count, 16 * sizeof *p->matrices);
+    if (!p->matrices) return result ? result : fail_skin(p, error);
+    p->animation = SIZE_MAX;
+    result = measure_moment(p, NULL, error);
+    for (uint32_t i = 0; !result && i < p->scene->animation_count; ++i) {
+        p->animation = i;
+        result = spend(p, p->g->node_count + p->joint_count, error);
+        if (!result) result = allocate_pose(p, error);
+        if (result) break;
+        mark_chains(p);
+        result = measure_keys(p, &p->scene->animations[i], vertices, error);
+    }
+    free(p->matrices);
+    return result;
+}
+
+/* What cannot be measured, others say: weights that are not there, too many vertices. */
+static norma_document_result measure_errors(pose *p, norma_document_error *error) {
+    norma_document_error why;
+    if (!(p->info->anisotropy > MEASURED_FROM)) return NORMA_DOCUMENT_OK;
+    p->is_measuring = 1;
+    p->effort = &p->scene->measured;
+    p->info->normal_error_rad = -1;
+    const norma_document_result result = measure_animations(p, &why);
+    if (p->info->normal_error_rad < 0) p->info->normal_error_rad = NAN;
+    if (result == NORMA_DOCUMENT_ERROR_MEMORY && error) *error = why;
+    return result == NORMA_DOCUMENT_ERROR_MEMORY ? result : NORMA_DOCUMENT_OK;
+}
+
 /* ---- a skin */
 
 static norma_document_result read_skin_joints(
@@ -422,8 +593,13 @@ static norma_document_result read_skin_joints(
 
 static norma_document_result make_skin(
     gltf *g, uint32_t token, size_t index, norma_skin_info *info, norma_document_error *error) {
-    pose p = {.g = g, .scene = norma_gltf_scene_of(g), .info = info};
-    *info = (norma_skin_info){.joint = SIZE_MAX};
+    pose p = {.g = g,
+        .scene = norma_gltf_scene_of(g),
+        .info = info,
+        .index = (uint32_t)index,
+        .skin = token};
+    *info = (norma_skin_info){.joint = SIZE_MAX, .normal_error_rad = NAN};
+    if (p.scene) p.effort = &p.scene->effort;
     info->name = norma_gltf_name(g, token);
     info->where = norma_gltf_where(g, "skins", index);
     info->ignore = norma_gltf_root_ignore(g);
@@ -434,6 +610,7 @@ static norma_document_result make_skin(
         judge_rest(&p);
         result = judge_animations(&p, error);
     }
+    if (!result) result = measure_errors(&p, error);
     void *const blocks[] = {
         p.joints, (void *)p.rotation, (void *)p.scale, p.world, p.stamp, p.chain};
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; ++i) free(blocks[i]);
@@ -442,25 +619,6 @@ static norma_document_result make_skin(
 
 size_t norma_gltf_skin_count(const norma_document *document) {
     return norma_gltf_of(document)->skin_count;
-}
-
-static norma_document_result find_skins(gltf *g, gltf_scene *scene, norma_document_error *error) {
-    if (scene && scene->skins) return NORMA_DOCUMENT_OK;
-    uint32_t list = norma_json_member(&g->json, 0, "skins"), number = 0;
-    uint32_t *skins =
-        scene ? norma_scene_allocate(g->document->scene, g->skin_count, sizeof *skins) : NULL;
-    if (!skins) return norma_document_fail_memory(g->document, error);
-    for (uint32_t item = JSON_NONE; norma_json_each(&g->json, list, &item);) skins[number++] = item;
-    scene->skins = skins;
-    return NORMA_DOCUMENT_OK;
-}
-
-norma_document_result norma_gltf_skin_token(
-    gltf *g, uint32_t skin, uint32_t *token, norma_document_error *error) {
-    gltf_scene *scene = norma_gltf_scene_of(g);
-    norma_document_result result = find_skins(g, scene, error);
-    if (!result) *token = scene->skins[skin];
-    return result;
 }
 
 norma_document_result norma_gltf_skin(
@@ -472,10 +630,11 @@ norma_document_result norma_gltf_skin(
         return norma_document_fail_memory(document, error);
     if (!scene->skins[index]) {
         norma_skin_info *made = norma_scene_allocate(scene, 1, sizeof *made);
-        gltf_scene *own = norma_gltf_scene_of(g);
+        uint32_t token = 0;
         norma_document_result result =
-            made ? find_skins(g, own, error) : norma_document_fail_memory(document, error);
-        if (!result) result = make_skin(g, own->skins[index], index, made, error);
+            made ? norma_gltf_skin_token(g, (uint32_t)index, &token, error)
+                 : norma_document_fail_memory(document, error);
+        if (!result) result = make_skin(g, token, index, made, error);
         if (result) return result;
         scene->skins[index] = made;
     }

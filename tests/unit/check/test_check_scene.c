@@ -29,6 +29,8 @@ static norma_findings *check(norma_document *document, const char *rules) {
     return findings;
 }
 
+#define DEGREES_PI 3.14159265358979323846
+
 /* N807, like N204, has something to report of every mesh. */
 #define MINE "N001,N002,N104,N105,N106,N6,N801,N802,N803,N804,N805,N806,N813,N9"
 
@@ -238,6 +240,111 @@ static void test_joints(void **state) {
               MINE),
         {"N605", "/skins/0", I, 1, 1.5, ""});
     asset_free(&a);
+}
+
+/* ---- what a shader that takes normals through the blended matrix makes of them */
+
+/* The tangent of the angle between B n and the normal of what B makes of a plane of normal n, for
+ * B = diag(1, s, 1) and n = (sin a, cos a, 0): t = tan a; (t, s) against (t, 1 / s). */
+static double error_of(double s, double t) {
+    return fabs(atan2(s, t) - atan2(1 / s, t)) * 180 / DEGREES_PI;
+}
+
+/* Two joints: node 1 stands still, node 2 is animated. One vertex hangs on node 1 alone, one on
+ * both half and half, one on node 2 alone; all have the normal (0.6, 0.8, 0). scales: of node 2
+ * along y at the keys 0, 1, 2 seconds. */
+static norma_skin_info bent_skin(
+    const float *scales, const double *bind, const float *turns, norma_findings **findings) {
+    static const float positions[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                       normals[3][3] = {{.6F, .8F, 0}, {.6F, .8F, 0}, {.6F, .8F, 0}},
+                       times[3] = {0, 1, 2};
+    static const double joints[3][4] = {{0}, {0, 1}, {1}}, weights[3][4] = {{1}, {.5, .5}, {1}};
+    gltf_asset a = {0};
+    norma_skin_info info;
+    float of_keys[3][3], matrices[2][16];
+    for (int k = 0; k < 3; ++k) {
+        of_keys[k][0] = of_keys[k][2] = 1;
+        of_keys[k][1] = scales[k];
+    }
+    for (int i = 0; i < 16; ++i) {
+        matrices[0][i] = i % 5 == 0 ? 1 : 0;
+        matrices[1][i] = (float)bind[i];
+    }
+    asset_floats(&a, &positions[0][0], 3, 3);
+    asset_floats(&a, &normals[0][0], 3, 3);
+    asset_numbers(&a, &joints[0][0], 3, 4, 5121, 0);
+    asset_numbers(&a, &weights[0][0], 3, 4, 5126, 0);
+    asset_floats(&a, times, 3, 1);
+    asset_floats(&a, &of_keys[0][0], 3, 3);
+    asset_floats(&a, &matrices[0][0], 2, 16);
+    asset_floats(&a, turns, 3, 4);
+    norma_document *document = asset_open(&a,
+        "\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}],\"nodes\":[{\"mesh\":0,\"skin\":0},{},{}],"
+        "\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":6}],\"meshes\":[{\"primitives\":[{"
+        "\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"JOINTS_0\":2,\"WEIGHTS_0\":3}}]}],"
+        "\"animations\":[{\"samplers\":[{\"input\":4,\"output\":5},{\"input\":4,\"output\":7}],"
+        "\"channels\":[{\"sampler\":0,\"target\":{\"node\":2,\"path\":\"scale\"}},{\"sampler\":1,"
+        "\"target\":{\"node\":2,\"path\":\"rotation\"}}]}]",
+        1);
+    assert_int_equal(norma_document_skin_info(document, 0, &info, NULL), NORMA_DOCUMENT_OK);
+    if (findings) assert_int_equal(norma_check_document(document, NULL, findings, NULL), 0);
+    norma_document_close(document);
+    asset_free(&a);
+    return info;
+}
+
+static const double UNBOUND[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+static const float UNTURNED[3][4] = {{0, 0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 1}};
+
+static void test_skin_errors(void **state) {
+    (void)state;
+    const double t = .75; /* of the normal (0.6, 0.8, 0) */
+    norma_skin_info info = bent_skin((float[]){1, 3, 1}, UNBOUND, UNTURNED[0], NULL);
+    /* The vertex on node 2 alone at 1 s: s = 3. That on both has s = 2. */
+    assert_true(fabs(info.normal_error_rad * 180 / DEGREES_PI - error_of(3, t)) < 1e-5);
+    assert_true(info.error_vertex == 2 && info.error_mesh == 0 && info.error_animation == 0);
+    assert_true(info.error_time_s == 1 && info.keys == 3 && info.examined_keys == 3);
+    info = bent_skin((float[]){1, 2, .25F}, UNBOUND, UNTURNED[0], NULL);
+    assert_true(fabs(info.normal_error_rad * 180 / DEGREES_PI - error_of(.25, t)) < 1e-5);
+    assert_true(info.error_vertex == 2 && info.error_time_s == 2);
+    /* Bound at a stretch that the joint undoes at 1 s: nothing is wrong there, but at 0 and 2 s. */
+    const double bound[16] = {1, 0, 0, 0, 0, .5, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    info = bent_skin((float[]){1.9F, 2, 6}, bound, UNTURNED[0], NULL);
+    assert_true(fabs(info.normal_error_rad * 180 / DEGREES_PI - error_of(3, t)) < 1e-5);
+    assert_true(info.error_vertex == 2 && info.error_time_s == 2);
+    /* An even joint: nothing is measured. */
+    info = bent_skin((float[]){1, 1, 1}, UNBOUND, UNTURNED[0], NULL);
+    assert_true(isnan(info.normal_error_rad));
+}
+
+/* What stretches 1.2 times along y and turns by 150 degrees at 2 s: alone it errs as much as
+ * unturned; the vertex on both joints more. Its matrix, twice, has the columns (1 + c, s, 0) and
+ * (-1.2 s, 1 + 1.2 c, 0) of the cosine and sine. */
+static void test_turned_skin_errors(void **state) {
+    const double c = -sqrt(.75), s = .5, p = 1 + c, q = s, u = -1.2 * s, v = 1 + 1.2 * c, x = .6,
+                 y = .8;
+    const float turns[3][4] = {
+        {0, 0, 0, 1}, {0, 0, 0, 1}, {0, 0, (float)sqrt((1 - c) / 2), (float)sqrt((1 + c) / 2)}};
+    norma_findings *findings;
+    (void)state;
+    const norma_skin_info info = bent_skin((float[]){1, 1, 1.2F}, UNBOUND, turns[0], &findings);
+    const double both =
+        (atan2(q * x + v * y, p * x + u * y) - atan2(p * y - u * x, v * x - q * y)) * 180 /
+        DEGREES_PI;
+    assert_true(both > error_of(1.2, .75) + 3);
+    assert_true(fabs(info.normal_error_rad * 180 / DEGREES_PI - both) < 1e-4);
+    assert_true(info.error_vertex == 1 && info.error_time_s == 2);
+    int told = 0;
+    for (size_t i = 0; i < norma_findings_count(findings); ++i) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        if (strcmp(finding->rule->id, "N605") != 0) continue;
+        told = 1;
+        assert_non_null(strstr(finding->message, "errs by up to "));
+        assert_non_null(
+            strstr(finding->message, " degrees, at vertex 1 of mesh 0, in animation 0 at 2 s"));
+    }
+    assert_true(told);
+    norma_findings_free(findings);
 }
 
 /* ---- tangents: islands, squares side by side, each of four vertices; v downwards, so that the
@@ -748,6 +855,8 @@ int main(void) {
         cmocka_unit_test(test_instances),
         cmocka_unit_test(test_ignored_nodes),
         cmocka_unit_test(test_joints),
+        cmocka_unit_test(test_skin_errors),
+        cmocka_unit_test(test_turned_skin_errors),
         cmocka_unit_test(test_tangent_lengths),
         cmocka_unit_test(test_tangent_signs_of_none),
         cmocka_unit_test(test_tangent_lean),
