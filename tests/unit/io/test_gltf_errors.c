@@ -120,6 +120,9 @@ static void test_schema(void **state) {
             "/accessors/0: expected a count from 1, and byteOffset and componentType as whole "
             "numbers; found "},
         {"'accessors':[{'componentType':5130,'count':3,'type':'VEC3'}]",
+            "/accessors/0: expected componentType 5130 only with KHR_accessor_float64, and not "
+            "normalized; found "},
+        {"'accessors':[{'componentType':5132,'count':3,'type':'VEC3'}]",
             "/accessors/0: expected a componentType and type that glTF has; found "},
         {"'accessors':[{'componentType':5124,'count':3,'type':'VEC3'}]",
             "/accessors/0: expected a componentType and type that glTF has; found "},
