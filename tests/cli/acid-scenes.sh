@@ -52,6 +52,17 @@ for cell in layout["cells"]:
     for reference in cell["references"][1:]:
         assert "<dt>%s</dt><dd>" % reference["id"] in text, (cell["id"], reference["id"])
 ' "$scratch/a"
+check "the page shows whole functions of norma.glsl" python3 -c '
+import html, re, sys
+shown = [html.unescape(text) for text in re.findall("<pre><code>(.*?)</code>", open(sys.argv[1]).read(), re.S)]
+glsl = open("include/norma/shaders/norma.glsl").read()
+assert len(shown) > 30, len(shown)
+for text in shown:
+    for function in text.split("\n\n"):
+        assert "\n\n" + function + "\n" in glsl or "\n" + function + "\n" in glsl, function
+        assert function.startswith("//") or re.match("[a-z0-9]+ norma_", function), function
+        assert function.count("{") == function.count("}") > 0, function
+' "$scratch/a/index.html"
 if [ -d "${NODE_PATH:-$tree/../npm/node_modules}/gltf-validator" ]; then
     check "the validator finds no error" node --input-type=module -e '
 import { readFileSync } from "node:fs";

@@ -9,7 +9,8 @@ static const char page_head[] =
     ":root{color-scheme:light dark}body{font:16px/1.5 system-ui,sans-serif;max-width:52rem;"
     "margin:0 auto;padding:1rem}h2{margin:2.5rem 0 0;font-size:1.2rem}blockquote{margin:.5rem 0;"
     "padding-left:1rem;border-left:3px solid #888}code{font-size:.9em}dt{margin-top:.5rem;"
-    "font-weight:600}dd{margin-left:1.5rem}\n</style></head><body><main>\n"
+    "font-weight:600}dd{margin-left:1.5rem}pre{overflow-x:auto;white-space:pre-wrap}\n</style></"
+    "head><body><main>\n"
     "<h1>Norma's acid test</h1>\n"
     "<p>Load <code>norma-acid.glb</code> into a renderer, look through its camera "
     "<code>norma-acid</code>, and compare. Each cell is a row of patches. The first, the subject, "
@@ -32,6 +33,25 @@ static void write_escaped(FILE *out, const char *before, const char *text, const
     fputs(after, out);
 }
 
+/* The lines that mend it, from the file that people paste. */
+static void write_mend(FILE *out, const acid_mistake *mistake) {
+    const char *begin;
+    if (!mistake->functions[0]) return;
+    fputs("<dd><details><summary>In a shader: norma.glsl</summary><pre><code>", out);
+    for (size_t i = 0; i < ACID_MOST_FUNCTIONS && mistake->functions[i]; ++i) {
+        const size_t length = acid_mending_lines(mistake->functions[i], &begin);
+        if (i) fputs("\n\n", out);
+        for (size_t k = 0; k < length; ++k) {
+            const char letter[2] = {begin[k]};
+            if (letter[0] == '\n')
+                fputs(letter, out);
+            else
+                cli_write_outside_html(out, letter);
+        }
+    }
+    fputs("</code></pre></details></dd>\n", out);
+}
+
 static void write_cell_mistakes(FILE *out, const acid_cell *cell) {
     if (!acid_fault_count(cell)) return;
     fputs("<dl>\n", out);
@@ -42,6 +62,7 @@ static void write_cell_mistakes(FILE *out, const acid_cell *cell) {
         if (!mistake) continue;
         write_escaped(out, "<dd>What happens: ", mistake->words, ".</dd>");
         write_escaped(out, "<dd>Instead: ", mistake->mend, ".</dd>\n");
+        write_mend(out, mistake);
     }
     fputs("</dl>\n", out);
 }
