@@ -118,6 +118,10 @@ typedef struct norma_finding {
     norma_fix fix;
     const char *message;              /* one line: what is wrong, how badly, why it matters */
     const norma_deviation *deviation; /* N204 only; otherwise NULL */
+
+    /* The same for equal meshes, in whichever file: of the positions as they are decoded, in their
+     * order, and the number of corners. 0: not about one mesh of a document. */
+    uint64_t mesh;
 } norma_finding;
 
 typedef struct norma_findings norma_findings;

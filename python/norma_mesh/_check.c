@@ -27,7 +27,7 @@ static PyObject *deviation_of(const norma_deviation *d) {
 }
 
 /* (id, name, severity, where, label, count, worst value, unit, worst, samples, fix, message,
- * deviation) */
+ * deviation, mesh) */
 static PyObject *finding_of(const norma_finding *f) {
     PyObject *samples = PyList_New((Py_ssize_t)f->sample_count);
     for (size_t i = 0; samples && i < f->sample_count; i++) {
@@ -38,10 +38,10 @@ static PyObject *finding_of(const norma_finding *f) {
             PyList_SetItem(samples, (Py_ssize_t)i, sample);
     }
     if (!samples) return NULL;
-    return Py_BuildValue("ssiNNndsNNiNN", f->rule->id, f->rule->name, (int)f->severity,
+    return Py_BuildValue("ssiNNndsNNiNNK", f->rule->id, f->rule->name, (int)f->severity,
         norma_py_text(f->where), norma_py_text(f->label), (Py_ssize_t)f->count, f->worst_value,
         f->unit, sample_of(&f->worst), samples, (int)f->fix, norma_py_text(f->message),
-        deviation_of(f->deviation));
+        deviation_of(f->deviation), (unsigned long long)f->mesh);
 }
 
 static PyObject *findings_list(norma_findings *findings) {

@@ -81,6 +81,7 @@ class Finding:
     message: str
     command: Optional[str]  #: mends it, ready to paste
     deviation: Optional[Deviation] = None  #: of N204
+    mesh: Optional[str] = None  #: the same for equal meshes, in whichever file; None: not about one
 
     def __str__(self) -> str:
         place = f"{self.label}: " if self.label else ""
@@ -255,6 +256,8 @@ def _finding_json(finding: Finding) -> Dict[str, Any]:
         "command": finding.command,
         "message": finding.message,
     }
+    if finding.mesh is not None and finding.severity != "info":
+        result["mesh"] = finding.mesh
     if finding.deviation is not None:
         result["deviation"] = _deviation_json(finding.deviation)
     return result
@@ -280,7 +283,7 @@ def _without_path(message: str, path: str) -> str:
 
 
 def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool, profile: str) -> Finding:
-    rule, name, severity, where, label, count, value, unit, worst, samples, fix, message, deviation = parts
+    rule, name, severity, where, label, count, value, unit, worst, samples, fix, message, deviation, mesh = parts
     if unreadable:
         message = _without_path(message, path)
     return Finding(
@@ -298,6 +301,7 @@ def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool, profile: str) 
         message,
         _command(path, rule, _FIXES[fix], profile),
         _deviation(deviation),
+        f"{mesh:016x}" if mesh else None,
     )
 
 

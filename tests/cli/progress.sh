@@ -5,7 +5,7 @@ source "$(dirname "$0")/../support/tap.sh"
 NORMA=${NORMA_BIN:-$tree/bin/norma}
 cd "$scratch" || exit 1
 command -v script >/dev/null || { skip "script(1) is not there"; finish; exit; }
-awk 'BEGIN { n = 1200; for (i = 0; i < n; ++i) for (j = 0; j < n; ++j) print "v", i, j, sin(i * .1) * cos(j * .1);
+awk 'BEGIN { n = 1500; for (i = 0; i < n; ++i) for (j = 0; j < n; ++j) print "v", i, j, sin(i * .1) * cos(j * .1);
     for (i = 0; i < n - 1; ++i) for (j = 0; j < n - 1; ++j) { a = i * n + j + 1; print "f", a, a + n, a + 1; print "f", a + 1, a + n, a + n + 1 } }' >large.obj
 for i in 1 2 3 4; do ln large.obj large$i.obj; done
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >small.obj
@@ -18,7 +18,9 @@ shows_not() { if grep -qE -- "$2" shown; then fail "$1" "$(cat -v shown)"; else 
 watched check large.obj --no-config --threads 1 --max-samples 1
 shows "check of one file shows percent and the time left" '^checking large.obj: +[0-9]+ %, [0-9]+ s left'
 parts=$(sed -nE 's/^checking large.obj: +([0-9]+) %.*/\1/p' shown)
-if [ "$(echo "$parts" | sort -nu | wc -l)" -ge 6 ] && [ "$parts" = "$(echo "$parts" | sort -n)" ]; then pass "the percent never fall, and do not jump"; else fail "the percent never fall, and do not jump" "$parts"; fi
+# Lines begin after a second, and a fast machine is nearly done by then: what counts is that none falls, and the steps between them.
+step=$(awk 'NR > 1 && ($1 < before || $1 - before > most) { most = $1 < before ? 100 : $1 - before } { before = $1 } END { print NR < 2 ? "one line" : most + 0 }' <<<"$parts")
+if [ "$(echo "$parts" | sort -nu | wc -l)" -ge 3 ] && [ "$step" -le 35 ]; then pass "the percent never fall, and do not jump"; else fail "the percent never fall, and do not jump" "$parts"; fi
 watched check large.obj large1.obj large2.obj large3.obj large4.obj --no-config --threads 2
 shows "check of several files shows how many are done" '^checking files: +[0-9]+ %'
 shows "what is left of the line is cleared before a report" $'\e\\[Klarge'
@@ -32,7 +34,7 @@ shows_not "short work shows none" '^checking'
 shows_not "a pipe shows none" 'checking'
 if "$NORMA" render small.obj -o drawn.png >/dev/null 2>&1; then
     # Twice as much is checked in no less than a second.
-    { cat large.obj; awk '/^v/ { print $1, $2, $3, $4 + 5 } /^f/ { print $1, $2 + 1440000, $3 + 1440000, $4 + 1440000 }' large.obj; } >larger.obj
+    { cat large.obj; awk '/^v/ { print $1, $2, $3, $4 + 5 } /^f/ { print $1, $2 + 2250000, $3 + 2250000, $4 + 2250000 }' large.obj; } >larger.obj
     watched render larger.obj --show findings --threads 1 --size 32x32 -o drawn.png
     shows "render --show findings shows the time" '^checking larger.obj: [0-9]+ s'
     rm larger.obj

@@ -89,13 +89,13 @@ norma_mistake(src/render/shaders/surface.frag [==[    vec3 n = turned ? -unit(li
 
 norma_mistake(src/io/gltf/drawn_mesh.c [==[    for (size_t i = 0; i < 3 * count && !result; ++i) m->normals[i] += (float)weight * moves[i];]==] [==[    for (size_t i = 0; i < 3 * count && !result && !is_mistaken("normals-not-morphed"); ++i) m->normals[i] += (float)weight * moves[i];]==])
 norma_mistake(src/io/gltf/drawn_mesh.c [==[    if (vertex < m->normal_count) move_direction(m->normals + 3 * vertex, cofactors, 3);]==] [==[    for (int i = 0; i < 9 && determinant < 0 && is_mistaken("reversed"); ++i) cofactors[i] = -cofactors[i];
-    if (is_mistaken("strongest-joint")) (void)normal_matrix(m->joints + 16 * (size_t)strongest, cofactors);
+    if (is_mistaken("strongest-joint")) (void)norma_gltf_normal_matrix(m->joints + 16 * (size_t)strongest, cofactors);
     if (vertex < m->normal_count && is_mistaken("model-matrix"))
         move_direction(m->normals + 3 * vertex, matrix, 4);
     else if (vertex < m->normal_count)
         move_direction(m->normals + 3 * vertex, cofactors, 3);
     if (vertex < m->normal_count && is_mistaken("node-applied")) {
-        (void)normal_matrix(m->node->world, cofactors);
+        (void)norma_gltf_normal_matrix(m->node->world, cofactors);
         move_direction(m->normals + 3 * vertex, cofactors, 3);
     }
     if (vertex < m->tangent_count && is_mistaken("tangent-by-normal-matrix")) {
@@ -116,8 +116,8 @@ static void find_strongest(const influences *set, size_t vertex) {
     strongest = joints[most];
 }
 /* Whether the matrix mirrors. */]==])
-norma_mistake(src/io/gltf/drawn_mesh.c [==[        if (!result) mirrored += (size_t)move_vertex(m, i, matrix);]==] [==[        if (!result) find_strongest(sets, i);
-        if (!result) mirrored += (size_t)move_vertex(m, i, matrix);]==])
+norma_mistake(src/io/gltf/drawn_mesh.c [==[        if (!result) see(user, i, matrix);]==] [==[        if (!result) find_strongest(sets, i);
+        if (!result) see(user, i, matrix);]==])
 norma_mistake(src/cli/render/render_scene.c [==[    const double flat = -1, all]==] [==[    const double flat = is_mistaken("smoothed") ? 3.14 : -1, all]==])
 
 # ---- normal maps

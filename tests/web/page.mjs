@@ -791,29 +791,32 @@ function materialsModel() {
     buffers: [{ byteLength: bytes.length, uri: `data:application/octet-stream;base64,${bytes.toString("base64")}` }] });
 }
 
-await attempt("materials: colours of vertices, masks, what lets light through, sides, unlit; in the page as by norma render", async () => {
+await attempt("materials: colours of vertices, masks, what lets light through, sides, unlit; norma render draws clay, vertices' colours and masks of them", async () => {
   const from = join(shots, "materials.gltf"), out = join(shots, "view-materials.html"), drawn = join(shots, "materials.png");
   writeFileSync(from, materialsModel());
   execFileSync(tool, ["view", from, "-o", out, "--quiet"]);
   execFileSync(tool, ["render", from, "-o", drawn, "--camera", "0,0", "--fov", "0", "--size", "680x160", "--background", "white", "--quiet"]);
   const view = await visit(pathToFileURL(out).href), isColoured = ([r, g, b]) => Math.max(r, g, b) - Math.min(r, g, b) > 40;
   await view.click("reset-view");
-  /* From 0 to 17 along x; its ends are the first red and what is drawn last, the unlit square's right. */
-  const read = (png, box) => {
-    const row = [...Array(box[3] - box[1]).keys()].map((y) => y + box[1]).find((y) => { for (let x = box[0]; x < box[2]; x++) if (isColoured(png.at(x, y))) return true; return false; }), columns = [];
-    for (let x = box[0]; x < box[2]; x++) if (isColoured(png.at(x, row + 4))) columns.push(x);
-    const left = columns[0], scale = (columns[columns.length - 1] + 1 - left) / 14, at = (x) => png.at(Math.round(left + scale * x), row + 4);
+  /* end: of what is drawn along x, from 0 on. */
+  const read = (png, box, isDrawn, end) => {
+    const row = [...Array(box[3] - box[1]).keys()].map((y) => y + box[1]).find((y) => { for (let x = box[0]; x < box[2]; x++) if (isDrawn(png.at(x, y))) return true; return false; }), columns = [];
+    for (let x = box[0]; x < box[2]; x++) if (isDrawn(png.at(x, row + 4))) columns.push(x);
+    const left = columns[0], scale = (columns[columns.length - 1] + 1 - left) / end, at = (x) => png.at(Math.round(left + scale * x), row + 4);
     return { red: at(0.2), blue: at(1.8), masked: at(4), through: at(7), behind: at(10), unlit: at(13), hidden: at(16), paper: png.at(Math.round(left + scale * 2.5), row + 4) };
   };
-  const same = (a, b, much) => a.every((part, i) => Math.abs(part - b[i]) <= much), seen = { page: read(await view.picture("view-materials"), STAGE), render: read(readPng(readFileSync(drawn)), [0, 0, 680, 160]) };
-  for (const [who, { red, blue, masked, through, behind, unlit, hidden, paper }] of Object.entries(seen)) {
-    const tells = (what, colour, holds) => expect(holds, `${who}: ${what} is ${colour}`);
-    tells("left of the first", red, red[0] > 120 && red[0] > 2 * red[2]);
-    tells("right of the first", blue, blue[2] > 120 && blue[2] > 2 * blue[0]);
-    for (const [what, colour] of Object.entries({ masked, behind, hidden })) tells(what, colour, same(colour, paper, 6));
-    tells("white through green", through, through[1] > through[0] + 30 && through[0] > 60 && same([through[0]], [through[2]], 6));
-    tells("unlit", unlit, same(unlit, [124, 63, 170], 2));
+  const same = (a, b, much) => a.every((part, i) => Math.abs(part - b[i]) <= much);
+  /* The page ends with the unlit square, the picture with the one that the page does not show. */
+  const page = read(await view.picture("view-materials"), STAGE, isColoured, 14), render = read(readPng(readFileSync(drawn)), [0, 0, 680, 160], (colour) => Math.min(...colour) < 240, 17);
+  for (const [who, { red, blue, masked, behind, paper }] of Object.entries({ page, render })) {
+    expect(red[0] > 120 && red[0] > 2 * red[2], `${who}: left of the first is ${red}`);
+    expect(blue[2] > 120 && blue[2] > 2 * blue[0], `${who}: right of the first is ${blue}`);
+    for (const [what, colour] of Object.entries({ masked, behind })) expect(same(colour, paper, 6), `${who}: ${what} is ${colour}`);
   }
+  expect(same(page.hidden, page.paper, 6), `page: hidden is ${page.hidden}`);
+  expect(page.through[1] > page.through[0] + 30 && page.through[0] > 60 && same([page.through[0]], [page.through[2]], 6), `page: white through green is ${page.through}`);
+  expect(same(page.unlit, [124, 63, 170], 2), `page: unlit is ${page.unlit}`);
+  for (const what of ["through", "unlit", "hidden"]) expect(!isColoured(render[what]) && !same(render[what], render.paper, 30), `render: ${what} is ${render[what]}, not clay`);
   await view.click("textures");
   expect(countPixels(await view.picture("view-materials-clay"), STAGE, isColoured) === 0, "clay has colours");
   expect(view.said.length === 0, view.said.join("\n"));

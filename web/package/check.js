@@ -54,14 +54,14 @@ export function bindCheck(wasm) {
   });
 
   const readFinding = (file, index, path) => heap.lend((lender) => {
-    const at = lender.block(8 * 13), text = (which) => heap.text(wasm.check_text(file, index, TEXTS[which]));
+    const at = lender.block(8 * 15), text = (which) => heap.text(wasm.check_text(file, index, TEXTS[which]));
     wasm.check_numbers(file, index, at);
-    const [severity, count, value, fix, samples, deviates, ...place] = heap.doubles(at, 13);
+    const [severity, count, value, fix, samples, deviates, ...more] = heap.doubles(at, 15), halves = more.slice(0, 2), place = more.slice(2);
     const { vertex, face, position } = readSample(place);
     const sample = (i) => (wasm.check_sample(file, index, i, at), shortSample(readSample(heap.doubles(at, 7))));
     const finding = {
       rule: text("rule"), name: text("name"), severity: SEVERITIES[severity], where: text("where"), count, worst: { value: finite(value), unit: text("unit"), vertex, face, position },
-      samples: Array.from({ length: samples }, (_, i) => sample(i)), fix: FIXES[fix], command: readCommand(file, index, path), message: text("message"),
+      samples: Array.from({ length: samples }, (_, i) => sample(i)), fix: FIXES[fix], command: readCommand(file, index, path), message: text("message"), ...(SEVERITIES[severity] !== "info" && halves.some((half) => half) ? { mesh: halves.map((half) => half.toString(16).padStart(8, "0")).join("") } : {}),
     };
     return deviates ? { ...finding, deviation: readDeviation(file, index, lender) } : finding;
   });

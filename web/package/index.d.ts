@@ -196,6 +196,8 @@ export interface Finding {
   /** Fixes it, to paste into a shell. */
   command: string | null;
   message: string;
+  /** The same for findings of equal meshes, in whichever file; of errors and warnings. */
+  mesh?: string;
   deviation?: Deviation;
 }
 

@@ -5,6 +5,7 @@
 #include "check/findings/check_run.h"
 #include "check/maps/maps.h"
 #include "check/rules/rules.h"
+#include "core/call/table.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -429,6 +430,34 @@ static norma_document_result check_nodes(document_check *d) {
                                         : result;
 }
 
+/* ---- the same mesh in several files */
+
+static uint64_t hash_mesh(const norma_mesh *mesh) {
+    double position[3];
+    uint64_t hash = norma_core_hash(&(uint64_t){mesh->corner_count}, sizeof(uint64_t));
+    for (size_t i = 0; i < mesh->positions.count; ++i) {
+        norma_view_vector(&mesh->positions, i, position);
+        const uint64_t both[] = {hash, norma_core_hash(position, sizeof position)};
+        hash = norma_core_hash(both, sizeof both);
+    }
+    return hash;
+}
+
+/* Findings of one mesh follow one another. */
+static void name_meshes(const norma_check_mesh *meshes, size_t count, norma_findings *findings) {
+    const norma_finding *last = NULL;
+    for (size_t i = 0; i < findings->count; ++i) {
+        norma_finding *finding = &findings->entries[i].finding;
+        if (last && strcmp(last->where, finding->where) == 0)
+            finding->mesh = last->mesh;
+        else
+            for (size_t m = 0; m < count && !finding->mesh; ++m)
+                if (strcmp(meshes[m].info.where, finding->where) == 0)
+                    finding->mesh = hash_mesh(&meshes[m].data.mesh);
+        last = finding;
+    }
+}
+
 norma_document_result norma_check_document(norma_document *document,
     const norma_check_options *options, norma_findings **findings, norma_document_error *error) {
     return norma_check_again(document, NULL, options, findings, error);
@@ -449,6 +478,7 @@ norma_document_result norma_check_again(norma_document *document, const check_kn
         norma_check_abandon(&d.run);
     else
         *findings = norma_check_finish(&d.run);
+    if (!result) name_meshes(d.meshes, d.mesh_count, *findings);
     for (size_t i = 0; d.morphs && i <= d.mesh_count && i < norma_document_mesh_count(document);
          i++)
         free(d.morphs[i]);

@@ -113,7 +113,6 @@ typedef struct check_item {
     const norma_finding *finding;
     norma_severity severity; /* after the configuration */
     char *command;           /* fixes it; NULL: nothing does, or it was tried, and this is left */
-    uint64_t mesh;           /* the same for equal meshes, in whichever file; 0: not known */
 } check_item;
 
 enum { CHECK_SEVERITIES = NORMA_SEVERITY_ERROR + 1 };

@@ -340,33 +340,6 @@ static int make_commands(
     return made;
 }
 
-/* ---- the same mesh in several files */
-
-static uint64_t hash_mesh(norma_document *document, const char *where) {
-    norma_mesh_data data;
-    uint64_t hash = CLI_HASH;
-    if (!check_find_mesh(document, where, &data)) return 0;
-    for (size_t i = 0; i < data.mesh.positions.count; ++i) {
-        double position[3];
-        norma_view_vector(&data.mesh.positions, i, position);
-        hash = cli_hash(hash, position, sizeof position);
-    }
-    return cli_hash(hash, &data.mesh.corner_count, sizeof data.mesh.corner_count);
-}
-
-/* Of findings that reports list; those of one mesh follow one another. */
-static void name_meshes(const file_check *check, check_item *items, size_t count) {
-    const check_item *last = NULL;
-    for (size_t i = 0; i < count && document_of(check); ++i) {
-        const char *where = items[i].finding->where;
-        if (items[i].severity < NORMA_SEVERITY_WARNING) continue;
-        items[i].mesh = last && strcmp(last->finding->where, where) == 0
-                            ? last->mesh
-                            : hash_mesh(document_of(check), where);
-        last = &items[i];
-    }
-}
-
 static void free_items(check_item *items, size_t count) {
     for (size_t i = 0; i < count; ++i) free(items[i].command);
     free(items);
@@ -390,7 +363,7 @@ static int weigh(const file_check *check, check_item *items, size_t *count, chec
         if (is_known)
             ++known;
         else
-            items[(*count)++] = (check_item){finding, (norma_severity)severity, NULL, 0};
+            items[(*count)++] = (check_item){finding, (norma_severity)severity, NULL};
     }
     totals->known += known;
     return 1;
@@ -447,7 +420,6 @@ static void report_findings(
         report_unreadable(check, format, out, totals);
         return;
     }
-    if (format->is_worst_first || format == &check_format_json) name_meshes(check, items, count);
     check_report report = {.settings = check->settings,
         .path = check->path,
         .profile = norma_findings_profile(findings_of(check)),

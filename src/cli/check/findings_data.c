@@ -89,9 +89,9 @@ static void write_json_item(cli_json *json, const check_item *item) {
     cli_json_string(json, "fix", fix_name(finding->fix));
     cli_json_string(json, "command", item->command);
     cli_json_string(json, "message", finding->message);
-    if (item->mesh) {
+    if (finding->mesh && item->severity >= NORMA_SEVERITY_WARNING) {
         char mesh[17];
-        snprintf(mesh, sizeof mesh, "%016" PRIx64, item->mesh);
+        snprintf(mesh, sizeof mesh, "%016" PRIx64, finding->mesh);
         cli_json_string(json, "mesh", mesh);
     }
     if (finding->deviation) write_deviation(json, finding->deviation);

@@ -73,9 +73,9 @@ uint64_t check_key(const check_report *report, const check_item *item) {
     const uint64_t key = cli_hash(CLI_HASH, of, sizeof of);
     if (report->settings->file_count < 2) return 0;
     if (check_is_picture(item)) return key;
-    if (!item->mesh) return 0;
-    return cli_hash(
-        cli_hash(key, &item->mesh, sizeof item->mesh), finding->message, strlen(finding->message));
+    if (!finding->mesh || item->severity < NORMA_SEVERITY_WARNING) return 0;
+    return cli_hash(cli_hash(key, &finding->mesh, sizeof finding->mesh), finding->message,
+        strlen(finding->message));
 }
 
 /* Open edges are faults of a print, so for rendering they are not looked at; that a surface has

@@ -107,7 +107,8 @@ static int read_finding(cli_value object, norma_finding *finding) {
         .worst_value = value,
         .unit = text_of(worst, "unit"),
         .worst = read_sample(worst),
-        .message = text_of(object, "message")};
+        .message = text_of(object, "message"),
+        .mesh = strtoull(text_of(object, "mesh"), NULL, 16)};
     if (finding->count == SIZE_MAX) finding->count = 1;
     return finding->rule != NULL;
 }
@@ -135,9 +136,8 @@ static int write_file_as(const report_merge *merged, const char *path, cli_value
     for (cli_value object = cli_first(list); object.in && fine; object = cli_next(object)) {
         norma_finding *finding = &findings[report.count];
         if (!read_finding(object, finding)) continue;
-        items[report.count++] = (check_item){finding, finding->severity,
-            (char *)(uintptr_t)cli_string(cli_get(object, "command")),
-            strtoull(text_of(object, "mesh"), NULL, 16)};
+        items[report.count++] = (check_item){
+            finding, finding->severity, (char *)(uintptr_t)cli_string(cli_get(object, "command"))};
     }
     if (fine) check_write_file(&report, format, out, totals);
     free(items);

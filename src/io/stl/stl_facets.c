@@ -85,7 +85,8 @@ norma_document_result norma_stl_read_binary(norma_document *document, norma_docu
             state->size == 0 ? "the file is empty" : "not an STL file");
     const uint32_t count = load_32(state->bytes + 80);
     const size_t room = (state->size - STL_HEADER) / STL_FACET;
-    if (count > room && looks_like_text(state))
+    /* A count of -1 is what binary writers leave that never came to the end. */
+    if (count > room && count != UINT32_MAX && looks_like_text(state))
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "1",
             "text that does not begin with \"solid\"; expected an STL file");
     if (count > room)

@@ -107,9 +107,9 @@ static void write_sample(const norma_sample *sample, double numbers[SAMPLE_NUMBE
         numbers[3 + i] = sample->has_position ? sample->position[i] : (double)NAN;
 }
 
-/* severity, count, worst value, fix, samples, whether there is a deviation; then the worst sample
- * and whether it and each sample has a position. */
-void WEB_EXPORT(check_numbers)(const checked_file *file, size_t index, double numbers[13]) {
+/* severity, count, worst value, fix, samples, whether there is a deviation; the mesh in two halves;
+ * then the worst sample and whether it and each sample has a position. */
+void WEB_EXPORT(check_numbers)(const checked_file *file, size_t index, double numbers[15]) {
     const norma_finding *finding = norma_findings_get(file->findings, index);
     numbers[0] = finding->severity;
     numbers[1] = (double)finding->count;
@@ -117,8 +117,10 @@ void WEB_EXPORT(check_numbers)(const checked_file *file, size_t index, double nu
     numbers[3] = finding->fix;
     numbers[4] = (double)finding->sample_count;
     numbers[5] = finding->deviation != NULL;
-    write_sample(&finding->worst, numbers + 6);
-    numbers[12] = finding->worst.has_position;
+    numbers[6] = (double)(finding->mesh >> 32);
+    numbers[7] = (double)(finding->mesh & UINT32_MAX);
+    write_sample(&finding->worst, numbers + 8);
+    numbers[14] = finding->worst.has_position;
 }
 
 void WEB_EXPORT(check_sample)(
