@@ -1,8 +1,8 @@
 // norma.glsl: normals and tangents in shaders, for GLSL ES 3.00, GLSL 3.30 and GLSL for Vulkan. Paste it after #version, or include it. norma.hlsl and norma.wgsl say the same.
 //
-// Matrices take columns (model * vector). A normal of no length stays zero, and so does one that meets a number that is not finite; nothing here gives a NaN.
-// Floats lose digits where products cancel, as they do in cofactors of stretched models. So factors are cut into a whole number and a rest: products and sums of the whole numbers are exact, as
-// they are integers, with which no compiler takes liberties. What is left of rounding is 2^-36 of the largest term, where plain floats leave 2^-23.
+// Matrices take columns (model * vector). A zero normal stays zero, and a normal becomes zero if it or a matrix is not finite. No result is a NaN.
+// Floats lose digits if products cancel, as in cofactors of stretched models. Factors are therefore split into an integer and a rest. Products and sums of the integers are exact, and no compiler
+// rearranges them. The error is at most about 2^-36 of the largest term; with floats alone it is 2^-23.
 // Results are within 1e-6 of those of the C library (norma.h), of which each function names the one it follows.
 #ifndef NORMA_GLSL
 #define NORMA_GLSL
@@ -13,7 +13,7 @@ precision highp int;
 
 // ---- exact enough
 
-// The power of two that brings the largest of three numbers between 1/2 and 1; 0 where one is not finite.
+// The power of two that brings the largest of three numbers between 1/2 and 1; 0 if one is not finite.
 float norma_scale(vec3 v) {
     uvec3 bits = floatBitsToUint(v) & 0x7fffffffu;
     uint largest = max(bits.x, max(bits.y, bits.z));
@@ -36,7 +36,7 @@ vec3 norma_cross(vec3 a, vec3 b) {
     return (vec3(p.yzx * q.zxy - p.zxy * q.yzx) + (cross(vec3(p), rest_b) + cross(rest_a, b * 8192.0))) * 1.4901161e-8;
 }
 
-// m v but for its length.
+// The direction of m v: m v times a positive factor.
 vec3 norma_direction(mat3 m, vec3 v) {
     float scale = min(norma_scale(m[0]), min(norma_scale(m[1]), norma_scale(m[2]))), scale_v = norma_scale(v);
     if (scale == 0.0 || scale_v == 0.0) return vec3(0.0);
@@ -45,7 +45,7 @@ vec3 norma_direction(mat3 m, vec3 v) {
     return vec3(norma_dot(rows[0], v), norma_dot(rows[1], v), norma_dot(rows[2], v));
 }
 
-// The unit vector along v, whatever its length; zero where there is none.
+// The unit vector along v, for any length from 1e-38 to 1e38; zero if v is zero or not finite.
 vec3 norma_unit(vec3 v) {
     float scale = norma_scale(v);
     if (scale == 0.0) return vec3(0.0);
@@ -63,7 +63,7 @@ vec3 norma_perpendicular(vec3 n) {
 
 // ---- through matrices
 
-// cof(M), but for a positive factor: the columns are the cross products of M's columns.
+// cof(M) times a positive factor: its columns are the cross products of M's columns.
 mat3 norma_cofactors(mat3 model) {
     vec3 scale = vec3(norma_scale(model[0]), norma_scale(model[1]), norma_scale(model[2]));
     if (min(scale.x, min(scale.y, scale.z)) == 0.0) return mat3(0.0);
@@ -71,22 +71,22 @@ mat3 norma_cofactors(mat3 model) {
     return mat3(norma_cross(b, c) * share.x, norma_cross(c, a) * share.y, norma_cross(a, b) * share.z);
 }
 
-// det(M), but for a positive factor.
+// det(M) times a positive factor.
 float norma_determinant(mat3 model) {
     return norma_dot(model[0] * norma_scale(model[0]), norma_cross(model[1] * norma_scale(model[1]), model[2] * norma_scale(model[2])));
 }
 
-// The normal matrix, sign(det M) cof(M), but for a positive factor: it points as the inverse transpose does, needs no division, and is right for flattened models (rank 2) and under mirrors.
-// Zeros where every face loses its direction (rank 0 or 1), or an entry is not finite. norma_normal_matrix with NORMA_WINDING_REVERSED.
+// The normal matrix, sign(det M) cof(M), times a positive factor. It points as the inverse transpose does, needs no division, and is right for flattened models (rank 2) and under mirrors.
+// Zeros if every face loses its direction (rank 0 or 1), or if an entry is not finite. norma_normal_matrix with NORMA_WINDING_REVERSED.
 mat3 norma_normal_matrix(mat3 model) { return norma_determinant(model) < 0.0 ? -norma_cofactors(model) : norma_cofactors(model); }
 
-// -1 where the model mirrors, else 1. Where it mirrors, the winding of front faces turns.
+// -1 if the model mirrors, else 1. If it mirrors, the winding of front faces is reversed.
 float norma_mirror_sign(mat3 model) { return norma_determinant(model) < 0.0 ? -1.0 : 1.0; }
 
 // The unit normal after the model whose normal matrix is given. norma_transform_normals.
 vec3 norma_transform_normal(mat3 normal_matrix, vec3 normal) { return norma_unit(norma_direction(normal_matrix, normal)); }
 
-// A tangent is a vector of the surface: it goes through the model itself, never through the normal matrix; then it is made perpendicular to the transformed normal, and its sign turns where
+// A tangent is a vector of the surface: it goes through the model itself, never through the normal matrix; then it is made perpendicular to the transformed normal, and its sign is negated if
 // the model mirrors. norma_transform_tangents.
 vec4 norma_transform_tangent(mat3 model, vec4 tangent, vec3 transformed_normal) {
     vec3 n = norma_unit(transformed_normal), t = norma_unit(norma_direction(model, tangent.xyz));
@@ -131,7 +131,7 @@ vec3 norma_decode_octahedral_8(uint code) { return norma_decode_octahedral_bits(
 vec3 norma_decode_octahedral_12(uint code) { return norma_decode_octahedral_bits(code, 12); }
 vec3 norma_decode_octahedral_16(uint code) { return norma_decode_octahedral_bits(code, 16); }
 
-// Where the attribute is read as two snorm numbers already (Meyer et al. 2010).
+// For an attribute that is read as two snorm numbers already (Meyer et al. 2010).
 vec3 norma_decode_octahedral(vec2 p) {
     float z = 1.0 - abs(p.x) - abs(p.y);
     if (z < 0.0) p = vec2((1.0 - abs(p.y)) * (p.x < 0.0 ? -1.0 : 1.0), (1.0 - abs(p.x)) * (p.y < 0.0 ? -1.0 : 1.0));
@@ -161,6 +161,6 @@ vec3 norma_flat_normal(vec3 along_x, vec3 along_y) {
 #endif
 }
 
-// What a two-sided surface shows from its back: front is gl_FrontFacing, with the front clockwise where the model mirrors.
+// What a two-sided surface shows from its back: front is gl_FrontFacing, with the front clockwise if the model mirrors.
 vec3 norma_facing_normal(vec3 normal, bool front) { return front ? normal : -normal; }
 #endif

@@ -1,15 +1,15 @@
 // norma.hlsl: normals and tangents in shaders, for HLSL (shader model 4 and later). norma.glsl and norma.wgsl say the same.
 //
-// Matrices are as mathematics writes them: mul(model, vector). A normal of no length stays zero, and so does one that meets a number that is not finite; nothing here gives a NaN.
-// Floats lose digits where products cancel, as they do in cofactors of stretched models. So factors are cut into a whole number and a rest: products and sums of the whole numbers are exact, as
-// they are integers, with which no compiler takes liberties. What is left of rounding is 2^-36 of the largest term, where plain floats leave 2^-23.
+// Matrices are as mathematics writes them: mul(model, vector). A zero normal stays zero, and a normal becomes zero if it or a matrix is not finite. No result is a NaN.
+// Floats lose digits if products cancel, as in cofactors of stretched models. Factors are therefore split into an integer and a rest. Products and sums of the integers are exact, and no compiler
+// rearranges them. The error is at most about 2^-36 of the largest term; with floats alone it is 2^-23.
 // Results are within 1e-6 of those of the C library (norma.h), of which each function names the one it follows.
 #ifndef NORMA_HLSL
 #define NORMA_HLSL
 
 // ---- exact enough
 
-// The power of two that brings the largest of three numbers between 1/2 and 1; 0 where one is not finite.
+// The power of two that brings the largest of three numbers between 1/2 and 1; 0 if one is not finite.
 float norma_scale(float3 v) {
     uint3 bits = asuint(v) & 0x7fffffffu;
     uint largest = max(bits.x, max(bits.y, bits.z));
@@ -32,7 +32,7 @@ float3 norma_cross(float3 a, float3 b) {
     return (float3(p.yzx * q.zxy - p.zxy * q.yzx) + (cross(float3(p), rest_b) + cross(rest_a, b * 8192.0))) * 1.4901161e-8;
 }
 
-// m v but for its length.
+// The direction of m v: m v times a positive factor.
 float3 norma_direction(float3x3 m, float3 v) {
     float scale = min(norma_scale(m[0]), min(norma_scale(m[1]), norma_scale(m[2]))), scale_v = norma_scale(v);
     if (scale == 0.0 || scale_v == 0.0) return float3(0.0, 0.0, 0.0);
@@ -41,7 +41,7 @@ float3 norma_direction(float3x3 m, float3 v) {
     return float3(norma_dot(m[0], v), norma_dot(m[1], v), norma_dot(m[2], v));
 }
 
-// The unit vector along v, whatever its length; zero where there is none.
+// The unit vector along v, for any length from 1e-38 to 1e38; zero if v is zero or not finite.
 float3 norma_unit(float3 v) {
     float scale = norma_scale(v);
     if (scale == 0.0) return float3(0.0, 0.0, 0.0);
@@ -60,7 +60,7 @@ float3 norma_perpendicular(float3 n) {
 
 // ---- through matrices
 
-// cof(M), but for a positive factor: the columns are the cross products of M's columns.
+// cof(M) times a positive factor: its columns are the cross products of M's columns.
 float3x3 norma_cofactors(float3x3 model) {
     float3x3 columns = transpose(model);
     float3 scale = float3(norma_scale(columns[0]), norma_scale(columns[1]), norma_scale(columns[2]));
@@ -69,26 +69,26 @@ float3x3 norma_cofactors(float3x3 model) {
     return transpose(float3x3(norma_cross(b, c) * share.x, norma_cross(c, a) * share.y, norma_cross(a, b) * share.z));
 }
 
-// det(M), but for a positive factor.
+// det(M) times a positive factor.
 float norma_determinant(float3x3 model) {
     float3x3 columns = transpose(model);
     return norma_dot(columns[0] * norma_scale(columns[0]), norma_cross(columns[1] * norma_scale(columns[1]), columns[2] * norma_scale(columns[2])));
 }
 
-// The normal matrix, sign(det M) cof(M), but for a positive factor: it points as the inverse transpose does, needs no division, and is right for flattened models (rank 2) and under mirrors.
-// Zeros where every face loses its direction (rank 0 or 1), or an entry is not finite. norma_normal_matrix with NORMA_WINDING_REVERSED.
+// The normal matrix, sign(det M) cof(M), times a positive factor. It points as the inverse transpose does, needs no division, and is right for flattened models (rank 2) and under mirrors.
+// Zeros if every face loses its direction (rank 0 or 1), or if an entry is not finite. norma_normal_matrix with NORMA_WINDING_REVERSED.
 float3x3 norma_normal_matrix(float3x3 model) {
     float3x3 cofactors = norma_cofactors(model);
     return norma_determinant(model) < 0.0 ? -cofactors : cofactors;
 }
 
-// -1 where the model mirrors, else 1. Where it mirrors, the winding of front faces turns.
+// -1 if the model mirrors, else 1. If it mirrors, the winding of front faces is reversed.
 float norma_mirror_sign(float3x3 model) { return norma_determinant(model) < 0.0 ? -1.0 : 1.0; }
 
 // The unit normal after the model whose normal matrix is given. norma_transform_normals.
 float3 norma_transform_normal(float3x3 normal_matrix, float3 normal) { return norma_unit(norma_direction(normal_matrix, normal)); }
 
-// A tangent is a vector of the surface: it goes through the model itself, never through the normal matrix; then it is made perpendicular to the transformed normal, and its sign turns where
+// A tangent is a vector of the surface: it goes through the model itself, never through the normal matrix; then it is made perpendicular to the transformed normal, and its sign is negated if
 // the model mirrors. norma_transform_tangents.
 float4 norma_transform_tangent(float3x3 model, float4 tangent, float3 transformed_normal) {
     float3 n = norma_unit(transformed_normal), t = norma_unit(norma_direction(model, tangent.xyz));
@@ -133,7 +133,7 @@ float3 norma_decode_octahedral_8(uint code) { return norma_decode_octahedral_bit
 float3 norma_decode_octahedral_12(uint code) { return norma_decode_octahedral_bits(code, 12); }
 float3 norma_decode_octahedral_16(uint code) { return norma_decode_octahedral_bits(code, 16); }
 
-// Where the attribute is read as two snorm numbers already (Meyer et al. 2010).
+// For an attribute that is read as two snorm numbers already (Meyer et al. 2010).
 float3 norma_decode_octahedral(float2 p) {
     float z = 1.0 - abs(p.x) - abs(p.y);
     if (z < 0.0) p = float2((1.0 - abs(p.y)) * (p.x < 0.0 ? -1.0 : 1.0), (1.0 - abs(p.x)) * (p.y < 0.0 ? -1.0 : 1.0));
@@ -157,6 +157,6 @@ float3 norma_perturb(float3 normal, float4 tangent, float3 texel, float scale) {
 // The normal of the face that is drawn, towards the viewer: from ddx and ddy of the position in the space of the normals, a right-handed one; y runs down the screen.
 float3 norma_flat_normal(float3 along_x, float3 along_y) { return norma_unit(cross(along_y, along_x)); }
 
-// What a two-sided surface shows from its back: front is SV_IsFrontFace, with the front turned where the model mirrors.
+// What a two-sided surface shows from its back: front is SV_IsFrontFace, with the front reversed if the model mirrors.
 float3 norma_facing_normal(float3 normal, bool front) { return front ? normal : -normal; }
 #endif

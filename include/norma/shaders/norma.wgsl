@@ -1,13 +1,13 @@
 // norma.wgsl: normals and tangents in shaders, for WebGPU. norma.glsl and norma.hlsl say the same.
 //
-// Matrices take columns (model * vector). A normal of no length stays zero, and so does one that meets a number that is not finite; nothing here gives a NaN.
-// Floats lose digits where products cancel, as they do in cofactors of stretched models. So factors are cut into a whole number and a rest: products and sums of the whole numbers are exact, as
-// they are integers, with which no compiler takes liberties. What is left of rounding is 2^-36 of the largest term, where plain floats leave 2^-23.
+// Matrices take columns (model * vector). A zero normal stays zero, and a normal becomes zero if it or a matrix is not finite. No result is a NaN.
+// Floats lose digits if products cancel, as in cofactors of stretched models. Factors are therefore split into an integer and a rest. Products and sums of the integers are exact, and no compiler
+// rearranges them. The error is at most about 2^-36 of the largest term; with floats alone it is 2^-23.
 // Results are within 1e-6 of those of the C library (norma.h), of which each function names the one it follows.
 
 // ---- exact enough
 
-// The power of two that brings the largest of three numbers between 1/2 and 1; 0 where one is not finite.
+// The power of two that brings the largest of three numbers between 1/2 and 1; 0 if one is not finite.
 fn norma_scale(v: vec3f) -> f32 {
     let bits = bitcast<vec3u>(v) & vec3u(0x7fffffffu);
     let largest = max(bits.x, max(bits.y, bits.z));
@@ -34,7 +34,7 @@ fn norma_cross(a: vec3f, b: vec3f) -> vec3f {
     return (vec3f(p.yzx * q.zxy - p.zxy * q.yzx) + (cross(vec3f(p), rest_b) + cross(rest_a, b * 8192.0))) * 1.4901161e-8;
 }
 
-// m v but for its length.
+// The direction of m v: m v times a positive factor.
 fn norma_direction(m: mat3x3f, v: vec3f) -> vec3f {
     let scale = min(norma_scale(m[0]), min(norma_scale(m[1]), norma_scale(m[2])));
     let scale_v = norma_scale(v);
@@ -44,7 +44,7 @@ fn norma_direction(m: mat3x3f, v: vec3f) -> vec3f {
     return vec3f(norma_dot(rows[0], scaled), norma_dot(rows[1], scaled), norma_dot(rows[2], scaled));
 }
 
-// The unit vector along v, whatever its length; zero where there is none.
+// The unit vector along v, for any length from 1e-38 to 1e38; zero if v is zero or not finite.
 fn norma_unit(v: vec3f) -> vec3f {
     let scale = norma_scale(v);
     if (scale == 0.0) { return vec3f(); }
@@ -65,7 +65,7 @@ fn norma_perpendicular(n: vec3f) -> vec3f {
 
 // ---- through matrices
 
-// cof(M), but for a positive factor: the columns are the cross products of M's columns.
+// cof(M) times a positive factor: its columns are the cross products of M's columns.
 fn norma_cofactors(model: mat3x3f) -> mat3x3f {
     let scale = vec3f(norma_scale(model[0]), norma_scale(model[1]), norma_scale(model[2]));
     if (min(scale.x, min(scale.y, scale.z)) == 0.0) { return mat3x3f(); }
@@ -76,22 +76,22 @@ fn norma_cofactors(model: mat3x3f) -> mat3x3f {
     return mat3x3f(norma_cross(b, c) * share.x, norma_cross(c, a) * share.y, norma_cross(a, b) * share.z);
 }
 
-// det(M), but for a positive factor.
+// det(M) times a positive factor.
 fn norma_determinant(model: mat3x3f) -> f32 {
     return norma_dot(model[0] * norma_scale(model[0]), norma_cross(model[1] * norma_scale(model[1]), model[2] * norma_scale(model[2])));
 }
 
-// The normal matrix, sign(det M) cof(M), but for a positive factor: it points as the inverse transpose does, needs no division, and is right for flattened models (rank 2) and under mirrors.
-// Zeros where every face loses its direction (rank 0 or 1), or an entry is not finite. norma_normal_matrix with NORMA_WINDING_REVERSED.
+// The normal matrix, sign(det M) cof(M), times a positive factor. It points as the inverse transpose does, needs no division, and is right for flattened models (rank 2) and under mirrors.
+// Zeros if every face loses its direction (rank 0 or 1), or if an entry is not finite. norma_normal_matrix with NORMA_WINDING_REVERSED.
 fn norma_normal_matrix(model: mat3x3f) -> mat3x3f { return norma_mirror_sign(model) * norma_cofactors(model); }
 
-// -1 where the model mirrors, else 1. Where it mirrors, the winding of front faces turns.
+// -1 if the model mirrors, else 1. If it mirrors, the winding of front faces is reversed.
 fn norma_mirror_sign(model: mat3x3f) -> f32 { return select(1.0, -1.0, norma_determinant(model) < 0.0); }
 
 // The unit normal after the model whose normal matrix is given. norma_transform_normals.
 fn norma_transform_normal(normal_matrix: mat3x3f, normal: vec3f) -> vec3f { return norma_unit(norma_direction(normal_matrix, normal)); }
 
-// A tangent is a vector of the surface: it goes through the model itself, never through the normal matrix; then it is made perpendicular to the transformed normal, and its sign turns where
+// A tangent is a vector of the surface: it goes through the model itself, never through the normal matrix; then it is made perpendicular to the transformed normal, and its sign is negated if
 // the model mirrors. norma_transform_tangents.
 fn norma_transform_tangent(model: mat3x3f, tangent: vec4f, transformed_normal: vec3f) -> vec4f {
     let n = norma_unit(transformed_normal);
@@ -138,7 +138,7 @@ fn norma_decode_octahedral_8(code: u32) -> vec3f { return norma_decode_octahedra
 fn norma_decode_octahedral_12(code: u32) -> vec3f { return norma_decode_octahedral_bits(code, 12u); }
 fn norma_decode_octahedral_16(code: u32) -> vec3f { return norma_decode_octahedral_bits(code, 16u); }
 
-// Where the attribute is read as two snorm numbers already (Meyer et al. 2010).
+// For an attribute that is read as two snorm numbers already (Meyer et al. 2010).
 fn norma_decode_octahedral(p: vec2f) -> vec3f {
     let z = 1.0 - abs(p.x) - abs(p.y);
     let folded = vec2f((1.0 - abs(p.y)) * select(1.0, -1.0, p.x < 0.0), (1.0 - abs(p.x)) * select(1.0, -1.0, p.y < 0.0));
@@ -162,5 +162,5 @@ fn norma_perturb(normal: vec3f, tangent: vec4f, texel: vec3f, scale: f32) -> vec
 // The normal of the face that is drawn, towards the viewer: from dpdx and dpdy of the position in the space of the normals, a right-handed one; y runs down the screen.
 fn norma_flat_normal(along_x: vec3f, along_y: vec3f) -> vec3f { return norma_unit(cross(along_y, along_x)); }
 
-// What a two-sided surface shows from its back: front is the builtin front_facing, with the front turned where the model mirrors.
+// What a two-sided surface shows from its back: front is the builtin front_facing, with the front reversed if the model mirrors.
 fn norma_facing_normal(normal: vec3f, front: bool) -> vec3f { return select(-normal, normal, front); }
