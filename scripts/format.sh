@@ -5,7 +5,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 command -v clang-format >/dev/null || { echo "clang-format is not installed (Debian: clang-format)"; exit 1; }
-files() { find include src python web tests bench examples packaging scripts \( -name '*.c' -o -name '*.h' -o -name '*.cpp' \) -print0; }
+files() { find include src python web tests bench examples packaging scripts \( -name '*.c' -o -name '*.h' -o -name '*.cpp' -o -name '*.hpp' \) -print0; }
 if [ "${1:-}" = --check ]; then
     files | xargs -0 clang-format --dry-run -Werror
 else

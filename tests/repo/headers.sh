@@ -1,5 +1,5 @@
 #!/bin/bash
-# Every public header compiles alone, as C11 and as C++17, with both compilers and warnings as errors.
+# Every public header compiles alone, as C11 (but for norma.hpp) and as C++17, with both compilers and warnings as errors.
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 cd "$root" || exit 1
@@ -7,7 +7,7 @@ cd "$root" || exit 1
 flags="-Iinclude -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Werror -fsyntax-only"
 # Those of MPI are a system's: mpicc tells where they are.
 mpi=$(mpicc -show 2>/dev/null | grep -oE ' (-I|-isystem) *[^ ]+' | sed -E 's/^ (-I|-isystem) */-isystem /' | tr '\n' ' ')
-for header in include/norma/*.h; do
+for header in include/norma/*.h include/norma/*.hpp; do
     name=${header#include/}
     if [ "$name" = norma/mpi.h ] && [ -z "$mpi" ]; then
         skip "$name (no mpicc)"
@@ -15,7 +15,7 @@ for header in include/norma/*.h; do
     fi
     printf '#include <%s>\n#include <%s>\nint main(void) { return 0; }\n' "$name" "$name" >"$scratch/one.c"
     cp "$scratch/one.c" "$scratch/one.cpp"
-    for compiler in gcc clang; do
+    [ "${name%.hpp}" != "$name" ] || for compiler in gcc clang; do
         # shellcheck disable=SC2086
         check "$name as C11 with $compiler" $compiler -std=c11 -Wstrict-prototypes $flags $mpi "$scratch/one.c"
     done

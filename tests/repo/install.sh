@@ -9,7 +9,7 @@ mv "$scratch/first" "$scratch/usr"
 prefix=$scratch/usr
 lib=$prefix/$(cd "$prefix" && find lib -name libnorma.a -printf '%h')
 
-for file in bin/norma include/norma/norma.h include/norma/document.h include/norma/shaders/norma.glsl include/norma/shaders/norma.hlsl include/norma/shaders/norma.wgsl share/doc/norma/LICENSE; do
+for file in bin/norma include/norma/norma.h include/norma/norma.hpp include/norma/document.h include/norma/shaders/norma.glsl include/norma/shaders/norma.hlsl include/norma/shaders/norma.wgsl share/doc/norma/LICENSE; do
     check "has $file" test -f "$prefix/$file"
 done
 missing=$({ scripts/public-symbols.sh | sed 's#.*#man3/&.3#'; find docs/man -name '*.[1357]' -printf '%f\n' | sed -E 's#.*\.(.)$#man\1/&#'; } |
