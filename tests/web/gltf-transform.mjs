@@ -4,7 +4,7 @@ import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { Document, Logger, NodeIO } from "@gltf-transform/core";
-import { ALL_EXTENSIONS } from "@gltf-transform/extensions";
+import { ALL_EXTENSIONS, KHRMaterialsAnisotropy, KHRMaterialsClearcoat, KHRMaterialsVariants } from "@gltf-transform/extensions";
 import { cloneDocument, tangents as theirTangents, unweld } from "@gltf-transform/functions";
 import { generateTangents } from "mikktspace";
 import { check as checkTransform, normals, tangents } from "norma-mesh/gltf-transform";
@@ -82,7 +82,7 @@ for (const file of [...files, ...balls]) {
   writeFileSync(input, await io.writeBinary(await io.read(file)));
   const idle = (document) => document.getRoot().listAccessors().filter((accessor) => accessor.listParents().length === 1).length;
   for (const [name, words, transform] of [
-    ["normals({ crease: 60 })", [], normals({ crease: 60 })], ["normals({ crease: 25, weight: \"area\" })", ["--crease", "25", "--weight", "area"], normals({ crease: 25, weight: "area" })], ["normals({ crease: 180 })", ["--crease", "180"], normals({ crease: 180 })],
+    ["normals({ crease: 60 })", [], normals({ crease: 60, overwrite: true })], ["normals({ crease: 25, weight: \"area\" })", ["--crease", "25", "--weight", "area"], normals({ crease: 25, weight: "area", overwrite: true })], ["normals({ crease: 180 })", ["--crease", "180"], normals({ crease: 180, overwrite: true })],
   ]) await attempt(`${basename(file)}: ${name} gives what norma compute ${words.join(" ")} gives`, async () => {
     const document = await io.read(file), before = rest(document), unused = idle(document);
     const run = spawnSync(tool, ["compute", input, "-o", output, ...words, "--quiet"], { encoding: "utf8" });
@@ -151,11 +151,55 @@ await attempt("strips and fans become triangles that face the same way", async (
     if (primitive.getMode() !== 4 || primitive.getIndices().getCount() !== 6 || Array.from(primitive.getAttribute("NORMAL").getArray()).join() !== "0,0,1,0,0,1,0,0,1,0,0,1") throw new Error(`mode ${mode}: ${primitive.getAttribute("NORMAL").getArray()}`);
   }
 });
-await attempt("overwrite: false keeps what is there", async () => {
+await attempt("without overwrite normals() keeps what is there, and with it replaces it", async () => {
   const document = made(), [first] = primitivesOf(document), kept = document.createAccessor().setType("VEC3").setArray(new Float32Array(24).fill(1)).setBuffer(document.getRoot().listBuffers()[0]);
   first.setAttribute("NORMAL", kept);
-  await document.transform(normals({ overwrite: false }));
+  await document.transform(normals());
   if (first.getAttribute("NORMAL") !== kept || !primitivesOf(document)[1].getAttribute("NORMAL")) throw new Error("changed");
+  await document.transform(normals({ overwrite: true }));
+  if (primitivesOf(document).some((primitive) => primitive.getAttribute("NORMAL").getArray().every((x) => x === 1))) throw new Error("kept");
+});
+await attempt("normals() says that it did nothing where all primitives have normals", async () => {
+  const document = made(), lines = [];
+  await document.transform(normals());
+  document.setLogger({ debug() {}, info() {}, warn: (line) => lines.push(line), error() {} });
+  await document.transform(normals());
+  await document.transform(normals({ overwrite: true }));
+  if (lines.length !== 1 || !lines[0].includes("overwrite: true")) throw new Error(lines.join("\n"));
+});
+
+/* ---- which primitives tangents() fills: a plain, a mapped, a coated and a streaked material, and one of a variant; the mapped one with a morph target that turns its normals, at w 1 */
+function materials() {
+  const document = new Document().setLogger(new Logger(Logger.Verbosity.SILENT)), buffer = document.createBuffer(), mesh = document.createMesh(), { positions, indices } = sphere(24, 12);
+  const add = (type, array) => document.createAccessor().setType(type).setArray(array).setBuffer(buffer), texture = document.createTexture(), [coated, streaked, varied] = [KHRMaterialsClearcoat, KHRMaterialsAnisotropy, KHRMaterialsVariants].map((extension) => document.createExtension(extension));
+  const plain = document.createMaterial("plain"), mapped = document.createMaterial("mapped").setNormalTexture(texture), texcoords = Float32Array.from({ length: (2 * positions.length) / 3 }, (_, i) => positions[3 * (i >> 1) + (i % 2)]);
+  const all = [plain, mapped, document.createMaterial("coated").setExtension("KHR_materials_clearcoat", coated.createClearcoat().setClearcoatNormalTexture(texture)), document.createMaterial("streaked").setExtension("KHR_materials_anisotropy", streaked.createAnisotropy().setAnisotropyStrength(1)), plain, null];
+  const made = all.map((material) => document.createPrimitive().setMaterial(material).setIndices(add("SCALAR", indices)).setAttribute("POSITION", add("VEC3", positions.slice())).setAttribute("NORMAL", add("VEC3", positions.slice())).setAttribute("TEXCOORD_0", add("VEC2", texcoords.slice())));
+  made[4].setExtension("KHR_materials_variants", varied.createMappingList().addMapping(varied.createMapping().setMaterial(mapped).addVariant(varied.createVariant("worn"))));
+  made[1].addTarget(document.createPrimitiveTarget().setAttribute("POSITION", add("VEC3", positions.map((x, i) => (i % 3 === 0 ? x : 0)))).setAttribute("NORMAL", add("VEC3", positions.map((x, i) => (i % 3 === 0 ? -x / 4 : 0)))));
+  for (const primitive of made) mesh.addPrimitive(primitive);
+  return { document, filled: () => made.map((primitive) => Number(primitive.getAttribute("TANGENT") !== null)).join(""), delta: () => made[1].listTargets()[0].getAttribute("TANGENT"), size: async () => (await io.writeBinary(document)).length };
+}
+await attempt("tangents() fills primitives with a normal map, and no targets; all and morphTargets fill the others too", async () => {
+  const [few, all, targets] = [materials(), materials(), materials()], before = await few.size();
+  await few.document.transform(tangents());
+  await all.document.transform(tangents({ all: true }));
+  await targets.document.transform(tangents({ morphTargets: true }));
+  if (few.filled() !== "011110" || few.delta()) throw new Error(few.filled());
+  if (all.filled() !== "111111" || all.delta()) throw new Error(all.filled());
+  if (targets.filled() !== "011110" || !targets.delta()?.getArray().some((x) => x !== 0)) throw new Error("no differences");
+  const [a, b, c] = await Promise.all([few, all, targets].map(({ size }) => size()));
+  if (!(before < a && a < b && a < c)) throw new Error(`${before}, ${a}, ${b}, ${c} bytes`);
+});
+await attempt("differences of tangents that are there follow new tangents, and are kept with them", async () => {
+  const { document, delta } = materials();
+  await document.transform(tangents({ morphTargets: true }));
+  const expected = delta().getArray().slice();
+  delta().setArray(new Float32Array(expected.length));
+  await document.transform(tangents());
+  if (delta().getArray().some((x) => x !== 0)) throw new Error("not kept");
+  await document.transform(tangents({ overwrite: true }));
+  if (delta().getArray().length !== expected.length || delta().getArray().some((x, i) => x !== expected[i])) throw new Error("not those before");
 });
 
 /* ---- check */

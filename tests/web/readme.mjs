@@ -28,6 +28,8 @@ if (has("@gltf-transform/cli")) {
   writeFileSync("gltf-transform.config.mjs", blocks.find(({ isConfig }) => isConfig).code);
   const run = spawnSync(process.execPath, ["node_modules/@gltf-transform/cli/bin/cli.js", "normals", file, "out.glb", "--crease", "40", "--config", "gltf-transform.config.mjs"], { encoding: "utf8" });
   const found = run.status === 0 && JSON.parse(spawnSync(tool, ["info", "out.glb", "--json"], { encoding: "utf8" }).stdout);
+  const again = spawnSync(process.execPath, ["node_modules/@gltf-transform/cli/bin/cli.js", "normals", "out.glb", "again.glb", "--crease", "0", "--overwrite", "--config", "gltf-transform.config.mjs"], { encoding: "utf8" });
+  check("README, with --overwrite it replaces them", again.status === 0 && !readFileSync("again.glb").equals(readFileSync("out.glb")) && !/nothing was computed/.test(again.stdout + again.stderr), again.stdout + again.stderr);
   check("README, glTF-Transform's command line with the config writes normals", found && found.meshes.every(({ normals }) => normals === "vertex"), run.stdout + run.stderr);
 } else skip("glTF-Transform's command line (it is not installed)");
 finish();

@@ -16,7 +16,7 @@ export async function uses(): Promise<void> {
   const cancelled: number = plan.update({ report: true }).cancelled + report.cancelled;
   plan.free();
   let found: CheckReport | undefined;
-  await new Document().transform(normals({ crease: 30, overwrite: false }), tangents({ mode: "mikk", texcoord: 0 }), check({ profile: "render", onReport: (given) => { found = given; } }));
+  await new Document().transform(normals({ crease: 30, overwrite: false }), tangents({ mode: "mikk", texcoord: 0, all: true, morphTargets: false, overwrite: true }), check({ profile: "render", onReport: (given) => { found = given; } }));
   console.log(cancelled, found);
 
   // @ts-expect-error radians are not taken

@@ -13,7 +13,7 @@ export interface NormalsOptions {
   nonManifold?: "hard" | "smooth" | undefined;
   /** What a vertex without a normal of its own gets. Default: `"nearest"`. */
   fallback?: "zero" | "nearest" | undefined;
-  /** Also replace normals that are there. Default: true. */
+  /** Also replace normals that are there. Default: false, as in glTF-Transform. */
   overwrite?: boolean | undefined;
 }
 
@@ -24,8 +24,12 @@ export interface TangentsOptions {
   weight?: Weight | undefined;
   /** The set of texture coordinates. Default: that of the normal map, 0 without one. */
   texcoord?: number | undefined;
-  /** Also replace tangents that are there. Default: true. */
+  /** Also replace tangents that are there, those of morph targets too. Default: false, as in glTF-Transform. */
   overwrite?: boolean | undefined;
+  /** Also primitives whose material has no normal map. Default: false. */
+  all?: boolean | undefined;
+  /** Also give morph targets with normals the differences of their tangents. Default: false: viewers do without, and a file with many targets grows several times. */
+  morphTargets?: boolean | undefined;
 }
 
 export interface CheckTransformOptions {
@@ -36,14 +40,14 @@ export interface CheckTransformOptions {
   onReport?: ((report: CheckReport) => void | Promise<void>) | undefined;
 }
 
-/** Computes the normals of all triangles, with creases. Vertices are added only where a crease needs them; morph targets with normals follow. */
+/** Computes the normals that are missing, with creases; `overwrite: true` computes all. Vertices are added only where a crease needs them; morph targets with normals follow. */
 export declare function normals(options?: NormalsOptions): Transform;
 
-/** Computes tangents for all primitives with normals and texture coordinates. */
+/** Computes the tangents that are missing, for primitives with normals, texture coordinates and a normal map (of the material, its clear coat or its anisotropy). */
 export declare function tangents(options?: TangentsOptions): Transform;
 
 /** Looks for what is wrong with normals and surfaces. The document stays as it is; errors and warnings go to its logger. */
 export declare function check(options?: CheckTransformOptions): Transform;
 
-/** A configuration for the command line of glTF-Transform: it adds the command `normals <input> <output> --crease <degrees>`. */
+/** A configuration for the command line of glTF-Transform: it adds the command `normals <input> <output> --crease <degrees> --overwrite`. */
 export declare const config: { onProgramReady(commandLine: { program: any; io: any; Session: any }): void };

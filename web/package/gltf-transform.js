@@ -248,21 +248,23 @@ function keepTangents(edit, norma, primitive, result) {
   primitive.setAttribute("TANGENT", edit.once([tangent, result, "tangent"], () => edit.store(tangent, norma.orthogonaliseTangents(floatsOf(tangent), result.values), "VEC4", tangent.getBuffer(), [result, "turned"])));
 }
 
-/* Computes the normals of all meshes, with creases. */
+/* Computes the normals that are missing, of all meshes, with creases; with overwrite all normals. */
 export function normals(options) {
-  const chosen = given.options(options, [...NORMAL_OPTIONS, "overwrite"].join(" ")), computed = pick(chosen, NORMAL_OPTIONS), overwrite = flag(chosen.overwrite, true, "overwrite");
+  const chosen = given.options(options, [...NORMAL_OPTIONS, "overwrite"].join(" ")), computed = pick(chosen, NORMAL_OPTIONS), overwrite = flag(chosen.overwrite, false, "overwrite");
   given.crease(computed.crease);
   return named("normals", async (document) => {
     const norma = await ready(), edit = new Edit(document), logger = document.getLogger(), done = new Set();
+    let kept = 0;
     const chosenOf = (members) => members.filter(({ primitive }) => !done.has(primitive) && (overwrite || !primitive.getAttribute("NORMAL")));
     const work = listMeshes(document).map((listed) => {
       const there = listed.filter(({ primitive }) => primitive.getAttribute("POSITION")?.getArray()).map((member) => ({ ...member, triangles: trianglesOf(member.primitive) }));
       for (const { place } of there.filter(({ triangles }) => triangles === null)) logger.debug(`normals: ${place}: points or lines, which have no normals`);
       const members = there.filter(({ triangles }) => triangles !== null), wanted = chosenOf(members);
       if (wanted.length) at(wanted[0].place, () => morphNormals(norma, members, creased(edit, norma, members, computed), computed));
-      for (const { primitive } of members) done.add(primitive);
+      for (const { primitive } of members) if (!done.has(primitive)) { kept += !wanted.some((member) => member.primitive === primitive); done.add(primitive); }
       return wanted;
     });
+    if (kept && kept === done.size) logger.warn("normals: nothing was computed, because all primitives have normals; normals({ overwrite: true }) replaces them");
     for (const member of work.flat()) writeNormals(edit, norma, member);
     edit.finish();
     logger.debug("normals: complete");
@@ -293,12 +295,22 @@ function withTangents(norma, primitive, texcoord, triangles, options) {
   return { ...result, triangles };
 }
 
-/* Morph targets with normals get the differences of the tangents. */
-function morphTangents(edit, norma, primitive, texcoord, result, options) {
+/* The set of texture coordinates of the map that a material needs tangents for; undefined: it has none. */
+function mapSet(material) {
+  const coat = material.getExtension("KHR_materials_clearcoat"), streaks = material.getExtension("KHR_materials_anisotropy");
+  const [used] = [[material.getNormalTexture(), () => material.getNormalTextureInfo()], [coat?.getClearcoatNormalTexture(), () => coat.getClearcoatNormalTextureInfo()], [streaks, () => streaks.getAnisotropyTextureInfo()]].filter(([map]) => map);
+  return used && (used[1]()?.getTexCoord() ?? 0);
+}
+
+/* The same of a primitive, whose variants may have other materials. */
+const setOf = (primitive) => [primitive.getMaterial(), ...(primitive.getExtension("KHR_materials_variants")?.listMappings().map((mapping) => mapping.getMaterial()) ?? [])].filter((material) => material).map(mapSet).find((set) => set !== undefined);
+
+/* Morph targets get the differences of the tangents if they have such already; with add, all targets with normals. */
+function morphTangents(edit, norma, primitive, texcoord, result, add, options) {
   const position = primitive.getAttribute("POSITION"), normal = primitive.getAttribute("NORMAL");
   const made = primitive.listTargets().map((target) => {
     const change = target.getAttribute("NORMAL");
-    if (!change) return null;
+    if (!change || !(add || target.getAttribute("TANGENT"))) return null;
     const positions = target.getAttribute("POSITION") ? moved(numbersOf(position), target.getAttribute("POSITION")) : numbersOf(position);
     const turned = norma.transformNormals([1, 0, 0, 0, 1, 0, 0, 0, 1], moved(numbersOf(normal), change));
     return differences(result, result.values, turnedSigns(norma.tangents(positions, turned, numbersOf(texcoord), result.triangles, options)), XYZW);
@@ -308,21 +320,23 @@ function morphTangents(edit, norma, primitive, texcoord, result, options) {
   });
 }
 
-/* Computes tangents for all primitives that have normals and the texture coordinates of their normal map, set 0 without one. */
+/* Computes tangents for primitives whose material has a normal map, if they have normals and its texture coordinates; with all for those without a map too, from set 0. */
 export function tangents(options) {
-  const chosen = given.options(options, "mode weight texcoord overwrite"), computed = pick(chosen, ["mode", "weight"]), overwrite = flag(chosen.overwrite, true, "overwrite"), { texcoord } = chosen;
+  const chosen = given.options(options, "mode weight texcoord overwrite all morphTargets"), computed = pick(chosen, ["mode", "weight"]), { texcoord } = chosen;
+  const [overwrite, all, morphTargets] = ["overwrite", "all", "morphTargets"].map((name) => flag(chosen[name], false, name));
   given.tangentMode(computed.mode);
   if (texcoord !== undefined && !(Number.isInteger(texcoord) && texcoord >= 0)) fail(`texcoord: ${spell(texcoord)} is not the number of a set of texture coordinates`);
   return named("tangents", async (document) => {
     const norma = await ready(), edit = new Edit(document), logger = document.getLogger();
     for (const [primitive, place] of listPrimitives(document)) {
-      const set = texcoord ?? primitive.getMaterial()?.getNormalTextureInfo()?.getTexCoord() ?? 0, mode = primitive.getMode();
+      const used = setOf(primitive), set = texcoord ?? used ?? 0, mode = primitive.getMode();
       const [position, normal, coordinates, before] = ["POSITION", "NORMAL", `TEXCOORD_${set}`, "TANGENT"].map((semantic) => primitive.getAttribute(semantic));
       if (!position?.getArray() || (before && !overwrite)) continue;
+      if (used === undefined && !all) { logger.debug(`tangents: ${place}: left as it is; it has no normal map`); continue; }
       const triangles = trianglesOf(primitive);
       if (triangles === null || !normal || !coordinates) { logger.debug(`tangents: ${place}: left as it is; it has no ${triangles === null ? "triangles" : normal ? `TEXCOORD_${set}` : "NORMAL"}`); continue; }
       const result = edit.once([position, normal, coordinates, primitive.getIndices(), mode], () => at(place, () => withTangents(norma, primitive, coordinates, triangles, computed)));
-      const writeMorphs = morphTangents(edit, norma, primitive, coordinates, result, computed);
+      const writeMorphs = morphTangents(edit, norma, primitive, coordinates, result, morphTargets, computed);
       edit.setVertices(primitive, result, mode, result.indices);
       primitive.setAttribute("TANGENT", edit.store(before, result.values, "VEC4", position.getBuffer(), [result, "tangents"]));
       writeMorphs(primitive.listTargets());
@@ -374,7 +388,8 @@ export const config = {
     program.command("normals", "Compute normals and tangents")
       .argument("<input>", "the file to read").argument("<output>", "the file to write")
       .option("--crease <degrees>", "edges that bend by more are hard", { default: 60 })
+      .option("--overwrite", "also replace normals and tangents that are there", { default: false })
       .action(({ args, options, logger }) => Session.create(io, logger, args.input, args.output)
-        .transform(normals({ crease: Number(options.crease) }), tangents(), check()));
+        .transform(normals({ crease: Number(options.crease), overwrite: options.overwrite === true }), tangents({ overwrite: options.overwrite === true }), check()));
   },
 };
