@@ -47,8 +47,9 @@ typedef struct norma_rule {
     norma_fix fix;
     const char *fix_verb; /* "reorient"; "" without a fix */
 
-    /* Sentences for a reader: what is measured, why it matters, what to do. */
-    const char *what, *why, *how;
+    /* Sentences for a reader: what is measured, how such a fault usually arises, why it matters,
+     * what to do. */
+    const char *what, *cause, *why, *how;
 
     /* Whether the Khronos glTF validator reports it: "yes", "no", "partly" or a phrase. */
     const char *validator;

@@ -27,7 +27,7 @@ static PyObject *deviation_of(const norma_deviation *d) {
 }
 
 /* (id, name, severity, where, label, count, worst value, unit, worst, samples, fix, message,
- * deviation, mesh) */
+ * deviation, mesh, cause, impact) */
 static PyObject *finding_of(const norma_finding *f) {
     PyObject *samples = PyList_New((Py_ssize_t)f->sample_count);
     for (size_t i = 0; samples && i < f->sample_count; i++) {
@@ -38,10 +38,10 @@ static PyObject *finding_of(const norma_finding *f) {
             PyList_SetItem(samples, (Py_ssize_t)i, sample);
     }
     if (!samples) return NULL;
-    return Py_BuildValue("ssiNNndsNNiNNK", f->rule->id, f->rule->name, (int)f->severity,
+    return Py_BuildValue("ssiNNndsNNiNNKss", f->rule->id, f->rule->name, (int)f->severity,
         norma_py_text(f->where), norma_py_text(f->label), (Py_ssize_t)f->count, f->worst_value,
         f->unit, sample_of(&f->worst), samples, (int)f->fix, norma_py_text(f->message),
-        deviation_of(f->deviation), (unsigned long long)f->mesh);
+        deviation_of(f->deviation), (unsigned long long)f->mesh, f->rule->cause, f->rule->why);
 }
 
 static PyObject *findings_list(norma_findings *findings) {
@@ -153,7 +153,7 @@ static PyObject *document_fix(PyObject *self, PyObject *arguments) {
     return Py_BuildValue("inN", s.changed, (Py_ssize_t)s.left_out, notes_since(document, known));
 }
 
-/* rules() -> [(id, name, render, print, fix, verb, what, why, how)] */
+/* rules() -> [(id, name, render, print, fix, verb, what, cause, why, how)] */
 static PyObject *rules(PyObject *self, PyObject *unused) {
     size_t count;
     const norma_rule *rule = norma_rules(&count);
@@ -161,8 +161,8 @@ static PyObject *rules(PyObject *self, PyObject *unused) {
     (void)self, (void)unused;
     for (size_t i = 0; list && i < count; i++) {
         const norma_rule *r = &rule[i];
-        PyObject *item = Py_BuildValue("ssiiissss", r->id, r->name, (int)r->render, (int)r->print,
-            (int)r->fix, r->fix_verb, r->what, r->why, r->how);
+        PyObject *item = Py_BuildValue("ssiiisssss", r->id, r->name, (int)r->render, (int)r->print,
+            (int)r->fix, r->fix_verb, r->what, r->cause, r->why, r->how);
         if (!item)
             Py_CLEAR(list);
         else

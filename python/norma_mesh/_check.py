@@ -35,6 +35,7 @@ class Rule:
     fix: Optional[str]  #: "safe", "unsafe" or None
     fix_verb: str
     what: str
+    cause: str
     why: str
     how: str
 
@@ -82,6 +83,8 @@ class Finding:
     command: Optional[str]  #: mends it, ready to paste
     deviation: Optional[Deviation] = None  #: of N204
     mesh: Optional[str] = None  #: the same for equal meshes, in whichever file; None: not about one
+    cause: str = ""  #: how such a fault usually arises; the same for all findings of a rule
+    impact: str = ""  #: what it does to pictures or programs; the same for all findings of a rule
 
     def __str__(self) -> str:
         place = f"{self.label}: " if self.label else ""
@@ -255,6 +258,8 @@ def _finding_json(finding: Finding) -> Dict[str, Any]:
         "fix": finding.fix,
         "command": finding.command,
         "message": finding.message,
+        "cause": finding.cause,
+        "impact": finding.impact,
     }
     if finding.mesh is not None and finding.severity != "info":
         result["mesh"] = finding.mesh
@@ -283,7 +288,7 @@ def _without_path(message: str, path: str) -> str:
 
 
 def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool, profile: str) -> Finding:
-    rule, name, severity, where, label, count, value, unit, worst, samples, fix, message, deviation, mesh = parts
+    rule, name, severity, where, label, count, value, unit, worst, samples, fix, message, deviation, mesh, cause, impact = parts
     if unreadable:
         message = _without_path(message, path)
     return Finding(
@@ -302,6 +307,8 @@ def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool, profile: str) 
         _command(path, rule, _FIXES[fix], profile),
         _deviation(deviation),
         f"{mesh:016x}" if mesh else None,
+        cause,
+        impact,
     )
 
 

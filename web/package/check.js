@@ -9,7 +9,7 @@ const PROFILES = ["auto", "render", "print", "generated"];
 const FORMATS = ["", "obj", "ply", "stl", "gltf", "glb"];
 const SHADINGS = ["default", "crease", "smooth", "flat"];
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
-const TEXTS = { rule: 0, name: 1, where: 2, unit: 3, message: 4 };
+const TEXTS = { rule: 0, name: 1, where: 2, unit: 3, message: 4, cause: 5, impact: 6 };
 const TOTALS = { error: "errors", warning: "warnings", info: "infos" };
 
 const finite = (number) => (Number.isFinite(number) ? number : null);
@@ -61,7 +61,7 @@ export function bindCheck(wasm) {
     const sample = (i) => (wasm.check_sample(file, index, i, at), shortSample(readSample(heap.doubles(at, 7))));
     const finding = {
       rule: text("rule"), name: text("name"), severity: SEVERITIES[severity], where: text("where"), count, worst: { value: finite(value), unit: text("unit"), vertex, face, position },
-      samples: Array.from({ length: samples }, (_, i) => sample(i)), fix: FIXES[fix], command: readCommand(file, index, path), message: text("message"), ...(SEVERITIES[severity] !== "info" && halves.some((half) => half) ? { mesh: halves.map((half) => half.toString(16).padStart(8, "0")).join("") } : {}),
+      samples: Array.from({ length: samples }, (_, i) => sample(i)), fix: FIXES[fix], command: readCommand(file, index, path), message: text("message"), cause: text("cause"), impact: text("impact"), ...(SEVERITIES[severity] !== "info" && halves.some((half) => half) ? { mesh: halves.map((half) => half.toString(16).padStart(8, "0")).join("") } : {}),
     };
     return deviates ? { ...finding, deviation: readDeviation(file, index, lender) } : finding;
   });

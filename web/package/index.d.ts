@@ -196,6 +196,10 @@ export interface Finding {
   /** Fixes it, to paste into a shell. */
   command: string | null;
   message: string;
+  /** How such a fault usually arises; the same for all findings of a rule. */
+  cause: string;
+  /** What it does to pictures or programs; the same for all findings of a rule. */
+  impact: string;
   /** The same for findings of equal meshes, in whichever file; of errors and warnings. */
   mesh?: string;
   deviation?: Deviation;

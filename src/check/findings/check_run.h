@@ -12,7 +12,7 @@
  * geometry that its rules have in common, and how findings are added. */
 
 typedef enum check_rule {
-#define RULE(id, name, render, print, fix, verb, validator, what, why, how) RULE_##id,
+#define RULE(id, name, render, print, fix, verb, validator, what, cause, why, how) RULE_##id,
 #include "check/findings/rules.def"
 #undef RULE
     CHECK_RULE_COUNT

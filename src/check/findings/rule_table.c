@@ -3,9 +3,9 @@
 #include <string.h>
 
 static const norma_rule rules[] = {
-#define RULE(id, name, render, print, fix, verb, validator, what, why, how)                        \
-    {#id, name, NORMA_SEVERITY_##render, NORMA_SEVERITY_##print, NORMA_FIX_##fix, verb, what, why, \
-        how, validator},
+#define RULE(id, name, render, print, fix, verb, validator, what, cause, why, how)                 \
+    {#id, name, NORMA_SEVERITY_##render, NORMA_SEVERITY_##print, NORMA_FIX_##fix, verb, what,      \
+        cause, why, how, validator},
 #include "check/findings/rules.def"
 #undef RULE
 };

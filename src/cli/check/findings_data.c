@@ -89,6 +89,8 @@ static void write_json_item(cli_json *json, const check_item *item) {
     cli_json_string(json, "fix", fix_name(finding->fix));
     cli_json_string(json, "command", item->command);
     cli_json_string(json, "message", finding->message);
+    cli_json_string(json, "cause", finding->rule->cause);
+    cli_json_string(json, "impact", finding->rule->why);
     if (finding->mesh && item->severity >= NORMA_SEVERITY_WARNING) {
         char mesh[17];
         snprintf(mesh, sizeof mesh, "%016" PRIx64, finding->mesh);

@@ -49,8 +49,8 @@ static void write_fix(const norma_rule *rule) {
 }
 
 /* At most 100 columns. */
-static void print_paragraph(const char *text) {
-    size_t column = 0;
+static void print_paragraph(const char *label, const char *text) {
+    size_t column = (size_t)printf("%s", label);
     while (*text) {
         size_t length = strcspn(text, " ");
         if (column && column + 1 + length > 100) {
@@ -67,11 +67,13 @@ static void print_rule(const norma_rule *rule) {
     printf("%s %s: ", rule->id, rule->name);
     write_severities(rule);
     fputs("\n\n", stdout);
-    print_paragraph(rule->what);
+    print_paragraph("", rule->what);
     putchar('\n');
-    print_paragraph(rule->why);
+    print_paragraph("Usual cause:", rule->cause);
     putchar('\n');
-    print_paragraph(rule->how);
+    print_paragraph("", rule->why);
+    putchar('\n');
+    print_paragraph("", rule->how);
     write_fix(rule);
     printf("Found by the glTF validator: %s\n", rule->validator);
 }
@@ -90,6 +92,7 @@ static void write_rule_json(const norma_rule *rule) {
         : rule->fix == NORMA_FIX_UNSAFE ? "unsafe"
                                         : NULL);
     cli_json_string(&json, "what", rule->what);
+    cli_json_string(&json, "cause", rule->cause);
     cli_json_string(&json, "why", rule->why);
     cli_json_string(&json, "how", rule->how);
     cli_json_close(&json, '}');

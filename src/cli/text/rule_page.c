@@ -83,8 +83,8 @@ static void write_pictures(FILE *out, const norma_rule *rule) {
     }
 }
 
-static void write_html_paragraph(FILE *out, const char *text) {
-    fputs("<p>", out);
+static void write_html_paragraph(FILE *out, const char *label, const char *text) {
+    fprintf(out, "<p>%s", label);
     cli_write_outside_html(out, text);
     fputs("</p>\n", out);
 }
@@ -93,8 +93,9 @@ void cli_write_rule_html(FILE *out, const norma_rule *rule, int level) {
     fprintf(out, "<article class=\"meaning\" id=\"%s\"><h%d>%s %s</h%d>\n", rule->id, level,
         rule->id, rule->name, level);
     write_pictures(out, rule);
-    write_html_paragraph(out, rule->what);
-    write_html_paragraph(out, rule->why);
-    write_html_paragraph(out, rule->how);
+    write_html_paragraph(out, "", rule->what);
+    write_html_paragraph(out, "Usual cause: ", rule->cause);
+    write_html_paragraph(out, "", rule->why);
+    write_html_paragraph(out, "", rule->how);
     fputs("</article>\n", out);
 }

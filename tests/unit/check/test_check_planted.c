@@ -931,8 +931,11 @@ static void lists_of_rules(void **state) {
     assert_int_equal(count, 50);
     for (size_t i = 0; i < count; i++) {
         assert_true(i == 0 || strcmp(rules[i - 1].id, rules[i].id) < 0);
-        assert_true(*rules[i].what && *rules[i].why && *rules[i].how);
+        assert_true(*rules[i].what && *rules[i].cause && *rules[i].why && *rules[i].how);
         assert_int_equal(rules[i].fix != NORMA_FIX_NONE, *rules[i].fix_verb != 0);
+        for (size_t j = 0; j < i; j++) /* a cause and an impact of its own */
+            assert_true(
+                strcmp(rules[i].cause, rules[j].cause) && strcmp(rules[i].why, rules[j].why));
     }
     assert_int_equal(norma_rules_select("N301,nonsense", mask, unknown), NORMA_ERROR_ARGUMENT);
     assert_string_equal(unknown, "nonsense");

@@ -79,8 +79,9 @@ enum { TEXT_RULE, TEXT_NAME, TEXT_WHERE, TEXT_UNIT, TEXT_MESSAGE };
 
 const char *WEB_EXPORT(check_text)(const checked_file *file, size_t index, int which) {
     const norma_finding *finding = norma_findings_get(file->findings, index);
-    const char *const texts[] = {
-        finding->rule->id, finding->rule->name, finding->where, finding->unit, finding->message};
+    const norma_rule *rule = finding->rule;
+    const char *const texts[] = {rule->id, rule->name, finding->where, finding->unit,
+        finding->message, rule->cause, rule->why};
     return texts[which];
 }
 
