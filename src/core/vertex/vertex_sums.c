@@ -72,6 +72,7 @@ enum {
     MOST_BUFFERS = 64,
     SPANS_IN_BIN = 32,
     LEAST_SPANS_IN_BIN = 6,
+    LEAST_SPANS_SHARED = 4, /* where several work: a few more chunks touch two */
     BINS_FOR_EACH = 4
 };
 
@@ -83,13 +84,21 @@ static double average_span(const core_range *ranges, size_t chunks) {
     return chunks ? sum / (double)chunks : 1;
 }
 
+/* What one thread takes. */
+static size_t size_alone(size_t positions, double span, size_t most) {
+    size_t size = (size_t)(SPANS_IN_BIN * span);
+    if (size > most) size = most - most % CORE_LANES;
+    if (size < LEAST_IN_BIN) size = LEAST_IN_BIN;
+    return size < positions ? size : positions;
+}
+
 /* So large that few chunks touch two, so small that each who works has some. */
 static size_t choose_size(size_t workers, size_t positions, double span, size_t most) {
     const size_t share = positions / (workers * BINS_FOR_EACH);
-    size_t size = (size_t)(SPANS_IN_BIN * span);
-    if (size > most) size = most - most % CORE_LANES;
+    size_t size = size_alone(positions, span, most);
     if (workers > 1 && size > share) size = share;
-    if ((double)size < LEAST_SPANS_IN_BIN * span) size = (size_t)(LEAST_SPANS_IN_BIN * span);
+    const double least = (workers > 1 ? LEAST_SPANS_SHARED : LEAST_SPANS_IN_BIN) * span;
+    if ((double)size < least) size = (size_t)least;
     if (size < LEAST_IN_BIN) size = LEAST_IN_BIN;
     size = (size + CORE_LANES - 1) / CORE_LANES * CORE_LANES;
     return size < positions ? size : positions;
@@ -105,11 +114,14 @@ static int is_coherent(const core_bins *bins) {
 
 static size_t lesser_of(size_t a, size_t b) { return a < b ? a : b; }
 
-/* A quarter of all positions at most, however many work. */
-static size_t choose_buffers(const core_bins *bins, size_t workers, size_t most) {
-    const size_t quarter = lesser_of(MOST_BUFFERS, 1 + (bins->count - 1) / BINS_FOR_EACH),
-                 fit = most / bins->size;
-    return lesser_of(workers, lesser_of(quarter, fit ? fit : 1));
+/* One for each who works, as far as they are together a quarter of all positions at most, or no
+ * more than one thread takes. */
+static size_t choose_buffers(
+    const core_bins *bins, size_t workers, size_t size_alone, size_t most) {
+    const size_t quarter = 1 + (bins->count - 1) / BINS_FOR_EACH,
+                 as_alone = size_alone / bins->size, fit = most / bins->size,
+                 useful = quarter > as_alone ? quarter : as_alone;
+    return lesser_of(lesser_of(workers, MOST_BUFFERS), lesser_of(useful, fit ? fit : 1));
 }
 
 int norma_core_plan_bins(const core_call *call, const core_mesh *mesh, core_range *ranges,
@@ -117,13 +129,14 @@ int norma_core_plan_bins(const core_call *call, const core_mesh *mesh, core_rang
     const size_t workers = norma_core_shares(call), positions = mesh->positions.count,
                  chunks = norma_core_count_chunks(mesh),
                  most = lesser_of(MOST_IN_BIN, limits.in_one);
+    const double span = average_span(ranges, chunks);
     if (!positions) return 0;
     *bins = (core_bins){.mesh = mesh,
         .ranges = ranges,
         .chunks = chunks,
-        .size = choose_size(workers, positions, average_span(ranges, chunks), most)};
+        .size = choose_size(workers, positions, span, most)};
     bins->count = positions / bins->size + (positions % bins->size != 0);
-    bins->buffers = choose_buffers(bins, workers, limits.in_all);
+    bins->buffers = choose_buffers(bins, workers, size_alone(positions, span, most), limits.in_all);
     bins->step =
         call->options.parallel_for || bins->buffers < workers ? bins->buffers : bins->count;
     return bins->size <= most && is_coherent(bins);

@@ -508,6 +508,54 @@ static void many_without_a_normal(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* Who runs the tasks one by one, and counts those that wrote normals. */
+typedef struct writers {
+    const float *normals; /* set to NaN before */
+    size_t count, written, tasks;
+} writers;
+
+static size_t count_written(const writers *w) {
+    size_t written = 0;
+    for (size_t i = 0; i < w->count; ++i) written += isnan(w->normals[3 * i]) ? 0 : 1;
+    return written;
+}
+
+static void count_writers(void *user, size_t count, norma_task *task, void *context) {
+    writers *w = user;
+    for (size_t i = 0; i < count; ++i) {
+        task(context, i);
+        const size_t written = count_written(w);
+        w->tasks += written > w->written;
+        w->written = written;
+    }
+}
+
+/* A strip of ten rows of 3,000: so long that its positions make only a few ranges. As many work on
+ * them as there are, not one. */
+static void few_ranges_are_shared(void **state) {
+    enum { ROWS = 10, LONG = 3000 };
+    (void)state;
+    mesh_file mesh = {0};
+    for (uint32_t i = 0; i < ROWS * LONG; ++i)
+        mesh_file_add_position(&mesh, i % LONG, i / LONG, sin(i % LONG * .01));
+    for (uint32_t i = 0; i + LONG < ROWS * LONG; ++i) {
+        if (i % LONG == LONG - 1) continue;
+        mesh_file_add_face(&mesh, (uint32_t[]){i, i + 1, i + LONG}, 3);
+        mesh_file_add_face(&mesh, (uint32_t[]){i + 1, i + LONG + 1, i + LONG}, 3);
+    }
+    const norma_mesh view = mesh_file_view(&mesh);
+    answer a;
+    answer_create(&a, mesh.position_count);
+    memset(a.normals, 0xff, 12 * a.room);
+    writers seen = {a.normals, a.room, 0, 0};
+    assert_ok(call(VERTICES, &view,
+        (norma_options){.parallel_for = count_writers, .parallel_for_user = &seen}, &a));
+    assert_int_equal(count_written(&seen), a.room);
+    if (seen.tasks < 2) fail_msg("%zu tasks wrote all normals", seen.tasks);
+    answer_free(&a);
+    mesh_file_free(&mesh);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults),
@@ -516,6 +564,7 @@ int main(void) {
         cmocka_unit_test(every_instruction_set),
         cmocka_unit_test(faces_in_no_order),
         cmocka_unit_test(corners_in_no_order),
+        cmocka_unit_test(few_ranges_are_shared),
         cmocka_unit_test(two_callers_at_once),
         cmocka_unit_test(many_triangles_round_one_vertex),
         cmocka_unit_test(many_copies_of_one_position),
