@@ -653,6 +653,42 @@ NORMA_API norma_document_result norma_document_tangents(norma_document *document
     const norma_tangent_options *options, norma_tangent_summary *summary,
     norma_document_error *error);
 
+/* ---- packing */
+
+typedef struct norma_pack_options {
+    size_t struct_size;
+    double max_error_rad; /* how far a direction may turn; 0: not at all */
+    norma_progress *progress;
+    void *progress_user;
+} norma_pack_options;
+
+/* Accessors of normals, or of tangents, those of morph targets among them. */
+typedef struct norma_pack_part {
+    size_t accessors, packed;         /* packed: those that got a smaller encoding */
+    size_t bytes_before, bytes_after; /* of all, with the padding of their elements */
+    double max_error_rad;             /* the largest angle by which a direction turned */
+} norma_pack_part;
+
+typedef struct norma_pack_summary {
+    int changed; /* 0: the document would be written byte for byte as it was read */
+    norma_pack_part normals, tangents;
+    size_t made_unit; /* normals and tangents whose length was not 1, and now is */
+} norma_pack_summary;
+
+/* Gives the normals and tangents of a glTF the smallest encodings of KHR_mesh_quantization (signed
+ * bytes or 16-bit integers, normalised) that keep their directions within an angle. The directions
+ * of a morph target are those that it gives alone at full weight.
+ *
+ *   options   NULL for the defaults
+ *   summary   written; or NULL
+ *   error     written on failure; or NULL
+ *
+ * Accessors keep their encoding if no smaller one is near enough, if something else uses them as
+ * well, or if Draco compressed them. Zeros stay zeros.
+ * Errors: an argument error for formats other than glTF and for angles outside 0 to pi. */
+NORMA_API norma_document_result norma_document_pack(norma_document *document,
+    const norma_pack_options *options, norma_pack_summary *summary, norma_document_error *error);
+
 /* ---- transforming */
 
 typedef struct norma_transform_options {

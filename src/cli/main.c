@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const cli_subcommand *const commands[] = {&cli_subcommand_compute, &cli_subcommand_tangents,
-    &cli_subcommand_transform, &cli_subcommand_matrix, &cli_subcommand_check,
+    &cli_subcommand_pack, &cli_subcommand_transform, &cli_subcommand_matrix, &cli_subcommand_check,
     &cli_subcommand_report, &cli_subcommand_explain, &cli_subcommand_info, &cli_subcommand_compare,
     &cli_subcommand_render, &cli_subcommand_view, &cli_subcommand_acid};
 

@@ -300,6 +300,29 @@ norma_document_result norma_document_tangents(norma_document *document,
     return result;
 }
 
+norma_document_result norma_document_pack(norma_document *document, const norma_pack_options *given,
+    norma_pack_summary *summary, norma_document_error *error) {
+    norma_document_result result = begin_change(document, error);
+    if (result) return result;
+    norma_pack_options options;
+    norma_pack_summary unwanted;
+    norma_document_copy_options(&options, sizeof options, sizeof options, given);
+    const char *bad = !document->functions->pack
+                          ? "this format has one encoding of normals; glTF has others"
+                      : !(options.max_error_rad >= 0 && options.max_error_rad <= 3.1415927)
+                          ? "the angle must be in radians, from 0 to pi"
+                          : NULL;
+    if (bad)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
+    summary = summary ? summary : &unwanted;
+    *summary = (norma_pack_summary){0};
+    norma_watch_begin(&document->watch, options.progress, options.progress_user);
+    result = document->functions->pack(document, &options, summary, error);
+    if (norma_watch_end(&document->watch)) result = norma_document_fail_cancelled(document, error);
+    end_change(document, result);
+    return result;
+}
+
 static const char *bad_matrix(double matrix[16]) {
     int all_zero = 1;
     for (int i = 0; i < 16; ++i) {

@@ -130,6 +130,8 @@ struct format_functions {
     norma_document_result (*tangents)(norma_document *document,
         const norma_tangent_options *options, norma_tangent_summary *summary,
         norma_document_error *error); /* NULL: the format holds none */
+    norma_document_result (*pack)(norma_document *document, const norma_pack_options *options,
+        norma_pack_summary *summary, norma_document_error *error); /* NULL: nothing to choose */
     norma_document_result (*transform)(norma_document *document,
         const norma_transform_options *options, norma_transform_summary *summary,
         norma_document_error *error);

@@ -282,18 +282,6 @@ static norma_document_result gltf_make_data_runs(gltf *g, norma_document_error *
     return result;
 }
 
-static void gltf_point_data_run(gltf *g, const data_run *run, uint32_t view, size_t offset) {
-    if (run->token == GLTF_NONE) {
-        g->patch->accessors[run->new_accessor].view = view;
-        return;
-    }
-    if (run->old_view != view || !run->old_size)
-        norma_json_set_uint(g->edits, run->token, "bufferView", view);
-    if (run->old_view == view && !run->old_size)
-        norma_json_set_uint(g->edits, g->views[view].token, "target", (uint64_t)run->target);
-    if (run->old_offset != offset) norma_json_set_uint(g->edits, run->token, "byteOffset", offset);
-}
-
 /* ---- new accessors */
 
 static void add_type(
@@ -577,8 +565,55 @@ static norma_document_result take_view(placer *p, uint32_t view, data_run *run) 
     to->stride = stride != run->size || said ? stride : 0;
     to->target = run->target;
     if (to->owned) write_run_rows(to->owned, stride, run);
-    gltf_point_data_run(p->g, run, view, 0);
+    norma_gltf_point_data_run(p->g, run, view, 0);
     run->placed = 1;
+    return NORMA_DOCUMENT_OK;
+}
+
+/* Runs that left one view and have one stride share a new one, so that the JSON does not grow by
+ * more than they shrink. */
+static int shares_view(const data_run *run, const data_run *with) {
+    return !run->placed && run->old_view == with->old_view && run->old_size &&
+           run->target == with->target && stride_for(run) == stride_for(with);
+}
+
+static norma_document_result take_view_together(placer *p, uint32_t view, size_t first) {
+    gltf_patch *patch = p->patch;
+    patch_view *to = &patch->views[view];
+    const data_run lead = patch->runs[first];
+    const size_t stride = stride_for(&lead);
+    size_t rows = 0, others = 0;
+    for (size_t i = first; i < patch->run_count; ++i) {
+        if (!shares_view(&patch->runs[i], &lead)) continue;
+        rows += patch->runs[i].count;
+        others += i != first;
+    }
+    if (!patch->tight || !others || lead.old_view == GLTF_NONE || lead.target != 34962)
+        return take_view(p, view, &patch->runs[first]);
+    size_t *starts = norma_io_allocate(patch->run_count - first, sizeof *starts); /* rows */
+    to->plain.bytes = to->owned = norma_io_allocate(rows, stride);
+    if (!to->owned || !starts) {
+        free(starts);
+        return fail_views(p);
+    }
+    memset(starts, 0xFF, (patch->run_count - first) * sizeof *starts);
+    to->element = to->stride = stride;
+    to->target = lead.target;
+    rows = 0;
+    for (size_t i = first; i < patch->run_count; ++i) {
+        data_run *run = &patch->runs[i];
+        if (!shares_view(run, &lead)) continue;
+        size_t same = first; /* two accessors may be of the same bytes */
+        while (same < i && !(starts[same - first] != SIZE_MAX && same_run(&patch->runs[same], run)))
+            ++same;
+        starts[i - first] = same < i ? starts[same - first] : rows;
+        write_run_rows(to->owned + starts[i - first] * stride, stride, run);
+        norma_gltf_point_data_run(p->g, run, view, starts[i - first] * stride);
+        rows += same < i ? 0 : run->count;
+        run->placed = 1;
+    }
+    to->plain.length = rows * stride;
+    free(starts);
     return NORMA_DOCUMENT_OK;
 }
 
@@ -617,7 +652,10 @@ static norma_document_result grow_interleaved(placer *p, uint32_t view) {
 static norma_document_result place_in_view(placer *p, uint32_t view) {
     norma_document_result result = NORMA_DOCUMENT_OK;
     uint32_t leaver = GLTF_NONE;
-    int fitting = 0;
+    int fitting = 0, done = 0;
+    if (p->patch->tight && p->patch->pins[view] == 0)
+        result = norma_gltf_repack_view(p->g, view, p->first[view], p->next, &done, p->error);
+    if (result || done) return result;
     for (uint32_t i = p->first[view]; i != GLTF_NONE; i = p->next[i]) {
         p->patch->runs[i].fits = fits_old_bytes(p, i);
         fitting |= p->patch->runs[i].fits;
@@ -636,7 +674,7 @@ static norma_document_result place_in_view(placer *p, uint32_t view) {
         run->placed = 1;
     }
     if (!result && leaver != GLTF_NONE && !fitting && p->stays[view] == 0)
-        result = take_view(p, view, &p->patch->runs[leaver]);
+        result = take_view_together(p, view, leaver);
     return result;
 }
 
@@ -709,7 +747,7 @@ static norma_document_result add_new_views(placer *p) {
         const uint32_t view = (uint32_t)patch->view_count - 1;
         choose_places(
             p, &patch->views[view], run->old_view == GLTF_NONE ? compressed : run->old_view);
-        result = take_view(p, view, run);
+        result = take_view_together(p, view, i);
     }
     return result;
 }

@@ -273,6 +273,7 @@ const format_functions norma_gltf_functions = {
     .node_info = node_info,
     .compute = norma_gltf_compute,
     .tangents = norma_gltf_tangents,
+    .pack = norma_gltf_pack,
     .transform = norma_gltf_transform,
     .edit = norma_gltf_edit,
     .equal_vertices = norma_gltf_equal_vertices,

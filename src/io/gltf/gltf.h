@@ -388,6 +388,11 @@ json_edits *norma_gltf_edits(
 /* Nothing uses the extension (a literal) any more: it leaves extensionsUsed and extensionsRequired
  * in the end. 0: out of memory. */
 int norma_gltf_unlist(gltf *g, const char *extension);
+/* From now on the file uses and requires the extension. */
+void norma_gltf_require(gltf *g, const char *extension);
+/* For each accessor how often meshes, animations, skins and instances name it; NULL: out of memory.
+ */
+uint32_t *norma_gltf_accessor_uses(const gltf *g);
 /* Normals and tangents of a primitive are removed in the JSON: no new contents for them. 0: out of
  * memory. */
 int norma_gltf_strip(gltf *g, uint32_t primitive);
@@ -412,6 +417,8 @@ norma_document_result norma_gltf_compute(norma_document *document,
 norma_document_result norma_gltf_tangents(norma_document *document,
     const norma_tangent_options *options, norma_tangent_summary *summary,
     norma_document_error *error);
+norma_document_result norma_gltf_pack(norma_document *document, const norma_pack_options *options,
+    norma_pack_summary *summary, norma_document_error *error);
 norma_document_result norma_gltf_edit(
     norma_document *document, const norma_mesh_edit *edits, norma_document_error *error);
 norma_document_result norma_gltf_recentre(
@@ -663,6 +670,7 @@ struct gltf_patch {
     size_t data_count, data_capacity, slot_count, slot_capacity, copy_count, copy_capacity;
     size_t accessor_count, accessor_capacity, run_count, run_capacity, view_count, view_capacity,
         released_count, released_capacity;
+    int tight; /* what shrinks leaves no gaps in its view */
     uint32_t
         default_buffer; /* for new views without a better place; may be g->buffer_count: one more */
     patch_buffer *buffers; /* by the layout: g->buffer_count + 1 */
@@ -678,6 +686,12 @@ uint32_t *norma_gltf_view_pins(const gltf *g); /* NULL: out of memory */
 /* The pins of views that streams no longer need. */
 void norma_gltf_unpin_streams(gltf *g);
 void norma_gltf_edit_extensions(gltf *g); /* patch.c: what was unlisted */
+
+/* repack_views.c: an old view of which runs shrink, without the gaps that they would leave; the
+ * first of them, and of each the next. *done 0: it is left to others. */
+norma_document_result norma_gltf_repack_view(gltf *g, uint32_t view, uint32_t first,
+    const uint32_t *next, int *done, norma_document_error *error);
+void norma_gltf_point_data_run(gltf *g, const data_run *run, uint32_t view, size_t offset);
 
 /* The steps of norma_gltf_finish. */
 norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error);

@@ -260,6 +260,33 @@ void norma_gltf_edit_extensions(gltf *g) {
     unlist(g, "extensionsRequired");
 }
 
+static int is_listed(const json *j, uint32_t list, const char *name) {
+    for (uint32_t value = JSON_NONE; norma_json_each(j, list, &value);)
+        if (norma_json_equals(j, value, name)) return 1;
+    return 0;
+}
+
+void norma_gltf_require(gltf *g, const char *extension) {
+    static const char *const keys[] = {"extensionsUsed", "extensionsRequired"};
+    const json *j = &g->json;
+    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; ++k) {
+        const uint32_t list = norma_json_member(j, 0, keys[k]);
+        json_text text = {0};
+        if (is_listed(j, list, extension)) continue;
+        if (list == JSON_NONE) norma_json_add_text(&text, "[");
+        norma_json_add_quoted(&text, extension);
+        norma_json_add(&text, "]", list == JSON_NONE);
+        norma_json_add(&text, "", 1);
+        if (text.failed)
+            norma_json_edits_fail(g->edits);
+        else if (list == JSON_NONE)
+            norma_json_set(g->edits, 0, keys[k], text.data);
+        else
+            norma_json_append(g->edits, list, text.data);
+        free(text.data);
+    }
+}
+
 json_edits *norma_gltf_edits(gltf *g, uint32_t copy) {
     return copy ? g->patch->copies[copy - 1].edits : g->edits;
 }
@@ -543,7 +570,7 @@ static void count_others(const gltf *g, uint32_t *uses) {
     }
 }
 
-static uint32_t *count_accessor_uses(const gltf *g) {
+uint32_t *norma_gltf_accessor_uses(const gltf *g) {
     uint32_t *uses = norma_io_allocate(g->accessor_count, sizeof *uses);
     for (uint32_t i = 0; uses && i < g->mesh_count; ++i) count_mesh(g, &g->meshes[i], uses);
     for (size_t i = 0; uses && i < g->patch->copy_count; ++i)
@@ -660,7 +687,7 @@ norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error 
     norma_document_result result = drop_unchanged(g, error);
     if (!result) result = gltf_unpack_changed(g, error);
     if (result) return result;
-    uint32_t *stays = count_accessor_uses(g),
+    uint32_t *stays = norma_gltf_accessor_uses(g),
              *of_data = norma_io_allocate(patch->data_count, sizeof *of_data);
     patch->replaced = norma_io_allocate(g->accessor_count, sizeof *patch->replaced);
     if (stays && of_data && patch->replaced && find_equal_datas(patch)) {

@@ -1,7 +1,9 @@
 // corners.mjs: did a tool that computes normals leave all else alone? Reads both files with code of its own, nothing of Norma's.
 //
-//   node corners.mjs [--flat | --tangents MODULES] [--quiet] INPUT OUTPUT [INPUT OUTPUT ...]
+//   node corners.mjs [--flat | --tangents MODULES | --packed DEG] [--quiet] INPUT OUTPUT [INPUT OUTPUT ...]
 //   node corners.mjs ... --list PAIRS              PAIRS: a file, or - for standard input; a line: INPUT tab OUTPUT
+//
+// With --packed, no direction of a normal or tangent turned by more than DEG degrees, those of each morph target alone at full weight among them; signs are the same.
 //
 // Primitive by primitive, corner by corner of what it draws (strips and fans as triangles, points and lines as they are): every attribute but NORMAL and TANGENT, also
 // those of morph targets, is the same numbers in the same type. The rest of the JSON (all but accessors, views, buffers and primitives) is the same. Every triangle
@@ -154,6 +156,41 @@ function checkTangents(before, after, p, q, old, now, where, wrong) {
   });
 }
 
+// ---- packed normals and tangents
+
+let bound = null;
+const packed = { vectors: 0, targets: 0, worst: 0 };
+const vector = (a, i) => [0, 1, 2].map((k) => { const x = a.out[i * a.width + k]; return a.component === 5126 ? x : Math.max(x / readers[a.component][2], -1); });
+const isZero = (v) => v.every((x) => x === 0);
+
+function angle(a, b) {
+  if (isZero(a) || isZero(b)) return isZero(a) && isZero(b) ? 0 : Infinity;
+  const cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  return Math.atan2(Math.hypot(...cross), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * 180 / Math.PI;
+}
+
+function checkPacked(before, after, p, q, where, wrong) {
+  for (const name of ["NORMAL", "TANGENT"]) {
+    if (p.attributes[name] === undefined) continue;
+    const old = numbers(before, p.attributes[name]), now = numbers(after, q.attributes[name]);
+    if (old.count !== now.count || old.width !== now.width) { wrong.push(`${where}/${name} has another size`); continue; }
+    [null, ...(p.targets ?? []).keys()].forEach((t) => {
+      const has = t === null || p.targets[t][name] !== undefined;
+      if (!has) return;
+      const [d, e] = t === null ? [null, null] : [numbers(before, p.targets[t][name]), numbers(after, q.targets[t][name])];
+      const sum = (a, b, i) => (b ? vector(a, i).map((x, k) => x + vector(b, i)[k]) : vector(a, i));
+      packed.targets += t !== null;
+      for (let i = 0; i < old.count; i++) {
+        const a = sum(old, d, i), b = sum(now, e, i), off = angle(a, b), same = a.every((x, k) => Object.is(x, b[k]));
+        packed.vectors++;
+        if (!same && !(off <= bound)) { wrong.push(`${where}/${name} ${i} of ${t ?? "the base"} is ${off} degrees off`); break; }
+        if (!same) packed.worst = Math.max(packed.worst, off);
+        if (!d && old.width === 4 && value(old, 4 * i + 3) !== value(now, 4 * i + 3)) { wrong.push(`${where}: the sign of tangent ${i} changed`); break; }
+      }
+    });
+  }
+}
+
 function compare(input, output, flat) {
   const before = load(input), after = load(output), wrong = [];
   let passedOver = 0;
@@ -167,7 +204,8 @@ function compare(input, output, flat) {
       if (old.length !== now.length) { wrong.push(`${where} draws ${now.length} corners instead of ${old.length}`); return; }
       compareAttributes(before, after, p.attributes, q.attributes, old, now, where, wrong);
       (p.targets ?? []).forEach((target, t) => compareAttributes(before, after, target, q.targets[t], old, now, `${where}/targets/${t}`, wrong));
-      if ((p.mode ?? 4) >= 4 && addon) checkTangents(before, after, p, q, old, now, where, wrong);
+      if (bound !== null) checkPacked(before, after, p, q, where, wrong);
+      else if ((p.mode ?? 4) >= 4 && addon) checkTangents(before, after, p, q, old, now, where, wrong);
       else if ((p.mode ?? 4) >= 4) checkNormals(after, q, now, flat, where, wrong);
     } catch (error) {
       if (!(error instanceof Unreadable)) throw error;
@@ -183,6 +221,7 @@ while (words.length) {
   const word = words.shift();
   if (word === "--flat") flat = true;
   else if (word === "--quiet") quiet = true;
+  else if (word === "--packed" && words.length) bound = Number(words.shift());
   else if (word === "--tangents" && words.length) {
     const modules = pathToFileURL(path.resolve(words.shift()));
     addon = { ...(await import(`${modules}/three/examples/jsm/libs/mikktspace.module.js`)), ...(await import(`${modules}/three/build/three.core.js`)) };
@@ -202,5 +241,5 @@ for (let i = 0; i < files.length; i += 2) {
   for (const line of result.wrong.slice(0, 5)) console.log(`${files[i + 1]}: ${line}`);
   if (!quiet && !result.wrong.length) console.log(`${files[i + 1]}: fine`);
 }
-console.log(`${files.length / 2} pairs, ${bad} wrong, ${passedOver} primitives passed over` + (addon ? `; tangents of ${counted.meshes} primitives and ${counted.targets} morph targets, ${counted.corners} corners, at ${counted.useless} of which the reference has none` : ""));
+console.log(`${files.length / 2} pairs, ${bad} wrong, ${passedOver} primitives passed over` + (addon ? `; tangents of ${counted.meshes} primitives and ${counted.targets} morph targets, ${counted.corners} corners, at ${counted.useless} of which the reference has none` : "") + (bound === null ? "" : `; ${packed.vectors} directions, those of ${packed.targets} targets among them, at most ${packed.worst.toFixed(5)} degrees off`));
 process.exitCode = bad ? 1 : 0;

@@ -1,0 +1,96 @@
+#!/bin/bash
+# norma pack: every glTF of the data set at two bounds. Judges that are not ours: the Khronos validator may say nothing new; tests/cli/validator/corners.mjs reads both
+# files, finds all but normals and tangents as it was, and recomputes the angle of every direction, those of morph targets among them.
+# shellcheck source=tests/support/tap.sh
+source "$(dirname "$0")/../support/tap.sh"
+data=${NORMA_DATA:-$root/../shared/data}
+norma=${NORMA_BIN:-$tree/bin/norma}
+validator=$root/tests/cli/validator
+export NODE_PATH=${NODE_PATH:-$root/build/npm/node_modules}
+if ! command -v node >/dev/null; then
+    skip "norma pack: scripts/install-deps.sh has not been run"
+    finish
+    exit
+fi
+
+# judge NAME DEG: the pairs of a list.
+judge() {
+    local output
+    output=$(node "$validator/compare.mjs" --list "$scratch/pairs" 2>&1)
+    case $? in
+    0) pass "$1: validator: $(tail -n 1 <<<"$output")" ;;
+    77) skip "$output" ;;
+    *) fail "$1: validator" "$output" ;;
+    esac
+    if output=$(node "$validator/corners.mjs" --quiet --packed "$2" --list "$scratch/pairs" 2>&1); then
+        pass "$1: all but normals and tangents, and these within $2 degrees: $(tail -n 1 <<<"$output")"
+    else
+        fail "$1: all but normals and tangents, and these within $2 degrees" "$output"
+    fi
+}
+
+# A file of one triangle with two targets, made here: base and differences, of which one is far too large for codes; normals beside positions in rows, and a shared accessor.
+node - "$scratch" <<'JS'
+const { writeFileSync } = require("fs"), folder = process.argv[2];
+const rows = [[0, 0, 0, 0, 0, 1], [1, 0, 0, 0.6, 0, 0.8], [0, 1, 0, 0, 0.28, 0.96]].flat();
+const small = [0.1, 0.05, 0, 0, 0, 0, -0.2, 0.1, 0.1], large = [3, 0, 0, 0, 2, 0, 0, 0, -4];
+const bytes = Buffer.from(Float32Array.from([...rows, ...small, ...large]).buffer);
+const vec3 = (bufferView, byteOffset, more) => ({ bufferView, byteOffset, componentType: 5126, count: 3, type: "VEC3", ...more });
+const position = { min: [0, 0, 0], max: [1, 1, 0] };
+const asset = {
+  asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
+  meshes: [{ primitives: [0, 1].map(() => ({ attributes: { POSITION: 0, NORMAL: 1 }, targets: [{ NORMAL: 2 }, { NORMAL: 3 }] })) }],
+  accessors: [vec3(0, 0, position), vec3(0, 12), vec3(1, 0), vec3(1, 36)],
+  bufferViews: [{ buffer: 0, byteLength: 72, byteStride: 24, target: 34962 }, { buffer: 0, byteOffset: 72, byteLength: 72, byteStride: 12, target: 34962 }],
+  buffers: [{ byteLength: bytes.length, uri: "data:application/octet-stream;base64," + bytes.toString("base64") }],
+};
+writeFileSync(`${folder}/morph.gltf`, JSON.stringify(asset));
+asset.meshes[0].primitives[1].attributes.COLOR_0 = 1;
+writeFileSync(`${folder}/color.gltf`, JSON.stringify(asset));
+JS
+said=$("$norma" pack "$scratch/morph.gltf" -o "$scratch/packed.gltf")
+check "targets too large for codes stay floats, the others do not" grep -q "normals 108 -> 60 bytes.*(1 of 3 accessors as they were)" <<<"$said"
+check "rows become shorter: no gap is left" node -e '
+const j = JSON.parse(require("fs").readFileSync(process.argv[1]));
+process.exit(j.bufferViews[0].byteStride === 16 && j.bufferViews[0].byteLength === 48 && j.accessors[0].byteOffset === 0 && j.accessors[1].componentType === 5120 &&
+    j.accessors.length === 4 && ["extensionsUsed", "extensionsRequired"].every((k) => j[k].length === 1 && j[k][0] === "KHR_mesh_quantization") ? 0 : 1);' "$scratch/packed.gltf"
+printf '%s\t%s\n' "$scratch/morph.gltf" "$scratch/packed.gltf" >"$scratch/pairs"
+judge "a morph" 0.5
+"$norma" pack "$scratch/morph.gltf" -o "$scratch/finer.gltf" --quiet --max-error 0.01
+printf '%s\t%s\n' "$scratch/morph.gltf" "$scratch/finer.gltf" >"$scratch/pairs"
+judge "a morph" 0.01
+"$norma" pack "$scratch/packed.gltf" -o "$scratch/again.gltf" --quiet
+check "packed again: the same file" cmp "$scratch/packed.gltf" "$scratch/again.gltf"
+"$norma" pack "$scratch/color.gltf" -o "$scratch/color-packed.gltf" --quiet
+check "normals that are colours too keep their encoding" node -e '
+process.exit(JSON.parse(require("fs").readFileSync(process.argv[1])).accessors[1].componentType === 5126 ? 0 : 1);' "$scratch/color-packed.gltf"
+"$norma" pack "$root/assets/goathead.obj" -o "$scratch/a.obj" 2>"$scratch/err"
+check "an OBJ is a usage error" test $? -eq 2
+check "and nothing is written" test ! -e "$scratch/a.obj"
+
+if ! [ -d "$data" ]; then
+    skip "the data set's files: it is not there"
+    finish
+    exit
+fi
+for bound in 0.5 0.01; do
+    number=0 wrong="" larger=""
+    : >"$scratch/pairs"
+    while IFS=$'\t' read -r file expect; do
+        number=$((number + 1))
+        mkdir -p "$scratch/all/$bound-$number"
+        out=$scratch/all/$bound-$number/$(basename "$file")
+        if said=$("$norma" pack "$data/$file" -o "$out" --max-error "$bound" --json 2>"$scratch/message"); then
+            cmp -s "$data/$file" "$out" && continue
+            printf '%s\t%s\n' "$data/$file" "$out" >>"$scratch/pairs"
+            node -e 'const j = JSON.parse(process.argv[1]);
+                process.exit([j.normals, j.tangents].every((p) => p.bytes.after <= p.bytes.before && p.error_deg <= j.max_error_deg) ? 0 : 1);' "$said" || larger+="$file: $said"$'\n'
+        elif [ "$expect" = ok ] || [ "$expect" = lint ]; then
+            wrong+=$(cat "$scratch/message")$'\n'
+        fi
+    done < <(cut -f1,6 "$data/INDEX.tsv" | grep -iE '\.(gltf|glb)	')
+    if [ -z "$wrong" ]; then pass "$bound degrees: $(wc -l <"$scratch/pairs") of $number files changed"; else fail "$bound degrees: refused" "$wrong"; fi
+    if [ -z "$larger" ]; then pass "$bound degrees: none has more bytes or says more degrees"; else fail "$bound degrees: more bytes or degrees" "$larger"; fi
+    judge "the data set" "$bound"
+done
+finish
