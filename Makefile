@@ -5,7 +5,7 @@ CMAKE_FLAGS ?=
 V ?= 0
 export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 
-.PHONY: all help deps demo figures fuzz judges marks firefox dist mpi web test test-all coverage bench asan tsan format lint analyse portable deb install single python python-fuzz blender clean
+.PHONY: all help deps demo engines figures fuzz judges marks firefox dist mpi web test test-all coverage bench asan tsan format lint analyse portable deb install single python python-fuzz blender clean
 .DEFAULT_GOAL := all
 
 # If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
@@ -33,6 +33,7 @@ help:
 	@echo "make judges    fixes every file of the data set by each rule and has the results judged by admesh, the glTF validator and a reader of our own"
 	@echo "make marks     presses every error and warning of the data set's large files in the page, and counts what is marked in the picture (some minutes)"
 	@echo "make firefox   installs Firefox and Xvfb if they are missing, and runs the page's tests in it (several minutes)"
+	@echo "make engines   installs engines that read glTF (npm and Debian, a gigabyte), draws the acid scene with each and writes docs/engines.md; ENGINES=... for some"
 	@echo "make mpi       installs Open MPI and MPICH, builds libnorma-mpi and norma-mpi with each, and tests them on 1 to 16 ranks"
 	@echo "make coverage  shows which lines and branches of core and io the tests run (gcov)"
 	@echo "make portable  checks that results have the same bits with other compilers, as WebAssembly, on 64-bit ARM (qemu) and Windows (Wine)"
@@ -84,6 +85,11 @@ web:
 MINUTES ?= 15
 fuzz: deps
 	@scripts/fuzz.sh run $(MINUTES)
+
+ENGINES ?=
+engines: all
+	@scripts/install-deps.sh engines
+	@NORMA_BIN=$(abspath $(BUILD))/bin/norma tests/engines/run.sh $(ENGINES)
 
 figures: all
 	@NORMA_BIN=$(BUILD)/bin/norma scripts/figures.sh

@@ -12,6 +12,7 @@
 #   scripts/install-deps.sh analyse     and clang-tidy
 #   scripts/install-deps.sh mpi     what `make mpi` needs: Open MPI and MPICH
 #   scripts/install-deps.sh firefox     Firefox and a display without a screen, for `make firefox`
+#   scripts/install-deps.sh engines     the engines of `make engines`, from Debian and npm (tests/engines/package-lock.json), and Chromium
 #   scripts/install-deps.sh deb     what `make deb` needs
 #   scripts/install-deps.sh test    what `make test` needs
 #   scripts/install-deps.sh         what building and `make test-all` need
@@ -34,6 +35,7 @@ if [ "$what" = portable ]; then
 fi
 [ "$what" != analyse ] || packages="$packages clang clang-tidy"
 [ "$what" != firefox ] || packages="firefox-esr xvfb"
+[ "$what" != engines ] || packages="chromium xvfb xauth f3d godot3"
 [ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ] || [ "$what" = test ]; then
@@ -56,6 +58,7 @@ $package installed"*) ;;
     *) missing="$missing $package" ;;
     esac
 done
+[ "$what" != engines ] || command -v npm >/dev/null || missing="$missing npm"
 [ "$what" = build ] || [ "$what" = mpi ] || command -v node >/dev/null || missing="$missing nodejs"
 case " $packages " in *" wasi-libc "*) command -v npm >/dev/null || missing="$missing npm" ;; esac
 
@@ -89,6 +92,9 @@ from_npm() {
     fi
 }
 case " $packages " in *" wasi-libc "*) from_npm web "$root/build/npm-bundled" ;; esac
+if [ "$what" = engines ]; then
+    from_npm tests/engines "$root/build/npm-engines"
+fi
 [ "$what" != bench ] || from_npm bench/rivals/npm "$root/build/npm-bench"
 if [ "$what" = all ]; then
     from_npm tests/cli/validator "$root/build/npm"

@@ -62,8 +62,8 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
       return result.value;
     };
     const until = waitFor(evaluate);
-    const screenshot = async (file) => {
-      const { data } = await ask("Page.captureScreenshot", { format: "png" });
+    const screenshot = async (file, form = { format: "png" }) => {
+      const { data } = await ask("Page.captureScreenshot", form);
       const bytes = Buffer.from(data, "base64");
       if (file) writeFileSync(file, bytes);
       return bytes;
@@ -102,7 +102,7 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
     await Promise.race([send("Browser.close").catch(() => undefined), pause(2000)]);
     await Promise.race([ended, pause(3000)]);
     if (child.exitCode === null) child.kill("SIGKILL");
-    rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+    rmSync(profile, { recursive: true, force: true, maxRetries: 5, retryDelay: 200 });
   };
   return { open, close };
 }
