@@ -49,7 +49,7 @@ asset.meshes[0].primitives[1].attributes.COLOR_0 = 1;
 writeFileSync(`${folder}/color.gltf`, JSON.stringify(asset));
 JS
 said=$("$norma" pack "$scratch/morph.gltf" -o "$scratch/packed.gltf")
-check "targets too large for codes stay floats, the others do not" grep -q "normals 108 -> 60 bytes.*(1 of 3 accessors as they were)" <<<"$said"
+check "targets too large for codes stay floats, the others do not" grep -q "normals 108 bytes -> 60 bytes.*(1 of 3 accessors as they were)" <<<"$said"
 check "rows become shorter: no gap is left" node -e '
 const j = JSON.parse(require("fs").readFileSync(process.argv[1]));
 process.exit(j.bufferViews[0].byteStride === 16 && j.bufferViews[0].byteLength === 48 && j.accessors[0].byteOffset === 0 && j.accessors[1].componentType === 5120 &&

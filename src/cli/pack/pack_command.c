@@ -68,7 +68,9 @@ static void write_pack_json(const void *user, cli_json *json) {
 
 static void write_part_text(FILE *out, const char *name, const norma_pack_part *part) {
     if (!part->accessors) return;
-    fprintf(out, "%s %zu -> ", name, part->bytes_before);
+    fprintf(out, "%s ", name);
+    cli_counted(out, part->bytes_before, "byte", "bytes");
+    fputs(" -> ", out);
     cli_counted(out, part->bytes_after, "byte", "bytes");
     fprintf(out, ", at most %.3g degrees off", part->max_error_rad / RADIANS);
     if (part->packed < part->accessors)
