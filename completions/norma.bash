@@ -19,7 +19,7 @@ _norma() {
     --weld) values="exact none" ;;
     --groups) values="auto ignore" ;;
     --non-manifold) values="hard smooth" ;;
-    --mode) values="mikk steady" ;;
+    --mode) values="mikk meshopt steady" ;;
     --tangents) values="keep orthogonalise regenerate" ;;
     --only) values="all missing broken" ;;
     --shading) values="flat gouraud phong" ;;

@@ -344,8 +344,16 @@ typedef enum norma_tangent_source {
     NORMA_TANGENTS_UNCOMPARED = 0,   /* there is nothing to compare */
     NORMA_TANGENTS_BY_MIKK,          /* MikkTSpace (Mikkelsen 2008) on the triangles */
     NORMA_TANGENTS_BY_MIKK_ON_QUADS, /* on quads: neighbours in the list put together again */
-    NORMA_TANGENTS_BY_VERTEX_SUMS    /* sums over the triangles at each vertex (Lengyel 2001) */
+    NORMA_TANGENTS_BY_VERTEX_SUMS,   /* sums over the triangles at each vertex (Lengyel 2001) */
+    NORMA_TANGENTS_BY_MESHOPT,       /* meshoptimizer 1.3 with its default weights */
+    NORMA_TANGENTS_BY_STEADY         /* NORMA_TANGENTS_STEADY of norma.h, weighted by angle */
 } norma_tangent_source;
+
+/* Angles between stored tangents and those that a renderer would make itself. A normal map baked
+ * for the stored ones errs by at most the angle at that corner. */
+typedef struct norma_map_error {
+    double p50_rad, p99_rad, max_rad;
+} norma_map_error;
 
 /* The way that explains stored tangents best, and how well it does. */
 typedef struct norma_tangent_deviation {
@@ -357,6 +365,10 @@ typedef struct norma_tangent_deviation {
     size_t corners;     /* corners compared: those with both tangents */
     size_t explained;   /* corners within a tenth of a degree plus the encoding's rounding */
     double mean_rad, p50_rad, p99_rad, max_rad; /* of the angles between the two */
+
+    /* If a renderer makes tangents in these ways: MikkTSpace on triangles, meshoptimizer, sums at
+     * vertices. */
+    norma_map_error under_mikk, under_meshopt, under_vertex_sums;
 } norma_tangent_deviation;
 
 /* Finds the way of making tangents that explains the stored ones best: the one with the smallest
@@ -368,7 +380,8 @@ typedef struct norma_tangent_deviation {
  *   options      uses threads and allocator; NULL for the defaults
  *   deviation    written; corners is 0 if there is nothing to compare
  *
- * Cost: up to three times that of norma_corner_tangents. Errors: those of norma_corner_normals. */
+ * Cost: up to seven times that of norma_corner_tangents, usually three. Errors: those of
+ * norma_corner_normals. */
 NORMA_API norma_result norma_explain_tangents(const norma_mesh_data *data,
     const norma_mesh_attributes *attributes, const norma_options *options,
     norma_tangent_deviation *deviation);

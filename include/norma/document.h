@@ -624,6 +624,9 @@ typedef struct norma_tangent_options {
     norma_progress *progress;
     void *progress_user;
     const uint8_t *meshes; /* nonzero for each mesh that gets tangents; NULL: all do */
+    int meshopt; /* nonzero: instead of mode, the tangents of meshoptimizer 1.3 with its default
+                  * weights (meshopt_generateTangents), bit for bit. Where it has none, there is a
+                  * vector perpendicular to the normal */
 } norma_tangent_options;
 
 typedef struct norma_tangent_summary {

@@ -2,11 +2,10 @@
 // bit for bit: on made meshes, of the kinds on which generators differ, and on those of files. Then
 // against the WebAssembly of the npm package mikktspace, on fans alone: on other made meshes it stops
 // with an access out of bounds.
-import { spawn } from "node:child_process";
 import { pathToFileURL } from "node:url";
 import { createRequire } from "node:module";
 import { fan, madeMesh, mirroredSheet, shuffledSwirl, swirl } from "./meshes.mjs";
-import { Native } from "./native.mjs";
+import { meshesOf, Native } from "./native.mjs";
 import { check, finish, skip } from "../web/tap.mjs";
 
 const [program, modules, ...files] = process.argv.slice(2);
@@ -95,35 +94,12 @@ async function madeMeshes() {
   check(`fans: every bit of the npm package mikktspace (${package_})`, exact(package_), package_.details());
 }
 
-// The meshes of files, as the program writes them: each with its corners and the library's answer.
-async function* meshesOf(path) {
-  const child = spawn(program, ["mikk", "1", path], { stdio: ["ignore", "pipe", "inherit"] });
-  const chunks = [];
-  for await (const chunk of child.stdout) chunks.push(chunk);
-  const status = await new Promise((resolve) => (child.exitCode === null ? child.on("exit", resolve) : resolve(child.exitCode)));
-  if (status !== 0) throw new Error(`${path}: status ${status}`);
-  const bytes = Uint8Array.from(Buffer.concat(chunks));
-  let at = 0;
-  const floats = (count) => {
-    const part = new Float32Array(bytes.slice(at, at + 4 * count).buffer);
-    at += 4 * count;
-    return part;
-  };
-  while (at < bytes.length) {
-    const count = new DataView(bytes.buffer).getUint32(at, true);
-    at += 4;
-    const m = { positions: floats(3 * count), normals: floats(3 * count), texcoords: floats(2 * count), tangents: floats(4 * count) };
-    m.reasons = bytes.slice(at, (at += count));
-    yield m;
-  }
-}
-
 async function fileMeshes() {
   const addon = new Tally(), all = files.length;
   let withMeshes = 0;
   for (const path of files) {
     const before = addon.meshes;
-    for await (const m of meshesOf(path)) addon.add(path, generateTangents(...fresh(m)), m, m);
+    for await (const m of meshesOf(program, "mikk", path)) addon.add(path, generateTangents(...fresh(m)), m, m);
     withMeshes += addon.meshes > before;
   }
   check(`${withMeshes} of ${all} files have normals and texture coordinates: every bit of three.js's addon (${addon})`, exact(addon), addon.details());

@@ -42,3 +42,26 @@ export class Native {
     this.child.stdin.end();
   }
 }
+
+// The meshes of files, as the program writes them: each with its corners and the library's answer.
+export async function* meshesOf(program, mode, path) {
+  const child = spawn(program, [mode, "1", path], { stdio: ["ignore", "pipe", "inherit"] });
+  const chunks = [];
+  for await (const chunk of child.stdout) chunks.push(chunk);
+  const status = await new Promise((resolve) => (child.exitCode === null ? child.on("exit", resolve) : resolve(child.exitCode)));
+  if (status !== 0) throw new Error(`${path}: status ${status}`);
+  const bytes = Uint8Array.from(Buffer.concat(chunks));
+  let at = 0;
+  const floats = (count) => {
+    const part = new Float32Array(bytes.slice(at, at + 4 * count).buffer);
+    at += 4 * count;
+    return part;
+  };
+  while (at < bytes.length) {
+    const count = new DataView(bytes.buffer).getUint32(at, true);
+    at += 4;
+    const m = { positions: floats(3 * count), normals: floats(3 * count), texcoords: floats(2 * count), tangents: floats(4 * count) };
+    m.reasons = bytes.slice(at, (at += count));
+    yield m;
+  }
+}

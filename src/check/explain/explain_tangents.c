@@ -1,6 +1,7 @@
 /* explain_tangents.c: which way of making tangents explains stored ones best. */
 #include "check/explain/explain.h"
 #include "core/face/face.h"
+#include "core/tangent/tangents.h"
 #include <math.h>
 #include <string.h>
 
@@ -78,11 +79,14 @@ static norma_result explain_tangent_sums(
     return NORMA_OK;
 }
 
-/* ---- MikkTSpace on the triangles, and on quads: modelling programs compute tangents on
- * quads and export triangles: neighbours in the list that share a diagonal are put together again,
- * and MikkTSpace, which may cut a quad along its other diagonal, is asked about the quads. */
+/* ---- The ways of the core: MikkTSpace on the triangles, and on quads: modelling programs compute
+ * tangents on quads and export triangles: neighbours in the list that share a diagonal are put
+ * together again, and MikkTSpace, which may cut a quad along its other diagonal, is asked about the
+ * quads. */
 
-static norma_result explain_mikk(core_call *call, const tangent_surface *s, float *tangents) {
+/* Corners that have none get zeros. */
+static norma_result explain_made(
+    core_call *call, const tangent_surface *s, tangent_maker *maker, float *tangents) {
     const size_t corners = s->checked.corner_count, vertices = s->checked.positions.count;
     const norma_attribute normals = {.data = s->normals, .count = vertices},
                           texcoords = {.data = s->texcoords, .count = vertices};
@@ -91,8 +95,8 @@ static norma_result explain_mikk(core_call *call, const tangent_surface *s, floa
         .threads = call->options.threads,
         .allocator = call->options.allocator,
         .reasons = reasons};
-    norma_result result = reasons ? norma_corner_tangents(s->mesh, &normals, &texcoords,
-                                        NORMA_TANGENTS_MIKK, &options, tangents, corners, NULL)
+    norma_result result = reasons ? norma_core_corner_tangents(s->mesh, &normals, &texcoords, maker,
+                                        &options, tangents, corners, NULL)
                                   : NORMA_ERROR_MEMORY;
     for (size_t c = 0; !result && c < corners; c++)
         if (reasons[c] != NORMA_REASON_NONE) memset(tangents + 4 * c, 0, 4 * sizeof *tangents);
@@ -231,7 +235,7 @@ static norma_result compute_quads(
     tangent_surface quads = *s;
     quads.mesh = &mesh;
     quads.checked.corner_count = q->corner_count;
-    return explain_mikk(call, &quads, of_quads);
+    return explain_made(call, &quads, norma_core_mikk_tangents, of_quads);
 }
 
 /* On neighbours in the list put together again. across_ties: quads of two equal diagonals are cut
@@ -277,6 +281,8 @@ typedef struct tangent_search {
     float *tangents;      /* of the candidate that is tried */
     float *angles, *best; /* of each corner, radians; negative: not compared */
     double best_score;    /* mean angle, as it counts */
+    float *turned;        /* NULL, or texture coordinates through the normal map's transform */
+    norma_map_error under_mikk, under_meshopt, under_vertex_sums;
     norma_tangent_deviation *found;
 } tangent_search;
 
@@ -325,6 +331,7 @@ static int judge(tangent_search *search, norma_tangent_source source) {
     search->best = angles;
     *search->found = (norma_tangent_deviation){.source = source,
         .negated = score.negated >= score.as_is,
+        .transformed = search->turned != NULL,
         .signs_other = score.corners - (score.negated >= score.as_is ? score.negated : score.as_is),
         .explained = score.explained};
     return 1;
@@ -347,48 +354,90 @@ static norma_result try_quads(tangent_search *search, int across_ties) {
     return result;
 }
 
-/* Through the normal map's transform, which some programs heed and some do not. */
+/* Of the angles that the last candidate left. */
+static norma_result summarise(const tangent_search *search, float *of, norma_deviation *angles) {
+    const explain_surface measured = {.checked = search->surface.checked, .angles = of};
+    return norma_explain_summarise(search->call, &measured, angles);
+}
+
+/* A way in which renderers make tangents: the candidate in search->tangents. */
+static norma_result judge_renderer(
+    tangent_search *search, norma_tangent_source source, norma_map_error *under) {
+    norma_deviation angles;
+    const int is_best = judge(search, source);
+    const norma_result result = summarise(search, is_best ? search->best : search->angles, &angles);
+    if (!result) *under = (norma_map_error){angles.p50_rad, angles.p99_rad, angles.max_rad};
+    return result;
+}
+
+static norma_result try_mikk(tangent_search *search) {
+    const norma_result result =
+        explain_made(search->call, &search->surface, norma_core_mikk_tangents, search->tangents);
+    return result ? result : judge_renderer(search, NORMA_TANGENTS_BY_MIKK, &search->under_mikk);
+}
+
+/* Through the normal map's transform, which some programs heed and some do not: the texture
+ * coordinates of all further candidates, if MikkTSpace comes nearer with it. */
 static norma_result try_turned(tangent_search *search, const float turn[4]) {
     const size_t vertices = search->surface.checked.positions.count;
     const float *stored = search->surface.texcoords;
     if (is_explained(search) || !(turn[0] != 0 || turn[1] != 0)) return NORMA_OK;
-    float *turned = norma_core_allocate(search->call, vertices, 2 * sizeof *turned);
+    float *turned = search->turned =
+        norma_core_allocate(search->call, vertices, 2 * sizeof *turned);
     if (!turned) return NORMA_ERROR_MEMORY;
     for (size_t v = 0; v < vertices; v++) {
         turned[2 * v] = turn[0] * stored[2 * v] + turn[1] * stored[2 * v + 1];
         turned[2 * v + 1] = turn[2] * stored[2 * v] + turn[3] * stored[2 * v + 1];
     }
-    tangent_surface surface = search->surface;
-    surface.texcoords = turned;
-    norma_result result = explain_mikk(search->call, &surface, search->tangents);
-    if (!result && judge(search, NORMA_TANGENTS_BY_MIKK)) search->found->transformed = 1;
+    search->surface.texcoords = turned;
+    const double before = search->best_score;
+    const norma_map_error under_mikk = search->under_mikk;
+    norma_result result = try_mikk(search);
+    if (result || search->best_score < before) return result;
     norma_core_release(search->call, turned, vertices, 2 * sizeof *turned);
+    search->turned = NULL;
+    search->surface.texcoords = stored;
+    search->under_mikk = under_mikk;
+    return NORMA_OK;
+}
+
+static norma_result try_renderers(tangent_search *search) {
+    core_call *call = search->call;
+    const tangent_surface *s = &search->surface;
+    norma_result result = explain_tangent_sums(call, s, search->tangents);
+    if (!result)
+        result = judge_renderer(search, NORMA_TANGENTS_BY_VERTEX_SUMS, &search->under_vertex_sums);
+    if (!result) result = explain_made(call, s, norma_core_meshopt_tangents, search->tangents);
+    if (!result) result = judge_renderer(search, NORMA_TANGENTS_BY_MESHOPT, &search->under_meshopt);
     return result;
 }
 
 static norma_result find_best(tangent_search *search, const float turn[4]) {
     search->best_score = INFINITY;
-    norma_result result = explain_mikk(search->call, &search->surface, search->tangents);
-    if (!result) judge(search, NORMA_TANGENTS_BY_MIKK);
+    norma_result result = try_mikk(search);
     if (!result) result = try_turned(search, turn);
     if (!result) result = try_quads(search, 0);
     if (!result) result = try_quads(search, 1);
+    if (!result) result = try_renderers(search);
     if (result || is_explained(search)) return result;
-    result = explain_tangent_sums(search->call, &search->surface, search->tangents);
-    if (!result) judge(search, NORMA_TANGENTS_BY_VERTEX_SUMS);
+    result =
+        explain_made(search->call, &search->surface, norma_core_steady_tangents, search->tangents);
+    if (!result) judge(search, NORMA_TANGENTS_BY_STEADY);
     return result;
 }
 
-static norma_result summarise(tangent_search *search) {
+static norma_result report_best(const tangent_search *search) {
     norma_deviation angles;
-    const explain_surface measured = {.checked = search->surface.checked, .angles = search->best};
-    const norma_result result = norma_explain_summarise(search->call, &measured, &angles);
+    const norma_result result = summarise(search, search->best, &angles);
     if (result) return result;
     search->found->corners = angles.corners;
     search->found->mean_rad = angles.mean_rad;
     search->found->p50_rad = angles.p50_rad;
     search->found->p99_rad = angles.p99_rad;
     search->found->max_rad = angles.max_rad;
+    search->found->under_mikk = search->under_mikk;
+    search->found->under_meshopt = search->under_meshopt;
+    search->found->under_vertex_sums = search->under_vertex_sums;
     return NORMA_OK;
 }
 
@@ -403,8 +452,10 @@ static norma_result search_tangents(tangent_search *search, const float turn[4])
         search->tangents && blocks[0] && blocks[1] ? NORMA_OK : NORMA_ERROR_MEMORY;
     for (size_t c = 0; !result && c < corners; c++) blocks[1][c] = -1;
     if (!result) result = find_best(search, turn);
-    if (!result) result = summarise(search);
+    if (!result) result = report_best(search);
     for (int i = 0; i < 2; i++) norma_core_release(search->call, blocks[i], corners, sizeof(float));
+    norma_core_release(
+        search->call, search->turned, search->surface.checked.positions.count, 2 * sizeof(float));
     norma_core_release(search->call, search->tangents, corners, 4 * sizeof(float));
     return result;
 }
@@ -470,6 +521,10 @@ const char *norma_tangent_source_name(norma_tangent_source source) {
         return "MikkTSpace on quads";
     case NORMA_TANGENTS_BY_VERTEX_SUMS:
         return "sums per vertex";
+    case NORMA_TANGENTS_BY_MESHOPT:
+        return "meshoptimizer";
+    case NORMA_TANGENTS_BY_STEADY:
+        return "norma's steady tangents";
     }
     return NULL;
 }

@@ -332,7 +332,18 @@ static void write_explained(cli_json *json, const cli_explained *explained) {
 static const char *way_word(norma_tangent_source source) {
     return source == NORMA_TANGENTS_BY_MIKK            ? "mikktspace-triangles"
            : source == NORMA_TANGENTS_BY_MIKK_ON_QUADS ? "mikktspace-quads"
+           : source == NORMA_TANGENTS_BY_MESHOPT       ? "meshoptimizer"
+           : source == NORMA_TANGENTS_BY_STEADY        ? "steady"
                                                        : "vertex-sums";
+}
+
+/* Under the tangents that a renderer makes in this way. */
+static void write_map_error(
+    cli_json *json, norma_tangent_source renderer, const norma_map_error *error) {
+    const off_by off = off_in_degrees(error->p50_rad, error->p99_rad, error->max_rad);
+    cli_json_open(json, way_word(renderer), '{');
+    write_off(json, &off);
+    cli_json_close(json, '}');
 }
 
 static void write_explained_tangents(cli_json *json, const cli_explained_tangents *explained) {
@@ -345,6 +356,11 @@ static void write_explained_tangents(cli_json *json, const cli_explained_tangent
     cli_json_size(json, "corners", deviation->corners);
     cli_json_size(json, "explained", deviation->explained);
     write_off(json, &explained->off);
+    cli_json_open(json, "map_error", '{');
+    write_map_error(json, NORMA_TANGENTS_BY_MIKK, &deviation->under_mikk);
+    write_map_error(json, NORMA_TANGENTS_BY_MESHOPT, &deviation->under_meshopt);
+    write_map_error(json, NORMA_TANGENTS_BY_VERTEX_SUMS, &deviation->under_vertex_sums);
+    cli_json_close(json, '}');
     cli_json_close(json, '}');
 }
 
@@ -481,6 +497,14 @@ static void print_explained(const cli_explained *explained) {
     putchar('\n');
 }
 
+static void print_map_error(norma_tangent_source renderer, const norma_map_error *error) {
+    const off_by off = off_in_degrees(error->p50_rad, error->p99_rad, error->max_rad);
+    printf("      a normal map baked for these, if a renderer makes tangents by %s",
+        norma_tangent_source_name(renderer));
+    print_off(&off);
+    putchar('\n');
+}
+
 static void print_explained_tangents(const cli_explained_tangents *explained) {
     const norma_tangent_deviation *deviation = &explained->deviation;
     printf("      stored tangents are best explained by %s%s, sign %s",
@@ -493,6 +517,9 @@ static void print_explained_tangents(const cli_explained_tangents *explained) {
     fputs(" of ", stdout);
     cli_counted(stdout, deviation->corners, "corner", "corners");
     fputs(" explained\n", stdout);
+    print_map_error(NORMA_TANGENTS_BY_MIKK, &deviation->under_mikk);
+    print_map_error(NORMA_TANGENTS_BY_MESHOPT, &deviation->under_meshopt);
+    print_map_error(NORMA_TANGENTS_BY_VERTEX_SUMS, &deviation->under_vertex_sums);
 }
 
 static void print_part(const mesh_part *part) {

@@ -16,11 +16,13 @@ static const char tangents_help[] =
     "                                                  only meshes without tangents\n"
     "\n"
     "How they are made\n"
-    "  --mode mikk|steady    mikk: the tangents of MikkTSpace, bit for bit, for normal maps that "
+    "  --mode mikk|meshopt|steady\n"
+    "                        mikk: the tangents of MikkTSpace, bit for bit, for normal maps that "
     "were\n"
-    "                        baked with them (mikk). steady: tangents that do not depend on the "
-    "order\n"
-    "                        of faces and corners\n"
+    "                        baked with them (mikk). meshopt: those of meshoptimizer 1.3 with its\n"
+    "                        default weights, bit for bit, which Godot makes. steady: tangents "
+    "that\n"
+    "                        do not depend on the order of faces and corners\n"
     "  --texcoord N          uses the texture coordinates TEXCOORD_N. The default is the set of "
     "the\n"
     "                        normal map, with its KHR_texture_transform, or 0 without a normal "
@@ -46,14 +48,16 @@ static const char tangents_help[] =
 typedef struct tangents_work {
     norma_tangent_options options;
     norma_tangent_summary summary;
-    int weight_given;
+    int mode, weight_given;
 } tangents_work;
+
+enum { STEADY_MODE, MIKK_MODE, MESHOPT_MODE };
 
 /* ---- options */
 
 static const cli_option tangents_options[] = {
-    {"mode", CLI_TO(CLI_CHOICE, tangents_work, options.mode), .words = "steady,mikk",
-        .expected = "mikk or steady"},
+    {"mode", CLI_TO(CLI_CHOICE, tangents_work, mode), .words = "steady,mikk,meshopt",
+        .expected = "mikk, meshopt or steady"},
     {"texcoord", CLI_TO(CLI_INT, tangents_work, options.texcoord), .most = 65535,
         .expected = "the number of a set of texture coordinates, 0, 1, ...",
         CLI_GIVEN(tangents_work, options.texcoord_given, 1)},
@@ -73,7 +77,7 @@ static norma_document_result tangents_change(void *user, norma_document *documen
 }
 
 static const char *mode_name(const tangents_work *work) {
-    return work->options.mode == NORMA_TANGENTS_MIKK ? "mikk" : "steady";
+    return work->mode == MESHOPT_MODE ? "meshopt" : work->mode == MIKK_MODE ? "mikk" : "steady";
 }
 
 static void write_tangents_json(const void *user, cli_json *json) {
@@ -135,14 +139,18 @@ static void write_tangents_text(const void *user, const norma_document *document
 static int tangents_prepare(const cli_subcommand *command, void *user, uint32_t threads) {
     tangents_work *work = user;
     work->options.threads = threads;
-    if (work->weight_given && work->options.mode == NORMA_TANGENTS_MIKK)
-        return cli_usage(command, "--weight needs --mode steady; MikkTSpace weighs by angle");
+    work->options.mode = work->mode == STEADY_MODE ? NORMA_TANGENTS_STEADY : NORMA_TANGENTS_MIKK;
+    work->options.meshopt = work->mode == MESHOPT_MODE;
+    if (work->weight_given && work->mode != STEADY_MODE)
+        return cli_usage(
+            command, work->mode == MIKK_MODE
+                         ? "--weight needs --mode steady; MikkTSpace weighs by angle"
+                         : "--weight needs --mode steady; meshoptimizer weighs by angle and edges");
     return CLI_OK;
 }
 
 static int tangents_run(const cli_subcommand *command, int count, char **arguments) {
-    tangents_work work = {
-        .options = {.struct_size = sizeof work.options, .mode = NORMA_TANGENTS_MIKK}};
+    tangents_work work = {.options = {.struct_size = sizeof work.options}, .mode = MIKK_MODE};
     const cli_table table = {tangents_options, CLI_COUNT(tangents_options), &work};
     const cli_changer changer = {.work = &work,
         .change = tangents_change,

@@ -130,11 +130,16 @@ static inline void norma_core_put_tangent(const tangent_output *output, size_t c
     if (tangent->reason != NORMA_REASON_NONE) norma_core_tally(tally, tangent->reason, corner);
 }
 
-/* The two modes: each writes every corner once. */
-norma_result norma_core_mikk_tangents(
+/* The ways to make tangents: each writes every corner once. */
+typedef norma_result tangent_maker(
     const tangent_mesh *mesh, const tangent_output *output, core_tally *tally);
-norma_result norma_core_steady_tangents(
-    const tangent_mesh *mesh, const tangent_output *output, core_tally *tally);
+tangent_maker norma_core_mikk_tangents, norma_core_steady_tangents;
+tangent_maker norma_core_meshopt_tangents; /* of triangles; ARGUMENT for other faces */
+
+/* norma_corner_tangents by any of them. NULL: ARGUMENT. */
+norma_result norma_core_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
+    const norma_attribute *texcoords, tangent_maker *maker, const norma_options *options,
+    float *tangents, size_t capacity, norma_report *report);
 
 /* ---- Many triangles' derivatives, or many corners' contributions, at once. Plain C over
  * arrays of lanes, in single precision, each operation as the reference has it, so that every

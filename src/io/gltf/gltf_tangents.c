@@ -1,5 +1,6 @@
 /* gltf_tangents.c: tangents for an asset: what they are made of, those of corners, the vertices
  * that they become. */
+#include "core/tangent/tangents.h"
 #include "io/gltf/gltf.h"
 #include <math.h>
 #include <stdio.h>
@@ -143,8 +144,11 @@ static norma_document_result compute_shape_tangents(
                           texcoords = {.data = shape->texcoords, .count = shape->vertices};
     job->core.progress = job->options->progress ? pass_on_tangents : NULL;
     job->core.progress_user = job;
-    const norma_result result = norma_corner_tangents(&mesh, &normals, &texcoords,
-        job->options->mode, &job->core, tangents, shape->corner_count, report);
+    tangent_maker *maker = job->options->meshopt                       ? norma_core_meshopt_tangents
+                           : job->options->mode == NORMA_TANGENTS_MIKK ? norma_core_mikk_tangents
+                                                                       : norma_core_steady_tangents;
+    const norma_result result = norma_core_corner_tangents(
+        &mesh, &normals, &texcoords, maker, &job->core, tangents, shape->corner_count, report);
     for (size_t c = 0; !result && c < shape->corner_count; ++c)
         tangents[4 * c + 3] = -tangents[4 * c + 3]; /* v runs downwards */
     return result ? norma_document_fail_core(job->sets.g->document, job->sets.error, result)

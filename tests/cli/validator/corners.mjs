@@ -1,6 +1,6 @@
 // corners.mjs: did a tool that computes normals leave all else alone? Reads both files with code of its own, nothing of Norma's.
 //
-//   node corners.mjs [--flat | --tangents MODULES | --packed DEG] [--quiet] INPUT OUTPUT [INPUT OUTPUT ...]
+//   node corners.mjs [--flat | --tangents MODULES | --meshopt MODULES | --packed DEG] [--quiet] INPUT OUTPUT [INPUT OUTPUT ...]
 //   node corners.mjs ... --list PAIRS              PAIRS: a file, or - for standard input; a line: INPUT tab OUTPUT
 //
 // With --packed, no direction of a normal or tangent turned by more than DEG degrees, those of each morph target alone at full weight among them; signs are the same.
@@ -8,7 +8,8 @@
 // Primitive by primitive, corner by corner of what it draws (strips and fans as triangles, points and lines as they are): every attribute but NORMAL and TANGENT, also
 // those of morph targets, is the same numbers in the same type. The rest of the JSON (all but accessors, views, buffers and primitives) is the same. Every triangle
 // primitive has normals, of unit length. With --tangents, NORMAL is compared as well, and instead every corner's tangent is that of three.js's addon (in MODULES), bit for bit
-// but for the sign, which glTF has the other way round, and where the addon has nothing of use; differences of morph targets too, to 1e-5. With --flat each is that of its triangle, found here, to .05 degrees (.5 for bytes). Meshes that this cannot
+// but for the sign, which glTF has the other way round, and where the addon has nothing of use; differences of morph targets too, to 1e-5. With --meshopt they are
+// those of the npm package meshoptimizer, which is given vertices and indices as the file has them. With --flat each is that of its triangle, found here, to .05 degrees (.5 for bytes). Meshes that this cannot
 // read (compressed, buffers without bytes) are passed over, and counted. Exit status 0, 1 (something is wrong), 2 usage.
 import { readFileSync } from "node:fs";
 import path from "node:path";
@@ -108,10 +109,10 @@ function lookedUp(asset, p, corners) {
 }
 
 // The addon's tangents where they are of use, else NaN; glTF's sign.
-function reference(positions, normals, uv) {
-  const t = addon.generateTangents(positions, normals, uv);
+function reference(positions, normals, uv, indices) {
+  const t = addon.meshopt ? addon.meshopt.generateTangents(Uint32Array.from(indices), positions, 3, normals, 3, uv, 2, []) : addon.generateTangents(positions, normals, uv);
   for (let c = 0; c < t.length; c += 4) {
-    const useless = !(Math.abs(Math.hypot(t[c], t[c + 1], t[c + 2]) - 1) < 1e-3) || (t[c] === 1 && t[c + 1] === 0 && t[c + 2] === 0 && t[c + 3] === -1);
+    const useless = !(Math.abs(Math.hypot(t[c], t[c + 1], t[c + 2]) - 1) < 1e-3) || (t[c] === 1 && t[c + 1] === 0 && t[c + 2] === 0 && (addon.meshopt || t[c + 3] === -1));
     t[c + 3] = useless ? NaN : -t[c + 3];
   }
   return t;
@@ -125,11 +126,12 @@ function displaced(asset, p, target, name, corners, unit) {
 }
 
 function checkTangents(before, after, p, q, old, now, where, wrong) {
-  const has = p.attributes.NORMAL !== undefined && old.length > 0, uv = has && lookedUp(before, p, old);
+  const reach = addon.meshopt && p.attributes.POSITION !== undefined ? [...Array(before.json.accessors[p.attributes.POSITION].count).keys()] : old;
+  const has = p.attributes.NORMAL !== undefined && old.length > 0, uv = has && lookedUp(before, p, reach);
   if (!uv) { if ((q.attributes.TANGENT === undefined) !== (p.attributes.TANGENT === undefined)) wrong.push(`${where} has tangents without coordinates`); return; }
   if (q.attributes.TANGENT === undefined) { wrong.push(`${where} has no tangents`); return; }
   const made = numbers(after, q.attributes.TANGENT);
-  const expected = reference(gather(numbers(before, p.attributes.POSITION), old), gather(numbers(before, p.attributes.NORMAL), old), uv.slice());
+  const expected = reference(gather(numbers(before, p.attributes.POSITION), reach), gather(numbers(before, p.attributes.NORMAL), reach), uv.slice(), old);
   const moved = !!before.json.materials?.[p.material]?.normalTexture?.extensions?.KHR_texture_transform;
   const found = gather(made, now), normals = gather(numbers(before, p.attributes.NORMAL), old), near = made.component === 5120 ? 0.02 : made.component === 5126 && !moved ? 0 : 1e-4;
   counted.meshes++;
@@ -146,7 +148,7 @@ function checkTangents(before, after, p, q, old, now, where, wrong) {
     if (target.NORMAL === undefined) return;
     const at = `${where}/targets/${i}`, deltas = q.targets[i].TANGENT === undefined ? null : gather(numbers(after, q.targets[i].TANGENT), now);
     if (!deltas) { wrong.push(`${at} has no tangents`); return; }
-    const there = reference(displaced(before, p, target, "POSITION", old, false), displaced(before, p, target, "NORMAL", old, true), uv.slice());
+    const there = reference(displaced(before, p, target, "POSITION", reach, false), displaced(before, p, target, "NORMAL", reach, true), uv.slice(), old);
     counted.targets++;
     let off = 0;
     for (let c = 0; c < now.length; c++)
@@ -222,10 +224,14 @@ while (words.length) {
   if (word === "--flat") flat = true;
   else if (word === "--quiet") quiet = true;
   else if (word === "--packed" && words.length) bound = Number(words.shift());
-  else if (word === "--tangents" && words.length) {
+  else if ((word === "--tangents" || word === "--meshopt") && words.length) {
     const modules = pathToFileURL(path.resolve(words.shift()));
     addon = { ...(await import(`${modules}/three/examples/jsm/libs/mikktspace.module.js`)), ...(await import(`${modules}/three/build/three.core.js`)) };
     if (addon.ready) await addon.ready;
+    if (word === "--meshopt") {
+      addon.meshopt = (await import(`${modules}/meshoptimizer/meshopt_tangents.js`)).MeshoptTangents;
+      await addon.meshopt.ready;
+    }
   }
   else if (word === "--list" && words.length) files.push(...readFileSync(words[0] === "-" ? 0 : words[0], "utf8").split("\n").filter(Boolean).flatMap((line) => line.split("\t"))), words.shift();
   else files.push(word);

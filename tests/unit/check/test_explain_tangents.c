@@ -4,6 +4,7 @@
 #include "check.h"
 #include "mesh_files.h"
 #include <norma/check.h>
+#include <math.h>
 #include <string.h>
 
 static const float POSITIONS[12] = {0, 0, 0, 0, 1, 0, 1, 0, 0, -1, 0, 0};
@@ -62,6 +63,42 @@ static void test_mikk(void **state) {
     assert_exact(&d, NORMA_TANGENTS_BY_MIKK);
     assert_int_equal(d.negated, 1);
     assert_int_equal(d.signs_other, 2);
+}
+
+/* Triangle B twice as wide. meshoptimizer weighs by the angle times both edges: at vertex 0 A by
+ * pi/2, B by pi/2 times 2; at vertex 1 by pi/4 times sqrt(2) and by atan(2) times sqrt(5). Its arc
+ * cosine is within 5e-4. MikkTSpace halves the angle at vertex 0. */
+static void test_meshopt(void **state) {
+    static const float positions[12] = {0, 0, 0, 0, 1, 0, 1, 0, 0, -2, 0, 0},
+                       texcoords[8] = {0, 0, 0, 1, 1, 0, -4, 2};
+    const double pi = 3.141592653589793, root = sqrt(2), b = atan(2) * sqrt(5) / root,
+                 ends[2][2] = {{1 + root, root}, {pi / 4 * root + b, b}};
+    float tangents[16] = {
+        0, 0, 0, -1, 0, 0, 0, -1, 1, 0, 0, -1, (float)(1 / root), (float)(1 / root), 0, -1};
+    norma_tangent_deviation d;
+    const norma_mesh_data data = {.mesh = {.positions = {.data = positions, .count = 4},
+                                      .corners = CORNERS,
+                                      .corner_count = 6},
+        .normals = {.data = NORMALS, .count = 4}};
+    const norma_mesh_attributes attributes = {.texcoords = texcoords,
+        .texcoord_count = 4,
+        .tangents = tangents,
+        .tangent_count = 4,
+        .tangent_encoding = "float"};
+    (void)state;
+    for (size_t v = 0; v < 2; v++)
+        for (size_t k = 0; k < 2; k++)
+            tangents[4 * v + k] = (float)(ends[v][k] / hypot(ends[v][0], ends[v][1]));
+    assert_int_equal(norma_explain_tangents(&data, &attributes, NULL, &d), NORMA_OK);
+    assert_int_equal(d.source, NORMA_TANGENTS_BY_MESHOPT);
+    assert_int_equal(d.negated, 1);
+    assert_int_equal(d.explained, 6);
+    assert_true(d.under_meshopt.max_rad < 5e-4 && d.max_rad < 5e-4);
+    assert_true(fabs(d.under_mikk.max_rad - (atan2(root, 1 + root) - pi / 8)) < 1e-6);
+    /* Added as they are: (1, 0) and (1/2, 1/2) make (3, 1) at both ends. */
+    assert_true(
+        fabs(d.under_vertex_sums.max_rad -
+             fmax(atan2(root, 1 + root), atan2(ends[1][1], ends[1][0])) + atan2(1, 3)) < 1e-6);
 }
 
 static void test_nothing(void **state) {
@@ -125,6 +162,7 @@ static void test_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_sums), cmocka_unit_test(test_mikk),
-        cmocka_unit_test(test_nothing), cmocka_unit_test(test_files)};
+        cmocka_unit_test(test_meshopt), cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_files)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
