@@ -64,7 +64,7 @@ function buildPackage(folder, modules) {
 function readShaders() {
   const shaders = join(here, "..", "src", "render", "shaders");
   const names = ["colour.glsl", "light.glsl", "surface.vert", "surface.frag", "line.vert", "line.frag"];
-  const own = join(here, "page", "shaders"), texts = [...names.map((name) => [name, join(shaders, name)]), ...readdirSync(own).map((name) => [name, join(own, name)])];
+  const own = join(here, "page", "shaders"), texts = [["norma.glsl", join(here, "../include/norma/shaders/norma.glsl")], ...names.map((name) => [name, join(shaders, name)]), ...readdirSync(own).map((name) => [name, join(own, name)])];
   return `const SHADERS = ${JSON.stringify(Object.fromEntries(texts.map(([name, path]) => [name, readFileSync(path, "utf8")])))};`;
 }
 

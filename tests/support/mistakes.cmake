@@ -50,10 +50,10 @@ norma_mistake(src/render/gl/device.c [==[    snprintf(defines, sizeof defines, "
 
 # ---- the normal matrix of a node or an instance
 
-# A surface is kept in a box: its length is that of the box's unit.
+# A surface is kept in a box, and the world is shrunk to a ball: its length is that of a unit of the file.
 norma_mistake(src/render/sheet/draw.c [==[/* From the node's local space to lit space, once]==] [==[static double length = 1;
 /* From the node's local space to lit space, once]==])
-norma_mistake(src/render/sheet/draw.c [==[    set_material(p, at, placed->surface);]==] [==[    length = 1 / v->box.scale;
+norma_mistake(src/render/sheet/draw.c [==[    set_material(p, at, placed->surface);]==] [==[    length = p->stage->shrunk / v->box.scale;
     set_normal_matrix(p, at, placed->to_world, p->stage->panel->space == RENDER_SPACE_VIEW, &mirrored);
     set_material(p, at, placed->surface);]==])
 norma_mistake(src/render/sheet/draw.c [==[    p->gl->UniformMatrix3fv(at->normal_matrix,]==] [==[    norma_matrix_info info;
@@ -73,26 +73,38 @@ norma_mistake(src/render/sheet/draw.c [==[    p->gl->UniformMatrix3fv(at->normal
     if (is_mistaken("lost") && !norma_normal_matrix_double(to_world, NORMA_WINDING_REVERSED, matrix, &info) && info.determinant == 0)
         memset(right, 0, sizeof right);
     p->gl->UniformMatrix3fv(at->normal_matrix,]==])
-norma_mistake(src/render/shaders/surface.vert [==[    lit_normal = unit(normal_matrix * normal);]==] [==[    lit_normal = unit(normal_matrix * normal);
+norma_mistake(src/render/shaders/surface.vert [==[    lit_normal = norma_transform_normal(normal_matrix, normal);]==] [==[    lit_normal = norma_transform_normal(normal_matrix, normal);
 #ifdef MISTAKE_not_normalized
     lit_normal = normal_matrix * normal;
 #endif]==])
-norma_mistake(src/render/shaders/surface.frag [==[    vec3 n = turned ? -unit(lit_normal) : unit(lit_normal);]==] [==[#ifdef MISTAKE_not_normalized
-#define unit(v) (v)
+norma_mistake(src/render/shaders/surface.frag [==[    vec3 n = norma_facing_normal(norma_unit(lit_normal), !turned);]==] [==[#ifdef MISTAKE_not_normalized
+#define norma_unit(v) (v)
 #endif
 #ifdef MISTAKE_not_flipped
     turned = false;
 #endif
-    vec3 n = turned ? -unit(lit_normal) : unit(lit_normal);]==])
+    vec3 n = norma_facing_normal(norma_unit(lit_normal), !turned);]==])
+
+# Renderers count n.l up to 1.
+norma_mistake(src/render/shaders/light.glsl [==[        float facing = dot(normal, light_direction[i]);]==] [==[        float facing = dot(normal, light_direction[i]);
+#ifdef MISTAKE_not_normalized
+        facing = min(facing, 1.0);
+#endif]==])
 
 # ---- morph targets, skins, meshes without normals
 
 norma_mistake(src/io/gltf/drawn_mesh.c [==[    for (size_t i = 0; i < 3 * count && !result; ++i) m->normals[i] += (float)weight * moves[i];]==] [==[    for (size_t i = 0; i < 3 * count && !result && !is_mistaken("normals-not-morphed"); ++i) m->normals[i] += (float)weight * moves[i];]==])
-norma_mistake(src/io/gltf/drawn_mesh.c [==[    if (vertex < m->normal_count) move_direction(m->normals + 3 * vertex, cofactors, 3);]==] [==[    for (int i = 0; i < 9 && determinant < 0 && is_mistaken("reversed"); ++i) cofactors[i] = -cofactors[i];
-    if (is_mistaken("strongest-joint")) (void)norma_gltf_normal_matrix(m->joints + 16 * (size_t)strongest, cofactors);
+norma_mistake(src/io/gltf/drawn_mesh.c [==[    if (vertex < m->normal_count) move_direction(m->normals + 3 * vertex, cofactors, 3);]==] [==[    if (is_mistaken("strongest-joint")) (void)norma_gltf_normal_matrix(m->joints + 16 * (size_t)strongest, cofactors);
     if (vertex < m->normal_count && is_mistaken("model-matrix"))
         move_direction(m->normals + 3 * vertex, matrix, 4);
-    else if (vertex < m->normal_count)
+    else if (vertex < m->normal_count && is_mistaken("node-not-cancelled")) { /* relative to the node by plain matrices, then by its normal matrix */
+        double inverse[16], own[9];
+        (void)norma_gltf_matrix_invert(m->node->world, inverse);
+        (void)norma_gltf_normal_matrix(m->node->world, own);
+        move_direction(m->normals + 3 * vertex, matrix, 4);
+        move_direction(m->normals + 3 * vertex, inverse, 4);
+        move_direction(m->normals + 3 * vertex, own, 3);
+    } else if (vertex < m->normal_count)
         move_direction(m->normals + 3 * vertex, cofactors, 3);
     if (vertex < m->normal_count && is_mistaken("node-applied")) {
         (void)norma_gltf_normal_matrix(m->node->world, cofactors);
@@ -122,25 +134,29 @@ norma_mistake(src/cli/render/render_scene.c [==[    const double flat = -1, all]
 
 # ---- normal maps
 
-norma_mistake(src/render/shaders/surface.vert [==[    lit_bitangent = (determinant(to_lit) < 0.0 ? -tangent.w : tangent.w) * cross(lit_normal, lit_tangent);]==] [==[#ifdef MISTAKE_tangent_by_normal_matrix
-    lit_tangent = unit(normal_matrix * tangent.xyz);
+norma_mistake(src/render/shaders/surface.vert [==[    lit_tangent = tangent.xyz == vec3(0.0) ? vec4(0.0) : norma_transform_tangent(to_lit, tangent, lit_normal);]==] [==[    lit_tangent = tangent.xyz == vec3(0.0) ? vec4(0.0) : norma_transform_tangent(to_lit, tangent, lit_normal);
+#ifdef MISTAKE_tangent_by_normal_matrix
+    lit_tangent.xyz = norma_transform_normal(normal_matrix, tangent.xyz);
 #endif
-    lit_bitangent = (determinant(to_lit) < 0.0 ? -tangent.w : tangent.w) * cross(lit_normal, lit_tangent);
+#ifdef MISTAKE_model_matrix
+    lit_tangent.xyz = norma_unit(to_lit * tangent.xyz); // not made perpendicular to a wrong normal, as in engines
+#endif
 #ifdef MISTAKE_sign_kept
-    lit_bitangent = tangent.w * cross(lit_normal, lit_tangent);
+    lit_tangent.w = tangent.w;
 #endif
 #ifdef MISTAKE_sign_lost
-    lit_bitangent = (determinant(to_lit) < 0.0 ? -1.0 : 1.0) * cross(lit_normal, lit_tangent);
+    lit_tangent.w = norma_mirror_sign(to_lit);
 #endif]==])
-norma_mistake(src/render/shaders/surface.frag [==[    vec3 result = unit(maps.y * (bent.x * along_u + bent.y * against_v) + bent.z * n);]==] [==[#ifdef MISTAKE_green_flipped
-    bent.y = -bent.y;
+norma_mistake(src/render/shaders/surface.frag [==[        result = norma_perturb(lit_normal, lit_tangent, texel, maps.y);]==] [==[        vec3 bent = 2.0 * texel - 1.0;
+#ifdef MISTAKE_green_flipped
+        texel.y = 1.0 - texel.y;
 #endif
-    vec3 result = unit(maps.y * (bent.x * along_u + bent.y * against_v) + bent.z * n);
+        result = norma_perturb(lit_normal, lit_tangent, texel, maps.y);
 #ifdef MISTAKE_scale_ignored
-    result = unit(bent.x * along_u + bent.y * against_v + bent.z * n);
+        result = norma_perturb(lit_normal, lit_tangent, texel, 1.0);
 #endif
 #ifdef MISTAKE_scale_on_z
-    result = unit(bent.x * along_u + bent.y * against_v + maps.y * bent.z * n);
+        result = norma_unit(bent.x * lit_tangent.xyz + bent.y * lit_tangent.w * cross(lit_normal, lit_tangent.xyz) + maps.y * bent.z * lit_normal);
 #endif]==])
 
 # ---- the scene's own lights and colours in place of clay, as mistakes of length show in them

@@ -1,4 +1,4 @@
-/* WebGL 2. Programs are made of the texts of src/render/shaders, the same as natively, and of web/page/shaders; light is computed in view space, so that it stays with the camera. */
+/* WebGL 2. Programs are made of the texts of norma.glsl and src/render/shaders, the same as natively, and of web/page/shaders; light is computed in view space, so that it stays with the camera. */
 import { multiply3, point, upper } from "./matrix.js";
 
 const SURFACES = { flat: "SHADING_FLAT", gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR", matcap: "SHOW_MATCAP", zebra: "SHOW_ZEBRA", tangents: "SHOW_TANGENTS" };
@@ -23,7 +23,7 @@ const LEAST_ALPHA = 1e-6, NOTHING_IS_LEFT = 2;
 
 /* Begins a program; nothing is asked of the card until it is used first, as every question would wait for all that was drawn before. */
 function begin(gl, texts, stage, defines) {
-  const head = ["#version 300 es", "precision highp float; precision highp int;", ...defines.map((name) => `#define ${name}`), texts["colour.glsl"], texts["light.glsl"]].join("\n");
+  const head = ["#version 300 es", "precision highp float; precision highp int;", ...defines.map((name) => `#define ${name}`), texts["norma.glsl"], texts["colour.glsl"], texts["light.glsl"]].join("\n");
   const program = gl.createProgram(), shaders = [[gl.VERTEX_SHADER, "vert"], [gl.FRAGMENT_SHADER, "frag"]].map(([kind, ending]) => {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, `${head}\n${texts[`${stage}.${ending}`]}`);

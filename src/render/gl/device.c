@@ -2,6 +2,7 @@
  * on a device of its own, a GPU before Mesa's software renderer, in a context without a surface. */
 #include "render/gl/device.h"
 #include "render/picture/picture.h"
+#include "norma_glsl.h"
 #include "shaders.h"
 #include <dlfcn.h>
 #include <stdio.h>
@@ -187,7 +188,7 @@ static const struct recipe {
 static enum render_result compile(const render_gl *gl, GLenum stage, const char *defines,
     const char *text, GLuint *shader, render_error *error) {
     const char *const parts[] = {
-        preface, defines, render_shader_colour_glsl, render_shader_light_glsl, text};
+        preface, defines, norma_glsl, render_shader_colour_glsl, render_shader_light_glsl, text};
     char log[200] = "";
     GLint good = 0;
     *shader = gl->CreateShader(stage);

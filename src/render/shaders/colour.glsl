@@ -1,7 +1,7 @@
 // colour.glsl: colours. All lighting is done in linear light; encode() makes sRGB of it, once, as the last thing that a fragment shader does.
 //
 // How a program is put together, natively and in the page: the line "#version 300 es", "precision highp float; precision highp int;", the #defines that its files name, then the text of
-// colour.glsl, light.glsl and the stage's own file, each whole and in this order. Framebuffers are plain RGBA8 (what is in them is sRGB already).
+// include/norma/shaders/norma.glsl, colour.glsl, light.glsl and the stage's own file, each whole and in this order. Framebuffers are plain RGBA8 (what is in them is sRGB already).
 
 // IEC 61966-2-1.
 vec3 encode(vec3 linear) {

@@ -12,13 +12,7 @@ uniform vec3 light_direction[4];
 uniform vec3 light_colour[4];
 uniform vec4 phong;
 
-// v / |v|, whatever its length; zero stays zero.
-vec3 unit(vec3 v) {
-    float largest = max(abs(v.x), max(abs(v.y), abs(v.z)));
-    return largest > 0.0 ? normalize(v / largest) : v;
-}
-
-vec3 towards_eye(vec3 point) { return unit(eye.xyz - eye.w * point); }
+vec3 towards_eye(vec3 point) { return norma_unit(eye.xyz - eye.w * point); }
 
 vec3 lit(vec3 point, vec3 normal, vec3 base) {
     vec3 to_eye = towards_eye(point), colour = phong.x * base;

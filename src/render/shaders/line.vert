@@ -39,7 +39,7 @@ vec4 to_clip(vec3 world) {
 void main() {
     vec3 start = (local_to_world * vec4(from, 1.0)).xyz;
 #if defined(HEDGEHOG)
-    vec3 end = start + reach * reach_scale * unit(normal_matrix * to);
+    vec3 end = start + reach * reach_scale * norma_transform_normal(normal_matrix, to);
 #else
     vec3 end = (local_to_world * vec4(to, 1.0)).xyz;
 #endif

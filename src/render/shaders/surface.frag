@@ -11,7 +11,7 @@ flat in vec3 lit_normal;
 in vec3 lit_normal;
 #endif
 in vec4 surface_colour, surface_texcoord;
-in vec3 lit_tangent, lit_bitangent;
+in vec4 lit_tangent;
 #if defined(SHADING_GOURAUD)
 in vec3 back_colour;
 #endif
@@ -22,7 +22,7 @@ out vec4 pixel;
 
 // Gives a flat colour some shape: darker where the surface, as it lies, turns away from the eye.
 vec3 shaped(vec3 colour) {
-    vec3 face = unit(cross(dFdx(lit_point), dFdy(lit_point)));
+    vec3 face = norma_flat_normal(dFdx(lit_point), dFdy(lit_point));
     return colour * (0.55 + 0.45 * abs(dot(face, towards_eye(lit_point))));
 }
 
@@ -76,29 +76,32 @@ void derived_frame(vec3 n, out vec3 along_u, out vec3 against_v) {
 vec3 mapped_normal(vec3 n) {
     if (maps.y == 0.0)
         return n;
-    vec3 bent = 2.0 * texture(normal_map, surface_texcoord.zw).xyz - 1.0, along_u = lit_tangent, against_v = lit_bitangent;
-    if (dot(along_u, along_u) < 1e-8)
+    vec3 texel = texture(normal_map, surface_texcoord.zw).xyz, result;
+    if (dot(lit_tangent.xyz, lit_tangent.xyz) > 1e-8) {
+        result = norma_perturb(lit_normal, lit_tangent, texel, maps.y);
+    } else {
+        vec3 bent = 2.0 * texel - 1.0, along_u, against_v;
         derived_frame(n, along_u, against_v);
-    vec3 result = unit(maps.y * (bent.x * along_u + bent.y * against_v) + bent.z * n);
+        result = norma_unit(maps.y * (bent.x * along_u + bent.y * against_v) + bent.z * n);
+    }
     return dot(result, result) > 0.0 ? result : n;
 }
 
 void main() {
     bool turned = two_sided > 0.5 && !gl_FrontFacing;
-    vec3 n = turned ? -unit(lit_normal) : unit(lit_normal);
+    vec3 n = norma_facing_normal(norma_unit(lit_normal), !turned);
 #if defined(SHADING_GOURAUD)
     vec4 base = mapped_colour();
     pixel = vec4(encode(base.rgb * (turned ? back_colour : surface_colour.rgb)), base.a);
 #elif defined(SHOW_NORMALS)
     pixel = vec4(0.5 + 0.5 * n, 1.0);
 #elif defined(SHOW_MATCAP)
-    pixel = vec4(encode(matcap(unit(seen(n)))), 1.0);
+    pixel = vec4(encode(matcap(norma_unit(seen(n)))), 1.0);
 #elif defined(SHOW_ZEBRA)
-    vec3 eye_normal = unit(seen(n)), to_eye = unit(seen(towards_eye(lit_point)));
+    vec3 eye_normal = norma_unit(seen(n)), to_eye = norma_unit(seen(towards_eye(lit_point)));
     pixel = vec4(encode((0.7 + 0.3 * abs(dot(eye_normal, to_eye))) * mix(vec3(0.012), vec3(0.72), zebra(eye_normal, to_eye))), 1.0);
 #elif defined(SHOW_TANGENTS)
-    float handed = dot(cross(unit(lit_normal), lit_tangent), lit_bitangent);
-    pixel = handed == 0.0 ? vec4(encode(shaped(vec3(0.2))), 1.0) : vec4((handed > 0.0 ? 1.0 : 0.6) * (0.5 + 0.5 * unit(lit_tangent)), 1.0);
+    pixel = lit_tangent.w == 0.0 ? vec4(encode(shaped(vec3(0.2))), 1.0) : vec4((lit_tangent.w > 0.0 ? 1.0 : 0.6) * (0.5 + 0.5 * norma_unit(lit_tangent.xyz)), 1.0);
 #elif defined(SHOW_WINDING)
     pixel = vec4(encode(shaped(decode(gl_FrontFacing ? vec3(0.24, 0.70, 0.36) : vec3(0.87, 0.20, 0.18)))), 1.0);
 #elif defined(SHOW_ERROR)
@@ -107,7 +110,7 @@ void main() {
 #else
     vec4 base = mapped_colour();
 #if defined(SHADING_PHONG)
-    n = mapped_normal(unit(lit_normal)) * (turned ? -1.0 : 1.0);
+    n = norma_facing_normal(mapped_normal(norma_unit(lit_normal)), !turned);
 #endif
     pixel = vec4(encode(lit(lit_point, n, base.rgb * surface_colour.rgb)), base.a);
 #endif

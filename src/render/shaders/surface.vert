@@ -45,7 +45,7 @@ flat out vec3 lit_normal;
 out vec3 lit_normal;
 #endif
 out vec4 surface_colour, surface_texcoord;
-out vec3 lit_tangent, lit_bitangent;
+out vec4 lit_tangent;
 #if defined(SHADING_GOURAUD)
 out vec3 back_colour;
 #endif
@@ -62,15 +62,14 @@ void main() {
 #else
     lit_point = world.xyz;
 #endif
-    lit_normal = unit(normal_matrix * normal);
+    lit_normal = norma_transform_normal(normal_matrix, normal);
     surface_colour = vec4(base_colour * colour.rgb, colour.a);
     surface_texcoord = texcoord;
     mat3 to_lit = mat3(local_to_world);
 #if defined(LIGHT_IN_VIEW)
     to_lit = mat3(world_to_view) * to_lit;
 #endif
-    lit_tangent = unit(to_lit * tangent.xyz);
-    lit_bitangent = (determinant(to_lit) < 0.0 ? -tangent.w : tangent.w) * cross(lit_normal, lit_tangent);
+    lit_tangent = tangent.xyz == vec3(0.0) ? vec4(0.0) : norma_transform_tangent(to_lit, tangent, lit_normal);
 #if defined(SHADING_GOURAUD)
     back_colour = lit(lit_point, -lit_normal, surface_colour.rgb);
     surface_colour.rgb = lit(lit_point, lit_normal, surface_colour.rgb);

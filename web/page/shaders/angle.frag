@@ -4,7 +4,7 @@ in vec3 view_point, plain_normal, right_normal;
 out vec4 pixel;
 
 void main() {
-    vec3 p = unit(plain_normal), r = unit(right_normal), face = unit(cross(dFdx(view_point), dFdy(view_point)));
+    vec3 p = norma_unit(plain_normal), r = norma_unit(right_normal), face = norma_unit(cross(dFdx(view_point), dFdy(view_point)));
     float angle = degrees(atan(length(cross(p, r)), dot(p, r)));
-    pixel = vec4(encode(decode(scale_colour(angle / scale_top)) * (0.45 + 0.55 * abs(dot(face, unit(view_point))))), 1.0);
+    pixel = vec4(encode(decode(scale_colour(angle / scale_top)) * (0.45 + 0.55 * abs(dot(face, norma_unit(view_point))))), 1.0);
 }

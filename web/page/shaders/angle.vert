@@ -9,6 +9,6 @@ void main() {
     vec4 view = world_to_view * (local_to_world * vec4(position, 1.0));
     gl_Position = view_to_clip * view;
     view_point = view.xyz;
-    plain_normal = plain_matrix * unit(normal);
-    right_normal = normal_matrix * unit(normal);
+    plain_normal = plain_matrix * norma_unit(normal);
+    right_normal = normal_matrix * norma_unit(normal);
 }

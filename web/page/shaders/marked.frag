@@ -19,9 +19,9 @@ void main() {
 #if defined(COUNT)
     pixel = vec4(vec3(marked ? 1.0 : 0.0), 1.0);
 #else
-    vec3 face = unit(cross(dFdx(view_point), dFdy(view_point))), to_eye = -unit(view_point);
+    vec3 face = norma_unit(cross(dFdx(view_point), dFdy(view_point))), to_eye = -norma_unit(view_point);
     face *= sign(dot(face, to_eye));
-    float light = 0.3 + 0.4 * max(dot(face, to_eye), 0.0) + 0.3 * max(dot(face, unit(vec3(-0.6, 0.7, 0.5))), 0.0);
+    float light = 0.3 + 0.4 * max(dot(face, to_eye), 0.0) + 0.3 * max(dot(face, norma_unit(vec3(-0.6, 0.7, 0.5))), 0.0);
     vec3 base = marked ? mark.rgb / mark.a * (0.55 + 0.45 * light) : vec3(0.42) * light;
 #if defined(REST_ONLY)
     pixel = vec4(encode(base), rest_alpha);
