@@ -16,14 +16,50 @@ for file in "$suite"/MUSTPASS/*.3mf "$samples"/examples/*/*.3mf; do
 done
 check "at least 33 samples are read" test "${read_files:-0}" -ge 33
 
-# Of those that must fail, these are about the package, the XML and the meshes; the others are about materials and metadata, which no rule looks at.
-refused="2.1.1a 2.1.2 2.3.2a 2.3.2b 3.4.3.1a 3.4.3.1b 3.4a 3.4b 3.4c 4a_InvalidObjectType"
-for chapter in $refused; do
-    for file in "$suite"/MUSTFAIL/MUSTFAIL_Chapter"$chapter"*.3mf; do
+# The 38 that must fail. A reader of meshes refuses those whose meshes, or the way to them, are not what the file says: yes. The others: their meshes are sound, and what is
+# wrong concerns readers of colours, tickets and pictures, which Norma keeps as bytes: no.
+# chapter, refused, why
+suite_of_failures() {
+    sed 's/^ *//' <<'END'
+    Chapter2.1.1a yes the relationship to the model leads nowhere
+    Chapter2.1.1b no a texture outside the package
+    Chapter2.1.2 yes two models
+    Chapter2.1.3 no a thumbnail that is missing
+    Chapter2.1.4 no two print tickets
+    Chapter2.3.2a yes not UTF-8
+    Chapter2.3.2b yes a document type: entities
+    Chapter2.3.2c no an attribute of a namespace that no schema defines
+    Chapter2.3.2d no an element whose prefix is not declared, which files of slicers have too
+    Chapter2.3.4 no xml:space
+    Chapter3.4.1a no metadata without a name
+    Chapter3.4.1b no metadata of one name twice
+    Chapter3.4.3.1a yes a build item of an object that does not exist
+    Chapter3.4.3.1b yes a build item of an object of the type other
+    Chapter3.4a yes two roots
+    Chapter3.4b yes no build
+    Chapter3.4c yes no resources
+    Chapter4a yes an object of an unknown type
+    Chapter4b no pindex without pid: a colour
+    Chapter5a no base materials of one id twice; no object has it
+    3MF100_Extension_Chapter2 no colours
+    3MF100_Extension_Chapter3 no textures
+    3MF100_Extension_Chapter4 no composite materials
+    3MF100_Extension_Chapter5 no several properties at once
+    3MF100_Extension_Chapter6 no pictures
+END
+}
+while read -r chapter refused why; do
+    for file in "$suite"/MUSTFAIL/MUSTFAIL_"$chapter"[a-z_]*.3mf; do
         said=$("$norma" check "$file" 2>&1)
-        if [ $? -eq 3 ] && grep -q N001 <<<"$said"; then pass "${file##*/} is refused"; else fail "${file##*/} is refused" "$said"; fi
+        status=$? judged=$((${judged:-0} + 1))
+        if [ "$refused" = yes ]; then
+            if [ $status -eq 3 ] && grep -q N001 <<<"$said"; then pass "${file##*/} is refused: $why"; else fail "${file##*/} is refused: $why" "$said"; fi
+        else
+            if [ $status -lt 2 ]; then pass "${file##*/} is read: $why"; else fail "${file##*/} is read: $why" "$said"; fi
+        fi
     done
-done
+done < <(suite_of_failures)
+check "all 38 files that must fail are in the table" test "${judged:-0}" -eq 38
 
 if command -v python3 >/dev/null && command -v unzip >/dev/null; then
     relay "turned triangles" python3 "$root/tests/cli/judge_3mf.py" "$norma" "$scratch" "$suite"/MUSTPASS/*.3mf "$samples"/examples/*/*.3mf

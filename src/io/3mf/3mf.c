@@ -23,6 +23,7 @@ static void tmf_free_content(void *content) {
     free(state->items);
     free(state->nodes);
     free(state->meshes);
+    free(state->others);
 }
 
 static int tmf_has_edit(const void *content) { return (void)content, 0; }

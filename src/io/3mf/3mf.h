@@ -29,6 +29,10 @@ typedef struct tmf_use { /* a component or an item: an object at a place */
     double matrix[16]; /* column-major */
 } tmf_use;
 
+typedef struct tmf_id { /* of a resource that is no object */
+    uint32_t part, id;
+} tmf_id;
+
 typedef struct tmf_node {
     size_t mesh;
     double world[16];
@@ -40,9 +44,11 @@ typedef struct tmf_state {
     tmf_object *objects;
     tmf_use *components, *items;
     tmf_node *nodes;
+    tmf_id *others;
     uint32_t *meshes; /* the objects that have one */
     size_t part_count, part_capacity, object_count, object_capacity, component_count,
-        component_capacity, item_count, item_capacity, node_count, node_capacity, mesh_count;
+        component_capacity, item_count, item_capacity, node_count, node_capacity, mesh_count,
+        other_count, other_capacity;
     size_t unpacked; /* bytes of XML so far */
 } tmf_state;
 

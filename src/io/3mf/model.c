@@ -91,6 +91,12 @@ static const char *value_of(const XML_Char **attributes, const char *name) {
     return NULL;
 }
 
+/* words: ending with NULL. An attribute that is missing has its default. */
+static int is_one_of(const char *const *words, const char *value) {
+    while (value && *words && strcmp(*words, value) != 0) ++words;
+    return !value || *words;
+}
+
 static const char *skip_blanks(const char *text) { return text + strspn(text, " \t\r\n"); }
 
 static int value_as_number(const char *text, double *value) {
@@ -145,10 +151,9 @@ static void add_object(model_reader *r, const XML_Char **attributes) {
         return;
     }
     const char *type = value_of(attributes, "type");
-    static const char *const types[] = {"model", "solidsupport", "support", "surface", "other"};
-    int known = type ? 0 : 1;
-    for (int i = 0; type && i < 5; ++i) known |= strcmp(type, types[i]) == 0;
-    if (!known) {
+    static const char *const types[] = {
+        "model", "solidsupport", "support", "surface", "other", NULL};
+    if (!is_one_of(types, type)) {
         fail_model(
             r, "expected model, solidsupport, support, surface or other as an object's type");
         return;
@@ -160,6 +165,32 @@ static void add_object(model_reader *r, const XML_Char **attributes) {
     object->name = norma_io_copy_text(name ? name : "", name ? strlen(name) : 0);
     object->where = norma_io_copy_text(where, strlen(where));
     if (!object->name || !object->where) fail_model_memory(r);
+}
+
+static void check_unit(model_reader *r, const char *unit) {
+    static const char *const units[] = {
+        "micron", "millimeter", "centimeter", "inch", "foot", "meter", NULL};
+    if (!is_one_of(units, unit))
+        fail_model(r,
+            "expected micron, millimeter, centimeter, inch, foot or meter as the model's unit; "
+            "found %.40s",
+            unit);
+}
+
+/* Materials and what else may have an id: objects must not have the same (chapter 3.4.2). What is
+ * wrong with it otherwise, its own readers say. */
+static void add_other_id(model_reader *r, const XML_Char **attributes) {
+    tmf_state *state = r->state;
+    tmf_id other = {.part = r->part};
+    if (!read_id(value_of(attributes, "id"), &other.id)) return;
+    tmf_id *others = norma_io_grow(
+        state->others, &state->other_capacity, state->other_count + 1, sizeof *others);
+    if (!others) {
+        fail_model_memory(r);
+        return;
+    }
+    state->others = others;
+    others[state->other_count++] = other;
 }
 
 static void add_vertex(model_reader *r, const XML_Char **attributes) {
@@ -219,6 +250,9 @@ static void add_use(
 static void begin_element(model_reader *r, const XML_Char **attributes) {
     tmf_state *state = r->state;
     switch (r->element) {
+    case TMF_MODEL:
+        check_unit(r, value_of(attributes, "unit"));
+        break;
     case TMF_RESOURCES:
         r->has_resources = 1;
         break;
@@ -291,6 +325,7 @@ static void XMLCALL start_element(void *user, const XML_Char *name, const XML_Ch
     if (i == ELEMENT_COUNT) {
         if (!r->edits && r->element == TMF_MESH && strstr(name, "trianglesets"))
             r->state->objects[r->state->object_count - 1].has_sets = 1;
+        if (!r->edits && r->element == TMF_RESOURCES && !r->skipped) add_other_id(r, attributes);
         ++r->skipped;
         return;
     }
@@ -543,6 +578,12 @@ static norma_document_result sort_objects(placing *p) {
         if (compare_objects(&p->by_id[i - 1], &p->by_id[i]) == 0)
             return norma_document_fail(p->document, p->error, NORMA_DOCUMENT_ERROR_MALFORMED,
                 p->by_id[i]->where, "is defined twice");
+    for (size_t i = 0; i < state->other_count; ++i) {
+        const tmf_object *object = find_object(p, state->others[i].part, state->others[i].id);
+        if (object)
+            return norma_document_fail(p->document, p->error, NORMA_DOCUMENT_ERROR_MALFORMED,
+                object->where, "has the id of another resource");
+    }
     return NORMA_DOCUMENT_OK;
 }
 

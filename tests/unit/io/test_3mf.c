@@ -204,6 +204,12 @@ static void test_broken_models(void **state) {
         {MODEL("<object id=\"x\"/>", ""), "expected an object with an id"},
         {MODEL("<object id=\"1\" type=\"cake\"/>", ""), "expected model, solidsupport"},
         {MODEL("<object id=\"1\"/><object id=\"1\"/>", ""), "object 1: is defined twice"},
+        {MODEL("<basematerials id=\"1\"/><object id=\"1\"/>", ""),
+            "object 1: has the id of another resource"},
+        {MODEL("<object id=\"1\"/><m:colorgroup id=\"1\"><m:color id=\"2\"/></m:colorgroup>", ""),
+            "object 1: has the id of another resource"},
+        {"<model unit=\"furlong\" " CORE "><resources/><build/></model>",
+            "as the model's unit; found furlong"},
         {MODEL("<object id=\"1\">" TETRA("<triangle v1=\"0\" v2=\"2\" v3=\"4\"/>") "</object>", ""),
             "expected v3 of a triangle to be one of the 4 vertices"},
         {MODEL(
