@@ -6,11 +6,11 @@ _norma() {
     local values="" options=""
     COMPREPLY=()
     if [ "$COMP_CWORD" -eq 1 ]; then
-        mapfile -t COMPREPLY < <(compgen -W "compute tangents pack transform matrix check report explain info compare render view acid help --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "compute tangents pack transform matrix check report explain info compare render view acid mcp help --help --version" -- "$word")
         return
     fi
     case $before in
-    help) values="compute tangents pack transform matrix check report explain info compare render view acid" ;;
+    help) values="compute tangents pack transform matrix check report explain info compare render view acid mcp" ;;
     --format) values="text line json sarif html" ;;
     --profile) values="render print generated" ;;
     --color) values="auto always never" ;;
@@ -54,6 +54,7 @@ _norma() {
     explain) options="-o --output --json --help" ;;
     view) options="-o --output --out-dir --input-format --threads --max-memory --json --quiet --help" ;;
     compare) options="--max --share --input-format --threads --max-memory --json --quiet --help" ;;
+    mcp) options="--root --read-only --help" ;;
     acid) options="--judge --scene --without -o --output --tap --json --quiet --help" ;;
     info) options="--deep --input-format --threads --max-memory --json --quiet --help" ;;
     esac

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Installs what building and testing need and this machine lacks: Debian packages by apt-get (as root or through sudo), and from npm the
-# Khronos glTF validator in the versions of tests/cli/validator/package-lock.json, into build/npm, and what tests/web/package-lock.json and tests/tangent/package-lock.json name, into build/npm-web and build/npm-tangent.
+# Khronos glTF validator in the versions of tests/cli/validator/package-lock.json, into build/npm, and what the package-lock.json of tests/web, tests/tangent and tests/mcp name, into build/npm-web, build/npm-tangent and build/npm-mcp.
 # The decoders of compressed glTF that page and npm package hold (web/package-lock.json) come from npm, into build/npm-bundled.
 # Where nothing is missing it only looks.
 #   scripts/install-deps.sh build   what `make` needs
@@ -100,5 +100,6 @@ if [ "$what" = all ]; then
     from_npm tests/cli/validator "$root/build/npm"
     from_npm tests/web "$root/build/npm-web"
     from_npm tests/tangent "$root/build/npm-tangent"
+    from_npm tests/mcp "$root/build/npm-mcp"
 fi
 exit $failed

@@ -278,11 +278,15 @@ static double now(void) {
                : (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
+static int progress_channel = -1;
+
+void cli_progress_send(int descriptor) { progress_channel = descriptor; }
+
 void cli_progress_start(
     cli_progress *progress, const char *what, const char *name, int quiet, double megabytes) {
     const char *terminal = getenv("TERM");
     int person = isatty(STDERR_FILENO) && terminal && strcmp(terminal, "dumb") != 0;
-    *progress = (cli_progress){.enabled = !quiet && person,
+    *progress = (cli_progress){.enabled = !quiet && (person || progress_channel >= 0),
         .what = what,
         .name = name,
         .megabytes = megabytes,
@@ -291,6 +295,11 @@ void cli_progress_start(
 }
 
 static void show(cli_progress *progress, double fraction, double elapsed) {
+    if (progress_channel >= 0) {
+        const ssize_t written = write(progress_channel, &fraction, sizeof fraction);
+        (void)written;
+        return;
+    }
     const char *slash = strrchr(progress->name, '/');
     fprintf(stderr, "\r%s ", progress->what);
     cli_write_outside_cut(stderr, slash ? slash + 1 : progress->name, 40);

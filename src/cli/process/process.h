@@ -70,6 +70,8 @@ int cli_progress_report(void *progress, double fraction); /* a norma_progress */
 int cli_progress_elapsed(void *progress, double fraction);
 /* For work that reports nothing: the seconds are shown until the line is stopped. */
 void cli_progress_tick(cli_progress *progress);
+/* From now on fractions are written to this descriptor, as doubles, instead of a line. */
+void cli_progress_send(int descriptor);
 void cli_progress_hide(cli_progress *progress); /* until it is reported again */
 void cli_progress_stop(cli_progress *progress);
 

@@ -267,9 +267,11 @@ void cli_json_bool(cli_json *json, const char *key, int value) {
     fputs(value ? "true" : "false", json->out);
 }
 
-void cli_json_null(cli_json *json, const char *key) {
+void cli_json_null(cli_json *json, const char *key) { cli_json_raw(json, key, "null"); }
+
+void cli_json_raw(cli_json *json, const char *key, const char *text) {
     begin_value(json, key);
-    fputs("null", json->out);
+    fputs(text, json->out);
 }
 
 /* ---- What people read: counts with commas, angles without noise, names of weights and

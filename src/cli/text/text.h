@@ -67,6 +67,7 @@ void cli_json_size(cli_json *json, const char *key, size_t number);
 void cli_json_number(cli_json *json, const char *key, double number);
 void cli_json_bool(cli_json *json, const char *key, int value);
 void cli_json_null(cli_json *json, const char *key);
+void cli_json_raw(cli_json *json, const char *key, const char *text); /* which is JSON already */
 char *cli_shortest(char text[32], double number); /* the fewest digits that read back as the same */
 
 /* ---- JSON that was read. Strict: besides what RFC 8259 forbids, members that are there twice and

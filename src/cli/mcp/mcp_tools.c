@@ -1,0 +1,463 @@
+/* mcp_tools.c: the tools: which subcommand each runs, and what its arguments become on that
+ * command's line. The JSON schemas that clients see are written from the same table. */
+#include "cli/mcp/mcp.h"
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum argument_kind {
+    ARGUMENT_END = 0,
+    ARGUMENT_INPUT,     /* a file that is read, a word of its own unless it has an option */
+    ARGUMENT_OUTPUT,    /* a file that is written */
+    ARGUMENT_IN_PLACE,  /* instead of it */
+    ARGUMENT_OVERWRITE, /* allows an output that exists */
+    ARGUMENT_FLAG,      /* its option if true, else its other one, if it has one */
+    ARGUMENT_NUMBER,
+    ARGUMENT_NUMBERS, /* so many, with commas between */
+    ARGUMENT_TEXT,
+    ARGUMENT_BYTES /* how long the answer may be */
+};
+
+typedef struct tool_argument {
+    const char *name;
+    enum argument_kind kind;
+    const char *option, *about;
+    const char *choices; /* of a text: "a,b,c"; of a flag: its other option */
+    double least, most;
+    size_t count; /* of numbers */
+    int required;
+} tool_argument;
+
+enum { MOST_ARGUMENTS = 14 };
+
+struct mcp_tool {
+    const char *name, *title, *about;
+    const cli_subcommand *command;
+    mcp_kind kind;
+    int writes;
+    const char *words[4]; /* that stand on the command line whatever is asked for */
+    tool_argument arguments[MOST_ARGUMENTS];
+};
+
+#define IN_FILE(named, words)                                                                      \
+    { .name = (named), .kind = ARGUMENT_INPUT, .about = (words), .required = 1 }
+#define OUT_FILE                                                                                   \
+    {.name = "output",                                                                             \
+        .kind = ARGUMENT_OUTPUT,                                                                   \
+        .option = "--output",                                                                      \
+        .about = "The file to write, of the same format. It must not exist yet"},                  \
+        {.name = "in_place",                                                                       \
+            .kind = ARGUMENT_IN_PLACE,                                                             \
+            .option = "--in-place",                                                                \
+            .about = "Replaces the input instead of writing an output"},                           \
+    {                                                                                              \
+        .name = "overwrite", .kind = ARGUMENT_OVERWRITE,                                           \
+        .about = "Allows an output that exists, but never an input"                                \
+    }
+#define SWITCH(named, to, words)                                                                   \
+    { .name = (named), .kind = ARGUMENT_FLAG, .option = (to), .about = (words) }
+#define TEXT(named, to, words)                                                                     \
+    { .name = (named), .kind = ARGUMENT_TEXT, .option = (to), .about = (words) }
+#define CHOICE(named, to, list, words)                                                             \
+    { .name = (named), .kind = ARGUMENT_TEXT, .option = (to), .choices = (list), .about = (words) }
+#define NUMBER(named, to, from, up, words)                                                         \
+    {                                                                                              \
+        .name = (named), .kind = ARGUMENT_NUMBER, .option = (to), .least = (from), .most = (up),   \
+        .about = (words)                                                                           \
+    }
+#define NUMBERS(named, to, many, words)                                                            \
+    {                                                                                              \
+        .name = (named), .kind = ARGUMENT_NUMBERS, .option = (to), .count = (many),                \
+        .least = -1e30, .most = 1e30, .about = (words)                                             \
+    }
+#define BYTES                                                                                      \
+    {                                                                                              \
+        .name = "max_bytes", .kind = ARGUMENT_BYTES, .least = 500, .most = MCP_MOST_BYTES,         \
+        .about = "How long the answer may be (2000 bytes): ask for more only if it was cut"        \
+    }
+#define MESH_FILE "A mesh file: OBJ, PLY, STL, glTF, GLB, VRM, 3D Tiles or 3MF"
+#define PROFILES                                                                                   \
+    CHOICE("profile", "--profile", "render,print,generated",                                       \
+        "What the mesh is for (print for STL and 3MF, else render)")
+#define RULE_LIST "Only these rules: ids (N302), beginnings of ids (N3) or names, with commas"
+#define WEIGHTS                                                                                    \
+    CHOICE("weight", "--weight", "angle,area,uniform,max,angle-area,visible,angle-lengths",        \
+        "How much each face counts in an average (angle)")
+
+static const mcp_tool tools[] = {
+    {"check_mesh", "Check a mesh",
+        "Finds faults of normals, winding, texture seams, tangents and transforms in a mesh file: "
+        "inside-out parts, holes, wrong or missing normals. Gives a verdict, causes, places, and "
+        "the call that fixes each fault. Start here if a model looks dark, faceted or broken.",
+        &cli_subcommand_check, MCP_CHECK, 0, {"--format=json", "--no-config", "--max-samples=3"},
+        {IN_FILE("path", MESH_FILE), PROFILES, TEXT("rules", "--select", RULE_LIST),
+            TEXT("ignore", "--ignore", "Not these rules"), BYTES}},
+    {"fix_mesh", "Fix a mesh",
+        "Fixes what check_mesh found, and writes the result to another file. Everything else in "
+        "the file keeps its bytes. The answer is about the fixed file.",
+        &cli_subcommand_check, MCP_CHECK, 1, {"--format=json", "--no-config", "--max-samples=3"},
+        {IN_FILE("path", MESH_FILE), OUT_FILE,
+            {.name = "unsafe",
+                .kind = ARGUMENT_FLAG,
+                .option = "--fix-unsafe",
+                .choices = "--fix",
+                .about = "Also makes fixes that change what may be intended: windings, sides, "
+                         "missing normals, transforms"},
+            TEXT("rules", "--select", RULE_LIST), PROFILES, BYTES}},
+    {"compute_normals", "Compute normals",
+        "Computes the normals of a mesh and writes them into a copy of the file. Edges that bend "
+        "by more than crease_deg stay hard.",
+        &cli_subcommand_compute, MCP_REPORT, 1, {"--json"},
+        {IN_FILE("path", MESH_FILE), OUT_FILE,
+            NUMBER("crease_deg", "--crease", 0, 180, "Edges that bend by more are hard (60)"),
+            SWITCH("smooth", "--smooth", "One normal per position, no hard edge"),
+            SWITCH("flat", "--flat", "Every edge is hard"), WEIGHTS,
+            CHOICE("only", "--only", "all,missing,broken", "Which normals are computed (all)"),
+            BYTES}},
+    {"compute_tangents", "Compute tangents",
+        "Computes the tangents of a glTF for its normal maps and writes them into a copy.",
+        &cli_subcommand_tangents, MCP_REPORT, 1, {"--json"},
+        {IN_FILE("path", "A glTF or GLB file"), OUT_FILE,
+            CHOICE("mode", "--mode", "mikk,steady",
+                "mikk: MikkTSpace, which bakers and engines use (mikk)"),
+            NUMBER("texcoord", "--texcoord", 0, 255, "The set of texture coordinates"),
+            CHOICE("only", "--only", "all,missing,broken", "Which tangents are computed (all)"),
+            BYTES}},
+    {"compare_normals", "Compare normals",
+        "Measures by how many degrees the normals of one file differ from those of another: "
+        "levels of detail, exporters, before and after a change.",
+        &cli_subcommand_compare, MCP_REPORT, 0, {"--json"},
+        {IN_FILE("base", "The file that is right"), IN_FILE("other", "The file that is measured"),
+            NUMBER("max_deg", "--max", 0, 180, "\"ok\" is false if normals are off by more"),
+            NUMBER("share", "--share", 0, 1, "The part of the area that may be; needs max_deg"),
+            BYTES}},
+    {"transform_mesh", "Transform a mesh",
+        "Applies one matrix to positions, normals, tangents and winding, and writes a copy. The "
+        "first of scale, rotate, translate and matrix is applied first.",
+        &cli_subcommand_transform, MCP_REPORT, 1, {"--json"},
+        {IN_FILE("path", MESH_FILE), OUT_FILE, NUMBERS("scale", "--scale", 3, "Factors x, y, z"),
+            NUMBERS("rotate", "--rotate", 4, "Axis x, y, z and an angle in degrees"),
+            NUMBERS("translate", "--translate", 3, "An offset x, y, z"),
+            NUMBERS("matrix", "--matrix", 16, "Row by row, for column vectors"),
+            SWITCH("bake", "--bake", "Moves the transforms of glTF nodes into the meshes"), BYTES}},
+    {"mesh_info", "Describe a mesh",
+        "Lists what is in a mesh file: meshes, counts, bounds, normals and transforms.",
+        &cli_subcommand_info, MCP_REPORT, 0, {"--json"},
+        {IN_FILE("path", MESH_FILE),
+            SWITCH("deep", "--deep",
+                "Also whether meshes are closed, and how stored normals were made"),
+            BYTES}},
+    {"explain_rule", "Explain a rule",
+        "Explains a rule of check_mesh: what it measures, the usual cause, why it matters and "
+        "what to do.",
+        &cli_subcommand_explain, MCP_WORDS, 0, {0},
+        {{.name = "rule",
+             .kind = ARGUMENT_TEXT,
+             .option = "",
+             .about = "An id (N302) or a name (inside-out)",
+             .required = 1},
+            BYTES}},
+    {"render_mesh", "Draw a mesh",
+        "Draws a picture of a mesh in clay, without a display: to see faults, or the result of a "
+        "fix.",
+        &cli_subcommand_render, MCP_PICTURE, 0, {"--output=-"},
+        {IN_FILE("path", MESH_FILE),
+            CHOICE("show", "--show", "normals,winding,error,findings,hedgehog,wireframe,tangents",
+                "winding: front faces green, back faces red. findings: the places of check_mesh"),
+            CHOICE("shading", "--shading", "flat,gouraud,phong", "How it is lit (phong)"),
+            TEXT("rules", "--select", "With findings: only these rules"),
+            NUMBERS("camera", "--camera", 2,
+                "Azimuth and elevation in degrees; 0, 0 is the front (35, 22)"),
+            NUMBER("size", "--size", 16, 2048, "Width and height in pixels (512)")}},
+};
+
+mcp_kind mcp_tool_kind(const mcp_tool *tool) { return tool->kind; }
+const char *mcp_tool_name(const mcp_tool *tool) { return tool->name; }
+int mcp_tool_writes(const mcp_tool *tool) { return tool->writes; }
+
+const mcp_tool *mcp_tool_find(const char *name, int read_only) {
+    for (size_t i = 0; i < CLI_COUNT(tools); ++i)
+        if (strcmp(tools[i].name, name) == 0)
+            return read_only && tools[i].writes ? NULL : &tools[i];
+    return NULL;
+}
+
+/* ---- the list, with schemas */
+
+static void mcp_write_choices(cli_json *json, const char *choices) {
+    char word[40];
+    cli_json_open(json, "enum", '[');
+    while (*choices) {
+        const size_t length = strcspn(choices, ",");
+        snprintf(word, sizeof word, "%.*s", (int)length, choices);
+        cli_json_string(json, NULL, word);
+        choices += length + (choices[length] == ',');
+    }
+    cli_json_close(json, ']');
+}
+
+static const char *schema_type(enum argument_kind kind) {
+    if (kind == ARGUMENT_NUMBER) return "number";
+    if (kind == ARGUMENT_NUMBERS) return "array";
+    if (kind == ARGUMENT_BYTES) return "integer";
+    return kind == ARGUMENT_FLAG || kind == ARGUMENT_IN_PLACE || kind == ARGUMENT_OVERWRITE
+               ? "boolean"
+               : "string";
+}
+
+static void write_argument(cli_json *json, const tool_argument *argument) {
+    cli_json_open(json, argument->name, '{');
+    cli_json_string(json, "type", schema_type(argument->kind));
+    cli_json_string(json, "description", argument->about);
+    if (argument->kind == ARGUMENT_TEXT && argument->choices)
+        mcp_write_choices(json, argument->choices);
+    if (argument->kind == ARGUMENT_NUMBER || argument->kind == ARGUMENT_BYTES) {
+        cli_json_number(json, "minimum", argument->least);
+        cli_json_number(json, "maximum", argument->most);
+    }
+    if (argument->count) {
+        cli_json_open(json, "items", '{');
+        cli_json_string(json, "type", "number");
+        cli_json_close(json, '}');
+        cli_json_size(json, "minItems", argument->count);
+        cli_json_size(json, "maxItems", argument->count);
+    }
+    cli_json_close(json, '}');
+}
+
+static void write_tool(cli_json *json, const mcp_tool *tool) {
+    cli_json_open(json, NULL, '{');
+    cli_json_string(json, "name", tool->name);
+    cli_json_string(json, "title", tool->title);
+    cli_json_string(json, "description", tool->about);
+    cli_json_open(json, "inputSchema", '{');
+    cli_json_string(json, "type", "object");
+    cli_json_open(json, "properties", '{');
+    for (const tool_argument *a = tool->arguments; a->kind; ++a) write_argument(json, a);
+    cli_json_close(json, '}');
+    cli_json_open(json, "required", '[');
+    for (const tool_argument *a = tool->arguments; a->kind; ++a)
+        if (a->required) cli_json_string(json, NULL, a->name);
+    cli_json_close(json, ']');
+    cli_json_bool(json, "additionalProperties", 0);
+    cli_json_close(json, '}');
+    cli_json_open(json, "annotations", '{');
+    cli_json_bool(json, "readOnlyHint", !tool->writes);
+    if (tool->writes) { /* in_place and overwrite replace files */
+        cli_json_bool(json, "destructiveHint", 1);
+        cli_json_bool(json, "idempotentHint", tool->command != &cli_subcommand_transform);
+    }
+    cli_json_bool(json, "openWorldHint", 0);
+    cli_json_close(json, '}');
+    cli_json_close(json, '}');
+}
+
+void mcp_tools_list(cli_json *json, int read_only) {
+    cli_json_open(json, "tools", '[');
+    for (size_t i = 0; i < CLI_COUNT(tools); ++i)
+        if (!read_only || !tools[i].writes) write_tool(json, &tools[i]);
+    cli_json_close(json, ']');
+}
+
+/* ---- reading a call */
+
+/* A text in memory of its own; "" that must not be freed does not occur: an empty one is made. */
+CLI_FORMAT(1, 2) static char *make_text(const char *format, ...) {
+    va_list list;
+    cli_memory_stream text;
+    if (!cli_memory_open(&text)) return NULL;
+    va_start(list, format);
+    vfprintf(text.out, format, list);
+    va_end(list);
+    (void)cli_memory_close(&text);
+    return text.text;
+}
+
+static char *wrong(const tool_argument *argument, const char *expected) {
+    char *words = make_text("%s: expected %s", argument->name, expected);
+    return words ? words : calloc(1, 1);
+}
+
+static char *no_memory(void) { return calloc(1, 1); }
+
+/* Takes over word. */
+static char *mcp_add_word(mcp_request *request, char *word) {
+    if (!word || request->count == MCP_MOST_WORDS) {
+        free(word);
+        return no_memory();
+    }
+    request->words[request->count++] = word;
+    return NULL;
+}
+
+static int is_choice(const char *choices, const char *word) {
+    const size_t length = strlen(word);
+    for (const char *at = choices; *at;) {
+        const size_t next = strcspn(at, ",");
+        if (next == length && strncmp(at, word, length) == 0) return 1;
+        at += next + (at[next] == ',');
+    }
+    return 0;
+}
+
+static char *mcp_read_number(
+    const tool_argument *argument, cli_value value, char text[32], size_t *bytes) {
+    double number;
+    if (!cli_number_of(value, &number) || !(number >= argument->least && number <= argument->most))
+        return make_text("%s: expected a number from %.10g to %.10g", argument->name,
+            argument->least, argument->most);
+    if (bytes) *bytes = (size_t)number;
+    cli_shortest(text, number);
+    return NULL;
+}
+
+static char *mcp_add_number(mcp_request *request, const tool_argument *argument, cli_value value) {
+    char text[32];
+    char *fault = mcp_read_number(argument, value, text, NULL);
+    if (fault) return fault;
+    const int is_size = strcmp(argument->option, "--size") == 0;
+    return mcp_add_word(request, is_size ? make_text("--size=%sx%s", text, text)
+                                         : make_text("%s=%s", argument->option, text));
+}
+
+static char *mcp_add_numbers(mcp_request *request, const tool_argument *argument, cli_value value) {
+    char list[16 * 33 + 1] = "", text[32];
+    size_t count = 0;
+    for (cli_value v = cli_is_array(value) ? cli_first(value) : (cli_value){0}; v.in;
+         v = cli_next(v)) {
+        char *fault = count < argument->count ? mcp_read_number(argument, v, text, NULL) : NULL;
+        if (fault) return fault;
+        if (count++ < argument->count) {
+            if (count > 1) strcat(list, ",");
+            strcat(list, text);
+        }
+    }
+    if (count != argument->count)
+        return make_text("%s: expected a list of %zu numbers", argument->name, argument->count);
+    return mcp_add_word(request, make_text("%s=%s", argument->option, list));
+}
+
+static char *add_text(mcp_request *request, const tool_argument *argument, cli_value value) {
+    const char *text = cli_string(value);
+    if (!text || !text[0]) return wrong(argument, "a text");
+    if (argument->choices && !is_choice(argument->choices, text))
+        return make_text("%s: expected one of %s", argument->name, argument->choices);
+    if (argument->option[0])
+        return mcp_add_word(request, make_text("%s=%s", argument->option, text));
+    if (text[0] == '-') return wrong(argument, argument->about);
+    return mcp_add_word(request, make_text("%s", text));
+}
+
+static char *add_flag(mcp_request *request, const tool_argument *argument, cli_value value) {
+    if (value.in && !cli_is_true(value) && !cli_is_false(value))
+        return wrong(argument, "true or false");
+    const char *option = cli_is_true(value) ? argument->option : argument->choices;
+    return option ? mcp_add_word(request, make_text("%s", option)) : NULL;
+}
+
+static char *refuse_path(const tool_argument *argument, const char *why) {
+    return make_text("%s: %s", argument->name, why);
+}
+
+static char *add_input(
+    mcp_request *request, const tool_argument *argument, cli_value value, const mcp_roots *roots) {
+    const char *given = cli_string(value), *why;
+    if (!given) return wrong(argument, "the path of a file");
+    char *path = mcp_input_path(roots, given, &why);
+    if (!path) return refuse_path(argument, why);
+    if (!request->given) request->given = make_text("%s", given);
+    return mcp_add_word(request, path);
+}
+
+static char *add_output(mcp_request *request, const tool_argument *argument, cli_value value,
+    cli_value arguments, const mcp_roots *roots) {
+    const char *given = cli_string(value), *why;
+    if (!given) return wrong(argument, "the path of a file");
+    char *path = mcp_output_path(roots, given, cli_is_true(cli_get(arguments, "overwrite")), &why);
+    if (!path) return refuse_path(argument, why);
+    char *word = make_text("%s=%s", argument->option, path);
+    free(path);
+    free(request->given);
+    request->given = make_text("%s", given);
+    return mcp_add_word(request, word);
+}
+
+static char *add_argument(mcp_request *request, const tool_argument *argument, cli_value value,
+    cli_value arguments, const mcp_roots *roots) {
+    char text[32];
+    switch (argument->kind) {
+    case ARGUMENT_INPUT:
+        return add_input(request, argument, value, roots);
+    case ARGUMENT_OUTPUT:
+        return add_output(request, argument, value, arguments, roots);
+    case ARGUMENT_NUMBER:
+        return mcp_add_number(request, argument, value);
+    case ARGUMENT_NUMBERS:
+        return mcp_add_numbers(request, argument, value);
+    case ARGUMENT_TEXT:
+        return add_text(request, argument, value);
+    case ARGUMENT_BYTES:
+        return mcp_read_number(argument, value, text, &request->max_bytes);
+    case ARGUMENT_IN_PLACE:
+    case ARGUMENT_OVERWRITE:
+    case ARGUMENT_FLAG:
+        return add_flag(request, argument, value);
+    case ARGUMENT_END:
+        break;
+    }
+    return no_memory();
+}
+
+static const tool_argument *find_argument(const mcp_tool *tool, const char *name) {
+    const tool_argument *argument = tool->arguments;
+    while (argument->kind && strcmp(argument->name, name) != 0) ++argument;
+    return argument->kind ? argument : NULL;
+}
+
+/* In the order of the call: of a transform's options the first acts first. */
+static char *mcp_add_given(mcp_request *request, cli_value arguments, const mcp_roots *roots) {
+    char *fault = NULL;
+    for (cli_value v = cli_is_object(arguments) ? cli_first(arguments) : (cli_value){0};
+         v.in && !fault; v = cli_next(v)) {
+        const tool_argument *argument = find_argument(request->tool, cli_key(v));
+        fault = argument ? add_argument(request, argument, v, arguments, roots)
+                         : make_text("%s: no such argument", cli_key(v));
+    }
+    return fault;
+}
+
+static char *mcp_add_missing(mcp_request *request, cli_value arguments, const mcp_roots *roots) {
+    char *fault = NULL;
+    for (const tool_argument *a = request->tool->arguments; a->kind && !fault; ++a) {
+        const int given = cli_get(arguments, a->name).in != NULL;
+        if (!given && a->required)
+            fault = make_text("%s: missing; expected: %s", a->name, a->about);
+        else if (!given && a->kind == ARGUMENT_FLAG)
+            fault = add_argument(request, a, (cli_value){0}, arguments, roots);
+    }
+    return fault;
+}
+
+char *mcp_request_read(
+    mcp_request *request, const mcp_tool *tool, cli_value arguments, const mcp_roots *roots) {
+    *request =
+        (mcp_request){.tool = tool, .command = tool->command, .max_bytes = MCP_DEFAULT_BYTES};
+    char *fault = NULL;
+    if (arguments.in && !cli_is_object(arguments))
+        return make_text("arguments: expected an object");
+    for (size_t i = 0; i < CLI_COUNT(tool->words) && tool->words[i] && !fault; ++i)
+        fault = mcp_add_word(request, make_text("%s", tool->words[i]));
+    if (!fault) fault = mcp_add_given(request, arguments, roots);
+    if (!fault) fault = mcp_add_missing(request, arguments, roots);
+    const int in_place = cli_is_true(cli_get(arguments, "in_place"));
+    if (!fault && tool->writes && in_place == (cli_get(arguments, "output").in != NULL))
+        fault = make_text("output: expected either a file to write, or in_place: true");
+    return fault;
+}
+
+void mcp_request_free(mcp_request *request) {
+    for (int i = 0; i < request->count; ++i) free(request->words[i]);
+    free(request->given);
+    *request = (mcp_request){0};
+}
