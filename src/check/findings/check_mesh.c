@@ -284,11 +284,6 @@ double norma_check_diagonal(const core_mesh *mesh) {
     return isfinite(squares) ? sqrt(squares) : 0;
 }
 
-double norma_check_longest(const check_mesh *m, size_t face) {
-    return sqrt(m->mesh.face_starts ? longest_of_polygon(&m->mesh, face)
-                                    : longest_of_triangle(&m->mesh, face));
-}
-
 double norma_check_twice_area(const check_mesh *m, size_t face) {
     core_face geometry;
     norma_core_face_geometry(&m->mesh, face, &geometry);

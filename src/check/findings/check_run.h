@@ -216,8 +216,6 @@ static inline int norma_check_is_sliver(const check_face *face) { return face->h
 double norma_check_twice_area(const check_mesh *m, size_t face);
 double norma_check_add_areas(const check_mesh *m, double sum);
 double norma_check_diagonal(const core_mesh *mesh); /* of the box of all positions; 0: none */
-/* A face's longest edge, or the distance of a corner from the first. */
-double norma_check_longest(const check_mesh *m, size_t face);
 
 /* The number of a corner's stored normal; SIZE_MAX: none. */
 static inline size_t norma_check_normal_of(const check_mesh *m, size_t face, size_t corner) {

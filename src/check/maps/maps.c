@@ -466,8 +466,9 @@ static norma_result tell_lengths(
             (size_t)l->first[0], (size_t)l->first[1], (size_t)l->first[2]);
     } else if (bad_share(l) > MOST_BAD) {
         norma_check_message(message,
-            "it may be a bump map, or stored in another way than glTF asks: %g %% of the texels "
-            "that faces use are not unit vectors above the surface",
+            "no map of normals, or one that was resized or compressed without making them unit "
+            "vectors again: %g %% of the texels that faces use are not unit vectors above the "
+            "surface",
             percent);
     } else {
         return NORMA_OK;

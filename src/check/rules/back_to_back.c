@@ -89,7 +89,8 @@ static norma_result add_sheets(
         &(check_report){.rule = RULE_N306, .severity = severity, .no_value = 1, .hits = hits},
         "%s: %z pair%s of back-to-back faces%s",
         print                             ? "walls without thickness"
-        : m->given->material.double_sided ? "faces that flicker, as the material shows both sides"
+        : m->given->material.double_sided ? "drawn twice, and flickering if their shading differs, "
+                                            "as the material shows both sides"
                                           : "a sheet modelled with two sides",
         hits->count, norma_check_plural(hits->count), solids);
 }

@@ -392,11 +392,12 @@ static const double AVERAGE_COSINE = 0.90630778703664994; /* of 25 degrees */
 typedef struct far_state {
     float *greatest; /* cosine of each normal: 2: of no face that says anything, or near an average
                       */
-    uint8_t *open;   /* of each normal: NOT_OPPOSED, LARGE where some face at its positions is so */
-    double large;    /* length of an edge */
+    uint8_t *open;   /* of each normal: NOT_OPPOSED of some face at its positions, LARGE of one that
+                        is shaded by it */
+    double large;    /* four times the area of a face */
 } far_state;
 enum { NOT_OPPOSED = 1, LARGE = 2 };   /* not named by N201; large enough for a spot to be seen */
-static const double LARGE_SHARE = .02; /* of the diagonal */
+static const double LARGE_SHARE = .02; /* of the diagonal: the longest edge of half a square */
 
 static int says_something(const check_mesh *m, size_t face) {
     return norma_check_directed(&m->faces[face]) && !norma_check_is_sliver(&m->faces[face]);
@@ -430,8 +431,7 @@ typedef struct star {
     const uint32_t *corners;
     size_t count;
     double averages[3][3]; /* uniform, by area, by angle; not of unit length */
-    double large;
-    int open; /* as in far_state */
+    int open;              /* as in far_state */
 } star;
 
 static double angle_at(const check_mesh *m, size_t face, size_t corner) {
@@ -456,7 +456,6 @@ static void sum_star(star *s) {
     s->open = 0;
     for (size_t i = 0; i < s->count; i++) {
         const size_t face = norma_check_face_of(m, s->corners[i]);
-        if (norma_check_longest(m, face) >= s->large) s->open |= LARGE;
         if (!says_something(m, face)) continue;
         const double weights[3] = {
             1, norma_check_twice_area(m, face), angle_at(m, face, s->corners[i])};
@@ -484,6 +483,7 @@ static void judge_star(const star *s, far_state *state) {
                      number = norma_check_normal_of(s->m, own, s->corners[i]);
         if (!is_far(state, number)) continue;
         state->open[number] |= (uint8_t)s->open;
+        if (2 * norma_check_twice_area(s->m, own) >= state->large) state->open[number] |= LARGE;
         if (is_average(s, number)) state->greatest[number] = 2;
         for (size_t k = 0; k < s->count && s->count <= LARGEST_STAR; k++) {
             const size_t face = norma_check_face_of(s->m, s->corners[k]);
@@ -506,7 +506,6 @@ static void mark_positions(const check_mesh *m, const far_state *state, uint8_t 
 static void judge_far_position(const check_mesh *m, size_t position, far_state *state) {
     const core_corners_of_position *around = &m->topology.corners_of;
     star s = {.m = m,
-        .large = state->large,
         .corners = &around->corners[around->starts[position]],
         .count = around->starts[position + 1] - around->starts[position]};
     int any = 0; /* none, if all turned out to be averages at positions before */
@@ -557,8 +556,9 @@ static norma_result add_far(check_mesh *m, const far_state *state, int large) {
 static norma_result check_far(check_mesh *m) {
     const core_call *call = &m->run->call;
     const size_t count = norma_check_normal_count(m);
+    const double edge = LARGE_SHARE * norma_check_diagonal(&m->mesh);
     far_state state = {norma_core_allocate(call, count, sizeof *state.greatest),
-        norma_core_allocate(call, count, 1), LARGE_SHARE * norma_check_diagonal(&m->mesh)};
+        norma_core_allocate(call, count, 1), edge * edge};
     norma_result result = state.greatest && state.open ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         memset(state.open, 0, count);

@@ -284,6 +284,22 @@ static void far_normals_of_small_faces(void **state) {
     }
 }
 
+/* The same normal at the tip of a needle, as long as the box and 0.02 wide, that shades no other
+ * face, though the large faces of the box meet there too; 2 wide, it can be seen. */
+static void far_normals_of_needles(void **state) {
+    (void)state;
+    for (int wide = 0; wide < 2; wide++) {
+        surface s = surface_box(origin, 1, 0);
+        const float width = wide ? 2 : .02f, along[3] = {1, 0, 0}, up[3] = {0, 0, 1};
+        const uint32_t tip = surface_add_vertex(&s, (const float[3]){1, 1, 1}, along),
+                       a = surface_add_vertex(&s, (const float[3]){3, 1, 1}, up),
+                       b = surface_add_vertex(&s, (const float[3]){3, 1 + width, 1}, up);
+        (void)surface_add_face(&s, (uint32_t[]){tip, a, b});
+        assert_found(&s, "N202", 0, wide != 0, !wide);
+        surface_free(&s);
+    }
+}
+
 /* ---- N501 */
 
 /* A strip of two columns of squares that bends by so many degrees in the middle, where vertices are
@@ -458,6 +474,7 @@ int main(void) {
         cmocka_unit_test(undecided_area),
         cmocka_unit_test(folded_faces),
         cmocka_unit_test(far_normals_of_small_faces),
+        cmocka_unit_test(far_normals_of_needles),
         cmocka_unit_test(few_positions),
         cmocka_unit_test(nothing_to_compare),
         cmocka_unit_test(back_to_back),
