@@ -284,14 +284,15 @@ static void far_normals_of_small_faces(void **state) {
     }
 }
 
-/* The same normal at the tip of a needle, as long as the box and 0.02 wide, that shades no other
- * face, though the large faces of the box meet there too; 2 wide, it can be seen. */
+/* A normal into the box at the tip of a needle, as long as the box and 0.002 wide: it shades no
+ * other face, though the large faces of the box meet there too; 2 wide, it can be seen. */
 static void far_normals_of_needles(void **state) {
     (void)state;
     for (int wide = 0; wide < 2; wide++) {
         surface s = surface_box(origin, 1, 0);
-        const float width = wide ? 2 : .02f, along[3] = {1, 0, 0}, up[3] = {0, 0, 1};
-        const uint32_t tip = surface_add_vertex(&s, (const float[3]){1, 1, 1}, along),
+        const float width = wide ? 2 : .002f, into[3] = {-.57735f, -.57735f, -.57735f},
+                    up[3] = {0, 0, 1};
+        const uint32_t tip = surface_add_vertex(&s, (const float[3]){1, 1, 1}, into),
                        a = surface_add_vertex(&s, (const float[3]){3, 1, 1}, up),
                        b = surface_add_vertex(&s, (const float[3]){3, 1 + width, 1}, up);
         (void)surface_add_face(&s, (uint32_t[]){tip, a, b});
