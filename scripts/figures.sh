@@ -106,6 +106,25 @@ draw wrong-right assets/goathead.obj --compare=plain,right --scale 1,0.4,1 --siz
     --show hedgehog --lines vertices --most-lines 150 --line-width 2 --line-length 3 \
     --label 'WRONG: normals through M' --label 'RIGHT: normals through the normal matrix'
 
+# The way of a normal, step by step: rows of the acid scenes without their marks, in the colours of their normals.
+"$norma" acid -o "$models/acid" --quiet
+for step in morph:morph skin:skinned instance:instanced model:mirror view:back-side; do
+    python3 - "$models/acid/cells/${step#*:}.glb" "$models/way.glb" <<'END'
+import json, struct, sys
+data = open(sys.argv[1], "rb").read()
+size = struct.unpack_from("<I", data, 12)[0]
+asset = json.loads(data[20:20 + size])
+for node in asset["nodes"]:
+    if node.get("name", "").startswith("mark "):
+        del node["mesh"]
+text = json.dumps(asset).encode()
+text += b" " * (-len(text) % 4)
+rest = data[20 + size:]
+open(sys.argv[2], "wb").write(struct.pack("<III", 0x46546C67, 2, 20 + len(text) + len(rest)) + struct.pack("<II", len(text), 0x4E4F534A) + text + rest)
+END
+    draw "way-${step%%:*}" "$models/way.glb" --size 760x210 --camera 0,0 --fov 0 --show normals
+done
+
 # A baked map with the right tangents and with others; without three.js, whose tangents it is baked for, the old picture stays.
 three_js=${NORMA_NPM_TANGENT:-build/npm-tangent/node_modules}
 if [ -d "$three_js/three" ]; then

@@ -54,6 +54,7 @@ cases() {
     echo "check --config|$NORMA check cube.obj --config=known/config.json --threads 1"
     echo "report --merge|$NORMA report --merge known/a.json known/b.json -o out.html"
     echo "tangents|$NORMA tangents charts.gltf -o out.gltf --threads 1"
+    echo "pack|$NORMA pack charts.gltf -o out.gltf --max-error 1"
     echo "info --json|$NORMA info cube.obj roof.gltf --json"
     echo "compute to standard output|$NORMA compute cube.obj -o - --threads 1"
     echo "compute to a folder|$NORMA compute cube.obj roof.ply --out-dir out --threads 1"

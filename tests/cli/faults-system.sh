@@ -52,6 +52,8 @@ for input in roof.gltf roof.glb; do
     refused "limited size: compute a new ${input##*.}" "$scratch/limit" limited 0 "$NORMA" compute "$scratch/limit/$input" -o "$scratch/limit/out.${input##*.}"
 done
 refused "limited size: a report" "$scratch/limit" limited 0 "$NORMA" check "$large/grid.obj" --format html -o "$scratch/limit/report.html"
+refused "limited size: pack" "$scratch/limit" limited 0 "$NORMA" pack "$root/tests/tangent/charts.gltf" -o "$scratch/limit/packed.gltf"
+refused "limited size: the acid scenes" "$scratch/limit" limited 64 "$NORMA" acid -o "$scratch/limit/scenes"
 [ -z "$has_page" ] || refused "limited size: view" "$scratch/limit" limited 0 "$NORMA" view "$large/grid.obj" -o "$scratch/limit/page.html"
 [ -z "$has_renderer" ] || refused "limited size: render" "$scratch/limit" limited 0 "$NORMA" render "$large/grid.obj" --size 16x16 -o "$scratch/limit/picture.png"
 
