@@ -21,9 +21,8 @@ for name; do
     # What it prints is its name and version; where it fails, the reason.
     timeout --kill-after=10 600 "${draw[@]}" "$out/scenes/norma-acid.glb" "$out/$name.png" >"$out/$name.said" 2>"$out/$name.err"
     echo $? >"$out/$name.status"
-    without=()
-    [ ! -e "$here/native/$name.without" ] || without=(--without "$(cat "$here/native/$name.without")")
-    "$norma" acid --judge "$out/$name.png" "${without[@]}" --json >"$out/$name.json" 2>"$out/$name.judge"
+    without=$(node -p '(require(process.argv[1])[process.argv[2]] ?? {}).without ?? ""' "$here/findings.json" "$name")
+    "$norma" acid --judge "$out/$name.png" ${without:+--without "$without"} --json >"$out/$name.json" 2>"$out/$name.judge"
     echo "$name: $(tail -n 1 "$out/$name.said") $(grep -o '"summary".*' "$out/$name.json" || cat "$out/$name.judge")"
     names+=("$name")
 done
