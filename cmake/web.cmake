@@ -1,11 +1,14 @@
 # The core as WebAssembly, the npm package and the page. clang with wasi-libc compiles; node, puts the files together; esbuild makes one script of the page's modules.
 # Three modules: norma.wasm is the core; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a file; page.wasm all of it with what the page
-# draws. All that the latter two import are decoders of compressed glTF: npm's draco3dgltf and meshoptimizer (web/package/decoders.js).
+# draws; three.js draws it. All that the latter two import are decoders of compressed glTF: npm's draco3dgltf and meshoptimizer (web/package/decoders.js).
 find_program(NORMA_WASM_CC NAMES clang)
 find_program(NORMA_WASM_LD NAMES wasm-ld)
 find_program(NORMA_NODE NAMES node nodejs)
 find_program(NORMA_ESBUILD NAMES esbuild)
 find_path(NORMA_WASI_INCLUDE NAMES wasm32-wasi/stdlib.h)
+# Packages of npm: what scripts/install-deps.sh web puts there.
+set(NORMA_WEB_MODULES ${PROJECT_SOURCE_DIR}/build/npm-bundled/node_modules CACHE PATH "The folder with the npm packages of web/package-lock.json")
+find_file(NORMA_THREE NAMES three.module.js PATHS ${NORMA_WEB_MODULES}/three/build NO_DEFAULT_PATH)
 if(NORMA_WASM_CC AND NOT NORMA_WASM_BUILTINS)
   execute_process(COMMAND ${NORMA_WASM_CC} --target=wasm32-wasi -print-libgcc-file-name OUTPUT_VARIABLE builtins OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
   if(builtins AND EXISTS "${builtins}")
@@ -13,12 +16,12 @@ if(NORMA_WASM_CC AND NOT NORMA_WASM_BUILTINS)
   endif()
 endif()
 set(norma_why_page "")
-foreach(tool NORMA_WASM_CC NORMA_WASM_LD NORMA_WASM_BUILTINS NORMA_NODE NORMA_ESBUILD NORMA_WASI_INCLUDE)
+foreach(tool NORMA_WASM_CC NORMA_WASM_LD NORMA_WASM_BUILTINS NORMA_NODE NORMA_ESBUILD NORMA_WASI_INCLUDE NORMA_THREE)
   if(NOT ${tool} AND NORMA_WEB STREQUAL "AUTO")
-    set(norma_why_page "${tool} was not found (Debian: clang lld wasi-libc libclang-rt-dev-wasm32 nodejs esbuild)")
+    set(norma_why_page "${tool} was not found (Debian: clang lld wasi-libc libclang-rt-dev-wasm32 nodejs esbuild; npm: three; scripts/install-deps.sh web)")
     return()
   elseif(NOT ${tool})
-    message(FATAL_ERROR "The page needs clang, lld, wasi-libc, libclang-rt-dev-wasm32, nodejs and esbuild (${tool}); scripts/install-deps.sh web installs what is missing, "
+    message(FATAL_ERROR "The page needs clang, lld, wasi-libc, libclang-rt-dev-wasm32, nodejs, esbuild and npm's three (${tool}); scripts/install-deps.sh web installs what is missing, "
                         "-DNORMA_WEB=OFF builds without")
   endif()
 endforeach()
@@ -39,8 +42,7 @@ set(web_seldom "call_|topology_|mesh_(kdtree|nearest)|plan_(plan_(groups|blocks|
 string(APPEND web_seldom "|tangent_(build|mikk_groups|steady|tangent_plan|tangent_vertices|tangents)|matrix_(matrix|encode|normal_matrix)|vertex_open_sum")
 string(APPEND web_seldom "|corner_(star_fans|star.c|fallback|index_corners|normal_cone|visit|prepared)|face_(face_exact|cut)|smooth_split")
 
-# Compressed glTF: what scripts/install-deps.sh web puts there.
-set(NORMA_WEB_MODULES ${PROJECT_SOURCE_DIR}/build/npm-bundled/node_modules CACHE PATH "The folder with the npm packages of web/package-lock.json")
+# Compressed glTF.
 set(web_has_meshopt OFF)
 set(web_has_draco OFF)
 if(NORMA_WITH_MESHOPTIMIZER AND EXISTS ${NORMA_WEB_MODULES}/meshoptimizer/meshopt_decoder.module.js)

@@ -10,6 +10,8 @@ import { deflateRawSync } from "node:zlib";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
+/* What the page alone holds. */
+const PAGE_LIBRARIES = { three: { licence: "LICENSE" } };
 /* meshoptimizer in the version of Debian's library: what the page writes are the tool's bytes. */
 const LIBRARIES = {
   draco3dgltf: { licence: join(here, "licences/draco3dgltf.txt"), files: ["draco_decoder_gltf_nodejs.js", "draco_decoder_gltf.wasm"] },
@@ -27,12 +29,12 @@ function aliases(folder, modules) {
 /* All modules that start imports as one script (esbuild). */
 function bundle(start, folder, modules, more = ["--format=iife"]) {
   const options = ["--bundle", "--minify", ...["process", "__filename", "__dirname"].map((name) => `--define:${name}=undefined`), "--target=es2020", "--charset=utf8", "--log-level=warning", ...aliases(folder, modules), ...more];
-  return execFileSync(process.env.ESBUILD || "esbuild", [start, ...options], { encoding: "utf8", maxBuffer: 1 << 26 });
+  return execFileSync(process.env.ESBUILD || "esbuild", [start, ...options], { encoding: "utf8", maxBuffer: 1 << 26, env: { ...process.env, NODE_PATH: modules } });
 }
 
 /* The licences of what package and page hold of others. */
-function readNotices(modules) {
-  const texts = Object.entries(LIBRARIES).filter(([name]) => hasLibrary(modules, name)).map(([name, { licence }]) => [name, readFileSync(resolve(modules, name, licence), "utf8").trim()]);
+function readNotices(modules, more = {}) {
+  const texts = [...Object.entries(LIBRARIES).filter(([name]) => hasLibrary(modules, name)), ...Object.entries(more)].map(([name, { licence }]) => [name, readFileSync(resolve(modules, name, licence), "utf8").trim()]);
   return texts.map(([name, text]) => `Here is code of ${name}, from npm:\n\n${text}\n`).join("\n\n");
 }
 
@@ -91,15 +93,15 @@ function buildPage(folder, modules) {
   const parts = {
     STYLE: readFileSync(join(page, "style.css"), "utf8"),
     WASM: packModule(readFileSync(join(folder, "page.wasm"))),
-    NOTICES: guard(readNotices(modules)),
+    NOTICES: guard(readNotices(modules, PAGE_LIBRARIES)),
     WORKER: guard(bundle(join(page, "worker.js"), folder, modules)),
     SCRIPT: guard(`${readShaders()}\n${bundle(join(page, "main.js"), folder, modules)}`),
   };
   const text = readFileSync(join(page, "index.html"), "utf8").replace(/\/\*(STYLE|WASM|NOTICES|WORKER|SCRIPT)\*\//g, (_, name) => parts[name]);
-  /* The page of norma view needs neither: the tool has read its file. */
-  writeFileSync(join(folder, "page.html"), text.replace("/*SCULPTURE*/", "").replace("/*DRACO*/", ""));
-  const sculpture = packSculpture(join(here, "..", "assets", "goathead.obj")), draco = hasLibrary(modules, "draco3dgltf") ? packModule(readDraco(modules)) : "";
-  writeFileSync(join(folder, "norma.html"), text.replace("/*NAME*/", "").replace("/*MODEL*/", "").replace("/*SCULPTURE*/", sculpture).replace("/*DRACO*/", draco));
+  const sculpture = packSculpture(join(here, "..", "assets", "goathead.obj")), draco = hasLibrary(modules, "draco3dgltf") ? packModule(readDraco(modules)) : "", whole = text.replace("/*DRACO*/", draco);
+  /* The page of norma view has a model of its own. */
+  writeFileSync(join(folder, "page.html"), whole.replace("/*SCULPTURE*/", ""));
+  writeFileSync(join(folder, "norma.html"), whole.replace("/*NAME*/", "").replace("/*MODEL*/", "").replace("/*FILES*/", "").replace("/*SCULPTURE*/", sculpture));
 }
 
 const [what, folder, modules] = process.argv.slice(2);

@@ -743,6 +743,18 @@ await attempt("norma view: glTF nodes stand where they stand, polygons are whole
   await polygon.close();
 });
 
+await attempt("norma view: a glTF is fixed on its page: the bytes of norma check --fix", async () => {
+  const asset = makeAsset(), folder = join(shots, "viewed"), out = join(shots, "view-fixed.html");
+  for (const [name, bytes] of asset) { mkdirSync(dirname(join(folder, name)), { recursive: true }); writeFileSync(join(folder, name), bytes); }
+  execFileSync(tool, ["view", join(folder, asset[0][0]), "-o", out, "--quiet"]);
+  const view = await visit(pathToFileURL(out).href, { before: KEEP });
+  await view.click("fix");
+  await view.until("document.querySelector('#fixed-files a')");
+  expectSame(await handedOut(view, "fixed-files"), byCommand(asset, ["check", "--fix"]));
+  expect(view.said.length === 0, view.said.join("\n"));
+  await view.close();
+});
+
 await attempt("for artists: images, normal maps, tangents, wireframe, parts, the axis that points up", async () => {
   const from = join(shots, "artists.gltf"), out = join(shots, "view-artists.html");
   writeFileSync(from, artistsModel());

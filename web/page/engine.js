@@ -13,13 +13,9 @@ const NOT_CHECKED = 0xffffffff;
 const STORAGE = [null, "per vertex", "per corner", "per facet"];
 
 const UPS = ["y", "z"];
-const OPAQUE = 0, MASK = 1;
+const HAS = { texcoords0: 1, texcoords1: 2, tangents: 4, colours: 8, sides: 16 };
 
-/* Of a mesh: its images (null: none), how they repeat and are filtered, what is cut away. */
-const mapOf = (image, wrap, filter) => (image < 0 ? null : { image, wrap, filter });
-const materialOf = ([base, normal, baseS, baseT, normalS, normalT, mode, cutoff, strength, hasTexcoords, hasTangents, baseMag, baseMin, normalMag, normalMin, hasColours, hasMaterial, isLit, isDoubleSided]) => ({
-  baseMap: mapOf(base, [baseS, baseT], [baseMag, baseMin]), normalMap: mapOf(normal, [normalS, normalT], [normalMag, normalMin]), cutoff: mode === MASK ? cutoff : 0, seeThrough: mode > MASK || mode < OPAQUE, strength,
-  hasTexcoords: hasTexcoords > 0, hasTangents: hasTangents > 0, hasColours: hasColours > 0, hasMaterial: hasMaterial > 0, isLit: isLit > 0, isDoubleSided: isDoubleSided > 0 });
+const attributesOf = (bits) => ({ hasTexcoords: [(bits & HAS.texcoords0) > 0, (bits & HAS.texcoords1) > 0], hasTangents: (bits & HAS.tangents) > 0, hasColours: (bits & HAS.colours) > 0, isDoubleSided: (bits & HAS.sides) > 0 });
 
 /* packed: draco.wasm as the page holds it; a page of norma view has none. */
 async function compileDraco(packed) {
@@ -75,14 +71,13 @@ export async function startEngine({ bytes, draco: packed }) {
         triangles, corners: 3 * triangles, faces: wasm.model_faces(address, i), vertices: wasm.model_vertices(address, i), decimated: wasm.model_is_decimated(address, i) !== 0, stored: STORAGE[wasm.model_storage(address, i)],
         colour: Array.from(floats(wasm.model_colour(address, i), 4)), ball: lend([32], (at) => (wasm.model_ball(address, i, at), Array.from(doubles(at, 4)))),
         positions: () => floats(wasm.model_draw_positions(address, i), 9 * triangles), normals: () => floats(wasm.model_draw_normals(address, i), 9 * triangles),
-        ...lend([152], (at) => (wasm.model_material(address, i, at), materialOf(doubles(at, 19)))), title: longTextAt(wasm.model_name(address, i)),
-        texcoords: () => floats(wasm.model_texcoords(address, i), 12 * triangles), tangents: () => floats(wasm.model_tangents(address, i), 12 * triangles),
+        ...attributesOf(wasm.model_attributes(address, i)), material: wasm.model_material(address, i) >>> 0, title: longTextAt(wasm.model_name(address, i)),
+        texcoords: (set) => floats(wasm.model_texcoords(address, i, set), 6 * triangles), tangents: () => floats(wasm.model_tangents(address, i), 12 * triangles),
         colours: () => new Uint16Array(memory(), wasm.model_colours(address, i) >>> 0, 12 * triangles),
         edges: () => lend([3 * triangles], (at) => (wasm.model_edges(address, i, at), new Uint8Array(memory(), at, 3 * triangles).slice())),
         reach: () => floats(wasm.model_draw_reach(address, i), 3 * triangles), values: () => floats(wasm.model_draw_values(address, i), 3 * triangles),
       };
     });
-    const images = () => Array.from({ length: wasm.model_image_count(address) }, (_, i) => lend([8], (at) => { wasm.model_image(address, i, at); const [from, size] = new Uint32Array(memory(), at, 2); return new Uint8Array(memory(), from, size).slice(); }));
     const draws = Array.from({ length: wasm.model_draw_count(address) }, (_, i) => ({ mesh: wasm.model_draw_mesh(address, i), world: Array.from(doubles(wasm.model_draw_world(address, i), 16)) }));
     const readFinding = (_, index) => lend([40], (at) => {
       wasm.model_finding_numbers(address, index, at);
@@ -95,7 +90,7 @@ export async function startEngine({ bytes, draco: packed }) {
       if (result !== 0) throw new Error(textAt(wasm.web_result_text(result)));
     };
     return {
-      name, meshes, draws, compute, images, up: UPS[["OBJ", "PLY", "STL"].includes(FORMATS[wasm.model_format(address)]) ? wasm.model_guess_up(address) : 0], format: FORMATS[wasm.model_format(address)], unread: wasm.model_unread_count(address), imagesLeftOut: wasm.model_images_left_out(address),
+      name, meshes, draws, compute, up: UPS[["OBJ", "PLY", "STL"].includes(FORMATS[wasm.model_format(address)]) ? wasm.model_guess_up(address) : 0], format: FORMATS[wasm.model_format(address)], unread: wasm.model_unread_count(address),
       triangles: meshes.reduce((sum, mesh) => sum + mesh.triangles, 0), faces: meshes.reduce((sum, mesh) => sum + mesh.faces, 0),
       /* What norma check says; null: it was not asked. */
       findings: findingCount === NOT_CHECKED ? null : Array.from({ length: findingCount }, readFinding),
@@ -194,18 +189,17 @@ export async function startEngine({ bytes, draco: packed }) {
 
 /* Triangles as a pack: web/page/model/model_pack.h. indices: four bytes each. */
 export function packTriangles(positions, indices, colour = [0.8, 0.8, 0.8]) {
-  const HEAD = 56, MESH = 152, DRAW = 136, NONE = 0xffffffff;
+  const HEAD = 40, MESH = 104, DRAW = 136, NONE = 0xffffffff;
   const eight = (size) => Math.ceil(size / 8) * 8;
   const positionsAt = HEAD, indicesAt = positionsAt + eight(positions.byteLength), meshAt = indicesAt + eight(indices.byteLength), drawAt = meshAt + eight(MESH), nameAt = drawAt + DRAW;
   const pack = new Uint8Array(nameAt + 8), view = new DataView(pack.buffer);
   const words = (at, list) => list.forEach((word, i) => view.setUint32(at + 4 * i, word, true));
-  words(0, [0x344d524e, pack.length, 1, meshAt, 1, drawAt, 0, 0, NONE, 0, 0, 0, 0, 0]);
+  words(0, [0x354d524e, pack.length, 1, meshAt, 1, drawAt, 0, 0, NONE, 0]);
   pack.set(new Uint8Array(positions.buffer), positionsAt);
   pack.set(new Uint8Array(indices.buffer), indicesAt);
   words(meshAt, [positions.length / 3, positionsAt, 0, indices.length, indicesAt, indices.length / 3, NONE, NONE, 0, 0, 0, NONE]);
   [...colour, 1].forEach((x, i) => view.setFloat32(meshAt + 48 + 4 * i, x, true));
-  words(meshAt + 64, [1, 0, nameAt, NONE, NONE, NONE, NONE, 0, 0, 0, 0, 0]);
-  words(meshAt + 120, [NONE]);
+  words(meshAt + 64, [1, 0, nameAt, NONE, NONE, NONE, NONE, NONE, NONE, 0]);
   for (let i = 0; i < 16; i += 5) view.setFloat64(drawAt + 8 * i, 1, true);
   return pack;
 }

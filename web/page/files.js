@@ -47,7 +47,7 @@ export async function gather(given) {
 
 /* What a model needs to be read: itself and, for a .gltf, what lies in its folder but other models. */
 export async function bytesFor(files, model) {
-  const inFolder = ({ path }) => path.startsWith(folderOf(model)) && !MODELS.includes(ending(path)) && !/^(webp|ktx2|zip|txt|md)$/.test(ending(path));
+  const inFolder = ({ path }) => path.startsWith(folderOf(model)) && !MODELS.includes(ending(path)) && !/^(zip|txt|md)$/.test(ending(path));
   const needed = files.filter((file) => file.path === model || (ending(model) === "gltf" && inFolder(file)));
   return { path: model, files: await Promise.all(needed.map(async ({ path, read }) => ({ path, bytes: await read() }))) };
 }

@@ -1,25 +1,22 @@
-/* WebGL 2. Programs are made of the texts of norma.glsl and src/render/shaders, the same as natively, and of web/page/shaders; light is computed in view space, so that it stays with the camera. */
-import { multiply3, point, upper } from "./matrix.js";
+/* WebGL 2: what three.js draws (lit.js) and, over it, lines, marks, and values as colours. Programs are made of the texts of norma.glsl and src/render/shaders, the same as natively, and of web/page/shaders; light is computed in view space, so that it stays with the camera. */
+import { makeLit } from "./lit.js";
+import { multiply3, upper } from "./matrix.js";
 
-const SURFACES = { flat: "SHADING_FLAT", gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR", matcap: "SHOW_MATCAP", zebra: "SHOW_ZEBRA", tangents: "SHOW_TANGENTS" };
-const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3, TEXCOORD = 4, TANGENT = 5;
+const SURFACES = { gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR", matcap: "SHOW_MATCAP", zebra: "SHOW_ZEBRA", tangents: "SHOW_TANGENTS" };
+const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3, TANGENT = 5;
 const LIGHTS = [{ from: [-0.66, 0.62, 0.42], strength: 1.05 }, { from: [0.9, 0, 0.3], strength: 0.1 }];
 /* WebGL's longest stride, in floats. */
 const MOST_STRIDE = 63;
 /* Bytes that are handed over at once. */
 const SLICE = 1 << 19;
-/* Of a material's colour: white is not blown out. Of images, more texels each way only cost time. */
-const FULL = 0.85, MOST_TEXELS = 2048;
 /* How much of what is not marked is seen, where it would hide what is. */
 const FAINT = 0.14;
 /* Phong's model: ambient, diffuse, specular, exponent. */
-const PHONG = [0.06, 0.94, 0.16, 26], UNLIT = [1, 0, 0, 1];
+const PHONG = [0.06, 0.94, 0.16, 26];
 /* Where a surface with one side is not drawn from behind; errors, winding and findings are looked for on either. */
 const HAS_SIDES = new Set(["lit", "normals", "matcap", "zebra", "tangents"]);
 /* In narrower pictures arrows are thinner. */
 const WIDE = 480;
-/* Alpha 0 is no alpha to the shader; and a cutoff that nothing reaches. */
-const LEAST_ALPHA = 1e-6, NOTHING_IS_LEFT = 2;
 
 /* Begins a program; nothing is asked of the card until it is used first, as every question would wait for all that was drawn before. */
 function begin(gl, texts, stage, defines) {
@@ -62,6 +59,8 @@ export function makeGraphics(canvas, texts) {
   };
   for (const define of Object.values(SURFACES)) prepare("surface", "LIGHT_IN_VIEW", define);
   for (const [stage, ...defines] of [["angle"], ["marked"], ["marked", "MARKED_ONLY"], ["marked", "REST_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"]]) prepare(stage, ...defines);
+
+  const lit = makeLit(canvas, gl);
 
   /* ---- buffers */
   const makeBuffer = (data, usage = gl.STATIC_DRAW, target = gl.ARRAY_BUFFER) => {
@@ -119,7 +118,7 @@ export function makeGraphics(canvas, texts) {
   const makeSurface = ({ positions, normals, reach, indices }) => {
     const surface = {
       positions: makeBuffer(positions, indices ? gl.DYNAMIC_DRAW : gl.STATIC_DRAW), normals: makeBuffer(normals, gl.DYNAMIC_DRAW), reach: reach && makeBuffer(reach),
-      values: null, marks: null, colours: null, texcoords: null, tangents: null, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
+      values: null, marks: null, colours: null, texcoords: [null, null], tangents: null, lit: new Map(), indexArray: indices, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
     };
     const arrays = new Map();
     surface.use = (normalsBuffer) => {
@@ -133,7 +132,6 @@ export function makeGraphics(canvas, texts) {
       }
       gl.bindVertexArray(arrays.get(normalsBuffer));
       if (surface.values) attribute(VALUE, surface.values, 1);
-      if (surface.texcoords) attribute(TEXCOORD, surface.texcoords, 4);
       if (surface.tangents) attribute(TANGENT, surface.tangents, 4);
     };
     /* Colours of the corners, or none; of the array that is in use. */
@@ -143,7 +141,9 @@ export function makeGraphics(canvas, texts) {
       gl.vertexAttrib4f(COLOUR, 1, 1, 1, 1);
     };
     surface.free = () => {
-      for (const name of ["positions", "normals", "reach", "values", "marks", "colours", "texcoords", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
+      for (const name of ["positions", "normals", "reach", "values", "marks", "colours", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
+      for (const buffer of surface.texcoords) if (buffer) gl.deleteBuffer(buffer);
+      surface.lit.forEach((geometry) => geometry.dispose());
       arrays.forEach((array) => gl.deleteVertexArray(array));
     };
     return surface;
@@ -151,7 +151,7 @@ export function makeGraphics(canvas, texts) {
 
   const lines = gl.createVertexArray();
   /* The part of the picture that is drawn into, in pixels from below. */
-  let box = { x: 0, y: 0, width: canvas.width, height: canvas.height };
+  let box = { x: 0, y: 0, width: canvas.width, height: canvas.height }, seen = box;
 
   /* ---- drawing */
   const setCamera = (place, camera) => {
@@ -183,40 +183,21 @@ export function makeGraphics(canvas, texts) {
     setLight(place);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
     gl.uniformMatrix3fv(place("normal_matrix"), false, multiply3(upper(camera.worldToView), item.normalMatrix));
-    const { material = {}, surface } = item, dressed = isDressed(item, look), isSided = material.isDoubleSided === false && HAS_SIDES.has(look.colours);
-    gl.uniform3fv(place("base_colour"), dressed ? material.colour.slice(0, 3).map((x) => (material.isLit ? FULL : 1) * x) : item.clay);
-    gl.uniform4f(place("phong"), ...(dressed && !material.isLit ? UNLIT : PHONG));
-    setMaps(place, item, look, dressed);
+    const isSided = item.isDoubleSided === false && HAS_SIDES.has(look.colours);
+    gl.uniform3fv(place("base_colour"), item.clay);
+    gl.uniform4f(place("phong"), ...PHONG);
+    gl.uniform4f(place("maps"), 0, 0, 0, 0);
     gl.uniform1f(place("two_sided"), isSided ? 0 : 1);
     gl.uniform1f(place("scale_top"), look.errorTop);
     if (isSided) gl.enable(gl.CULL_FACE);
-    drawTriangles(item, dressed ? surface.colours : null);
+    drawTriangles(item, null);
     gl.disable(gl.CULL_FACE);
   };
 
-  /* Whether its material is seen. */
-  const isDressed = ({ material }, { colours, materials }) => Boolean(colours === "lit" && materials && (material?.hasMaterial || material?.hasColours));
-
-  /* The images of a surface, as far as they are wanted and loaded, and what its alpha does. */
-  const setMaps = (place, { material, surface }, { colours, normalMaps, images }, dressed) => {
-    const lit = colours === "lit" && images && surface.texcoords;
-    const [base, normal] = [["baseMap", dressed], ["normalMap", normalMaps]].map(([map, wanted], unit) => {
-      const image = lit && wanted && material[map] ? images[material[map].image] : null;
-      if (image) bindTexture(image, unit, material[map]);
-      return image;
-    });
-    const alpha = dressed ? material.colour[3] : 1, cutoff = dressed ? material.cutoff : 0;
-    gl.uniform1i(place("base_map"), 0);
-    gl.uniform1i(place("normal_map"), 1);
-    gl.uniform4f(place("maps"), base ? 1 : 0, normal ? material.strength : 0, cutoff <= alpha ? cutoff / Math.max(alpha, LEAST_ALPHA) : NOTHING_IS_LEFT, dressed && material.seeThrough ? Math.max(alpha, LEAST_ALPHA) : 0);
-  };
-
-  /* All of them; what lets light through after the rest, the farthest first. */
+  /* All of them: in light by three.js, values as colours here. */
   const drawSurfaces = (items, camera, look) => {
-    const isBlended = (item) => isDressed(item, look) && item.material.seeThrough, depth = ({ localToWorld: m }) => point(camera.worldToView, m.slice(12, 15))[2];
-    for (const item of items) if (!isBlended(item)) drawSurface(item, camera, look);
-    const blended = items.filter(isBlended).map((item) => ({ item, at: depth(item) })).sort((a, b) => a.at - b.at);
-    if (blended.length) blend(() => { for (const { item } of blended) drawSurface(item, camera, look); });
+    if (look.colours === "lit" && look.shading !== "gouraud") lit.draw(items, camera, look, box, seen);
+    else for (const item of items) drawSurface(item, camera, look);
   };
   const blend = (draw) => {
     gl.enable(gl.BLEND);
@@ -226,42 +207,6 @@ export function makeGraphics(canvas, texts) {
     gl.depthMask(true);
     gl.disable(gl.BLEND);
   };
-
-  const WRAPS = new Set([gl.CLAMP_TO_EDGE, gl.MIRRORED_REPEAT]), isFilter = (kind) => kind === gl.NEAREST || kind === gl.LINEAR, isLevelled = (kind) => kind >= gl.NEAREST_MIPMAP_NEAREST && kind <= gl.LINEAR_MIPMAP_LINEAR;
-  const bindTexture = ({ colour, other }, unit, { wrap, filter: [mag, min] }) => {
-    gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, unit ? other : colour);
-    [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T].forEach((side, i) => gl.texParameteri(gl.TEXTURE_2D, side, WRAPS.has(wrap[i]) ? wrap[i] : gl.REPEAT));
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, isFilter(mag) ? mag : gl.LINEAR);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, isFilter(min) || isLevelled(min) ? min : gl.LINEAR_MIPMAP_LINEAR);
-  };
-  const makeTexture = async (bitmap, format) => {
-    const texture = gl.createTexture();
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texImage2D(gl.TEXTURE_2D, 0, format, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
-    await drained();
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.generateMipmap(gl.TEXTURE_2D);
-    await drained();
-    return texture;
-  };
-  /* files: PNG or JPEG, as bytes; uses: of each what it is used for. One that cannot be read is null. */
-  const makeImages = async (files, uses) => {
-    const images = [];
-    for (const [i, bytes] of files.entries()) {
-      try {
-        const plain = { premultiplyAlpha: "none", colorSpaceConversion: "none" }, blob = new Blob([bytes]);
-        let bitmap = await createImageBitmap(blob, plain);
-        const shrink = MOST_TEXELS / Math.max(bitmap.width, bitmap.height);
-        if (shrink < 1) bitmap = await createImageBitmap(blob, { ...plain, resizeWidth: Math.round(shrink * bitmap.width), resizeHeight: Math.round(shrink * bitmap.height), resizeQuality: "medium" });
-        images.push({ colour: uses[i].colour ? await makeTexture(bitmap, gl.SRGB8_ALPHA8) : null, other: uses[i].other ? await makeTexture(bitmap, gl.RGBA8) : null });
-      } catch { images.push(null); }
-    }
-    return images;
-  };
-  const freeImages = (images) => { for (const image of images) for (const texture of [image?.colour, image?.other]) if (texture) gl.deleteTexture(texture); };
 
   const drawAngle = (item, camera, look) => {
     const place = programOf("angle");
@@ -424,6 +369,7 @@ export function makeGraphics(canvas, texts) {
   };
 
   const clear = () => {
+    lit.resize();
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.disable(gl.SCISSOR_TEST);
     gl.enable(gl.DEPTH_TEST);
@@ -434,6 +380,7 @@ export function makeGraphics(canvas, texts) {
   const within = (part, draw, cut = { x: part.x, width: part.width }) => {
     if (part.width <= 0 || part.height <= 0 || cut.width <= 0) return;
     box = part;
+    seen = cut;
     gl.viewport(part.x, part.y, part.width, part.height);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(cut.x, part.y, cut.width, part.height);
@@ -441,5 +388,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, makeImages, freeImages, drawSurfaces, drawRest, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawRest, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
 }

@@ -10,8 +10,9 @@ import { makeGraphics } from "./graphics.js";
 import { makeIntro } from "./intro.js";
 import { STEPS, showFormula } from "./lesson.js";
 import { apply3, degreesBetween, IDENTITY, invert, length, multiply, point, unit, upper } from "./matrix.js";
+import { freeMaterials, readMaterials } from "./materials.js";
 import { makeMoving } from "./moving.js";
-import { listParts, showMaterialControls, showPart, usesOf } from "./parts.js";
+import { listParts, showMaterialControls, showPart } from "./parts.js";
 import { NAME, panelAt, panelsOf } from "./panels.js";
 import { savePicture } from "./picture.js";
 import { count, counted, degrees, notice, showComputeFacts, showMatrix, showMatrixFacts, showModelFacts, showMovingFacts } from "./readouts.js";
@@ -49,12 +50,13 @@ const option = (select, kind) => byId(select).querySelector(`[value="${kind}"]`)
 function dropScenes() {
   for (const old of [scene, before]) if (old) { old.free(); if (old.model) remote.free(old.model.number); }
   moving?.free();
+  graphics.lit.forget();
   scene = before = moving = chosen = found = null;
   look = { ...look, faint: false, pins: null };
 }
 
 /* Shows a model instead of what was there; or, changed, beside it. */
-function showModel(model, { changed = false } = {}) {
+function showModel(model, { changed = false, files = model.files } = {}) {
   if (changed) {
     const original = before ?? scene;
     if (before) { scene.free(); remote.free(scene.model.number); }
@@ -68,6 +70,7 @@ function showModel(model, { changed = false } = {}) {
     dropScenes();
     scene = makeScene(graphics, model);
   }
+  scene.files = files;
   const stored = model.meshes.some((mesh) => mesh.stored);
   option("source", "stored").disabled = option("colours", "error").disabled = !stored;
   byId("source").value = stored ? "stored" : "computed";
@@ -78,30 +81,34 @@ function showModel(model, { changed = false } = {}) {
   if (!changed) showMaterialControls(model);
   showModelFacts(model);
   listParts(scene, () => { dirty.draw = true; });
-  loadMaterials(scene);
+  loadMaterials(scene, files);
   showSections();
   dirty.compute = dirty.draw = true;
 }
 
-async function loadColours(shown) {
-  const lists = await remote.colours(shown.model.number);
-  for (const [i, list] of lists.entries()) if (list && (shown === scene || shown === before)) { shown.surfaces[i].colours = graphics.reserve(list.byteLength); await graphics.fillSlowly(shown.surfaces[i].colours, list); }
+const isShown = (one) => one === scene || one === before;
+/* Into a buffer of its own, slowly. */
+async function loadList(shown, surface, name, at, list) {
+  if (!list || !isShown(shown)) return;
+  const made = graphics.reserve(list.byteLength), to = shown.surfaces[surface];
+  await graphics.fillSlowly(made, list);
+  if (at === null) to[name] = made; else to[name][at] = made;
 }
 
-/* Images and colours of vertices follow by themselves. */
-async function loadMaterials(shown) {
+/* Materials with their images, and colours of vertices, follow by themselves. files: what the model was read from. */
+async function loadMaterials(shown, files) {
   const { model } = shown;
-  if (!model.images.length && !model.meshes.some(({ hasColours }) => hasColours)) return;
   loading++;
   try {
-    if (model.meshes.some(({ hasColours }) => hasColours)) await loadColours(shown);
-    if (!model.images.length) return;
-    const texcoords = await remote.texcoords(model.number), images = await graphics.makeImages(model.images, usesOf(model)), unread = images.filter((image) => !image).length;
-    model.images = [];
-    if (shown !== scene && shown !== before) { graphics.freeImages(images); return; }
-    shown.textures = { images, free: () => graphics.freeImages(images) };
-    for (const [i, list] of texcoords.entries()) if (list) { shown.surfaces[i].texcoords = graphics.reserve(list.byteLength); await graphics.fillSlowly(shown.surfaces[i].texcoords, list); }
-    if (unread) byId("model-facts").append(` ${counted(unread, "image")} cannot be read.`);
+    if (model.meshes.some(({ hasColours }) => hasColours)) for (const [i, list] of (await remote.colours(model.number)).entries()) await loadList(shown, i, "colours", null, list);
+    const read = files ? await readMaterials(files.files, files.path) : null;
+    if (!read || !isShown(shown)) { if (read) freeMaterials(read.list); return; }
+    for (const [i, sets] of (await remote.texcoords(model.number)).entries()) for (const [set, list] of sets.entries()) await loadList(shown, i, "texcoords", set, list);
+    if (!isShown(shown)) { freeMaterials(read.list); return; }
+    shown.materials = read.list;
+    shown.freeMaterials = () => freeMaterials(read.list);
+    showMaterialControls(model, read.list);
+    if (read.unread) byId("model-facts").append(` ${counted(read.unread, "image is", "images are")} missing or cannot be read.`);
     if (wantsTangents(shown)) dirty.compute = true;
   } catch (error) {
     notice(error.message);
@@ -111,7 +118,7 @@ async function loadMaterials(shown) {
   }
 }
 
-const wantsTangents = (shown) => value("colours") === "tangents" || (shown.textures && isChecked("normal-maps") && shown.model.meshes.some(({ normalMap }) => normalMap));
+const wantsTangents = (shown) => value("colours") === "tangents" || (shown.materials && shown.model.meshes.some(({ hasTangents }) => hasTangents));
 
 /* Of the normals that are shown. */
 async function uploadTangents(shown) {
@@ -271,7 +278,7 @@ async function change(facts, links, ask, words) {
     if (mine !== opening) { if (result.model) remote.free(result.model.number); return; }
     byId(facts).textContent = words(result) + notes;
     if (!result.changed) return;
-    showModel(result.model, { changed: true });
+    showModel(result.model, { changed: true, files: before?.files ?? scene.files });
     listFiles(links, result.files);
   } catch (error) {
     byId(facts).textContent = error.message;
@@ -465,7 +472,7 @@ function draw() {
   look.angleTop = intro.isShown() ? 45 : ANGLE_TOPS.find((top) => top >= info.worstErrorDeg - 0.005) ?? 180;
   graphics.clear();
   for (const panel of panels) drawPanel(panel, pixels, (side, view) => {
-    const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), images: (side === "wrong" && compared === "change" ? before : scene).textures?.images, colours: angle ? "angle" : value("colours"), shading: value("shading") };
+    const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), colours: angle ? "angle" : value("colours"), shading: value("shading") };
     graphics.drawSurfaces(items, view, how);
     if (how.colours === "findings" && look.faint) graphics.drawRest(items, view);
     if (!angle && isChecked("wireframe") && !moving) for (const item of items) drawWire(item, view, pixels, side === "wrong" && compared === "change" ? before : scene);
@@ -643,6 +650,7 @@ async function openGiven(given) {
 function openFile(files, path) {
   return show(async () => {
     const needed = await bytesFor(files, path), name = path.split("/").pop(), model = await remote.openFiles(needed.files, needed.path, name);
+    model.files = needed;
     model.source = { path: needed.path, name };
     return model;
   }, (model) => {
@@ -656,6 +664,18 @@ function openFile(files, path) {
     camera.reset();
     document.title = `${source.name} · Norma`;
     byId("model").title = byId("model").selectedOptions[0].textContent;
+    showSections();
+  });
+}
+
+/* The model of norma view: drawn from its pack; what may be fixed is its file, where the page holds that. */
+function openEmbedded() {
+  const { text, name, files } = embedded;
+  return show(async () => {
+    if (files) await remote.giveFiles(files.files);
+    return { ...(await remote.openText(text, name)), files };
+  }, () => {
+    source = files && { path: files.path, name };
     showSections();
   });
 }
@@ -680,7 +700,7 @@ function pickModel() {
   notice("");
   if (!key.startsWith("file")) { forgetChosen(); source = null; byId("model").querySelectorAll('[value^="file"]').forEach((old) => old.remove()); }
   if (key === "moving") showMoving();
-  else if (key === "embedded") show(() => remote.openText(embedded.text, embedded.name));
+  else if (key === "embedded") openEmbedded();
   else if (key === "sculpture") show(() => remote.openTriangles({ ...sculpture, positions: sculpture.positions.slice(), indices: sculpture.indices.slice() }), () => setRange("crease", 180));
   else if (key.startsWith("file")) { const { files, path } = fileChoices[Number(key.slice(4))]; openFile(files, path); }
   else if (SHAPES[key]) show(() => remote.openShape(key), () => setRange("crease", SHAPES[key].crease ?? 60));
@@ -842,6 +862,12 @@ function fillModels() {
   byId("model-credit").textContent = CREDIT;
 }
 
+/* The files that norma view put into the page: paths and bytes in base64, the one that is shown first. */
+function filesIn(text) {
+  const files = text.split("\n").filter(Boolean).map((line) => line.split(" ")).map(([path, bytes]) => ({ path: new TextDecoder().decode(bytesOf(path)), bytes: bytesOf(bytes) }));
+  return files.length ? { files, path: files[0].path } : null;
+}
+
 /* The colour scale of surface.frag, for its legend. */
 function paintLegend(texts) {
   const stops = [...texts["colour.glsl"].matchAll(/vec3\((0\.\d+), (0\.\d+), (0\.\d+)\)[,)]/g)].map((match) => match.slice(1, 4).map((x) => Math.round(255 * Number(x))));
@@ -883,7 +909,7 @@ export async function startPage(texts) {
   if (isCalm()) byId("waves").checked = false;
   const pack = textOf("pack");
   if (pack) {
-    embedded = { text: pack, name: byId("pack").dataset.name };
+    embedded = { text: pack, name: byId("pack").dataset.name, files: filesIn(textOf("files")) };
     byId("model").prepend(new Option(embedded.name, "embedded"));
     byId("model").value = "embedded";
     document.title = `${embedded.name} · Norma`;

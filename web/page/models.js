@@ -6,7 +6,7 @@ import { SHAPES } from "./shapes.js";
 function describe(number, model) {
   const isPlain = ([, part]) => typeof part !== "function";
   const meshes = model.meshes.map((mesh) => Object.fromEntries(Object.entries(mesh).filter(isPlain)));
-  return { number, name: model.name, format: model.format, unread: model.unread, imagesLeftOut: model.imagesLeftOut, triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes, up: model.up, images: model.images(),
+  return { number, name: model.name, format: model.format, unread: model.unread, triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes, up: model.up,
            arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), reach: mesh.reach().slice() })) };
 }
 
@@ -41,6 +41,7 @@ export async function startModels(modules) {
       engine.setFiles(files);
       return add(await engine.openFile(path, name));
     },
+    giveFiles: (files) => engine.setFiles(files),
     fix: async (path, name, options) => addChanged(await engine.fixFile(path, name, options)),
     computeFile: async (path, name, options) => addChanged(await engine.computeFile(path, name, options)),
     free: (number) => {
@@ -69,12 +70,12 @@ export async function startModels(modules) {
       });
       return best;
     },
-    /* Where the images of a mesh are looked up; null: it has none. */
-    texcoords: (number) => models.get(number).meshes.map((mesh) => (mesh.baseMap || mesh.normalMap ? mesh.texcoords().slice() : null)),
+    /* Where images are looked up, of both sets; null: it has none. */
+    texcoords: (number) => models.get(number).meshes.map((mesh) => mesh.hasTexcoords.map((has, set) => (has ? mesh.texcoords(set).slice() : null))),
     /* Of vertices; null: it has none. */
     colours: (number) => models.get(number).meshes.map((mesh) => (mesh.hasColours ? mesh.colours().slice() : null)),
     /* Those of the file, otherwise as MikkTSpace makes them of the normals that were computed last; null: there is nothing to make them of. */
-    tangents: (number) => models.get(number).meshes.map((mesh) => (mesh.hasTangents || mesh.hasTexcoords ? mesh.tangents().slice() : null)),
+    tangents: (number) => models.get(number).meshes.map((mesh) => (mesh.hasTangents || mesh.hasTexcoords.some(Boolean) ? mesh.tangents().slice() : null)),
     /* Both ends of every edge of the file's polygons. */
     wire: (number, index) => {
       const { positions, edges: read, triangles } = models.get(number).meshes[index], edges = read(), p = positions(), from = new Float32Array(9 * triangles), to = new Float32Array(9 * triangles);

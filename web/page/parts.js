@@ -39,16 +39,13 @@ export function showPart({ hidden }, number) {
   if (box) box.checked = true;
 }
 
-/* Controls of images and tangents are there if the model has them. */
-export function showMaterialControls(model) {
+/* Controls of materials and tangents are there if the model has them. materials: as they were read, or null. */
+export function showMaterialControls(model, materials = null) {
   const meshes = model?.meshes ?? [], has = (name) => meshes.some((mesh) => mesh[name]);
-  byId("textures-row").hidden = !has("hasMaterial") && !has("hasColours");
-  byId("normal-maps-row").hidden = !has("normalMap");
+  byId("textures-row").hidden = !materials && !has("hasColours");
+  byId("normal-maps-row").hidden = !materials?.some((material) => material?.normalMap);
   byId("up-row").hidden = !model;
-  byId("colours").querySelector("[value=tangents]").disabled = !has("hasTangents") && !has("hasTexcoords");
+  byId("colours").querySelector("[value=tangents]").disabled = !meshes.some(({ hasTangents, hasTexcoords }) => hasTangents || hasTexcoords.some(Boolean));
   byId("up").value = model?.up ?? "y";
   byId("up-facts").textContent = ["OBJ", "PLY", "STL"].includes(model?.format) ? "guessed" : "";
 }
-
-/* What each image is used for. */
-export const usesOf = (model) => model.images.map((_, i) => ({ colour: model.meshes.some(({ baseMap }) => baseMap?.image === i), other: model.meshes.some(({ normalMap }) => normalMap?.image === i) }));

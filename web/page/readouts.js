@@ -37,7 +37,7 @@ export function showModelFacts(model) {
   const normals = stored.length === 1 ? (stored[0] ? `normals ${stored[0]}` : "no normals") : stored.length ? "normals in some parts" : "";
   const parts = model.meshes.length > 1 ? `, ${count(model.meshes.length)} parts` : "", drawn = model.draws.length > model.meshes.length ? `, drawn ${count(model.draws.length)} times` : "";
   const unread = model.unread ? ` ${counted(model.unread, "part was", "parts were")} not read.` : "";
-  byId("model-facts").textContent = `${counted(model.triangles, "triangle")}${parts}${drawn}${model.format ? `, ${model.format}, ${normals}` : ""}.${unread}${model.meshes.some(({ decimated }) => decimated) ? " Decimated for display: the file has more triangles, and what is found is that of the file." : ""}${model.imagesLeftOut ? ` ${counted(model.imagesLeftOut, "image is", "images are")} not drawn: missing, or too large for a page.` : ""}`;
+  byId("model-facts").textContent = `${counted(model.triangles, "triangle")}${parts}${drawn}${model.format ? `, ${model.format}, ${normals}` : ""}.${unread}${model.meshes.some(({ decimated }) => decimated) ? " Decimated for display: the file has more triangles, and what is found is that of the file." : ""}`;
 }
 
 /* milliseconds: of each run while everything was warm. */

@@ -28,7 +28,7 @@ const turning = (up) => { const m = TURNED[up]; return [m[0], m[1], m[2], 0, m[3
 export function makeScene(graphics, model, up = model.up ?? "y", fixed = null) {
   const surfaces = model.arrays.map((arrays) => graphics.makeSurface(arrays));
   model.arrays = null;
-  const scene = { model, surfaces, faces: [], wires: [], hidden: new Set(), free: () => { surfaces.forEach((surface) => surface.free()); scene.textures?.free(); } };
+  const scene = { model, surfaces, faces: [], wires: [], hidden: new Set(), free: () => { surfaces.forEach((surface) => surface.free()); scene.freeMaterials?.(); } };
   /* Where everything stands, with this axis up. */
   scene.place = (axis, frame = null) => {
     const turned = model.draws.map(({ mesh, world }) => ({ mesh, world: multiply(turning(axis), world) }));
@@ -60,6 +60,6 @@ export function itemsOf(norma, scene, user, side) {
     try { right = Array.from(norma.normalMatrix(through)); } catch { /* a node that is not finite: nothing is right there */ }
     const surface = scene.surfaces[mesh], material = scene.model.meshes[mesh];
     return { surface, normals: surface.normals, localToWorld: multiply(fit, multiply(user, local)), normalMatrix: side === "wrong" ? plain : right, plain, right,
-             mirrored: determinant(plain) < 0, clay: scene.model.format ? CLAY : material.colour.slice(0, 3), mesh, draw, material, size: meanColumn(local) * fit[0] };
+             mirrored: determinant(plain) < 0, clay: scene.model.format && !material.decimated ? CLAY : material.colour.slice(0, 3), mesh, draw, material, materials: scene.materials, isDoubleSided: material.isDoubleSided, size: meanColumn(local) * fit[0] };
   });
 }

@@ -3,9 +3,11 @@
 #define NORMA_CLI_VIEW_PAGE_H
 #include <stddef.h>
 
-/* NULL where the tool was built without it. Where a model goes in stand, once each, the two marks.
+/* NULL where the tool was built without it. Where a model goes in stand, once each, the three
+ * marks.
  */
 const char *view_page(size_t *size);
 #define VIEW_PAGE_NAME  "/*NAME*/"
 #define VIEW_PAGE_MODEL "/*MODEL*/"
+#define VIEW_PAGE_FILES "/*FILES*/"
 #endif

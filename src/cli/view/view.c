@@ -187,18 +187,55 @@ static const char *find_mark(const char *from, const char *end, const char *mark
     return end;
 }
 
-static void write_view_page(FILE *out, const char *name, const view_pack *pack) {
+/* The file of a glTF and those that it refers to, from which the page takes materials and images,
+ * and which it can fix: a line for each, its path and its bytes. */
+typedef struct view_sources {
+    FILE *out;
+    const char *folder; /* of the file: paths are written relative to it */
+    size_t folder_length;
+} view_sources;
+
+static int write_source(void *user, const char *path) {
+    const view_sources *to = user;
+    unsigned char part[3 * 4096];
+    FILE *in = fopen(path, "rb");
+    if (!in) return 0; /* the page draws without it, as viewers do */
+    const int inside = strncmp(path, to->folder, to->folder_length) == 0;
+    const char *name = inside ? path + to->folder_length : cli_base_name(path);
+    write_base64(to->out, (const unsigned char *)name, strlen(name));
+    fputc(' ', to->out);
+    for (size_t size; (size = fread(part, 1, sizeof part, in)) > 0;)
+        write_base64(to->out, part, size);
+    fputc('\n', to->out);
+    fclose(in);
+    return 0;
+}
+
+static void write_sources(FILE *out, const char *input, norma_document *document) {
+    const view_sources to = {out, input, (size_t)(cli_base_name(input) - input)};
+    write_source((void *)&to, input);
+    norma_document_visit_files(document, write_source, (void *)&to, NULL);
+}
+
+/* document: whose files the page holds too; or NULL. */
+static void write_view_page(
+    FILE *out, const char *input, norma_document *document, const view_pack *pack) {
+    static const char *const marks[] = {VIEW_PAGE_NAME, VIEW_PAGE_MODEL, VIEW_PAGE_FILES};
     size_t size;
     const char *page = view_page(&size), *end = page + size;
-    const char *name_mark = find_mark(page, end, VIEW_PAGE_NAME),
-               *after_name = name_mark + strlen(VIEW_PAGE_NAME);
-    const char *model_mark = find_mark(after_name, end, VIEW_PAGE_MODEL),
-               *after_model = model_mark + strlen(VIEW_PAGE_MODEL);
-    fwrite(page, 1, (size_t)(name_mark - page), out);
-    cli_write_outside_html(out, name);
-    fwrite(after_name, 1, (size_t)(model_mark - after_name), out);
-    write_base64(out, pack->bytes, pack->size);
-    fwrite(after_model, 1, (size_t)(end - after_model), out);
+    for (size_t i = 0; i < CLI_COUNT(marks); ++i) {
+        const char *mark = find_mark(page, end, marks[i]);
+        fwrite(page, 1, (size_t)(mark - page), out);
+        page = mark + strlen(marks[i]);
+        if (i == 0)
+            cli_write_outside_html(
+                out, cli_is_standard(input) ? "standard input" : cli_base_name(input));
+        else if (i == 1)
+            write_base64(out, pack->bytes, pack->size);
+        else if (document)
+            write_sources(out, input, document);
+    }
+    fwrite(page, 1, (size_t)(end - page), out);
 }
 
 /* ---- one file */
@@ -274,14 +311,16 @@ static void report_page(const view_work *work, const char *input, const char *to
     cli_print_notes(input, document);
 }
 
-static int write_to(
-    const view_work *work, const char *input, const char *to, const view_pack *pack) {
+static int write_to(const view_work *work, const char *input, const char *to,
+    norma_document *document, const view_pack *pack) {
     cli_output output;
+    size_t shown;
+    const int whole = norma_file_format_is_gltf(norma_document_format(document)) &&
+                      !cli_is_standard(input) && !count_decimated(pack, &shown);
     int status = cli_make_folders(&work->files, to);
     if (!status) status = cli_output_begin(&output, to, work->files.guard);
     if (status) return status;
-    write_view_page(
-        output.out, strcmp(input, "-") == 0 ? "standard input" : cli_base_name(input), pack);
+    write_view_page(output.out, input, whole ? document : NULL, pack);
     return cli_output_end(&output);
 }
 
@@ -299,7 +338,7 @@ static int view_file(const view_work *work, const char *input, const char *to) {
         cli_name_error(&error, input);
         cli_print_error(&error);
     } else {
-        status = write_to(work, input, to, &pack);
+        status = write_to(work, input, to, document, &pack);
         if (!status) report_page(work, input, to, document, &pack);
     }
     free(pack.bytes);

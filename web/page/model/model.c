@@ -13,20 +13,12 @@ static int lies_inside(const view_pack_head *head, uint32_t at, uint64_t count, 
     return at % 8 == 0 && at <= head->size && count <= (head->size - at) / size;
 }
 
-static int images_are_sound(const view_pack_head *head, const unsigned char *pack) {
-    const view_pack_image *images = (const view_pack_image *)(const void *)(pack + head->images);
-    for (uint32_t i = 0; i < head->image_count; ++i)
-        if (images[i].bytes > head->size || images[i].size > head->size - images[i].bytes) return 0;
-    return 1;
-}
-
 static int has_head(const unsigned char *pack, size_t size) {
     const view_pack_head *head = (const view_pack_head *)(const void *)pack;
     return size >= sizeof *head && head->magic == VIEW_PACK_MAGIC && head->size <= size &&
            lies_inside(head, head->meshes, head->mesh_count, sizeof(view_pack_mesh)) &&
            lies_inside(head, head->draws, head->draw_count, sizeof(view_pack_draw)) &&
-           lies_inside(head, head->images, head->image_count, sizeof(view_pack_image)) &&
-           images_are_sound(head, pack) && model_findings_are_sound(head, pack);
+           model_findings_are_sound(head, pack);
 }
 
 static int is_there(const view_pack_head *head, uint32_t at, uint64_t count) {
@@ -35,14 +27,14 @@ static int is_there(const view_pack_head *head, uint32_t at, uint64_t count) {
 
 static int material_is_sound(
     const view_pack_head *head, const unsigned char *pack, const view_pack_mesh *r) {
+    const uint32_t pairs[3] = {r->texcoords[0], r->texcoords[1], r->map_texcoords};
+    for (int i = 0; i < 3; ++i)
+        if (pairs[i] != VIEW_PACK_NONE && !lies_inside(head, pairs[i], r->position_count, 8))
+            return 0;
     return r->name < head->size && memchr(pack + r->name, 0, head->size - r->name) &&
-           (r->texcoords == VIEW_PACK_NONE ||
-               lies_inside(head, r->texcoords, r->position_count, 16)) &&
            (r->tangents == VIEW_PACK_NONE ||
                lies_inside(head, r->tangents, r->position_count, 16)) &&
-           (r->colours == VIEW_PACK_NONE || lies_inside(head, r->colours, r->position_count, 8)) &&
-           (r->base_map == VIEW_PACK_NONE || r->base_map < head->image_count) &&
-           (r->normal_map == VIEW_PACK_NONE || r->normal_map < head->image_count);
+           (r->colours == VIEW_PACK_NONE || lies_inside(head, r->colours, r->position_count, 8));
 }
 
 static int record_is_sound(const view_pack_head *head, const view_pack_mesh *r) {
@@ -263,7 +255,8 @@ void model_close(model *m) {
         free(mesh->draw_reach);
         free(mesh->draw_values);
         free(mesh->draw_marks);
-        free(mesh->draw_texcoords);
+        free(mesh->draw_texcoords[0]);
+        free(mesh->draw_texcoords[1]);
         free(mesh->draw_tangents);
         free(mesh->draw_colours);
         free(mesh->triangle_corners);

@@ -16,10 +16,11 @@ typedef struct model_mesh {
         radius;     /* draw_positions = (position - centre) / radius: within the unit ball */
     float *normals; /* of each corner of the mesh */
     float *draw_positions, *draw_normals, *draw_reach,
-        *draw_values;    /* of each corner of each triangle; draw_normals may be normals */
-    uint8_t *draw_marks; /* the same, four bytes each; NULL until they are asked for */
-    float *draw_texcoords, *draw_tangents; /* four each; NULL until they are asked for */
-    uint16_t *draw_colours;                /* the same */
+        *draw_values;         /* of each corner of each triangle; draw_normals may be normals */
+    uint8_t *draw_marks;      /* the same, four bytes each; NULL until they are asked for */
+    float *draw_texcoords[2]; /* two each; NULL until they are asked for */
+    float *draw_tangents;     /* four each; the same */
+    uint16_t *draw_colours;   /* the same */
     creases
         *creases; /* NULL before normals were first computed, and where there is no room for it */
 } model_mesh;

@@ -147,7 +147,6 @@ typedef struct packing {
     const view_pack_options *options;
     size_t triangles; /* of all meshes */
     view_pack *pack;
-    view_pack_images images;
     view_pack_mesh *records;
     uint32_t *record_of, count, capacity;
     uint8_t *drawn;         /* of each record: whether it was drawn */
@@ -181,8 +180,8 @@ static norma_document_result pack_one(
     else
         pack_mesh(info, &data, work->pack, record);
     work->record_of[index] = work->count++;
-    const norma_document_result dressed = view_pack_material(
-        work->document, index, decimated.vertices, &work->images, work->pack, record, error);
+    const norma_document_result dressed =
+        view_pack_material(work->document, index, decimated.vertices, work->pack, record, error);
     free(decimated.vertices);
     free(decimated.corners);
     return dressed;
@@ -325,10 +324,6 @@ static norma_document_result pack_all(
     if (result == NORMA_DOCUMENT_OK)
         result = view_pack_findings(work->document, work->record_of, work->draw_of_node,
             work->records, work->options->threads, work->pack, &head, error);
-    head.image_count = work->images.count;
-    head.images_left_out = work->images.left_out;
-    head.images = view_pack_append(
-        work->pack, work->images.records, work->images.count, sizeof *work->images.records);
     head.mesh_count = work->count;
     head.meshes = view_pack_append(work->pack, work->records, work->count, sizeof *work->records);
     head.size = (uint32_t)work->pack->size;
@@ -373,7 +368,6 @@ norma_document_result view_pack_document(norma_document *document, const view_pa
     free(work.drawn);
     free(work.draw_of_node);
     free(work.draws);
-    view_pack_images_free(&work.images);
     if (result == NORMA_DOCUMENT_OK && pack->failed) result = NORMA_DOCUMENT_ERROR_MEMORY;
     if (result == NORMA_DOCUMENT_OK) return result;
     if (error && !error->message[0])

@@ -7,7 +7,7 @@
 #define NORMA_CLI_VIEW_PACK_H
 #include <norma/document.h>
 
-#define VIEW_PACK_MAGIC 0x344d524eu /* "NRM4" */
+#define VIEW_PACK_MAGIC 0x354d524eu /* "NRM5" */
 #define VIEW_PACK_NONE  UINT32_MAX
 
 typedef struct view_pack_head {
@@ -17,13 +17,7 @@ typedef struct view_pack_head {
     uint32_t format;                  /* norma_file_format */
     uint32_t unread_count;            /* meshes of the file that are not among these */
     uint32_t finding_count, findings; /* count VIEW_PACK_NONE: not checked */
-    uint32_t image_count, images;
-    uint32_t images_left_out, reserved; /* of materials: not there, or too large for a page */
 } view_pack_head;
-
-typedef struct view_pack_image { /* the file of an image: PNG or JPEG */
-    uint32_t bytes, size;
-} view_pack_image;
 
 typedef struct view_pack_mesh {
     uint32_t position_count, positions, is_double; /* three floats or doubles each */
@@ -37,16 +31,12 @@ typedef struct view_pack_mesh {
     uint32_t
         decimated; /* nonzero: not all of the file's faces; what is found in it has places only */
     uint32_t name; /* offset of a text that ends in a zero */
-    uint32_t texcoords, tangents;  /* four floats for each position: where the base map and the
-                                      normal map are looked up; x, y, z, sign. Or VIEW_PACK_NONE */
-    uint32_t base_map, normal_map; /* images; VIEW_PACK_NONE: none */
-    uint32_t base_wrap[2], normal_wrap[2]; /* as in glTF; 0: repeat */
-    uint32_t alpha_mode;                   /* norma_alpha_mode */
-    float alpha_cutoff, normal_strength;
+    uint32_t texcoords[2], map_texcoords; /* TEXCOORD_0 and 1; where the normal map is looked up:
+                                             two floats for each position. Or VIEW_PACK_NONE */
+    uint32_t tangents;                    /* x, y, z, sign for each position; or VIEW_PACK_NONE */
     uint32_t colours; /* four numbers of 16 bits for each position, linear, alpha last, 65535: 1;
                          VIEW_PACK_NONE: none */
-    uint32_t base_filter[2], normal_filter[2]; /* magnified, minified, as in glTF; 0: linear */
-    uint32_t has_material, unlit, reserved;    /* has_material: colour is that of a material */
+    uint32_t material, reserved; /* its number in a glTF; VIEW_PACK_NONE: none */
 } view_pack_mesh;
 
 typedef struct view_pack_draw {
@@ -94,19 +84,11 @@ norma_document_result view_pack_document(norma_document *document, const view_pa
 
 /* Copies count elements into the pack; where they lie. What fails is remembered there. */
 uint32_t view_pack_append(view_pack *pack, const void *bytes, size_t count, size_t size);
-/* pack_materials.c: colour, images, texture coordinates, tangents and the name of a mesh. images:
- * those that were packed, so that each is there once. */
-typedef struct view_pack_images {
-    view_pack_image *records;
-    size_t *numbers; /* in the document */
-    uint32_t count, left_out;
-    size_t size; /* of all together */
-} view_pack_images;
-/* vertices: which of the mesh's are in the record; NULL: all. */
+/* pack_materials.c: colour, texture coordinates, tangents and the name of a mesh, and the number of
+ * its material, which three.js reads from the file.
+ * vertices: which of the mesh's are in the record; NULL: all. */
 norma_document_result view_pack_material(norma_document *document, size_t mesh,
-    const uint32_t *vertices, view_pack_images *images, view_pack *pack, view_pack_mesh *record,
-    norma_document_error *error);
-void view_pack_images_free(view_pack_images *images);
+    const uint32_t *vertices, view_pack *pack, view_pack_mesh *record, norma_document_error *error);
 
 /* pack_findings.c: the part that norma check has. record_of: of each mesh of the document its
  * record, draw_of_node: of each node its first draw; or VIEW_PACK_NONE. meshes: the records. */

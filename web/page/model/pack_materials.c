@@ -1,80 +1,47 @@
-/* pack_materials.c: what a mesh's material makes it look like, as records of a pack: its colour,
- * those of its vertices, its images and where they are looked up, its tangents. */
+/* pack_materials.c: what drawing needs of a mesh besides its shape: its name, the number of its
+ * material, colours of its vertices, texture coordinates, tangents. */
 #include "model_pack.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Of all images together: more would only make the page slow to open. */
-static const size_t most_bytes = (size_t)48 << 20;
+/* ---- texture coordinates */
 
-/* ---- images */
-
-static int add_image(view_pack_images *images, size_t number, view_pack_image image) {
-    view_pack_image *records =
-        realloc(images->records, (images->count + 1) * sizeof *images->records);
-    if (records) images->records = records;
-    size_t *numbers = realloc(images->numbers, (images->count + 1) * sizeof *images->numbers);
-    if (numbers) images->numbers = numbers;
-    if (!records || !numbers) return 0;
-    images->records[images->count] = image;
-    images->numbers[images->count++] = number;
-    images->size += image.size;
-    return 1;
-}
-
-/* The number of its record; VIEW_PACK_NONE: it cannot be read, or there is no room for it. */
-static uint32_t pack_image(
-    view_pack *pack, view_pack_images *images, const norma_texture_info *info) {
-    if (!info->there) return VIEW_PACK_NONE;
-    for (uint32_t i = 0; i < images->count; ++i)
-        if (images->numbers[i] == info->image) return i;
-    if (info->image == SIZE_MAX || !info->bytes || info->size > most_bytes - images->size) {
-        ++images->left_out;
-        return VIEW_PACK_NONE;
-    }
-    const view_pack_image image = {
-        view_pack_append(pack, info->bytes, info->size, 1), (uint32_t)info->size};
-    pack->failed |= !add_image(images, info->image, image);
-    return pack->failed ? VIEW_PACK_NONE : images->count - 1;
-}
-
-void view_pack_images_free(view_pack_images *images) {
-    free(images->records);
-    free(images->numbers);
-    *images = (view_pack_images){0};
-}
-
-/* ---- texture coordinates, as they are looked up */
-
-static norma_document_result place_texcoords(norma_document *document, size_t mesh,
-    const norma_texture_info *info, float *out, size_t count, norma_document_error *error) {
+/* turn: as norma_material_info.normal_turn, or NULL. VIEW_PACK_NONE: the mesh has no such set. */
+static norma_document_result pack_set(norma_document *document, size_t mesh, size_t set,
+    const float *turn, size_t count, view_pack *pack, uint32_t *at, norma_document_error *error) {
     const float *texcoords = NULL;
     size_t there = 0;
     const norma_document_result result =
-        norma_document_texcoords(document, mesh, info->texcoord, &texcoords, &there, error);
-    if (!result && texcoords)
-        norma_texture_place(info, texcoords, there < count ? there : count, 4, out);
-    return result;
+        norma_document_texcoords(document, mesh, set, &texcoords, &there, error);
+    if (result || !texcoords || there < count) return result;
+    *at = view_pack_append(pack, texcoords, count, 2 * sizeof *texcoords);
+    for (size_t i = 0; turn && i < count && !pack->failed; ++i) {
+        const float *uv = texcoords + 2 * i, turned[2] = {turn[0] * uv[0] + turn[1] * uv[1],
+                                                 turn[2] * uv[0] + turn[3] * uv[1]};
+        memcpy(pack->bytes + *at + sizeof turned * i, turned, sizeof turned);
+    }
+    return NORMA_DOCUMENT_OK;
 }
 
-/* Those of the base map, then those of the normal map; without a normal map the first set, along
- * which tangents lie. */
+/* The sets that three.js looks images up by, and along which tangents lie: those of the normal map,
+ * turned as it is. */
 static norma_document_result pack_texcoords(norma_document *document, size_t mesh,
-    const norma_material_maps *maps, view_pack *pack, view_pack_mesh *record,
+    const norma_material_info *material, view_pack *pack, view_pack_mesh *record,
     norma_document_error *error) {
-    static const norma_texture_info plain = {.scale = {1, 1}};
-    const size_t count = record->position_count;
-    float *all = calloc(4 * count + 1, sizeof *all);
-    if (!all) return NORMA_DOCUMENT_ERROR_MEMORY;
-    norma_document_result result = place_texcoords(
-        document, mesh, maps->base_color.there ? &maps->base_color : &plain, all, count, error);
-    if (!result)
-        result = place_texcoords(
-            document, mesh, maps->normal.there ? &maps->normal : &plain, all + 2, count, error);
-    if (!result) record->texcoords = view_pack_append(pack, all, count, 4 * sizeof *all);
-    free(all);
+    static const float unturned[4] = {0};
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (size_t set = 0; set < 2 && !result; ++set)
+        result = pack_set(document, mesh, set, NULL, record->position_count, pack,
+            &record->texcoords[set], error);
+    const size_t set = material ? material->normal_texcoord : 0;
+    const int turned = material && memcmp(material->normal_turn, unturned, sizeof unturned) != 0;
+    if (!turned && set < 2)
+        record->map_texcoords = record->texcoords[set];
+    else if (!result)
+        result = pack_set(document, mesh, set, turned ? material->normal_turn : NULL,
+            record->position_count, pack, &record->map_texcoords, error);
     return result;
 }
 
@@ -94,7 +61,7 @@ static void pack_colours(
     free(parts);
 }
 
-/* ---- materials */
+/* ---- all of it */
 
 static void pack_name(norma_document *document, size_t mesh, const norma_material_info *material,
     view_pack *pack, view_pack_mesh *record) {
@@ -107,60 +74,28 @@ static void pack_name(norma_document *document, size_t mesh, const norma_materia
     record->name = view_pack_append(pack, text, strlen(text) + 1, 1);
 }
 
-static void copy_sampler(const norma_texture_info *info, uint32_t wrap[2], uint32_t filter[2]) {
-    wrap[0] = (uint32_t)info->wrap_s;
-    wrap[1] = (uint32_t)info->wrap_t;
-    filter[0] = (uint32_t)info->mag_filter;
-    filter[1] = (uint32_t)info->min_filter;
-}
-
-static norma_document_result pack_maps(norma_document *document, size_t mesh, size_t material,
-    view_pack_images *images, view_pack *pack, view_pack_mesh *record,
-    norma_document_error *error) {
-    norma_material_maps maps = {0};
-    norma_document_result result = norma_document_material_maps(document, material, &maps, error);
-    if (result) return result;
-    record->alpha_mode = (uint32_t)maps.alpha_mode;
-    record->alpha_cutoff = maps.alpha_cutoff;
-    record->normal_strength = maps.normal.strength;
-    record->base_map = pack_image(pack, images, &maps.base_color);
-    record->normal_map = pack_image(pack, images, &maps.normal);
-    copy_sampler(&maps.base_color, record->base_wrap, record->base_filter);
-    copy_sampler(&maps.normal, record->normal_wrap, record->normal_filter);
-    return pack_texcoords(document, mesh, &maps, pack, record, error);
-}
-
-/* White where no material says otherwise; only glTF has sides. */
-static void set_colour(const norma_material_info *material, int gltf, view_pack_mesh *record) {
-    for (int i = 0; i < 4; ++i) record->colour[i] = 1;
-    record->double_sided = !gltf;
-    if (!material) return;
-    memcpy(record->colour, material->base_color, sizeof record->colour);
-    record->double_sided = !gltf || material->double_sided;
-    record->has_material = (uint32_t)gltf;
-    record->unlit = material->unlit != 0;
-}
-
 norma_document_result view_pack_material(norma_document *document, size_t mesh,
-    const uint32_t *vertices, view_pack_images *images, view_pack *pack, view_pack_mesh *record,
+    const uint32_t *vertices, view_pack *pack, view_pack_mesh *record,
     norma_document_error *error) {
     const int gltf = norma_file_format_is_gltf(norma_document_format(document));
     norma_mesh_attributes attributes;
     norma_material_info material;
-    record->base_map = record->normal_map = record->texcoords = record->tangents = record->colours =
-        VIEW_PACK_NONE;
-    norma_document_result result =
+    record->material = record->texcoords[0] = record->texcoords[1] = record->map_texcoords =
+        record->tangents = record->colours = VIEW_PACK_NONE;
+    const norma_document_result result =
         norma_document_mesh_attributes(document, mesh, &attributes, NULL);
     const int known = !result && attributes.material != SIZE_MAX &&
                       !norma_document_material_info(document, attributes.material, &material);
-    set_colour(known ? &material : NULL, gltf, record);
+    for (int i = 0; i < 4; ++i) record->colour[i] = known ? material.base_color[i] : 1;
+    record->double_sided = !gltf || (known && material.double_sided); /* only glTF has sides */
     pack_name(document, mesh, known ? &material : NULL, pack, record);
     if (!result && attributes.colors) pack_colours(attributes.colors, vertices, pack, record);
-    if (result || vertices || !gltf)
-        return result == NORMA_DOCUMENT_ERROR_MEMORY ? result : NORMA_DOCUMENT_OK;
+    if (result || !gltf) return result == NORMA_DOCUMENT_ERROR_MEMORY ? result : NORMA_DOCUMENT_OK;
+    if (known && attributes.material < VIEW_PACK_NONE)
+        record->material = (uint32_t)attributes.material;
+    if (vertices) return NORMA_DOCUMENT_OK; /* decimated: images would no longer fit */
     if (attributes.tangent_count >= record->position_count)
         record->tangents =
             view_pack_append(pack, attributes.tangents, record->position_count, 4 * sizeof(float));
-    return known ? pack_maps(document, mesh, attributes.material, images, pack, record, error)
-                 : NORMA_DOCUMENT_OK;
+    return pack_texcoords(document, mesh, known ? &material : NULL, pack, record, error);
 }

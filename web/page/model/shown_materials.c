@@ -1,4 +1,4 @@
-/* shown_materials.c: names, images, colours, texture coordinates and tangents of a model's meshes,
+/* shown_materials.c: names, colours, texture coordinates and tangents of a model's meshes,
  * and which edges of its triangles are edges of the file's polygons. */
 #include "model.h"
 #include "../../package/wasm/exports.h"
@@ -10,65 +10,44 @@ const char *WEB_EXPORT(model_name)(const model *m, uint32_t mesh) {
     return (const char *)m->pack + m->meshes[mesh].record->name;
 }
 
-uint32_t WEB_EXPORT(model_image_count)(const model *m) { return m->head->image_count; }
-uint32_t WEB_EXPORT(model_images_left_out)(const model *m) { return m->head->images_left_out; }
-
-/* numbers: where its bytes are, how many. */
-void WEB_EXPORT(model_image)(const model *m, uint32_t image, uint32_t numbers[2]) {
-    const view_pack_image *record =
-        (const view_pack_image *)(const void *)(m->pack + m->head->images) + image;
-    numbers[0] = (uint32_t)(uintptr_t)(m->pack + record->bytes);
-    numbers[1] = record->size;
+/* The number of its material in the file; VIEW_PACK_NONE: it has none. */
+uint32_t WEB_EXPORT(model_material)(const model *m, uint32_t mesh) {
+    return m->meshes[mesh].record->material;
 }
 
-/* numbers: base map, normal map (-1: none), their wraps, alpha mode, cutoff, strength, whether
- * there are texture coordinates, whether tangents are stored; the filters of both maps, whether
- * there are colours, a material, light, and both sides. */
-void WEB_EXPORT(model_material)(const model *m, uint32_t mesh, double numbers[19]) {
+/* Bits: texture coordinates 0 and 1, tangents, colours, both sides. */
+uint32_t WEB_EXPORT(model_attributes)(const model *m, uint32_t mesh) {
     const view_pack_mesh *r = m->meshes[mesh].record;
-    numbers[0] = r->base_map == VIEW_PACK_NONE ? -1.0 : r->base_map;
-    numbers[1] = r->normal_map == VIEW_PACK_NONE ? -1.0 : r->normal_map;
-    for (int i = 0; i < 2; ++i) {
-        numbers[2 + i] = r->base_wrap[i];
-        numbers[4 + i] = r->normal_wrap[i];
-    }
-    numbers[6] = r->alpha_mode;
-    numbers[7] = (double)r->alpha_cutoff;
-    numbers[8] = (double)r->normal_strength;
-    numbers[9] = r->texcoords != VIEW_PACK_NONE;
-    numbers[10] = r->tangents != VIEW_PACK_NONE;
-    for (int i = 0; i < 2; ++i) {
-        numbers[11 + i] = r->base_filter[i];
-        numbers[13 + i] = r->normal_filter[i];
-    }
-    numbers[15] = r->colours != VIEW_PACK_NONE;
-    numbers[16] = r->has_material;
-    numbers[17] = !r->unlit;
-    numbers[18] = r->double_sided;
+    const int has[5] = {r->texcoords[0] != VIEW_PACK_NONE, r->texcoords[1] != VIEW_PACK_NONE,
+        r->tangents != VIEW_PACK_NONE, r->colours != VIEW_PACK_NONE, r->double_sided != 0};
+    uint32_t bits = 0;
+    for (int i = 0; i < 5; ++i) bits |= (uint32_t)has[i] << i;
+    return bits;
 }
 
 static size_t triangle_corner(const model_mesh *mesh, size_t i) {
     return mesh->triangle_corners ? mesh->triangle_corners[i] : i;
 }
 
-static float *take(const model *m, const model_mesh *mesh, uint32_t at, float *out) {
+/* Numbers of each position at each corner of each triangle; zeros where the pack has none. NULL:
+ * out of memory. */
+static float *take(
+    const model *m, const model_mesh *mesh, uint32_t at, size_t numbers, float *out) {
+    if (!out) out = calloc(3 * numbers * mesh->triangle_count + 1, sizeof *out);
+    if (at == VIEW_PACK_NONE) return out;
     const float *from = (const float *)(const void *)(m->pack + at);
     for (size_t i = 0; out && i < 3 * mesh->triangle_count; ++i)
-        memcpy(out + 4 * i, from + 4 * model_corner_position(mesh, triangle_corner(mesh, i)),
-            4 * sizeof *out);
+        memcpy(out + numbers * i,
+            from + numbers * model_corner_position(mesh, triangle_corner(mesh, i)),
+            numbers * sizeof *out);
     return out;
 }
 
-static float *four_each(const model_mesh *mesh) {
-    return calloc(12 * mesh->triangle_count + 1, sizeof(float));
-}
-
-/* Of each corner of each triangle; NULL: out of memory. Zeros: the mesh has none. */
-const float *WEB_EXPORT(model_texcoords)(model *m, uint32_t index) {
+/* set: 0 or 1. Two numbers for each corner of each triangle. */
+const float *WEB_EXPORT(model_texcoords)(model *m, uint32_t index, uint32_t set) {
     model_mesh *mesh = &m->meshes[index];
-    if (!mesh->draw_texcoords) mesh->draw_texcoords = four_each(mesh);
-    if (mesh->record->texcoords == VIEW_PACK_NONE) return mesh->draw_texcoords;
-    return take(m, mesh, mesh->record->texcoords, mesh->draw_texcoords);
+    return mesh->draw_texcoords[set] =
+               take(m, mesh, mesh->record->texcoords[set], 2, mesh->draw_texcoords[set]);
 }
 
 /* Four numbers of 16 bits; NULL: out of memory. Zeros: the mesh has none. */
@@ -86,35 +65,30 @@ const uint16_t *WEB_EXPORT(model_colours)(model *m, uint32_t index) {
 /* MikkTSpace's, along the coordinates of the normal map and the normals that were computed last. */
 static void compute_tangents(const model *m, model_mesh *mesh) {
     const size_t corners = mesh->mesh.corner_count, count = mesh->record->position_count;
-    const float *texcoords = (const float *)(const void *)(m->pack + mesh->record->texcoords);
-    float *made = malloc((4 * corners + 1) * sizeof *made),
-          *uv = malloc((2 * count + 1) * sizeof *uv);
-    for (size_t i = 0; uv && i < count; ++i) memcpy(uv + 2 * i, texcoords + 4 * i + 2, 8);
+    const float *uv = (const float *)(const void *)(m->pack + mesh->record->map_texcoords);
+    float *made = malloc((4 * corners + 1) * sizeof *made);
     const norma_attribute normal = {.data = mesh->normals,
                               .count = corners,
                               .of = NORMA_PER_CORNER},
                           texcoord = {.data = uv, .count = count, .of = NORMA_PER_VERTEX};
     const norma_options options = {.struct_size = sizeof options};
-    if (made && uv &&
-        !norma_corner_tangents(
-            &mesh->mesh, &normal, &texcoord, NORMA_TANGENTS_MIKK, &options, made, corners, NULL))
+    if (made && !norma_corner_tangents(&mesh->mesh, &normal, &texcoord, NORMA_TANGENTS_MIKK,
+                    &options, made, corners, NULL))
         for (size_t i = 0; i < 3 * mesh->triangle_count; ++i) {
             float *out = mesh->draw_tangents + 4 * i;
             memcpy(out, made + 4 * triangle_corner(mesh, i), 4 * sizeof *out);
             out[3] *= -1; /* v runs downwards */
         }
     free(made);
-    free(uv);
 }
 
 /* The file's, otherwise computed ones; zeros where there are no texture coordinates. */
 const float *WEB_EXPORT(model_tangents)(model *m, uint32_t index) {
     model_mesh *mesh = &m->meshes[index];
-    if (!mesh->draw_tangents) mesh->draw_tangents = four_each(mesh);
-    if (!mesh->draw_tangents) return NULL;
-    if (mesh->record->tangents != VIEW_PACK_NONE)
-        return take(m, mesh, mesh->record->tangents, mesh->draw_tangents);
-    if (mesh->record->texcoords != VIEW_PACK_NONE) compute_tangents(m, mesh);
+    mesh->draw_tangents = take(m, mesh, mesh->record->tangents, 4, mesh->draw_tangents);
+    if (mesh->draw_tangents && mesh->record->tangents == VIEW_PACK_NONE &&
+        mesh->record->map_texcoords != VIEW_PACK_NONE)
+        compute_tangents(m, mesh);
     return mesh->draw_tangents;
 }
 

@@ -1,0 +1,122 @@
+/* Surfaces in light, drawn by three.js: the materials of their files, or clay, in the light of a room and of a lamp that the camera carries. */
+import { BufferGeometry, Camera, DirectionalLight, DoubleSide, FrontSide, BufferAttribute, GLBufferAttribute, Mesh, MeshStandardMaterial, NeutralToneMapping, PMREMGenerator, Scene, Sphere, WebGLRenderer } from "three";
+import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
+import { dress } from "./materials.js";
+import { multiply3, upper } from "./matrix.js";
+
+const ROOM = 0.45, LAMP = 1.75, LAMP_FROM = [-0.75, 0.75, 0.45];
+const ROUGHNESS = 0.62;
+
+export function makeLit(canvas, gl) {
+  const renderer = new WebGLRenderer({ canvas, context: gl }), scene = new Scene(), camera = new Camera(), lamp = new DirectionalLight(0xffffff, LAMP);
+  renderer.autoClear = false;
+  renderer.toneMapping = NeutralToneMapping;
+  renderer.setPixelRatio(1);
+  renderer.info.autoReset = true;
+  camera.matrixAutoUpdate = camera.matrixWorldAutoUpdate = false;
+  scene.matrixWorldAutoUpdate = false;
+  scene.add(lamp);
+  const generator = new PMREMGenerator(renderer), room = new RoomEnvironment();
+  scene.environment = generator.fromScene(room, 0.04).texture;
+  scene.environmentIntensity = ROOM;
+  room.dispose();
+  generator.dispose();
+  renderer.resetState();
+
+  /* The arrays of a surface, which lie on the card already, with the normals of one side. */
+  const geometryOf = (surface, normals) => {
+    let made = surface.lit.get(normals);
+    if (!made) {
+      made = new BufferGeometry();
+      made.boundingSphere = new Sphere(undefined, 1);
+      if (surface.indexArray) made.setIndex(new BufferAttribute(surface.indexArray, 1));
+      surface.lit.set(normals, made);
+    }
+    const attribute = (name, buffer, size, kind = gl.FLOAT, bytes = 4) => { if (buffer && !made.attributes[name]) made.setAttribute(name, new GLBufferAttribute(buffer, kind, size, bytes, surface.points, kind !== gl.FLOAT)); };
+    attribute("position", surface.positions, 3);
+    attribute("normal", normals, 3);
+    surface.texcoords.forEach((buffer, set) => attribute(set ? `uv${set}` : "uv", buffer, 2));
+    attribute("tangent", surface.tangents, 4);
+    attribute("color", surface.colours, 4, gl.UNSIGNED_SHORT, 2);
+    return made;
+  };
+
+  /* Of a part of a model: dressed, or of clay. */
+  const wardrobe = new Map();
+  const clayOf = (item, colours, map) => {
+    const key = ["clay", item.clay, colours, item.isDoubleSided, map?.uuid].join();
+    if (!wardrobe.has(key)) {
+      const clay = new MeshStandardMaterial({ roughness: ROUGHNESS, vertexColors: colours, side: item.isDoubleSided === false ? FrontSide : DoubleSide, normalMap: map?.normalMap ?? null });
+      clay.color.setRGB(...item.clay);
+      if (map?.normalScale) clay.normalScale.copy(map.normalScale);
+      wardrobe.set(key, clay);
+    }
+    return wardrobe.get(key);
+  };
+  const materialOf = (item, look) => {
+    const { surface } = item, source = item.materials?.[item.material?.material] ?? null, colours = Boolean(look.materials && surface.colours);
+    let dressed = null;
+    if (source) {
+      const key = [source.uuid, Boolean(surface.tangents), colours].join();
+      if (!wardrobe.has(key)) wardrobe.set(key, dress(source, { tangents: Boolean(surface.tangents), colours }));
+      dressed = wardrobe.get(key);
+      if (dressed.normalScale) dressed.normalScale.copy(source.normalScale).multiplyScalar(look.normalMaps ? 1 : 0).setY((look.normalMaps ? 1 : 0) * source.normalScale.y * (surface.tangents ? 1 : -1));
+    }
+    if (dressed && look.materials) return dressed;
+    return clayOf(item, colours, dressed?.normalMap && look.normalMaps ? dressed : null);
+  };
+
+  const meshes = [];
+  const meshAt = (i) => {
+    if (meshes[i]) return meshes[i];
+    const mesh = new Mesh();
+    mesh.matrixAutoUpdate = mesh.matrixWorldAutoUpdate = mesh.frustumCulled = false;
+    /* Right or wrong, as the side says, and not what three.js makes of M. */
+    mesh.normalMatrix.getNormalMatrix = () => mesh.normalMatrix.fromArray(mesh.userData.normalMatrix);
+    return (meshes[i] = mesh);
+  };
+
+  const place = (items, view, look) => {
+    camera.matrixWorldInverse.fromArray(view.worldToView);
+    camera.matrixWorld.copy(camera.matrixWorldInverse).invert();
+    camera.projectionMatrix.fromArray(view.viewToClip);
+    camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
+    lamp.matrixWorld.setPosition(...LAMP_FROM.map((_, i) => LAMP_FROM.reduce((sum, part, axis) => sum + part * camera.matrixWorld.elements[4 * axis + i], 0)));
+    scene.children.length = 0;
+    scene.children.push(lamp);
+    items.forEach((item, i) => {
+      const mesh = meshAt(i);
+      mesh.geometry = geometryOf(item.surface, item.normals);
+      mesh.material = materialOf(item, look);
+      mesh.matrixWorld.fromArray(item.localToWorld);
+      mesh.userData.normalMatrix = multiply3(upper(view.worldToView), item.normalMatrix);
+      mesh.parent = scene;
+      scene.children.push(mesh);
+    });
+  };
+
+  /* Into a part of the picture, in pixels from below. What else draws with the context finds it as it was new. */
+  const draw = (items, view, look, box, cut) => {
+    place(items, view, look);
+    renderer.resetState();
+    renderer.setViewport(box.x, box.y, box.width, box.height);
+    renderer.setScissor(cut.x, box.y, cut.width, box.height);
+    renderer.setScissorTest(true);
+    renderer.render(scene, camera);
+    renderer.resetState();
+    gl.bindVertexArray(null);
+    gl.enable(gl.DEPTH_TEST);
+    gl.viewport(box.x, box.y, box.width, box.height);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(cut.x, box.y, cut.width, box.height);
+  };
+  /* Has programs made while the page goes on. */
+  const prepare = async (items, view, look) => {
+    place(items, view, look);
+    renderer.resetState();
+    try { await renderer.compileAsync(scene, camera); } finally { renderer.resetState(); }
+  };
+  const forget = () => { for (const material of wardrobe.values()) material.dispose(); wardrobe.clear(); };
+
+  return { draw, prepare, forget, resize: () => renderer.setSize(canvas.width, canvas.height, false) };
+}

@@ -1,0 +1,82 @@
+/* Materials of a glTF with their images, as three.js's GLTFLoader makes them; its meshes are left out, as Norma reads those. */
+import { LoadingManager } from "three";
+import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+
+const GLB = 0x46546c67, JSON_CHUNK = 0x4e4f534a;
+const OF_MESHES = ["scene", "scenes", "nodes", "meshes", "skins", "animations", "cameras", "accessors"];
+/* Extensions of meshes alone, which the loader would look for in vain. */
+const OF_GEOMETRY = /draco|mesh_gpu|quantization|meshopt|lights|KHR_node|VRM/i;
+
+/* The GLB in a file, which in a tile of 3D Tiles begins after its header. */
+function glbIn(bytes) {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  for (let at = 0; at + 20 <= bytes.length && at < 1 << 20; at++) if (view.getUint32(at, true) === GLB && view.getUint32(at + 16, true) === JSON_CHUNK) return bytes.subarray(at);
+  return null;
+}
+
+/* The same file without its meshes: { data for the loader, number of materials }. */
+function withoutMeshes(bytes) {
+  const glb = glbIn(bytes), length = glb && new DataView(glb.buffer, glb.byteOffset).getUint32(12, true), text = new TextDecoder().decode(glb ? glb.subarray(20, 20 + length) : bytes), json = JSON.parse(text);
+  for (const name of OF_MESHES) delete json[name];
+  for (const name of ["extensionsUsed", "extensionsRequired"]) if (json[name]) json[name] = json[name].filter((extension) => !OF_GEOMETRY.test(extension));
+  if (json.extensions) for (const name of Object.keys(json.extensions)) if (OF_GEOMETRY.test(name)) delete json.extensions[name];
+  const count = json.materials?.length ?? 0, short = new TextEncoder().encode(JSON.stringify(json));
+  if (!glb) return { data: short.buffer, count };
+  const padded = Math.ceil(short.length / 4) * 4, rest = glb.subarray(20 + length), made = new Uint8Array(20 + padded + rest.length), view = new DataView(made.buffer);
+  [GLB, 2, made.length, padded, JSON_CHUNK].forEach((word, i) => view.setUint32(4 * i, word, true));
+  made.fill(0x20, 20, 20 + padded);
+  made.set(short, 20);
+  made.set(rest, 20 + padded);
+  return { data: made.buffer, count };
+}
+
+const folderOf = (path) => path.slice(0, path.lastIndexOf("/") + 1);
+const normal = (path) => path.split("/").reduce((parts, part) => (part === ".." ? parts.slice(0, -1) : part === "." ? parts : [...parts, part]), []).join("/");
+
+/* files: [{ path, bytes }]; path: of the one that is shown. Gives { list: of each material its three.js material or null, unread: images that are missing or cannot be read }; null: it has none. */
+export async function readMaterials(files, path) {
+  const main = files.find((file) => file.path === path), urls = new Map();
+  if (!main || !/\.(gltf|glb|vrm|b3dm|i3dm|cmpt)$/i.test(path)) return null;
+  const { data, count } = withoutMeshes(main.bytes);
+  if (!count) return null;
+  const manager = new LoadingManager(), missing = new Set(), folder = folderOf(path);
+  manager.setURLModifier((url) => {
+    if (/^(blob|data):/.test(url)) return url;
+    const wanted = normal(decodeURIComponent(url)), file = files.find((one) => one.path === wanted) ?? files.find((one) => one.path.split("/").pop() === wanted.split("/").pop());
+    if (!file) { missing.add(wanted); return "data:,"; }
+    if (!urls.has(file)) urls.set(file, URL.createObjectURL(new Blob([file.bytes])));
+    return urls.get(file);
+  });
+  manager.onError = (url) => missing.add(url);
+  const loader = new GLTFLoader(manager), materials = [];
+  let parser = null;
+  loader.register((made) => { parser = made; return { name: "norma" }; });
+  const quiet = console.warn, quietError = console.error;
+  console.warn = console.error = () => undefined;      /* the page says itself what is missing */
+  try {
+    await loader.parseAsync(data, folder);
+    for (let i = 0; i < count; i++) materials.push(await parser.getDependency("material", i).catch(() => null));
+  } finally {
+    console.warn = quiet;
+    console.error = quietError;
+    for (const url of urls.values()) URL.revokeObjectURL(url);
+  }
+  return { list: materials, unread: missing.size };
+}
+
+/* As GLTFLoader dresses a primitive with these attributes. */
+export function dress(material, { tangents, colours }) {
+  const made = material.clone();
+  made.vertexColors = colours;
+  if (!tangents) for (const scale of [made.normalScale, made.clearcoatNormalScale]) if (scale) scale.y *= -1;
+  made.toneMapped = !made.isMeshBasicMaterial;
+  return made;
+}
+
+export function freeMaterials(list) {
+  for (const material of list) {
+    if (!material) continue;
+    for (const part of Object.values(material)) if (part?.isTexture) { part.source?.data?.close?.(); part.dispose(); }
+    material.dispose();
+  }
+}
