@@ -11,7 +11,9 @@ done
 rm -rf "$out"
 mkdir -p "$out/source"
 git ls-files -z | xargs -0 cp --parents -Pt "$out/source"
-if ! (cd "$out/source" && NORMA_WEB_MODULES="$root/build/npm-bundled/node_modules" DEB_BUILD_OPTIONS="parallel=${JOBS:-$(nproc)} ${DEB_BUILD_OPTIONS:-}" dpkg-buildpackage -b -us -uc) >"$out/build.log" 2>&1; then
+mkdir -p "$out/source/build"
+cp -r build/npm-bundled "$out/source/build/" # what npm has of the page's
+if ! (cd "$out/source" && DEB_BUILD_OPTIONS="parallel=${JOBS:-$(nproc)} ${DEB_BUILD_OPTIONS:-}" dpkg-buildpackage -b -us -uc) >"$out/build.log" 2>&1; then
     grep -E 'error|Error|dh_[a-z]*:' "$out/build.log" | head -n 20 || true
     echo "The packages could not be built; all of it is in $out/build.log" >&2
     exit 1
