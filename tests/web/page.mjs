@@ -54,25 +54,29 @@ const isModel = ([r, g, b]) => Math.max(r, g, b) - Math.min(r, g, b) > 22 && !(g
 const differences = (a, b, box = STAGE) => countPixels(a, box, (colour, x, y) => b.at(x, y).some((part, i) => Math.abs(part - colour[i]) > 12));
 const worst = (a) => (Math.asin((a * a - 1) / (a * a + 1)) * 180) / Math.PI;
 
-await attempt("the first seconds: a sculpture breathes, wrong beside right, the angle between them, one sentence; a press stops it", async () => {
-  const first = await visit(home, { intro: true }), scale = () => first.evaluate("Number(document.getElementById('scale-x').value)"), seen = [];
-  for (const end = Date.now() + 8000; Date.now() < end; await pause(60)) seen.push(await scale());
-  expect(Math.min(...seen) >= 1 && Math.max(...seen) <= 2 && Math.min(...seen) < 1.1 && Math.max(...seen) > 1.9, `the scale went from ${Math.min(...seen)} to ${Math.max(...seen)}`);
-  expect(await first.evaluate("['side-wrong', 'side-right', 'side-angle', 'intro', 'legend'].every((id) => document.getElementById(id).offsetParent)"), "a part is missing");
-  expect((await first.text("intro-words")).split(".").filter((part) => part.trim()).length === 1, "more than one sentence");
+await attempt("the first seconds: one model is slowly stretched, a line sweeps over it, one number, a sentence of at most twelve words, no form; a press stops it", async () => {
+  const first = await visit(home, { intro: true }), state = () => first.evaluate("[Number(document.getElementById('scale-x').value), parseFloat(document.getElementById('divider').style.left)]"), seen = [];
+  for (const end = Date.now() + 12000; Date.now() < end; await pause(60)) seen.push(await state());
+  const ends = (which) => [Math.min(...seen.map((one) => one[which])), Math.max(...seen.map((one) => one[which]))], [scales, lines] = [ends(0), ends(1)];
+  expect(scales[0] >= 1 && scales[1] <= 2.2 && scales[0] < 1.1 && scales[1] > 2.1, `the scale went from ${scales}`);
+  expect(lines[0] >= 10 && lines[1] <= 90 && lines[0] < 25 && lines[1] > 75, `the line went from ${lines}`);
+  expect(await first.evaluate("['side-wrong', 'side-right', 'divider', 'intro', 'worst'].every((id) => document.getElementById(id).offsetParent)"), "a part is missing");
+  expect(await first.evaluate("['panel', 'under-box', 'legend'].every((id) => !document.getElementById(id).offsetParent)"), "controls that nobody asked for");
+  const words = await first.text("intro-words");
+  expect(words.split(".").filter((part) => part.trim()).length === 1 && words.split(/\s+/).length <= 12, words);
   expect((await first.text("said")) === "", "it talks while it moves");
   await first.evaluate("document.getElementById('breathe').click()");
-  const still = await scale();
+  const still = (await state()).join();
   await pause(300);
-  expect((await scale()) === still, "it does not pause");
+  expect((await state()).join() === still, "it does not pause");
   await first.picture("intro");
   await first.set("scale-x", 2);
-  expect((await first.text("worst")) === "36.87°" && (await first.evaluate("document.getElementById('intro').hidden")), `after a change: ${await first.text("worst")}`);
+  expect((await first.text("worst")) === "36.87°" && (await first.evaluate("document.getElementById('intro').hidden && document.getElementById('panel').offsetParent !== null")), `after a change: ${await first.text("worst")}`);
   expect(first.said.length === 0, first.said.join("\n"));
   await first.close();
   const calm = await visit(home, { intro: true, calm: true }), before = await calm.evaluate("document.getElementById('scale-x').value");
   await pause(500);
-  expect(before === "2" && (await calm.evaluate("document.getElementById('scale-x').value")) === "2", "it moves where that is not wished");
+  expect(before === "2.2" && (await calm.evaluate("document.getElementById('scale-x').value")) === "2.2", "it moves where that is not wished");
   await calm.close();
 });
 

@@ -101,8 +101,8 @@ export async function startEngine({ bytes, draco: packed }) {
         return new Uint8Array(memory(), at, 12 * meshes[mesh].triangles);
       },
       /* Where a finding is worst, in the space of positions(), from where it is seen, how long its edges are; null: nowhere. */
-      placeOf: (finding) => lend([56], (at) => {
-        if (!wasm.model_finding_place(address, finding, at)) return null;
+      placeOf: (finding, which) => lend([56], (at) => {
+        if (!wasm.model_finding_place(address, finding, which, at)) return null;
         const [x, y, z, u, v, w, size] = doubles(at, 7);
         return { point: [x, y, z], direction: [u, v, w], size };
       }),

@@ -1,4 +1,4 @@
-/* The list of what norma check found: buttons, the gravest first. One that is pressed shows its faces alone and takes the camera there; pressed once more, all are shown. */
+/* The list of what norma check found: buttons, the gravest first. One that is pressed shows its faces and takes the camera there; pressed once more, the model is as it was. */
 import { count, counted } from "./readouts.js";
 
 /* A list that nobody reads to its end would only make the page slow. */

@@ -9,8 +9,6 @@ const LIGHTS = [{ from: [-0.66, 0.62, 0.42], strength: 1.05 }, { from: [0.9, 0, 
 const MOST_STRIDE = 63;
 /* Bytes that are handed over at once. */
 const SLICE = 1 << 19;
-/* How much of what is not marked is seen, where it would hide what is. */
-const FAINT = 0.14;
 /* Phong's model: ambient, diffuse, specular, exponent. */
 const PHONG = [0.06, 0.94, 0.16, 26];
 /* Where a surface with one side is not drawn from behind; errors, winding and findings are looked for on either. */
@@ -58,7 +56,7 @@ export function makeGraphics(canvas, texts) {
     return made.place;
   };
   for (const define of Object.values(SURFACES)) prepare("surface", "LIGHT_IN_VIEW", define);
-  for (const [stage, ...defines] of [["angle"], ["marked"], ["marked", "MARKED_ONLY"], ["marked", "REST_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"]]) prepare(stage, ...defines);
+  for (const [stage, ...defines] of [["angle"], ["marked", "MARKED_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"]]) prepare(stage, ...defines);
 
   const lit = makeLit(canvas, gl);
 
@@ -174,11 +172,10 @@ export function makeGraphics(canvas, texts) {
     else gl.drawArrays(gl.TRIANGLES, 0, item.surface.count);
   };
 
-  /* item: { surface, normals (a buffer), localToWorld, normalMatrix, plain, right (to world space), mirrored, clay, material }; look: { colours, shading, materials, errorTop, angleTop, faint } */
+  /* item: { surface, normals (a buffer), localToWorld, normalMatrix, plain, right (to world space), mirrored, clay, material }; look: { colours, shading, materials, errorTop, angleTop, through, dim } */
   const drawSurface = (item, camera, look) => {
     if (look.colours === "angle") { drawAngle(item, camera, look); return; }
-    if (look.colours === "findings" && item.surface.marks) { drawMarked(item, camera, look.faint ? "MARKED_ONLY" : null); return; }
-    const place = programOf("surface", "LIGHT_IN_VIEW", SURFACES[look.colours === "lit" || look.colours === "findings" ? look.shading : look.colours]);
+    const place = programOf("surface", "LIGHT_IN_VIEW", SURFACES[look.colours === "lit" ? look.shading : look.colours]);
     setCamera(place, camera);
     setLight(place);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
@@ -196,16 +193,18 @@ export function makeGraphics(canvas, texts) {
 
   /* All of them: in light by three.js, values as colours here. */
   const drawSurfaces = (items, camera, look) => {
-    if (look.colours === "lit" && look.shading !== "gouraud") lit.draw(items, camera, look, box, seen);
+    if (look.colours === "findings" || (look.colours === "lit" && look.shading !== "gouraud")) lit.draw(items, camera, look, box, seen);
     else for (const item of items) drawSurface(item, camera, look);
+    if (look.colours === "findings") drawMarks(items, camera, look.through);
   };
-  const blend = (draw) => {
-    gl.enable(gl.BLEND);
-    gl.depthMask(false);
-    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    draw();
-    gl.depthMask(true);
-    gl.disable(gl.BLEND);
+
+  /* What is marked, over the model; through: also where the rest stands in front of it. */
+  const drawMarks = (items, camera, through) => {
+    if (through) gl.clear(gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(-1, -8);
+    for (const item of items) if (item.surface.marks) drawMarked(item, camera, "MARKED_ONLY");
+    gl.disable(gl.POLYGON_OFFSET_FILL);
   };
 
   const drawAngle = (item, camera, look) => {
@@ -222,12 +221,8 @@ export function makeGraphics(canvas, texts) {
     const place = programOf("marked", ...(define ? [define] : []));
     setCamera(place, camera);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
-    gl.uniform1f(place("rest_alpha"), FAINT);
     drawTriangles(item, item.surface.marks);
   };
-
-  /* What is not marked, over what is, after all of that was drawn. */
-  const drawRest = (items, camera) => blend(() => { for (const item of items) if (item.surface.marks) drawMarked(item, camera, "REST_ONLY"); });
 
   const startLines = (place, camera, width, head, lift = 0.002) => {
     setCamera(place, camera);
@@ -376,6 +371,12 @@ export function makeGraphics(canvas, texts) {
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   };
+  /* A box for a small picture in the large one. */
+  const paint = (colour) => {
+    gl.clearColor(...colour, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.clearColor(0, 0, 0, 0);
+  };
   /* Draws into a part of the picture: a box in pixels from below; cut: the columns of it that are drawn. */
   const within = (part, draw, cut = { x: part.x, width: part.width }) => {
     if (part.width <= 0 || part.height <= 0 || cut.width <= 0) return;
@@ -388,5 +389,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawRest, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, clear, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, clear, paint, within };
 }

@@ -1,12 +1,16 @@
-/* The first seconds: a scale that breathes between 1 and 2 until somebody does something. */
+/* The first seconds: a model is slowly stretched, and a line sweeps over it, until somebody does something. */
 import { byId, setRange } from "./controls.js";
 
-const PERIOD = 6;
+const STRETCH = 11, SWEEP = 7, FROM = 14, TO = 86;
+const wave = (time, period) => 0.5 - 0.5 * Math.cos((2 * Math.PI * time) / period);
 
 /* changed() is called when the scale has changed. */
 export function makeIntro(changed) {
   let playing = false, time = 0, last = 0;
-  const show = () => setRange("scale-x", Number((1.5 + 0.5 * Math.cos((2 * Math.PI * time) / PERIOD)).toFixed(2)));
+  const show = () => {
+    setRange("scale-x", Number((2.2 - 1.2 * wave(time, STRETCH)).toFixed(2)));
+    setRange("split", Number((TO - (TO - FROM) * wave(time + SWEEP / 4, SWEEP)).toFixed(1)));
+  };
   const play = (on) => {
     playing = on;
     last = 0;
@@ -24,11 +28,13 @@ export function makeIntro(changed) {
     time = 0;
     show();
     byId("intro").hidden = false;
+    document.body.classList.add("first");
     play(on);
   };
   const end = () => {
     playing = false;
     byId("intro").hidden = true;
+    document.body.classList.remove("first");
   };
   byId("breathe").addEventListener("click", () => play(!playing));
   return { begin, end, pause: () => { if (playing) play(false); }, tick, isPlaying: () => playing, isShown: () => !byId("intro").hidden };

@@ -1,11 +1,14 @@
 /* Surfaces in light, drawn by three.js: the materials of their files, or clay, in the light of a room and of a lamp that the camera carries. */
-import { BufferGeometry, Camera, DirectionalLight, DoubleSide, FrontSide, BufferAttribute, GLBufferAttribute, Mesh, MeshStandardMaterial, NeutralToneMapping, PMREMGenerator, Scene, Sphere, WebGLRenderer } from "three";
+import { BufferGeometry, Camera, DirectionalLight, DoubleSide, FrontSide, HemisphereLight, BufferAttribute, GLBufferAttribute, Mesh, MeshStandardMaterial, NeutralToneMapping, PMREMGenerator, Scene, Sphere, WebGLRenderer } from "three";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
 import { dress } from "./materials.js";
 import { multiply3, upper } from "./matrix.js";
 
-const ROOM = 0.45, LAMP = 1.75, LAMP_FROM = [-0.75, 0.75, 0.45];
-const ROUGHNESS = 0.62;
+const ROOM = 0.45, SKY = 1.15, LAMP = 1.75, LAMP_FROM = [-0.75, 0.75, 0.45];
+/* Of clay, and of the models that the page brings along, which shine: light that runs over them shows normals. */
+const MATT = { roughness: 0.62, metalness: 0 }, SHINY = { roughness: 0.36, metalness: 0.1 };
+/* The exposure beside what is marked. */
+const DIM = 0.42;
 
 export function makeLit(canvas, gl) {
   const renderer = new WebGLRenderer({ canvas, context: gl }), scene = new Scene(), camera = new Camera(), lamp = new DirectionalLight(0xffffff, LAMP);
@@ -16,12 +19,21 @@ export function makeLit(canvas, gl) {
   camera.matrixAutoUpdate = camera.matrixWorldAutoUpdate = false;
   scene.matrixWorldAutoUpdate = false;
   scene.add(lamp);
-  const generator = new PMREMGenerator(renderer), room = new RoomEnvironment();
-  scene.environment = generator.fromScene(room, 0.04).texture;
+  const sky = new HemisphereLight(0xffffff, 0x8a8680, SKY);
+  sky.matrixWorld.setPosition(0, 1, 0);
   scene.environmentIntensity = ROOM;
-  room.dispose();
-  generator.dispose();
-  renderer.resetState();
+  let room = null;
+  /* What shines shows the room; clay needs the sky alone, which costs next to nothing. The room is made when it is first wanted. */
+  const lightFor = (dressed) => {
+    sky.visible = !dressed;
+    if (dressed && !room) {
+      const generator = new PMREMGenerator(renderer), walls = new RoomEnvironment();
+      room = generator.fromScene(walls, 0.04).texture;
+      walls.dispose();
+      generator.dispose();
+    }
+    scene.environment = dressed ? room : null;
+  };
 
   /* The arrays of a surface, which lie on the card already, with the normals of one side. */
   const geometryOf = (surface, normals) => {
@@ -44,9 +56,9 @@ export function makeLit(canvas, gl) {
   /* Of a part of a model: dressed, or of clay. */
   const wardrobe = new Map();
   const clayOf = (item, colours, map) => {
-    const key = ["clay", item.clay, colours, item.isDoubleSided, map?.uuid].join();
+    const key = ["clay", item.clay, item.isShiny, colours, item.isDoubleSided, map?.uuid].join();
     if (!wardrobe.has(key)) {
-      const clay = new MeshStandardMaterial({ roughness: ROUGHNESS, vertexColors: colours, side: item.isDoubleSided === false ? FrontSide : DoubleSide, normalMap: map?.normalMap ?? null });
+      const clay = new MeshStandardMaterial({ ...(item.isShiny ? SHINY : MATT), vertexColors: colours, side: item.isDoubleSided === false ? FrontSide : DoubleSide, normalMap: map?.normalMap ?? null });
       clay.color.setRGB(...item.clay);
       if (map?.normalScale) clay.normalScale.copy(map.normalScale);
       wardrobe.set(key, clay);
@@ -83,7 +95,7 @@ export function makeLit(canvas, gl) {
     camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
     lamp.matrixWorld.setPosition(...LAMP_FROM.map((_, i) => LAMP_FROM.reduce((sum, part, axis) => sum + part * camera.matrixWorld.elements[4 * axis + i], 0)));
     scene.children.length = 0;
-    scene.children.push(lamp);
+    scene.children.push(lamp, sky);
     items.forEach((item, i) => {
       const mesh = meshAt(i);
       mesh.geometry = geometryOf(item.surface, item.normals);
@@ -99,6 +111,8 @@ export function makeLit(canvas, gl) {
   const draw = (items, view, look, box, cut) => {
     place(items, view, look);
     renderer.resetState();
+    lightFor(Boolean(look.materials && items.some(({ materials }) => materials)));
+    renderer.toneMappingExposure = look.dim ? DIM : 1;
     renderer.setViewport(box.x, box.y, box.width, box.height);
     renderer.setScissor(cut.x, box.y, cut.width, box.height);
     renderer.setScissorTest(true);
@@ -110,13 +124,7 @@ export function makeLit(canvas, gl) {
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(cut.x, box.y, cut.width, box.height);
   };
-  /* Has programs made while the page goes on. */
-  const prepare = async (items, view, look) => {
-    place(items, view, look);
-    renderer.resetState();
-    try { await renderer.compileAsync(scene, camera); } finally { renderer.resetState(); }
-  };
   const forget = () => { for (const material of wardrobe.values()) material.dispose(); wardrobe.clear(); };
 
-  return { draw, prepare, forget, resize: () => renderer.setSize(canvas.width, canvas.height, false) };
+  return { draw, forget, resize: () => renderer.setSize(canvas.width, canvas.height, false) };
 }

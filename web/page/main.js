@@ -35,9 +35,10 @@ const REACH = 2.2;
 let norma, remote, graphics, intro, remember = () => undefined;
 /* What is shown: a scene, and the one before it was changed; or the surface that moves; and where its file came from. */
 let scene = null, before = null, moving = null, source = null, sculpture = null;
-let chosen = null, look = { faint: false, pins: null, errorTop: 1, angleTop: 45 };
+const UNMARKED = { through: false, dim: false, pins: null, place: null }, FLIGHT = 450, SWEEP = 2600;
+let chosen = null, look = { ...UNMARKED, errorTop: 1, angleTop: 45 };
 let cursor = DEFAULT_CURSOR, panels = [], found = null;
-let dirty = { compute: true, draw: true }, calls = 0, drawing = false, computing = false, picking = false, measuring = false, loading = 0, seeking = 0, computed = 0, opening = 0;
+let lessonOf = null, dirty = { compute: true, draw: true }, calls = 0, drawing = false, computing = false, picking = false, measuring = false, loading = 0, seeking = 0, computed = 0, opening = 0;
 const timer = { last: 0, frames: 0 };
 
 const isDark = () => matchMedia("(prefers-color-scheme: dark)").matches;
@@ -52,7 +53,7 @@ function dropScenes() {
   moving?.free();
   graphics.lit.forget();
   scene = before = moving = chosen = found = null;
-  look = { ...look, faint: false, pins: null };
+  look = { ...look, ...UNMARKED };
 }
 
 /* Shows a model instead of what was there; or, changed, beside it. */
@@ -65,7 +66,7 @@ function showModel(model, { changed = false, files = model.files } = {}) {
     scene.hidden = original.hidden;
     if (chosen) camera.reset();      /* it stood close to one finding */
     chosen = null;
-    look = { ...look, faint: false, pins: null };
+    look = { ...look, ...UNMARKED };
   } else {
     dropScenes();
     scene = makeScene(graphics, model);
@@ -169,6 +170,9 @@ function showSections() {
   option("shading", "flat").disabled = option("hedgehog", "face").disabled = option("colours", "angle").disabled = live;
   if (live) for (const kind of ["error", "findings"]) option("colours", kind).disabled = true;
   byId("fixing").hidden = byId("computing").hidden = !source;
+  const isFile = Boolean(scene?.model?.format);
+  if (lessonOf !== isFile) byId("matrix-box").open = !isFile;      /* whoever brings a model did not come for the lesson */
+  lessonOf = isFile;
   byId("model-credit").hidden = value("model") !== "sculpture";
   canvas.classList.toggle("brush", live && isChecked("brush"));
 }
@@ -196,32 +200,61 @@ const poseView = (pose, aspect) => {
 };
 
 /* Marks a finding alone, and takes the camera where enough of it is seen. */
-async function chooseFinding(finding) {
+async function chooseFinding(finding, which = 0) {
   const mine = ++seeking, shown = scene;
   chosen = finding;
-  byId("colours").value = "findings";
+  byId("colours").value = finding ? "findings" : "lit";
   byId("finding-seen").textContent = "";
-  look = { ...look, faint: false, pins: null };
+  byId("places").hidden = true;
+  look = { ...UNMARKED, errorTop: look.errorTop, angleTop: look.angleTop };
   try {
     if (finding) showPart(shown, finding.mesh);
     await uploadMarks(shown, finding?.index);
-    const place = finding && placeIn(finding, await remote.place(shown.model.number, finding.index));
+    const place = finding && placeIn(finding, await remote.place(shown.model.number, finding.index, which));
     if (mine !== seeking || shown !== scene) return;
     if (!finding) return;
+    look.dim = shown.model.meshes[finding.mesh] !== undefined;
     if (!place) { camera.reset(); byId("finding-seen").textContent = shown.model.meshes[finding.mesh] ? "This is about a whole part, not about a place on it." : "This is about the file, not about a place on its surface."; return; }
     const everywhere = finding.places > shown.model.meshes[finding.mesh].faces / 2, aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
     const items = itemsOf(norma, shown, userMatrix(), "right"), counts = (poses, through) => graphics.countMarked(items, poses.map((pose) => poseView(pose, aspect)), aspect, through);
     const best = await seek(posesOf(place, camera.axes().up, everywhere), counts);
     if (mine !== seeking || shown !== scene) return;
-    camera.reset({ ...best.pose, centre: [...best.pose.centre] });
-    look = { ...look, faint: best.faint, pins: best.pinned ? place.pins : null, place };
-    byId("finding-seen").textContent = best.pinned ? "What is meant is too thin to be seen: discs show where it is." : best.faint ? "The rest of the model stands in front, so it is drawn faint." : "";
+    look = { ...look, through: best.faint, pins: best.pinned ? [place.at] : null, place };
+    byId("finding-seen").textContent = best.pinned ? "What is meant is too thin to be seen: a disc shows where it is." : best.faint ? "Other parts stand in front; it is drawn over them." : "";
+    showPlaces(which, place.pins.length);
+    await fly({ ...best.pose, centre: [...best.pose.centre] });
   } catch (error) {
     notice(error.message);
   } finally {
     if (mine === seeking) { seeking = 0; placeStage(); }
     dirty.draw = true;
   }
+}
+
+/* The camera goes from the whole to a place; whoever moves it stops it. */
+let flights = 0;
+async function fly(to) {
+  const mine = ++flights, whole = makeCamera(), mix = (a, b, part) => a + (b - a) * part;
+  whole.azimuth = to.azimuth + Math.max(-40, Math.min(40, ((camera.azimuth - to.azimuth + 540) % 360) - 180));
+  for (const begin = performance.now(); mine === flights; await new Promise(requestAnimationFrame)) {
+    const time = isCalm() ? 1 : Math.min(1, (performance.now() - begin) / FLIGHT), part = time * time * (3 - 2 * time);
+    camera.reset({ azimuth: mix(whole.azimuth, to.azimuth, part), elevation: mix(whole.elevation, to.elevation, part), distance: Math.exp(mix(Math.log(whole.distance), Math.log(to.distance), part)), centre: whole.centre.map((x, i) => mix(x, to.centre[i], 1 - (1 - part) ** 2)) });
+    dirty.draw = true;
+    if (time === 1) return;
+  }
+}
+
+/* Buttons from place to place. */
+function showPlaces(which, count) {
+  byId("places").hidden = count < 2;
+  byId("next-place").textContent = `Next place (${which + 1} of ${count})`;
+  byId("next-place").onclick = () => chooseFinding(chosen, (which + 1) % count);
+  byId("all-places").onclick = () => {
+    flights++;
+    camera.reset();
+    look = { ...look, through: true, pins: look.place.pins };
+    dirty.draw = true;
+  };
 }
 
 async function uploadMarks(shown, index) {
@@ -240,6 +273,21 @@ function apart(points, { worldToView, viewToClip }) {
     if (w > 0 && Math.abs(x) < w && Math.abs(y) < w) cells.add(`${Math.round((25 * x) / w)} ${Math.round((25 * y) / w)}`);
   }
   return Math.max(1, cells.size);
+}
+
+/* The whole in a corner, with the place marked. */
+function drawCorner(pixels, draw) {
+  const width = Math.round(Math.min(200, 0.28 * canvas.clientWidth)), height = Math.round(0.8 * width), box = { x: canvas.clientWidth - width - 12, y: canvas.clientHeight - height - 12, width, height }, whole = makeCamera();
+  byId("whole").style.cssText = `width:${width}px;height:${height}px`;
+  Object.assign(whole, { azimuth: camera.azimuth, elevation: camera.elevation, aspect: width / height });
+  const part = { x: Math.round(box.x * pixels), y: Math.round(12 * pixels), width: Math.round(width * pixels), height: Math.round(height * pixels) };
+  graphics.within(part, () => {
+    const view = { worldToView: whole.worldToView(), viewToClip: whole.viewToClip(REACH) };
+    graphics.paint(isDark() ? [0.11, 0.137, 0.149] : [1, 1, 1]);
+    draw(view);
+    graphics.drawPins(look.place.at, view, isDark() ? [1, 1, 1, 1] : [0, 0, 0, 1], 13 * pixels);
+    graphics.drawPins(look.place.at, view, isDark() ? [0, 0, 0, 1] : [1, 1, 1, 1], 8 * pixels);
+  });
 }
 
 /* An arrow that points at the place of the finding that is chosen; discs where it has no area. */
@@ -280,8 +328,20 @@ async function change(facts, links, ask, words) {
     if (!result.changed) return;
     showModel(result.model, { changed: true, files: before?.files ?? scene.files });
     listFiles(links, result.files);
+    sweep();
   } catch (error) {
     byId(facts).textContent = error.message;
+  }
+}
+
+/* The line goes once over what was changed. */
+async function sweep() {
+  const mine = ++flights;
+  for (const begin = performance.now(); !isCalm() && mine === flights; await new Promise(requestAnimationFrame)) {
+    const time = Math.min(1, (performance.now() - begin) / SWEEP);
+    setRange("split", Number((50 + 42 * Math.sin(2 * Math.PI * time) * (1 - 0.3 * time)).toFixed(1)));
+    dirty.draw = true;
+    if (time === 1) return;
   }
 }
 
@@ -364,7 +424,7 @@ function comparison() {
 
 function panelKind(compared) {
   if (!compared) return "right";
-  if (intro.isShown()) return "beside";
+  if (intro.isShown()) return "split";
   return compared !== "matrix" && value("sides") === "beside" ? "split" : value("sides");
 }
 
@@ -384,7 +444,6 @@ function placeStage() {
   byId("side-right").hidden = !compared || !sides.includes("right");
   byId("side-angle").hidden = !angle;
   if (angle) byId("side-angle").style.top = `${angle.box.y - NAME + 6}px`;
-  byId("intro").style.top = angle ? `${angle.box.y - NAME + 6}px` : "";
   byId("side-wrong-name").textContent = left;
   byId("side-right-name").textContent = right;
   byId("side-wrong").classList.toggle("plain", compared === "change");
@@ -469,17 +528,19 @@ function draw() {
   const pixels = canvas.width / (canvas.clientWidth || 1), user = userMatrix(), compared = comparison();
   const info = norma.matrixInfo(user), colours = isDark() ? COLOURS.dark : COLOURS.light;
   panels = panelsOf(panelKind(compared), canvas.clientWidth, canvas.clientHeight, numberOf("split") / 100);
-  look.angleTop = intro.isShown() ? 45 : ANGLE_TOPS.find((top) => top >= info.worstErrorDeg - 0.005) ?? 180;
+  look.angleTop = ANGLE_TOPS.find((top) => top >= info.worstErrorDeg - 0.005) ?? 180;
   graphics.clear();
   for (const panel of panels) drawPanel(panel, pixels, (side, view) => {
     const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), colours: angle ? "angle" : value("colours"), shading: value("shading") };
     graphics.drawSurfaces(items, view, how);
-    if (how.colours === "findings" && look.faint) graphics.drawRest(items, view);
     if (!angle && isChecked("wireframe") && !moving) for (const item of items) drawWire(item, view, pixels, side === "wrong" && compared === "change" ? before : scene);
     if (!angle) for (const item of items) drawHedgehog(item, view, pixels, compared === "change" ? colours.before : colours[side]);
     if (!moving) drawChosen(view, pixels);
-    if (found && !chosen && compared && compared !== "change" && !angle) drawFound(view, pixels, colours);
+    if (found && !chosen && compared && compared !== "change" && !angle && !intro.isShown()) drawFound(view, pixels, colours);
   });
+  const inCorner = Boolean(chosen && look.place && value("colours") === "findings");
+  byId("whole").hidden = !inCorner;
+  if (inCorner) drawCorner(pixels, (view) => graphics.drawSurfaces(sideItems("right", user, null), view, { ...UNMARKED, materials: isChecked("textures"), normalMaps: false, colours: "lit", shading: "phong" }));
   placeStage();
   showReadouts(info, user, compared);
   remember();
@@ -565,7 +626,8 @@ function showReadouts(info, user, compared) {
     return;
   }
   byId("under").textContent = found && cursor ? degrees(degreesBetween(found.wrong, found.right)) : "–";
-  byId("under-box").hidden = byId("readouts").hidden = false;
+  byId("readouts").hidden = false;
+  byId("worst-label").textContent = intro.isShown() ? "Wrong by up to" : "Worst angle possible";
   byId("worst").textContent = degrees(info.worstErrorDeg);
   if (compared === "matrix") say(`Worst angle ${degrees(info.worstErrorDeg)}`);
   showMatrix("matrix-plain", upper(user));
@@ -692,7 +754,7 @@ function addFileOptions(files, models) {
 /* What is shown now is not the file that was chosen before. */
 function forgetChosen() { byId("file").value = byId("folder").value = ""; }
 
-const VIEWS = { moving: { azimuth: 20, elevation: 34, distance: 3.3 }, sculpture: { azimuth: 22, elevation: 12, distance: 2.45 } };
+const VIEWS = { moving: { azimuth: 20, elevation: 34, distance: 3.3 }, sculpture: { azimuth: 24, elevation: 10, distance: 2.2 } };
 let embedded = null;
 function pickModel() {
   const key = value("model");
@@ -713,7 +775,6 @@ function pickModel() {
 function stopIntro() {
   if (!intro.isShown()) return;
   intro.end();
-  byId("sides").value = "beside";
   cursor = DEFAULT_CURSOR;
   dirty.draw = true;
 }
@@ -737,7 +798,7 @@ function placeCursor(event) {
 
 function wireCanvas() {
   steer(canvas, camera, {
-    changed: () => { intro.pause(); dirty.draw = true; },
+    changed: () => { flights++; intro.pause(); dirty.draw = true; },
     hover: (event) => { if (event) placeCursor(event); else cursor = DEFAULT_CURSOR; dirty.draw = true; },
     taken: (event, phase) => (phase === "up" ? true : brushAt(event)),
   });
@@ -752,7 +813,7 @@ function wireCanvas() {
 /* The divider is dragged wherever on its line it is taken. */
 function wireDivider() {
   const divider = byId("divider");
-  divider.addEventListener("pointerdown", (event) => { divider.setPointerCapture(event.pointerId); event.preventDefault(); });
+  divider.addEventListener("pointerdown", (event) => { flights++; divider.setPointerCapture(event.pointerId); event.preventDefault(); });
   divider.addEventListener("pointermove", (event) => {
     if (!divider.hasPointerCapture(event.pointerId)) return;
     const box = stage.getBoundingClientRect();
@@ -788,7 +849,9 @@ function turnUp() {
 /* No finding is chosen any more. */
 function letGo() {
   chosen = null;
-  look = { ...look, faint: false, pins: null };
+  flights++;
+  look = { ...look, ...UNMARKED };
+  byId("places").hidden = true;
   byId("finding-seen").textContent = "";
   releaseFindings();
 }
@@ -805,6 +868,7 @@ function wireControls() {
   onClick("reset-view", () => camera.reset(moving ? { azimuth: 0, elevation: 34, distance: 3.3 } : { azimuth: 0, elevation: 0 }));
   onClick("flatten", () => { if (moving) { moving.flatten(); uploadMoving(); } });
   onClick("intro-open", () => byId("file").click());
+  onClick("intro-more", stopIntro);
   onClick("fix", fix);
   onClick("compute", computeCopy);
   onClick("save-picture", () => { draw(); savePicture(canvas, panels, { title: document.title, words: WORDS[comparison() ?? "matrix"], compared: comparison() !== null, angle: byId("worst").textContent }); });

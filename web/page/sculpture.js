@@ -7,5 +7,5 @@ export function unpackSculpture(bytes) {
   const head = new DataView(bytes.buffer), points = head.getUint32(0, true), triangles = head.getUint32(4, true), places = new Uint16Array(bytes.buffer, 32, 3 * points);
   const [least, step] = [8, 20].map((at) => [0, 4, 8].map((more) => head.getFloat32(at + more, true)));
   return { positions: Float32Array.from(places, (x, i) => least[i % 3] + step[i % 3] * x), indices: Uint32Array.from(new Uint16Array(bytes.buffer, 32 + 6 * points, 3 * triangles)),
-           colour: [0.42, 0.41, 0.39], name: "Goat head" };
+           colour: [0.62, 0.36, 0.16], name: "Goat head" };
 }

@@ -1,5 +1,5 @@
-/* From where a finding is seen. Cameras are tried in order of liking until enough of what is marked is in the picture: the first guess, other directions and distances, then the same with the rest
- * faint. What has almost no area is pinned at last. */
+/* From where a finding is seen. Cameras are tried in order of liking until enough of what is marked is in the picture: the first guess, other directions and distances, then the same as
+ * if the rest were not there. What has almost no area is pinned at last. */
 import { cross, length, unit } from "./matrix.js";
 
 /* Parts of the picture; thin marks lose some to smoothed edges. */

@@ -201,18 +201,20 @@ static int point_of(const model_mesh *mesh, const view_pack_sample *sample, doub
     return count && isfinite(out[0] + out[1] + out[2]);
 }
 
-/* out: a point, a direction (of any length) from which its faces are seen, and how long their edges
- * are, in the space of draw_positions. 0: the finding has no place. */
-int WEB_EXPORT(model_finding_place)(const model *m, uint32_t index, double out[7]) {
+/* which: 0: where it is worst; otherwise one of its samples. out: a point, a direction (of any
+ * length) from which its faces are seen, and how long their edges are, in the space of
+ * draw_positions. 0: the finding has no place. */
+int WEB_EXPORT(model_finding_place)(const model *m, uint32_t index, uint32_t which, double out[7]) {
     const view_pack_finding *f = finding_at(m, index);
     if (f->mesh == VIEW_PACK_NONE || !f->has_position) return 0;
     const model_mesh *mesh = &m->meshes[f->mesh];
     const view_pack_sample *samples =
                                (const view_pack_sample *)(const void *)(m->pack + f->samples),
                            none = {VIEW_PACK_NONE, VIEW_PACK_NONE, VIEW_PACK_NONE};
-    const view_pack_sample *sample = f->sample_count ? samples : &none;
+    const view_pack_sample *sample = which < f->sample_count ? &samples[which] : &none;
     size_t face = 0;
-    if (f->sample_count > 1 && sample->face == VIEW_PACK_NONE && sample->vertex == VIEW_PACK_NONE)
+    if (!which && f->sample_count > 1 && sample->face == VIEW_PACK_NONE &&
+        sample->vertex == VIEW_PACK_NONE)
         sample = &samples[1];
     memset(out, 0, 7 * sizeof *out);
     for (int axis = 0; axis < 3; ++axis)

@@ -1,8 +1,6 @@
-// marked.frag: what is marked in its colour, the rest grey, shaded by the faces as they lie: normals may be what is wrong.
+// marked.frag: what is marked in its colour, shaded by the faces as they lie: normals may be what is wrong.
 // #define MARKED_ONLY    the rest is left out
-//         REST_ONLY      what is marked is left out; the rest is faint (blended)
 //         COUNT          white where it is marked, black elsewhere
-uniform float rest_alpha;
 in vec3 view_point;
 in vec4 mark;
 out vec4 pixel;
@@ -13,8 +11,6 @@ void main() {
     bool marked = mark.a > least;
 #if defined(MARKED_ONLY)
     if (!marked) discard;
-#elif defined(REST_ONLY)
-    if (marked) discard;
 #endif
 #if defined(COUNT)
     pixel = vec4(vec3(marked ? 1.0 : 0.0), 1.0);
@@ -22,11 +18,6 @@ void main() {
     vec3 face = norma_unit(cross(dFdx(view_point), dFdy(view_point))), to_eye = -norma_unit(view_point);
     face *= sign(dot(face, to_eye));
     float light = 0.3 + 0.4 * max(dot(face, to_eye), 0.0) + 0.3 * max(dot(face, norma_unit(vec3(-0.6, 0.7, 0.5))), 0.0);
-    vec3 base = marked ? mark.rgb / mark.a * (0.55 + 0.45 * light) : vec3(0.42) * light;
-#if defined(REST_ONLY)
-    pixel = vec4(encode(base), rest_alpha);
-#else
-    pixel = vec4(encode(base), 1.0);
-#endif
+    pixel = vec4(encode(mark.rgb / max(mark.a, least) * (0.55 + 0.45 * light)), 1.0);
 #endif
 }
