@@ -17,12 +17,17 @@ shows_not() { if grep -qE -- "$2" shown; then fail "$1" "$(cat -v shown)"; else 
 
 watched check large.obj --no-config --threads 1 --max-samples 1
 shows "check of one file shows percent and the time left" '^checking large.obj: +[0-9]+ %, [0-9]+ s left'
-parts=$(sed -nE 's/^checking large.obj: +([0-9]+) %.*/\1/p' shown)
 # Lines begin after a second, and a fast machine is nearly done by then: what counts is that none falls, and the steps between them.
-step=$(awk 'NR > 1 && ($1 < before || $1 - before > most) { most = $1 < before ? 100 : $1 - before } { before = $1 } END { print NR < 2 ? "one line" : most + 0 }' <<<"$parts")
-if [ "$(echo "$parts" | sort -nu | wc -l)" -ge 3 ] && [ "$step" -le 35 ]; then pass "the percent never fall, and do not jump"; else fail "the percent never fall, and do not jump" "$parts"; fi
+steady() { # NAME MOST: of what was shown
+    local parts step
+    parts=$(sed -nE 's/^checking [a-z.]+: +([0-9]+) %.*/\1/p' shown)
+    step=$(awk 'NR > 1 && ($1 < before || $1 - before > most) { most = $1 < before ? 100 : $1 - before } { before = $1 } END { print NR < 2 ? "one line" : most + 0 }' <<<"$parts")
+    if [ "$(echo "$parts" | sort -nu | wc -l)" -ge 3 ] && [ "$step" -le "$2" ]; then pass "$1"; else fail "$1" "$parts"; fi
+}
+steady "the percent never fall, and do not jump" 35
 watched check large.obj large1.obj large2.obj large3.obj large4.obj --no-config --threads 2
-shows "check of several files shows how many are done" '^checking files: +[0-9]+ %'
+shows "check of several files shows percent and the time left" '^checking files: +[0-9]+ %, [0-9]+ s left'
+steady "the percent of several files count what is done of each" 15
 shows "what is left of the line is cleared before a report" $'\e\\[Klarge'
 watched check large.obj --no-config --threads 1 --fix-unsafe --select N1 -o fixed.obj
 shows "--fix shows percent and the time left" '^checking large.obj: +[0-9]+ %, [0-9]+ s left'

@@ -5,6 +5,7 @@
 #include "cli/process/process.h"
 #include "cli/text/text.h"
 #include <errno.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -101,6 +102,7 @@ enum { WINDOW = 256, MOST_WORKERS = 64 };
 typedef struct file_part {
     check_entry entry;
     int done;
+    double fraction; /* of the file's work */
 } file_part;
 
 typedef struct check_collector {
@@ -114,6 +116,7 @@ typedef struct check_collector {
     check_totals totals;
     check_results *results; /* of SARIF, whose number is limited; NULL: parts are written at once */
     cli_progress progress;
+    double work, worked; /* of all files, and what is done of it: see work_of */
 } check_collector;
 
 /* What one file gave. */
@@ -174,6 +177,23 @@ static void tell_what_is_next(check_collector *all) {
     }
 }
 
+/* Megabytes, and as much for the file itself as ten thousand of its bytes take. */
+static double work_of(const check_collector *all, size_t file) {
+    return cli_megabytes(all->inputs->paths[file]) + 0.01;
+}
+
+/* Never less than before: a file may be checked again. */
+static void note_fraction(check_collector *all, size_t file, double fraction) {
+    file_part *part = &all->parts[file % WINDOW];
+    if (fraction <= part->fraction || !all->progress.enabled) return;
+    all->worked += (fraction - part->fraction) * work_of(all, file);
+    part->fraction = fraction;
+}
+
+static int report_percent(check_collector *all) {
+    return cli_progress_report(&all->progress, fmin(all->worked / all->work, 1));
+}
+
 /* Takes over the bytes and the baseline. */
 static void collect_checked(check_collector *all, const checked_file *checked) {
     file_part *part = &all->parts[checked->file % WINDOW];
@@ -184,6 +204,7 @@ static void collect_checked(check_collector *all, const checked_file *checked) {
         .text = checked->bytes,
         .size = checked->size};
     part->done = 1;
+    note_fraction(all, checked->file, 1);
     add_totals(&all->totals, &checked->totals);
     if (all->settings->baseline)
         check_baseline_join(all->settings->baseline, checked->baseline, checked->forgot);
@@ -206,11 +227,12 @@ typedef struct check_pool {
     int status;
 } check_pool;
 
-enum { MESSAGE_BEGUN, MESSAGE_DONE, MESSAGE_STATUS };
+enum { MESSAGE_BEGUN, MESSAGE_FRACTION, MESSAGE_DONE, MESSAGE_STATUS };
 
 typedef struct check_message {
     int kind, status, forgot;
     size_t file, size, known;
+    double fraction;
 } check_message;
 
 static void send_message(const check_pool *pool, const check_message *message) {
@@ -233,16 +255,31 @@ static void send_checked(check_pool *pool, const checked_file *checked) {
     check_baseline_free(checked->baseline);
 }
 
-/* A norma_progress of any thread: of several files, how many are done; a worker's caller shows
- * that. */
+typedef struct file_progress {
+    check_pool *pool;
+    size_t file;
+    double told;
+} file_progress;
+
+/* A norma_progress of any thread. A worker's caller shows it. */
 static int report_progress(void *user, double fraction) {
-    check_pool *pool = user;
+    static const double step = 0.01;
+    file_progress *at = user;
+    check_pool *pool = at->pool;
     check_collector *all = pool->all;
+    int stop = cli_interrupted();
     if (all->inputs->count == 1) return cli_progress_report(&all->progress, fraction);
-    if (pool->worker || !all->progress.enabled || pthread_mutex_trylock(&pool->lock))
-        return cli_interrupted();
-    const int stop =
-        cli_progress_report(&all->progress, (double)all->told / (double)all->inputs->count);
+    if (!all->progress.enabled || pthread_mutex_trylock(&pool->lock)) return stop;
+    if (fraction >= at->told + step) {
+        const check_message message = {
+            .kind = MESSAGE_FRACTION, .file = at->file, .fraction = fraction};
+        at->told = fraction;
+        if (pool->worker)
+            send_message(pool, &message);
+        else
+            note_fraction(all, at->file, fraction);
+    }
+    if (!pool->worker) stop = report_percent(all);
     pthread_mutex_unlock(&pool->lock);
     return stop;
 }
@@ -305,7 +342,11 @@ static void *work(void *user) {
     check_pool *pool = user;
     size_t file;
     for (const check_config *config; (config = take(pool, &file)) != NULL;) {
-        const checked_file checked = check_into_memory(&pool->settings, pool->all, config, file);
+        file_progress progress = {.pool = pool, .file = file};
+        check_settings settings = pool->settings;
+        settings.progress = report_progress;
+        settings.progress_user = &progress;
+        const checked_file checked = check_into_memory(&settings, pool->all, config, file);
         deliver(pool, &checked);
     }
     pthread_mutex_lock(&pool->lock);
@@ -337,8 +378,6 @@ static int check_range(check_collector *all, check_configs *configs, const cli_w
         .last = last};
     if (workers > 1) pool.settings.threads = 1; /* the files share the cores */
     pool.settings.at_once = workers;
-    pool.settings.progress = report_progress;
-    pool.settings.progress_user = &pool;
     pthread_mutex_init(&pool.lock, NULL);
     pthread_cond_init(&pool.moved, NULL);
     for (size_t i = 1; i < workers; ++i)
@@ -388,8 +427,9 @@ static int listen_to(check_collector *all, const cli_worker *worker, size_t *nex
     while (cli_worker_receive(worker, &message, sizeof message)) {
         if (message.kind == MESSAGE_STATUS) status = message.status;
         if (message.kind == MESSAGE_BEGUN) *next = message.file + 1;
+        if (message.kind == MESSAGE_FRACTION) note_fraction(all, message.file, message.fraction);
         if (message.kind == MESSAGE_DONE && !receive_checked(all, worker, &message)) break;
-        cli_progress_report(&all->progress, (double)all->told / (double)all->inputs->count);
+        (void)report_percent(all);
     }
     return status;
 }
@@ -467,6 +507,8 @@ int check_all_files(const check_settings *settings, check_configs *configs,
         .totals.list = totals->list};
     cli_progress_start(&all->progress, "checking",
         inputs->count == 1 ? cli_input_name(inputs->paths[0]) : "files", settings->quiet, 0);
+    for (size_t i = 0; i < inputs->count && all->progress.enabled; ++i)
+        all->work += work_of(all, i);
     const int is_limited = format == &check_format_sarif && !settings->shards;
     if (is_limited && !(all->results = check_results_new())) {
         free(all);
