@@ -35,7 +35,7 @@ if [ "$what" = portable ]; then
 fi
 [ "$what" != analyse ] || packages="$packages clang clang-tidy"
 [ "$what" != firefox ] || packages="firefox-esr xvfb"
-[ "$what" != engines ] || packages="chromium xvfb xauth f3d python3"
+[ "$what" != engines ] || packages="chromium xvfb xauth f3d godot3 python3"
 [ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ] || [ "$what" = test ]; then
