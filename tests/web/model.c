@@ -16,7 +16,7 @@ uint32_t model_finding_count(const model *m);
 void model_finding_numbers(const model *m, uint32_t index, double numbers[5]);
 const char *model_finding_text(const model *m, uint32_t index, uint32_t which);
 const uint8_t *model_marks(model *m, uint32_t index, uint32_t which);
-int model_finding_place(const model *m, uint32_t index, double out[7]);
+int model_finding_place(const model *m, uint32_t index, uint32_t which, double out[7]);
 
 static unsigned char *copy_of(const view_pack *pack) {
     unsigned char *copy = malloc(pack->size ? pack->size : 1);
@@ -33,9 +33,10 @@ static void use_findings(model *m, int undamaged) {
         model_finding_numbers(m, i, numbers);
         for (uint32_t which = 0; which < 5; ++which)
             if (strlen(model_finding_text(m, i, which)) > 10000) exit(7);
-        if (model_finding_place(m, i, place) && undamaged &&
-            !(fabs(place[0]) <= 1.01 && place[6] >= 0))
-            exit(8);
+        for (uint32_t which = 0; which < 5; ++which)
+            if (model_finding_place(m, i, which, place) && undamaged &&
+                !(fabs(place[0]) <= 1.01 && place[6] >= 0))
+                exit(8);
         for (uint32_t mesh = 0; mesh < m->head->mesh_count; ++mesh)
             if (!model_marks(m, mesh, i)) exit(9);
     }
