@@ -1,6 +1,7 @@
 # The core as WebAssembly, the npm package and the page. clang with wasi-libc compiles; node, puts the files together; esbuild makes one script of the page's modules.
-# Three modules: norma.wasm is the core; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a file; page.wasm all of it with what the page
-# draws; three.js draws it. All that the latter two import are decoders of compressed glTF: npm's draco3dgltf and meshoptimizer (web/package/decoders.js).
+# Four modules: norma.wasm is the core; skin.wasm skins alone, for norma-mesh/skin; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a
+# file; page.wasm all of it with what the page draws; three.js draws it. All that the latter two import are decoders of compressed glTF: npm's draco3dgltf and meshoptimizer
+# (web/package/decoders.js).
 find_program(NORMA_WASM_CC NAMES clang)
 find_program(NORMA_WASM_LD NAMES wasm-ld)
 find_program(NORMA_NODE NAMES node nodejs)
@@ -97,6 +98,8 @@ file(GLOB web_call_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/w
 web_objects(web_core_objects ${web_core_sources})
 web_objects(web_call_objects ${web_call_sources})
 web_module(norma.wasm ${web_core_objects} ${web_call_objects})
+web_objects(web_skin_objects ${PROJECT_SOURCE_DIR}/web/package/skin/skin_calls.c)
+web_module(skin.wasm ${web_core_objects} ${web_skin_objects})
 
 # The readers and the rules, without what a browser lacks.
 set(web_file_sources ${io_sources})
@@ -133,10 +136,10 @@ web_module(check.wasm ${web_core_objects} ${web_file_objects} ${web_check_object
 web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects} ${web_fix_objects} ${web_model_objects})
 
 file(GLOB web_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/* ${PROJECT_SOURCE_DIR}/web/*.mjs ${PROJECT_SOURCE_DIR}/web/package-lock.json ${PROJECT_SOURCE_DIR}/web/licences/* ${PROJECT_SOURCE_DIR}/include/norma/shaders/*)
-list(FILTER web_inputs EXCLUDE REGEX "/(check|host|wasm)$")
+list(FILTER web_inputs EXCLUDE REGEX "/(check|host|skin|wasm)$")
 add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
   COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs package ${web_dir} ${NORMA_WEB_MODULES}
-  DEPENDS ${web_inputs} ${web_dir}/norma.wasm ${web_dir}/check.wasm COMMENT "npm package" VERBATIM)
+  DEPENDS ${web_inputs} ${web_dir}/norma.wasm ${web_dir}/check.wasm ${web_dir}/skin.wasm COMMENT "npm package" VERBATIM)
 file(GLOB web_page_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/page/* ${PROJECT_SOURCE_DIR}/web/page/shaders/* ${PROJECT_SOURCE_DIR}/src/render/shaders/* ${PROJECT_SOURCE_DIR}/assets/goathead.obj)
 add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
   COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs page ${web_dir} ${NORMA_WEB_MODULES}

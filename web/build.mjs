@@ -1,5 +1,5 @@
 /* Puts together what `make web` leaves.
- *   node build.mjs package FOLDER MODULES    FOLDER/npm, from FOLDER/norma.wasm and check.wasm
+ *   node build.mjs package FOLDER MODULES    FOLDER/npm, from FOLDER/norma.wasm, check.wasm and skin.wasm
  *   node build.mjs page FOLDER MODULES       FOLDER/norma.html, one file with everything in it, from FOLDER/page.wasm
  * MODULES: the npm packages of web/package-lock.json, whose licences go along; what is not there is left out. */
 import { execFileSync } from "node:child_process";
@@ -56,6 +56,7 @@ function buildPackage(folder, modules) {
     writeFileSync(join(out, `${name}.wasm`), bytes);
     textModule(`${name}-text.js`, `${name}.wasm in base64.`, bytes.toString("base64"));
   }
+  textModule("skin-text.js", "skin.wasm in base64.", readFileSync(join(folder, "skin.wasm")).toString("base64"));
   const shaders = ["glsl", "hlsl", "wgsl"].map((language) => `export const ${language} = ${JSON.stringify(readFileSync(join(here, `../include/norma/shaders/norma.${language}`), "utf8"))};\n`);
   writeFileSync(join(out, "shaders.js"), `/* norma.glsl, norma.hlsl and norma.wgsl. */\n${shaders.join("")}`);
   textModule("worker-text.js", "The worker of norma-mesh/inline as one script.", bundle(join(source, "worker-inline.js"), folder, modules));

@@ -41,6 +41,7 @@ check "the native program compiles" gcc -std=c11 -Wall -Wextra -Wpedantic -Wshad
 relay bits node tests/web/bits.mjs "$installed" "$scratch/native"
 relay calls node tests/web/calls.mjs "$installed"
 relay arguments node tests/web/arguments.mjs "$installed"
+relay skins node tests/web/skin.mjs "$installed"
 data=${NORMA_DATA:-$root/../shared/data}
 places=(assets tests/cli)
 [ ! -d "$data" ] || places+=("$data/bad" "$data/gltf" "$data/obj" "$data/ply")

@@ -1,9 +1,18 @@
 /* Uses of every call, checked by tsc --strict; what must not pass is said so. */
 import { load, loadWorker, NormaError, type CheckReport, type MatrixInfo, type Norma, type NormaWorker, type Plan, type Report, type SplitMesh } from "norma-mesh";
 import { load as loadInline } from "norma-mesh/inline";
+import { loadSkin, type Skin, type Skins } from "norma-mesh/skin";
 import { glsl, hlsl, wgsl } from "norma-mesh/shaders";
 
 for (const text of [glsl, hlsl, wgsl]) text.includes("norma_normal_matrix") satisfies boolean;
+
+export async function skinned(): Promise<Float32Array> {
+  const skins: Skins = await loadSkin(), skin: Skin = { matrices: new Float32Array(16), joints: new Uint8Array(4), weights: new Float32Array(4) };
+  const normals = skins.normals(skin, skins.positions(skin, new Float32Array(3)), { out: new Float32Array(3) });
+  // @ts-expect-error: a blend that does not exist
+  skins.normals({ ...skin, blend: "cubic" }, normals);
+  return skins.tangents({ ...skin, influences: 4, blend: "dual-quaternion" }, new Float32Array(4), normals);
+}
 
 export async function uses(): Promise<void> {
   const norma: Norma = await load();

@@ -47,3 +47,10 @@ export function makeHeap(memory, reserve, release, onFull) {
 
   return { lend, text, doubles, allocate, copyIn, copyOut, inHeap };
 }
+
+/* A module that lies in a script as base64. */
+export function decode(text) {
+  const characters = atob(text), bytes = new Uint8Array(characters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = characters.charCodeAt(i);
+  return bytes;
+}

@@ -1,17 +1,12 @@
 /* norma-mesh with its modules as text: one file for bundlers and pages that cannot serve a .wasm beside their script. The text of check.wasm is loaded when a file is first checked, that of draco.wasm with the first Draco stream. */
 import { fail } from "./arguments.js";
+import { decode } from "./heap.js";
 import { makeLoad } from "./load.js";
 import { read } from "./load-web.js";
 import { connect } from "./remote.js";
 import core from "./norma-text.js";
 
 export { NormaError } from "./arguments.js";
-
-function decode(text) {
-  const characters = atob(text), bytes = new Uint8Array(characters.length);
-  for (let i = 0; i < bytes.length; i++) bytes[i] = characters.charCodeAt(i);
-  return bytes;
-}
 
 const later = { check: async () => decode((await import("./check-text.js")).default), draco: async () => decode((await import("./draco-text.js")).default) };
 
