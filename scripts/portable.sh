@@ -120,7 +120,7 @@ wasm() {
     decoder "$place" clang++ true --target=wasm32-wasi -msimd128 -fno-exceptions -fno-rtti -nostdinc++ >"$place/build.log" 2>&1 || { bad "wasm: no decoder: $place/build.log"; return; }
     flags="--target=wasm32-wasi -std=c11 -O2 -DNDEBUG -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_GETPID -msimd128 -fno-slp-vectorize -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno
         -fno-trapping-math -Iinclude -Isrc -I$place -isystem web/page/model/posix -include tests/bits/wasi/missing.h"
-    sources=$(find src/core src/check src/io tests/bits -name '*.c' ! -name file_windows.c ! -name meshopt_left_out.c ! -path '*/image/image.c')
+    sources=$(find src/core src/check src/io tests/bits -name '*.c' ! -name file_windows.c ! -name meshopt_left_out.c ! -path '*/image/image.c' \( ! -path '*/3mf/*' -o -name 3mf_left_out.c \))
     # shellcheck disable=SC2086,SC2016  # lists of words
     printf '%s\n' $sources | PLACE=$place FLAGS="$(tr '\n' ' ' <<<"$flags")" xargs -P "$jobs" -I{} sh -c 'clang $FLAGS -c {} -o "$PLACE/$(echo {} | tr / _).o"' >>"$place/build.log" 2>&1 &&
         clang --target=wasm32-wasi -Wl,-z,stack-size=8388608 -o "$place/norma_bits.wasm" "$place"/*.o -lm -lwasi-emulated-mman -lwasi-emulated-getpid >>"$place/build.log" 2>&1 ||

@@ -4,6 +4,7 @@
 #define NORMA_BITS_MISSING_H
 char *realpath(const char *restrict path, char *restrict resolved);
 int fchown(int descriptor, unsigned owner, unsigned group);
+int dup(int descriptor);
 int fchmod(int descriptor, unsigned mode);
 int madvise(void *address, unsigned long size, int advice);
 #endif
