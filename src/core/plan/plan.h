@@ -126,12 +126,10 @@ int norma_core_plan_decide(const double sum[4], float normal[3]);
 int norma_core_plan_decide_cone(
     double weight, norma_core_cone_at *at, const void *context, size_t count, float normal[3]);
 
-/* face_block_update.c and overflow_group_update.c: an update's normals, and of each corner of their
+/* face_block_update.c: an update's normals, and of each corner of their
  * faces the vertex, by the corner's number in the mesh. */
 norma_result norma_core_plan_update_blocks(plan_work *work);
 void norma_core_plan_block_vertices(const norma_plan *plan, uint32_t *vertices);
-norma_result norma_core_plan_update_overflow(plan_work *work);
-void norma_core_plan_overflow_vertices(const norma_plan *plan, uint32_t *vertices);
 
 /* Tasks are few enough that what each one counts fits the stack. */
 enum { PLAN_MOST_TASKS = 128 };
@@ -304,7 +302,7 @@ typedef struct block_kernels {
 /* plan_kernel.c: the same bits from each. */
 block_kernels norma_core_block_kernels(norma_isa isa);
 
-/* ---- plan_moved.c: from vertices that moved to what of each block they touch. */
+/* ---- from vertices that moved to what of each block they touch. */
 
 enum { MARKS_IN_BLOCK = 1 << 17 }; /* occurrences that the stack has bits for */
 
@@ -332,19 +330,4 @@ static inline void norma_core_mark_bit(uint64_t *bits, size_t i) {
     bits[i / 64] |= (uint64_t)1 << (i % 64);
 }
 
-void norma_core_marks_open(const plan_work *work, block_marks *marks);
-/* Marks what moved in the next blocks; 0 where none are left. */
-int norma_core_marks_next(const plan_work *work, block_marks *marks);
-void norma_core_marks_close(const plan_work *work, block_marks *marks);
-block_moved norma_core_block_moved(const block_marks *marks, const plan_block *block);
-
-/* Of a block that has moved in part, the groups whose normals may change, and the faces that vote
- * in them. */
-void norma_core_block_touch(
-    const block_marks *marks, const block_view *t, norma_element of, block_touch *touch);
-
-/* Whether the normal of a member's corner (its vertex) is written: by a group of this block, and
- * one of those that are written (NULL: all). */
-int norma_core_block_writes(
-    const block_view *t, norma_element of, uint32_t member, const uint8_t *group_is_written);
 #endif

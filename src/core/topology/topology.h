@@ -230,7 +230,7 @@ typedef struct core_dipoles {
 
 /* ---- Which way an open part is seen most from outside. */
 
-/* rays.c: of each open part whether most rays say that it should be reversed, as
+/* orient.c: of each open part whether most rays say that it should be reversed, as
  * components->reverse now has it. Parts of no opinion keep what they have. */
 typedef struct core_ray_votes {
     size_t decided, undecided, reversed;
@@ -240,14 +240,7 @@ typedef struct core_ray_votes {
 norma_result norma_core_orient_by_rays(const core_topology *topology, core_components *components,
     uint8_t open_flags, core_ray_votes *votes);
 
-/* The same in steps: a scene is built once, and votes may be asked for again after the parts' flags
- * have changed. What it says of a part does not depend on what else was asked. */
-typedef struct core_ray_scene core_ray_scene;
-norma_result norma_core_ray_scene_open(
-    const core_topology *topology, core_components *components, core_ray_scene **scene);
-norma_result norma_core_ray_scene_vote(
-    core_ray_scene *scene, uint8_t open_flags, core_ray_votes *votes);
-void norma_core_ray_scene_close(core_ray_scene *scene); /* NULL is fine */
+typedef struct core_ray_scene core_ray_scene; /* built once; votes may be asked for again */
 
 /* orient.c: which faces are turned. A closed part, once its faces agree, shows it by its volume and
  * what it lies in. In an open one each piece whose faces agree is judged by rays for itself, as two
