@@ -85,12 +85,7 @@ static void set_bounds(
     json_text text = {0};
     if ((old == JSON_NONE && !data->bounds) || says_number(g, old, values, data)) return;
     add_bounds(&text, values, data);
-    norma_json_add(&text, "", 1);
-    if (text.failed)
-        norma_json_edits_fail(g->edits);
-    else
-        norma_json_set(g->edits, accessor, key, text.data);
-    free(text.data);
+    norma_json_set_made(g->edits, accessor, key, &text);
 }
 
 static void edit_bounds(gltf *g, uint32_t accessor, const gltf_data *data) {
@@ -301,9 +296,7 @@ static void add_same(const gltf *g, json_text *text, uint32_t like, const char *
     uint32_t value = norma_json_member(&g->json, like, key);
     if (value == JSON_NONE) return;
     const json_token *token = &g->json.tokens[value];
-    norma_json_add_text(text, ",");
-    norma_json_add_quoted(text, key);
-    norma_json_add_text(text, ":");
+    norma_json_add_key(text, key);
     norma_json_add(text, g->text + token->start, token->end - token->start);
 }
 
@@ -313,9 +306,7 @@ static void add_bounds_like(const gltf *g, json_text *text, uint32_t like, const
         add_same(g, text, like, key);
         return;
     }
-    norma_json_add_text(text, ",");
-    norma_json_add_quoted(text, key);
-    norma_json_add_text(text, ":");
+    norma_json_add_key(text, key);
     add_bounds(text, values, data);
 }
 
@@ -323,13 +314,11 @@ static void add_bounds_like(const gltf *g, json_text *text, uint32_t like, const
  * them. */
 static void describe_run(
     const gltf *g, json_text *text, const patch_accessor *accessor, const gltf_data *data) {
-    norma_json_add_text(text, "{\"bufferView\":");
-    norma_json_add_uint(text, accessor->view);
-    norma_json_add_text(text, ",\"componentType\":");
-    norma_json_add_uint(text, (uint64_t)data->component);
-    norma_json_add_text(text, ",\"count\":");
-    norma_json_add_uint(text, data->count);
-    norma_json_add_text(text, ",\"type\":");
+    norma_json_add_text(text, "{");
+    norma_json_add_uint_member(text, "bufferView", accessor->view);
+    norma_json_add_uint_member(text, "componentType", (uint64_t)data->component);
+    norma_json_add_uint_member(text, "count", data->count);
+    norma_json_add_key(text, "type");
     add_type(g, text, accessor, data);
     if (data->normalized) norma_json_add_text(text, ",\"normalized\":true");
     const uint32_t like =
@@ -344,20 +333,16 @@ static void describe_run(
     }
     add_same(g, text, like, "name");
     add_same(g, text, like, "extras");
-    norma_json_add(text, "}", 2);
+    norma_json_add_text(text, "}");
 }
 
-static norma_document_result gltf_append_accessors(gltf *g, norma_document_error *error) {
-    uint32_t list = norma_json_member(&g->json, 0, "accessors");
+static void gltf_append_accessors(gltf *g) {
     for (size_t i = 0; i < g->patch->accessor_count; ++i) {
         json_text text = {0};
         describe_run(
             g, &text, &g->patch->accessors[i], &g->patch->datas[g->patch->accessors[i].data]);
-        if (!text.failed) norma_json_append(g->edits, list, text.data);
-        free(text.data);
-        if (text.failed) return norma_document_fail_memory(g->document, error);
+        norma_json_append_made(g->edits, 0, "accessors", &text);
     }
-    return NORMA_DOCUMENT_OK;
 }
 
 /* ---- Views that EXT_meshopt_compression held, and new ones beside them, compressed
@@ -806,7 +791,7 @@ norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *err
         if (p.first[v] != GLTF_NONE) result = place_in_view(&p, v);
     if (!result) result = add_new_views(&p);
     if (!result) result = gltf_pack_views(g, error);
-    if (!result) result = gltf_append_accessors(g, error);
+    if (!result) gltf_append_accessors(g);
     free(p.stays);
     free(p.first);
     free(p.next);

@@ -9,27 +9,20 @@
 
 /* ---- views */
 
-static void add_uint_member(json_text *text, const char *key, uint64_t number) {
-    norma_json_add_text(text, ",");
-    norma_json_add_quoted(text, key);
-    norma_json_add_text(text, ":");
-    norma_json_add_uint(text, number);
-}
-
 static void describe_compression(json_text *text, const patch_view *view) {
     static const char *const modes[] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
     static const char *const filters[] = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
     const gltf_meshopt *m = &view->meshopt;
-    norma_json_add_text(text, "{\"buffer\":");
-    norma_json_add_uint(text, view->packed.buffer);
-    add_uint_member(text, "byteOffset", view->packed.offset);
-    add_uint_member(text, "byteLength", view->packed.length);
-    add_uint_member(text, "byteStride", m->stride);
-    add_uint_member(text, "count", m->count);
-    norma_json_add_text(text, ",\"mode\":");
+    norma_json_add_text(text, "{");
+    norma_json_add_uint_member(text, "buffer", view->packed.buffer);
+    norma_json_add_uint_member(text, "byteOffset", view->packed.offset);
+    norma_json_add_uint_member(text, "byteLength", view->packed.length);
+    norma_json_add_uint_member(text, "byteStride", m->stride);
+    norma_json_add_uint_member(text, "count", m->count);
+    norma_json_add_key(text, "mode");
     norma_json_add_quoted(text, modes[m->mode]);
     if (m->filter != GLTF_FILTER_NONE) {
-        norma_json_add_text(text, ",\"filter\":");
+        norma_json_add_key(text, "filter");
         norma_json_add_quoted(text, filters[m->filter]);
     }
     norma_json_add_text(text, "}");
@@ -49,14 +42,9 @@ static void edit_compression(gltf *g, uint32_t number) {
         return;
     }
     describe_compression(&text, view);
-    norma_json_add(&text, "", 1);
     norma_json_unset(edits, extensions, "EXT_meshopt_compression");
     norma_json_unset(edits, extensions, "KHR_meshopt_compression");
-    if (text.failed)
-        norma_json_edits_fail(edits);
-    else
-        norma_json_set(edits, extensions, norma_gltf_extension_of(g, m), text.data);
-    free(text.data);
+    norma_json_set_made(edits, extensions, norma_gltf_extension_of(g, m), &text);
 }
 
 static void edit_view(gltf *g, uint32_t number) {
@@ -77,61 +65,30 @@ static void edit_view(gltf *g, uint32_t number) {
 }
 
 static void describe_view(const gltf *g, json_text *text, const patch_view *view) {
-    norma_json_add_text(text, "{\"buffer\":");
-    norma_json_add_uint(text, view->plain.buffer);
-    add_uint_member(text, "byteOffset", view->plain.offset);
-    add_uint_member(text, "byteLength", view->plain.length);
-    if (view->stride) add_uint_member(text, "byteStride", view->stride);
-    if (view->target) add_uint_member(text, "target", (uint64_t)view->target);
+    norma_json_add_text(text, "{");
+    norma_json_add_uint_member(text, "buffer", view->plain.buffer);
+    norma_json_add_uint_member(text, "byteOffset", view->plain.offset);
+    norma_json_add_uint_member(text, "byteLength", view->plain.length);
+    if (view->stride) norma_json_add_uint_member(text, "byteStride", view->stride);
+    if (view->target) norma_json_add_uint_member(text, "target", (uint64_t)view->target);
     if (view->packed.bytes) {
-        norma_json_add_text(text, ",\"extensions\":{");
-        norma_json_add_quoted(text, norma_gltf_extension_of(g, &view->meshopt));
-        norma_json_add_text(text, ":");
+        norma_json_add_key(text, "extensions");
+        norma_json_add_text(text, "{");
+        norma_json_add_key(text, norma_gltf_extension_of(g, &view->meshopt));
         describe_compression(text, view);
         norma_json_add_text(text, "}");
     }
     norma_json_add_text(text, "}");
 }
 
-/* Adds to an array of the root, which is made where it is not there. */
-static void append_to_root(
-    gltf *g, const char *key, json_text *list, size_t *starts, size_t count) {
-    uint32_t array = norma_json_member(&g->json, 0, key);
-    if (list->failed) return;
-    if (array == JSON_NONE) {
-        json_text whole = {0};
-        norma_json_add_text(&whole, "[");
-        for (size_t i = 0; i < count; ++i) {
-            norma_json_add_text(&whole, i ? "," : "");
-            norma_json_add_text(&whole, list->data + starts[i]);
-        }
-        norma_json_add(&whole, "]", 2);
-        if (whole.failed)
-            list->failed = 1;
-        else
-            norma_json_set(g->patch->layout, 0, key, whole.data);
-        free(whole.data);
-        return;
-    }
-    for (size_t i = 0; i < count; ++i)
-        norma_json_append(g->patch->layout, array, list->data + starts[i]);
-}
-
 void norma_gltf_edit_views(gltf *g) {
-    gltf_patch *patch = g->patch;
-    size_t added = patch->view_count - g->view_count;
-    size_t *starts = norma_io_allocate(added, sizeof *starts);
-    json_text list = {.failed = !starts};
+    const gltf_patch *patch = g->patch;
     for (uint32_t v = 0; v < g->view_count; ++v) edit_view(g, v);
-    for (size_t i = 0; starts && i < added; ++i) {
-        starts[i] = list.size;
-        describe_view(g, &list, &patch->views[g->view_count + i]);
-        norma_json_add(&list, "", 1);
+    for (size_t v = g->view_count; v < patch->view_count; ++v) {
+        json_text text = {0};
+        describe_view(g, &text, &patch->views[v]);
+        norma_json_append_made(patch->layout, 0, "bufferViews", &text);
     }
-    if (added) append_to_root(g, "bufferViews", &list, starts, added);
-    if (list.failed) norma_json_edits_fail(patch->layout);
-    free(list.data);
-    free(starts);
 }
 
 /* ---- buffers */
@@ -221,11 +178,8 @@ static int edit_buffer(gltf *g, uint32_t number, gltf_destination destination) {
     if (b->changed && b->byte_length != old->length)
         norma_json_set_uint(edits, old->token, "byteLength", b->byte_length);
     if (!moved) return 1;
-    int ok = whole(g, number) && write_buffer_uri(g, number, &uri);
-    norma_json_add(&uri, "", 1);
-    ok = ok && !uri.failed;
-    if (ok) norma_json_set(edits, old->token, "uri", uri.data);
-    free(uri.data);
+    const int ok = whole(g, number) && write_buffer_uri(g, number, &uri);
+    norma_json_set_made(edits, old->token, "uri", &uri);
     return ok;
 }
 
@@ -233,19 +187,16 @@ static int append_buffer(gltf *g) {
     uint32_t number = g->buffer_count;
     const patch_buffer *b = &g->patch->buffers[number];
     json_text text = {0};
-    size_t start = 0;
+    int ok = 1;
     norma_json_add_text(&text, "{");
     if (norma_gltf_storage_of(g, number) != GLTF_STORED_BIN) {
-        norma_json_add_text(&text, "\"uri\":");
-        write_buffer_uri(g, number, &text);
-        norma_json_add_text(&text, ",");
+        norma_json_add_key(&text, "uri");
+        ok = write_buffer_uri(g, number, &text);
     }
-    norma_json_add_text(&text, "\"byteLength\":");
-    norma_json_add_uint(&text, b->byte_length);
-    norma_json_add(&text, "}", 2);
-    append_to_root(g, "buffers", &text, &start, 1);
-    free(text.data);
-    return !text.failed;
+    norma_json_add_uint_member(&text, "byteLength", b->byte_length);
+    norma_json_add_text(&text, "}");
+    norma_json_append_made(g->patch->layout, 0, "buffers", &text);
+    return ok;
 }
 
 norma_document_result norma_gltf_edit_buffers(

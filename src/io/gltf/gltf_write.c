@@ -172,19 +172,14 @@ int norma_gltf_drop_change(norma_document *document) {
     return g->edits != NULL;
 }
 
-static norma_document_result append_copies(gltf *g, norma_document_error *error) {
-    gltf_patch *patch = g->patch;
-    uint32_t meshes = norma_json_member(&g->json, 0, "meshes");
+static void append_copies(gltf *g) {
+    const gltf_patch *patch = g->patch;
     for (size_t i = 0; i < patch->copy_count; ++i) {
         json_text text = {0};
-        int ok =
-            norma_json_write(patch->copies[i].edits, g->meshes[patch->copies[i].mesh].token, &text);
-        norma_json_add(&text, "", 1);
-        if (ok && !text.failed) norma_json_append(g->edits, meshes, text.data);
-        free(text.data);
-        if (!ok || text.failed) return norma_document_fail_memory(g->document, error);
+        text.failed = !norma_json_write(
+            patch->copies[i].edits, g->meshes[patch->copies[i].mesh].token, &text);
+        norma_json_append_made(g->edits, 0, "meshes", &text);
     }
-    return NORMA_DOCUMENT_OK;
 }
 
 norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
@@ -198,7 +193,7 @@ norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
         result = norma_gltf_check_dangling(g, GLTF_LIST_VIEWS, error);
     if (!result && patch->copy_count)
         result = norma_gltf_check_dangling(g, GLTF_LIST_MESHES, error);
-    if (!result) result = append_copies(g, error);
+    if (!result) append_copies(g);
     if (result) return result;
     norma_gltf_edit_extensions(g);
     if (norma_json_edits_failed(g->edits)) return norma_document_fail_memory(g->document, error);

@@ -345,22 +345,6 @@ static void write_local(const tree_node *node, local_text *text) {
         add_numbers(&text->scale, trs.scale, 3);
 }
 
-static char *terminated(json_text *text) {
-    norma_json_add(text, "", 1);
-    return text->failed ? NULL : text->data;
-}
-
-/* object.key = text, or nothing of that name where the text is empty. */
-static int set_or_unset(json_edits *edits, uint32_t object, const char *key, json_text *text) {
-    if (text->size == 0 && !text->failed) {
-        norma_json_unset(edits, object, key);
-        return 1;
-    }
-    const char *value = terminated(text);
-    if (value) norma_json_set(edits, object, key, value);
-    return value != NULL;
-}
-
 static void add_children(const gltf_tree *tree, const tree_node *node, json_text *text) {
     if (node->first == GLTF_NONE) return;
     norma_json_add_text(text, "[");
@@ -379,25 +363,22 @@ static void remove_instances(const gltf *g, json_edits *edits, uint32_t object) 
         norma_json_unset(edits, extensions, "EXT_mesh_gpu_instancing");
 }
 
-static int edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number) {
+static void edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number) {
     const gltf *g = tree->g;
     const tree_node *node = &tree->nodes[number];
     const uint32_t object = g->nodes[number].token;
-    int done = 1;
     if (node->children_changed) {
         json_text text = {0};
         add_children(tree, node, &text);
-        done &= set_or_unset(edits, object, "children", &text);
-        free(text.data);
+        norma_json_set_made(edits, object, "children", &text);
     }
     if (node->local_changed) {
         local_text text;
         write_local(node, &text);
-        done &= set_or_unset(edits, object, "matrix", &text.matrix) &
-                set_or_unset(edits, object, "translation", &text.translation) &
-                set_or_unset(edits, object, "rotation", &text.rotation) &
-                set_or_unset(edits, object, "scale", &text.scale);
-        free_local(&text);
+        norma_json_set_made(edits, object, "matrix", &text.matrix);
+        norma_json_set_made(edits, object, "translation", &text.translation);
+        norma_json_set_made(edits, object, "rotation", &text.rotation);
+        norma_json_set_made(edits, object, "scale", &text.scale);
     }
     if (node->mesh_changed && node->mesh == GLTF_NONE)
         norma_json_unset(edits, object, "mesh");
@@ -405,27 +386,21 @@ static int edit_node(const gltf_tree *tree, json_edits *edits, uint32_t number) 
         norma_json_set_uint(edits, object, "mesh", node->mesh);
     if (node->weights_removed) norma_json_unset(edits, object, "weights");
     if (node->instances_removed) remove_instances(g, edits, object);
-    return done;
 }
 
 static void add_node_member(json_text *text, const char *key, const json_text *value) {
     text->failed |= value->failed;
     if (value->size == 0) return;
-    norma_json_add_text(text, text->size > 1 ? ",\"" : "\"");
-    norma_json_add_text(text, key);
-    norma_json_add_text(text, "\":");
+    norma_json_add_key(text, key);
     norma_json_add(text, value->data, value->size);
-    text->failed |= value->failed;
 }
 
 static void copy_node_member(const gltf *g, json_text *text, uint32_t object, const char *key) {
     const uint32_t value = norma_json_member(&g->json, object, key);
     if (value == JSON_NONE) return;
-    json_text bytes = {0};
-    norma_json_add(&bytes, g->json.text + g->json.tokens[value].start,
+    norma_json_add_key(text, key);
+    norma_json_add(text, g->json.text + g->json.tokens[value].start,
         g->json.tokens[value].end - g->json.tokens[value].start);
-    add_node_member(text, key, &bytes);
-    free(bytes.data);
 }
 
 static void add_node_text(const gltf_tree *tree, const tree_node *node, json_text *text) {
@@ -434,12 +409,10 @@ static void add_node_text(const gltf_tree *tree, const tree_node *node, json_tex
         copy_node_member(tree->g, text, tree->g->nodes[node->like].token, "name");
     json_text value = {0};
     if (node->mesh != GLTF_NONE) {
-        norma_json_add_uint(&value, node->mesh);
-        add_node_member(text, "mesh", &value);
+        norma_json_add_uint_member(text, "mesh", node->mesh);
         if (node->takes_weights)
             copy_node_member(tree->g, text, tree->g->nodes[node->like].token, "weights");
     }
-    value.size = 0;
     add_children(tree, node, &value);
     add_node_member(text, "children", &value);
     free(value.data);
@@ -455,29 +428,22 @@ static void add_node_text(const gltf_tree *tree, const tree_node *node, json_tex
     norma_json_add_text(text, "}");
 }
 
-static int append_nodes(const gltf_tree *tree, json_edits *edits) {
-    const uint32_t array = norma_json_member(&tree->g->json, 0, "nodes");
+static void append_nodes(const gltf_tree *tree, json_edits *edits) {
     for (size_t i = tree->g->node_count; i < tree->count; i++) {
         json_text text = {0};
         add_node_text(tree, &tree->nodes[i], &text);
-        const char *value = terminated(&text);
-        if (value) norma_json_append(edits, array, value);
-        free(text.data);
-        if (!value) return 0;
+        norma_json_append_made(edits, 0, "nodes", &text);
     }
-    return 1;
 }
 
-static int edit_scene(json_edits *edits, const tree_scene *scene) {
+static void edit_scene(json_edits *edits, const tree_scene *scene) {
     json_text text = {0};
     for (size_t i = 0; i < scene->count; i++) {
         norma_json_add_text(&text, i ? "," : "[");
         norma_json_add_uint(&text, scene->roots[i]);
     }
     if (scene->count) norma_json_add_text(&text, "]");
-    const int done = set_or_unset(edits, scene->token, "nodes", &text);
-    free(text.data);
-    return done;
+    norma_json_set_made(edits, scene->token, "nodes", &text);
 }
 
 /* ---- what a node can hold */
@@ -513,7 +479,6 @@ static norma_document_result check_numbers(const gltf_tree *tree, norma_document
 
 norma_document_result norma_gltf_tree_write(gltf_tree *tree, norma_document_error *error) {
     json_edits *edits = tree->failed ? NULL : norma_gltf_edits(tree->g, 0);
-    int done = edits != NULL;
     const norma_document_result too_large = check_numbers(tree, error);
     if (too_large) return too_large;
     if (tree->count > tree->g->node_count) {
@@ -521,9 +486,11 @@ norma_document_result norma_gltf_tree_write(gltf_tree *tree, norma_document_erro
             norma_gltf_check_dangling(tree->g, GLTF_LIST_NODES, error);
         if (dangling) return dangling;
     }
-    for (uint32_t i = 0; done && i < tree->g->node_count; i++) done = edit_node(tree, edits, i);
-    done = done && (tree->count == tree->g->node_count || append_nodes(tree, edits));
-    for (size_t i = 0; done && i < tree->scene_count; i++)
-        if (tree->scenes[i].changed) done = edit_scene(edits, &tree->scenes[i]);
-    return done ? NORMA_DOCUMENT_OK : norma_document_fail_memory(tree->g->document, error);
+    for (uint32_t i = 0; edits && i < tree->g->node_count; i++) edit_node(tree, edits, i);
+    if (edits) append_nodes(tree, edits);
+    for (size_t i = 0; edits && i < tree->scene_count; i++)
+        if (tree->scenes[i].changed) edit_scene(edits, &tree->scenes[i]);
+    return edits && !norma_json_edits_failed(edits)
+               ? NORMA_DOCUMENT_OK
+               : norma_document_fail_memory(tree->g->document, error);
 }

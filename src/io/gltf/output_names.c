@@ -162,12 +162,9 @@ static void set_uri(gltf *g, uint32_t token, const given_image *image, gltf_dest
     norma_json_add_text(&uri, "\"");
     norma_json_add_text(&uri, name ? name : "data:image/png;base64,");
     if (!name) norma_gltf_add_base64(&uri, &whole, 1, NULL);
-    norma_json_add(&uri, "\"", 2);
-    if (uri.failed || (!name && to != GLTF_TO_STREAM))
-        norma_json_edits_fail(g->patch->layout);
-    else
-        norma_json_set(g->patch->layout, token, "uri", uri.data);
-    free(uri.data);
+    norma_json_add_text(&uri, "\"");
+    uri.failed |= !name && to != GLTF_TO_STREAM;
+    norma_json_set_made(g->patch->layout, token, "uri", &uri);
     free(name);
 }
 

@@ -166,16 +166,14 @@ static int put_in_view(
     return 1;
 }
 
-static int put_in_uri(json_edits *edits, uint32_t token, const green_image *image) {
+static void put_in_uri(json_edits *edits, uint32_t token, const green_image *image) {
     json_text uri = {0};
     const patch_segment whole = {
         .length = image->bytes.size, .bytes = (const unsigned char *)image->bytes.data};
     norma_json_add_text(&uri, "\"data:image/png;base64,");
     norma_gltf_add_base64(&uri, &whole, 1, NULL);
-    norma_json_add(&uri, "\"", 2);
-    if (!uri.failed) norma_json_set(edits, token, "uri", uri.data);
-    free(uri.data);
-    return !uri.failed;
+    norma_json_add_text(&uri, "\"");
+    norma_json_set_made(edits, token, "uri", &uri);
 }
 
 /* Its name is chosen when it is written. */
@@ -198,7 +196,7 @@ static int describe_copy(turner *t, json_edits *edits, uint32_t token, green_ima
         char *uri = norma_json_string(j, norma_json_member(j, token, "uri"));
         ok = uri != NULL;
         if (ok && norma_gltf_uri_is_data(uri))
-            ok = put_in_uri(edits, token, image);
+            put_in_uri(edits, token, image);
         else if (ok)
             put_in_file(t, edits, token, image);
         free(uri);
@@ -209,14 +207,10 @@ static int describe_copy(turner *t, json_edits *edits, uint32_t token, green_ima
 }
 
 /* A copy of an element at the end of its list. */
-static int append_reference(turner *t, const char *list, json_edits *edits, uint32_t token) {
+static void append_reference(turner *t, const char *list, json_edits *edits, uint32_t token) {
     json_text text = {0};
-    int ok = norma_json_write(edits, token, &text);
-    norma_json_add(&text, "", 1);
-    ok = ok && !text.failed;
-    if (ok) norma_json_append(t->g->edits, references_of(t, list), text.data);
-    free(text.data);
-    return ok;
+    text.failed = !norma_json_write(edits, token, &text);
+    norma_json_append_made(t->g->edits, 0, list, &text);
 }
 
 static int edit_image(turner *t, uint32_t number) {
@@ -224,8 +218,8 @@ static int edit_image(turner *t, uint32_t number) {
     const uint32_t token = norma_json_element(&t->g->json, references_of(t, "images"), number);
     if (image->made == number) return describe_copy(t, t->g->edits, token, image);
     json_edits *edits = norma_json_edits_create(&t->g->json, token);
-    const int ok = edits && describe_copy(t, edits, token, image) &&
-                   append_reference(t, "images", edits, token);
+    const int ok = edits && describe_copy(t, edits, token, image);
+    if (ok) append_reference(t, "images", edits, token);
     norma_json_edits_destroy(edits);
     return ok;
 }
@@ -242,10 +236,11 @@ static int edit_texture(turner *t, uint32_t number) {
     }
     texture->made = t->texture_count + t->more_textures++;
     json_edits *edits = norma_json_edits_create(&t->g->json, token);
-    if (edits) norma_json_replace_uint(edits, source, image);
-    const int ok = edits && append_reference(t, "textures", edits, token);
+    if (!edits) return 0;
+    norma_json_replace_uint(edits, source, image);
+    append_reference(t, "textures", edits, token);
     norma_json_edits_destroy(edits);
-    return ok;
+    return 1;
 }
 
 static int is_turned_image(const turner *t, uint32_t texture) {

@@ -47,6 +47,17 @@ void norma_json_add_quoted(json_text *text, const char *utf8) {
     norma_json_add(text, "\"", 1);
 }
 
+void norma_json_add_key(json_text *text, const char *key) {
+    if (text->size && text->data[text->size - 1] != '{') norma_json_add_text(text, ",");
+    norma_json_add_quoted(text, key);
+    norma_json_add_text(text, ":");
+}
+
+void norma_json_add_uint_member(json_text *text, const char *key, uint64_t number) {
+    norma_json_add_key(text, key);
+    norma_json_add_uint(text, number);
+}
+
 /* ---- Strict JSON (RFC 8259) into tokens that say where each value lies. One pass, no
  * recursion, depth bounded. Our own rather than jsmn: that one lets through wrong separators, bad
  * numbers and rubbish behind the end even in its strict mode, and checking for them afterwards is a

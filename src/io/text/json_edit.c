@@ -130,8 +130,6 @@ json_edits *norma_json_edits_copy(const json_edits *edits) {
     return copy;
 }
 
-void norma_json_edits_fail(json_edits *edits) { edits->failed = 1; }
-
 int norma_json_edits_failed(const json_edits *edits) { return edits->failed; }
 
 int norma_json_edits_any(const json_edits *edits) { return edits->count > 0; }
@@ -192,26 +190,66 @@ void norma_json_append(json_edits *edits, uint32_t array, const char *text) {
     json_add(edits, array, NULL, text);
 }
 
+/* The member that was put into an object, or NULL. */
+static addition *added_member(json_edits *edits, uint32_t object, const char *key) {
+    const edit *e = find_edit(edits, object);
+    uint32_t i = e ? e->first_added : JSON_NONE;
+    while (i != JSON_NONE && strcmp(edits->additions[i].key, key) != 0)
+        i = edits->additions[i].next;
+    return i == JSON_NONE ? NULL : &edits->additions[i];
+}
+
 void norma_json_set(json_edits *edits, uint32_t object, const char *key, const char *text) {
     uint32_t value = norma_json_member(edits->j, object, key);
     if (value != JSON_NONE) {
         norma_json_replace(edits, value, text);
         return;
     }
-    const edit *e = find_edit(edits, object);
-    for (uint32_t i = e ? e->first_added : JSON_NONE; i != JSON_NONE;
-         i = edits->additions[i].next) {
-        if (strcmp(edits->additions[i].key, key) == 0) {
-            set_text(edits, &edits->additions[i].text, text);
-            return;
-        }
-    }
-    json_add(edits, object, key, text);
+    addition *added = added_member(edits, object, key);
+    if (added)
+        set_text(edits, &added->text, text);
+    else
+        json_add(edits, object, key, text);
 }
 
 void norma_json_unset(json_edits *edits, uint32_t object, const char *key) {
     for (uint32_t value = JSON_NONE; norma_json_each(edits->j, object, &value);)
         if (norma_json_equals(edits->j, value - 1, key)) mark_removed(edits, value);
+}
+
+void norma_json_set_made(json_edits *edits, uint32_t object, const char *key, json_text *made) {
+    const int is_empty = made->size == 0;
+    norma_json_add(made, "", 1);
+    if (made->failed)
+        edits->failed = 1;
+    else if (is_empty)
+        norma_json_unset(edits, object, key);
+    else
+        norma_json_set(edits, object, key, made->data);
+    free(made->data);
+    *made = (json_text){0};
+}
+
+void norma_json_append_made(json_edits *edits, uint32_t object, const char *key, json_text *made) {
+    const uint32_t array = norma_json_member(edits->j, object, key);
+    const addition *added = array == JSON_NONE ? added_member(edits, object, key) : NULL;
+    json_text whole = {0};
+    if (array == JSON_NONE) {
+        norma_json_add(&whole, added ? added->text : "[", added ? strlen(added->text) - 1 : 1);
+        norma_json_add_text(&whole, added ? "," : "");
+        norma_json_add(&whole, made->data, made->size);
+        norma_json_add_text(&whole, "]");
+        whole.failed |= made->failed;
+        norma_json_set_made(edits, object, key, &whole);
+    } else {
+        norma_json_add(made, "", 1);
+        if (made->failed)
+            edits->failed = 1;
+        else
+            norma_json_append(edits, array, made->data);
+    }
+    free(made->data);
+    *made = (json_text){0};
 }
 
 /* With those of the same name before it, one of which would count instead. */

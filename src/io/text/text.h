@@ -207,6 +207,9 @@ void norma_json_add_number(
     json_text *text, double value); /* shortest that reads back; not for NaN and infinities */
 void norma_json_add_float(json_text *text, float value);
 void norma_json_add_quoted(json_text *text, const char *utf8); /* as a JSON string */
+/* A member's key, behind a comma unless the object has just begun; and one with its number. */
+void norma_json_add_key(json_text *text, const char *key);
+void norma_json_add_uint_member(json_text *text, const char *key, uint64_t number);
 
 /* ---- edits: a list of changes to one value of a parsed text (0: the root) and what is in it,
  * applied in one go. Failures for want of memory are kept and show at norma_json_write, as changes
@@ -215,7 +218,6 @@ typedef struct json_edits json_edits;
 json_edits *norma_json_edits_create(const json *j, uint32_t value);
 json_edits *norma_json_edits_copy(const json_edits *edits);
 void norma_json_edits_destroy(json_edits *edits);
-void norma_json_edits_fail(json_edits *edits);        /* as if memory had run out within them */
 int norma_json_edits_failed(const json_edits *edits); /* memory ran out within them */
 int norma_json_edits_any(const json_edits *edits);
 
@@ -231,6 +233,11 @@ void norma_json_set(json_edits *edits, uint32_t object, const char *key, const c
 void norma_json_set_uint(json_edits *edits, uint32_t object, const char *key, uint64_t number);
 void norma_json_unset(
     json_edits *edits, uint32_t object, const char *key); /* removes it where it is */
+/* The same with a text that was made, which is freed; of an empty one, the member is removed. Or an
+ * element at the end of an array that is a member, which is made where it is not there. A text that
+ * failed makes the edits fail. */
+void norma_json_set_made(json_edits *edits, uint32_t object, const char *key, json_text *made);
+void norma_json_append_made(json_edits *edits, uint32_t object, const char *key, json_text *made);
 
 /* The text of value (0: the root) with the edits applied. For the root also what stands before and
  * behind it. */
