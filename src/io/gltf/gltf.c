@@ -1,10 +1,436 @@
 /* gltf.c: a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
- * requires, and its table of functions. */
-#include "io/gltf/gltf.h"
+ * requires, the files that go with it, and its table of functions. */
+#define _POSIX_C_SOURCE 200809L
 #include "io/gltf/draco_decoder.h"
+#include "io/gltf/gltf.h"
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+/* ---- the files that go with an asset: its buffers, and into another folder the images that it
+ * names. All are written before any is renamed (by norma_document_save); a file of the same content
+ * is left alone, one of other content is refused. The names come from the asset, which may be
+ * anyone's: only what is an image by name and content goes along, nothing hidden, and nothing is
+ * written through a link. One is in memory at a time, and each goes once, however often it is
+ * named. */
+
+typedef struct companion {
+    char *path;
+    const patch_buffer *buffer; /* the contents: this, */
+    const unsigned char *bytes; /* or these */
+    size_t size;
+    file_bytes file;      /* an image's */
+    int is_new;           /* overwrites nothing, even in place */
+    file_stamp *replaces; /* in place: of the buffer as it was read */
+} companion;
+
+typedef struct companions {
+    norma_document *document;
+    gltf *g;
+    char *folder; /* of the output */
+    companion_writers *writers;
+    int in_place;
+    norma_document_error *error;
+} companions;
+
+typedef struct file_name {
+    char *name, *plain; /* "./a//b.png": "a/b.png" */
+    uint32_t buffer;    /* GLTF_NONE: an image */
+} file_name;
+
+static norma_document_result fail_companions(const companions *c) {
+    return norma_document_fail_memory(c->document, c->error);
+}
+
+static int has_content(const companion *one, const file_bytes *file) {
+    if (one->buffer) return norma_gltf_segments_equal(one->buffer, file->data, file->size);
+    return file->size == one->size && memcmp(file->data, one->bytes, one->size) == 0;
+}
+
+static norma_document_result refuse_companion(
+    const companions *c, const char *path, const char *why) {
+    const norma_document target = {.path = (char *)(uintptr_t)path};
+    return norma_document_fail(&target, c->error, NORMA_DOCUMENT_ERROR_REFUSED, NULL,
+        "is %s; %s needs a file of this name beside it", why, c->document->path);
+}
+
+/* ---- writing */
+
+/* Folders below the output's for names like "textures/wood.png". */
+static int make_companion_folders(companion_writers *writers, char *path, size_t known) {
+    for (char *slash = strchr(path + known, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        int failed = norma_document_add_folder(writers, path);
+        *slash = '/';
+        if (failed) return failed;
+    }
+    return 0;
+}
+
+/* In slices, so that a cancel is noticed soon. */
+static int write_companion_slices(
+    const companions *c, file_writer *writer, const unsigned char *bytes, size_t size) {
+    const size_t slice = (size_t)1 << 23;
+    int failed = 0;
+    while (!failed && size > 0) {
+        const size_t part = size < slice ? size : slice;
+        failed = norma_watch_cancelled(&c->document->watch)
+                     ? FILE_CANCELLED
+                     : norma_file_writer_write(writer, bytes, part);
+        bytes += part;
+        size -= part;
+    }
+    return failed;
+}
+
+static int write_content(const companions *c, const companion *one, file_writer *writer) {
+    static const unsigned char zeros[256];
+    int failed = 0;
+    if (!one->buffer) return write_companion_slices(c, writer, one->bytes, one->size);
+    for (size_t i = 0; !failed && i < one->buffer->segment_count; ++i) {
+        const patch_segment *s = &one->buffer->segments[i];
+        if (s->bytes) failed = write_companion_slices(c, writer, s->bytes, s->length);
+        for (size_t left = s->bytes ? 0 : s->length; !failed && left > 0;
+             left -= left < sizeof zeros ? left : sizeof zeros)
+            failed =
+                norma_file_writer_write(writer, zeros, left < sizeof zeros ? left : sizeof zeros);
+    }
+    return failed;
+}
+
+static norma_document_result write_companion(companions *c, const companion *one) {
+    file_writer *writer = NULL;
+    int failed = make_companion_folders(c->writers, one->path, strlen(c->folder));
+    if (!failed) failed = norma_file_writer_open(one->path, &writer);
+    if (!failed && one->replaces) norma_document_expect(c->writers, writer, one->replaces);
+    if (!failed) failed = write_content(c, one, writer);
+    if (!failed) failed = norma_file_writer_prepare(writer);
+    if (!failed)
+        return norma_document_add_writer(c->writers, writer, one->path) ? NORMA_DOCUMENT_OK
+                                                                        : fail_companions(c);
+    norma_file_writer_abandon(writer);
+    return norma_document_fail_file(one->path, c->error, "cannot be written", failed);
+}
+
+/* ---- what may be written */
+
+/* Whether a file would land where its path says: neither it nor a folder on the way from the
+ * output's folder is a link to somewhere else. A buffer that is replaced may be a link, which was
+ * followed when it was read. */
+static int stays_in_folder(const companions *c, const companion *one) {
+    int stays = one->replaces || !norma_file_is_link(one->path);
+    char *path = one->path;
+    for (char *slash = strchr(path + strlen(c->folder), '/'); slash && stays;
+         slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        stays = one->replaces || !norma_file_is_link(path);
+        *slash = '/';
+    }
+    return stays;
+}
+
+/* Writes a file, unless it is there already. Takes over one->path and one->file. */
+static norma_document_result add_companion(companions *c, companion one) {
+    file_bytes there;
+    int failed = norma_document_load_file(c->document, one.path, &there), same = 0;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!failed) {
+        same = has_content(&one, &there);
+        norma_file_close(&there);
+    }
+    if (failed == ENOMEM)
+        result = fail_companions(c);
+    else if (!same && !stays_in_folder(c, &one))
+        result = refuse_companion(
+            c, one.path, "a symbolic link, or reached through one, and is not written through");
+    else if (!same && failed != ENOENT && failed != ENOTDIR &&
+             (one.is_new || !(c->in_place && !failed)))
+        result = refuse_companion(c, one.path, "there with other content and is not overwritten");
+    if (!same && !result) result = write_companion(c, &one);
+    free(one.path);
+    norma_file_close(&one.file);
+    return result;
+}
+
+static norma_document_result add_buffer_file(companions *c, uint32_t number) {
+    const patch_buffer *b = &c->g->patch->buffers[number];
+    companion one = {.path = norma_io_join(c->folder, b->name)};
+    if (!one.path) return fail_companions(c);
+    if (c->in_place && number < c->g->buffer_count && c->g->buffers[number].name &&
+        strcmp(c->g->buffers[number].name, b->name) == 0)
+        one.replaces = &c->g->buffers[number].file.stamp;
+    if (b->changed) {
+        one.buffer = b;
+    } else {
+        one.bytes = c->g->buffers[number].bytes;
+        one.size = c->g->buffers[number].length;
+    }
+    return add_companion(c, one);
+}
+
+/* ---- images */
+
+static int is_image(const unsigned char *bytes, size_t size) {
+    static const struct {
+        const char *start;
+        size_t length, at;
+    } kinds[] = {{"\x89PNG\r\n\x1A\n", 8, 0}, {"\xFF\xD8\xFF", 3, 0}, {"WEBP", 4, 8},
+        {"\xABKTX 20\xBB\r\n\x1A\n", 12, 0}, {"\xABKTX 11\xBB\r\n\x1A\n", 12, 0}, {"DDS ", 4, 0},
+        {"sB", 2, 0}, {"GIF8", 4, 0}, {"BM", 2, 0}, {"ftyp", 4, 4}};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
+        if (size >= kinds[i].at + kinds[i].length &&
+            memcmp(bytes + kinds[i].at, kinds[i].start, kinds[i].length) == 0)
+            return 1;
+    return 0;
+}
+
+static int is_image_name(const char *name) {
+    static const char *const suffixes[] = {
+        "png", "jpg", "jpeg", "webp", "ktx2", "ktx", "dds", "basis", "gif", "bmp", "avif"};
+    return norma_gltf_has_suffix(name, suffixes, sizeof suffixes / sizeof *suffixes);
+}
+
+static norma_document_result not_copied(const companions *c, const char *name, const char *why) {
+    norma_document_add_note(c->document, "%s was not copied: %s", name, why);
+    return NORMA_DOCUMENT_OK;
+}
+
+/* A file of the asset's folder under its own name, an image or (not GLTF_NONE) a buffer: one that
+ * does not exist, or lies outside, stays where it is; one that cannot be read is an error. */
+static norma_document_result add_file(companions *c, const file_name *file) {
+    const char *name = file->name;
+    const uint32_t buffer = file->buffer;
+    companion one = {.path = NULL};
+    char *source;
+    struct stat status;
+    if (!norma_gltf_path_inside(c->document->folder, name, &source))
+        return errno == ENOMEM ? fail_companions(c)
+                               : not_copied(c, name, "it lies outside the asset's folder");
+    const char *why = buffer != GLTF_NONE          ? NULL
+                      : norma_gltf_is_hidden(name) ? "it is hidden"
+                      : !is_image_name(name)       ? "its name is not that of an image"
+                                                   : NULL;
+    if (why) {
+        free(source);
+        return not_copied(c, name, why);
+    }
+    int failed = stat(source, &status) ? errno
+                 : S_ISREG(status.st_mode)
+                     ? norma_document_load_file(c->document, source, &one.file)
+                     : ENOENT;
+    const int absent =
+        failed == ENOENT || failed == ENOTDIR || failed == ENAMETOOLONG || failed == ELOOP;
+    norma_document_result result =
+        failed && !absent ? norma_document_fail_file(source, c->error, "cannot be read", failed)
+                          : NORMA_DOCUMENT_OK;
+    free(source);
+    if (failed) return result;
+    const int image = buffer == GLTF_NONE,
+              no_image = image && !is_image(one.file.data, one.file.size);
+    if (!image) result = norma_gltf_check_own_data(c->g, buffer, &one.file, c->error);
+    if (result || no_image) {
+        norma_file_close(&one.file);
+        return result ? result : not_copied(c, name, "its first bytes are not those of an image");
+    }
+    one.bytes = one.file.data;
+    one.size = one.file.size;
+    one.path = norma_io_join(c->folder, file->plain);
+    if (!one.path) {
+        norma_file_close(&one.file);
+        return fail_companions(c);
+    }
+    return add_companion(c, one);
+}
+
+static norma_document_result add_given(companions *c, const given_image *image) {
+    const companion one = {.path = norma_io_join(c->folder, image->name),
+        .bytes = image->bytes,
+        .size = image->size,
+        .is_new = 1};
+    return one.path ? add_companion(c, one) : fail_companions(c);
+}
+
+/* ---- the names of an asset, each once */
+
+typedef struct file_names {
+    file_name *list;
+    size_t count, capacity;
+} file_names;
+
+/* A name without what names nothing; an absolute path stays one. */
+static char *plain_name(const char *name) {
+    char *plain = norma_io_join(name, ""), *to = plain;
+    for (const char *from = name; plain && name[0] != '/' && *from;) {
+        const size_t length = strcspn(from, "/"), next = length + (from[length] == '/');
+        if (length > 0 && !(length == 1 && *from == '.')) {
+            memcpy(to, from, next);
+            to += next;
+        }
+        from += next;
+    }
+    if (plain && name[0] != '/') *to = '\0';
+    return plain;
+}
+
+static int compare_file_names(const void *a, const void *b) {
+    const file_name *x = a, *y = b;
+    const int order = strcmp(x->plain, y->plain);
+    return order ? order : (x->buffer > y->buffer) - (x->buffer < y->buffer);
+}
+
+static norma_document_result add_name(
+    companions *c, file_names *names, char *name, uint32_t buffer) {
+    char *plain = name ? plain_name(name) : NULL;
+    file_name *grown =
+        plain ? norma_io_grow(names->list, &names->capacity, names->count + 1, sizeof *grown)
+              : NULL;
+    if (!grown) {
+        free(plain);
+        free(name);
+        return fail_companions(c);
+    }
+    names->list = grown;
+    names->list[names->count++] = (file_name){name, plain, buffer};
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result add_image_names(companions *c, file_names *names) {
+    const json *j = &c->g->json;
+    uint32_t images = norma_json_member(j, 0, "images");
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t number = 0;
+    for (uint32_t image = JSON_NONE; !result && norma_json_each(j, images, &image);) {
+        int failed;
+        if (norma_document_given_image(c->document, number++)) continue;
+        char *name = norma_gltf_image_name(j, image, &failed);
+        if (name)
+            result = add_name(c, names, name, GLTF_NONE);
+        else if (failed)
+            result = fail_companions(c);
+    }
+    return result;
+}
+
+static norma_document_result add_files(companions *c, int buffers, int images) {
+    const gltf *g = c->g;
+    file_names names = {0};
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (uint32_t b = 0; buffers && !result && b < g->buffer_count; ++b)
+        if (g->buffers[b].name)
+            result = add_name(c, &names, norma_io_join(g->buffers[b].name, ""), b);
+    if (!result && images) result = add_image_names(c, &names);
+    if (names.count) qsort(names.list, names.count, sizeof *names.list, compare_file_names);
+    for (size_t i = 0; !result && i < names.count; ++i)
+        if (i == 0 || strcmp(names.list[i - 1].plain, names.list[i].plain) != 0)
+            result = add_file(c, &names.list[i]);
+    for (size_t i = 0; i < names.count; ++i) {
+        free(names.list[i].name);
+        free(names.list[i].plain);
+    }
+    free(names.list);
+    return result;
+}
+
+static norma_document_result collect_companions(companions *c, const char *path) {
+    gltf *g = c->g;
+    int elsewhere = !norma_gltf_same_folder(g, path);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    const int differs = norma_gltf_differs(g);
+    for (uint32_t b = 0; differs && !result && b <= g->buffer_count; ++b)
+        if (g->patch->buffers[b].name && (!c->in_place || g->patch->buffers[b].changed))
+            result = add_buffer_file(c, b);
+    for (size_t i = 0; !result && i < c->document->image_count; ++i)
+        result = add_given(c, &c->document->images[i]);
+    return result || !elsewhere ? result : add_files(c, !differs, c->document->folder != NULL);
+}
+
+/* ---- sizes */
+
+static int add_file_size(void *user, const char *path) {
+    struct stat status;
+    if (stat(path, &status) == 0 && S_ISREG(status.st_mode))
+        *(uint64_t *)user += (uint64_t)status.st_size;
+    return 0;
+}
+
+/* Returns 1 if visit stopped, -1 if memory is out, else 0. */
+static int visit_buffer(
+    const norma_document *document, uint32_t buffer, norma_visit_file *visit, void *user) {
+    const char *name = norma_gltf_of(document)->buffers[buffer].name;
+    return name ? norma_document_visit_name(document, name, strlen(name), visit, user) : 0;
+}
+
+static int visit_images(const norma_document *document, norma_visit_file *visit, void *user) {
+    const json *j = &norma_gltf_of(document)->json;
+    const uint32_t images = norma_json_member(j, 0, "images");
+    int stop = 0;
+    size_t number = 0;
+    for (uint32_t image = JSON_NONE; !stop && norma_json_each(j, images, &image);) {
+        if (norma_document_given_image(document, number++)) continue;
+        char *name = norma_gltf_image_name(j, image, &stop);
+        if (stop) return -1;
+        if (name) stop = norma_document_visit_name(document, name, strlen(name), visit, user);
+        free(name);
+    }
+    return stop;
+}
+
+/* Of all buffers and images beside the output; those that do not change are as long as they were
+ * beside the input. 0: memory is out. */
+static int measure_companions(const companions *c, uint64_t *size) {
+    const gltf *g = c->g;
+    const patch_buffer *made = norma_gltf_differs(g) ? g->patch->buffers : NULL;
+    int failed = 0;
+    for (uint32_t b = 0; made && b <= g->buffer_count; ++b)
+        if (made[b].changed && made[b].name) *size += made[b].length;
+    for (size_t i = 0; i < c->document->image_count; ++i) *size += c->document->images[i].size;
+    if (!c->document->folder) return 1;
+    for (uint32_t b = 0; b < g->buffer_count && !failed; ++b)
+        if (!made || !made[b].changed) failed = visit_buffer(c->document, b, add_file_size, size);
+    return !failed && !visit_images(c->document, add_file_size, size);
+}
+
+static norma_document_result gltf_write_companions(norma_document *document, const char *path,
+    int in_place, companion_writers *writers, norma_document_error *error) {
+    gltf *g = norma_gltf_of(document);
+    companions c = {.document = document,
+        .g = g,
+        .folder = norma_gltf_folder_of(path),
+        .writers = writers,
+        .error = error};
+    c.in_place = in_place && norma_gltf_destination(g, path) == GLTF_IN_PLACE;
+    norma_document_result result = c.folder ? NORMA_DOCUMENT_OK : fail_companions(&c);
+    if (!result && norma_gltf_differs(g)) result = norma_gltf_lay_out(g, path, error);
+    if (!result) result = collect_companions(&c, path);
+    if (!result && !measure_companions(&c, &writers->size)) result = fail_companions(&c);
+    free(c.folder);
+    return result;
+}
+
+static int gltf_visit_files(const norma_document *document, norma_visit_file *visit, void *user) {
+    const gltf *g = norma_gltf_of(document);
+    int stop = 0;
+    for (uint32_t b = 0; g->buffers && b < g->buffer_count && !stop; ++b)
+        stop = visit_buffer(document, b, visit, user);
+    return stop ? stop : visit_images(document, visit, user);
+}
+
+static char *gltf_changed_companion(const norma_document *document) {
+    const gltf *g = norma_gltf_of(document);
+    for (uint32_t b = 0; g->buffers && b < g->buffer_count && document->folder; ++b) {
+        char *file = g->buffers[b].name && g->buffers[b].file.stamp.known
+                         ? norma_io_join(document->folder, g->buffers[b].name)
+                         : NULL;
+        if (file && norma_file_has_changed(file, &g->buffers[b].file.stamp)) return file;
+        free(file);
+    }
+    return NULL;
+}
+
+/* ---- a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
+ * requires, and its table of functions. */
 
 enum { GLB_HEADER = 12, GLB_CHUNK_HEADER = 8 };
 static const uint32_t GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BIN = 0x004E4942;
@@ -280,12 +706,12 @@ const format_functions norma_gltf_functions = {
     .recentre = norma_gltf_recentre,
     .turn_green = norma_gltf_turn_green,
     .write = norma_gltf_write,
-    .write_companions = norma_gltf_write_companions,
-    .changed_companion = norma_gltf_changed_companion,
+    .write_companions = gltf_write_companions,
+    .changed_companion = gltf_changed_companion,
     .has_change = norma_gltf_has_change,
     .reopen = norma_gltf_reopen,
     .adopt = norma_gltf_adopt,
     .drop_change = norma_gltf_drop_change,
-    .visit_files = norma_gltf_visit_files,
+    .visit_files = gltf_visit_files,
     .scene = &norma_gltf_scene,
 };

@@ -337,9 +337,6 @@ unsigned char *norma_gltf_data_decode(
 /* 1: name (decoded) is a file in folder or below, not absolute, no scheme, without "..", also after
  * symbolic links; 0: outside; *path: to be freed. */
 int norma_gltf_path_inside(const char *folder, const char *name, char **path);
-/* The same, every link followed; to be freed. What is not there, as it is given. NULL: out of
- * memory. */
-char *norma_gltf_real_path(const char *folder, const char *name);
 /* Of a path, with its slash, "" for the current one; to be freed. */
 char *norma_gltf_folder_of(const char *path);
 
@@ -400,15 +397,11 @@ int norma_gltf_strip(gltf *g, uint32_t primitive);
  * transform; afterwards g->changed says whether anything is new. */
 norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error);
 
-/* ---- writing (gltf_write.c, companion_files.c) */
+/* ---- writing (gltf_write.c, gltf.c) */
 norma_document_result norma_gltf_write(norma_document *document, const char *path,
     norma_write *write, void *user, norma_document_error *error);
-norma_document_result norma_gltf_write_companions(norma_document *document, const char *path,
-    int in_place, companion_writers *writers, norma_document_error *error);
-char *norma_gltf_changed_companion(const norma_document *document);
 norma_document_result norma_gltf_reopen(
     norma_document *document, norma_document *made, norma_document_error *error);
-int norma_gltf_visit_files(const norma_document *document, norma_visit_file *visit, void *user);
 
 /* ---- commands */
 norma_document_result norma_gltf_compute(norma_document *document,
@@ -718,16 +711,16 @@ void norma_gltf_edit_views(gltf *g); /* byte_layout.c: the layout's JSON */
 norma_document_result norma_gltf_edit_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error);
 norma_document_result norma_gltf_name_buffers(gltf *g, gltf_destination destination,
-    const char *path, norma_document_error *error); /* output_names.c */
+    const char *path, norma_document_error *error); /* gltf_write.c */
 /* The output's name with another ending: "scene.bin" for scene.gltf. NULL: out of memory. */
 norma_document_result norma_gltf_name_images(gltf *g, gltf_destination destination,
-    const char *path, norma_document_error *error); /* output_names.c */
+    const char *path, norma_document_error *error); /* gltf_write.c */
 /* By other buffers, one file; -1: out of memory. */
 int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer);
 gltf_storage norma_gltf_storage_of(
     const gltf *g, uint32_t buffer); /* of old ones and the one more */
 int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size);
-/* output_names.c: adds to counts how often the JSON names each texture, each image. */
+/* gltf_write.c: adds to counts how often the JSON names each texture, each image. */
 void norma_gltf_count_texture_uses(const gltf *g, uint32_t *counts, size_t textures);
 void norma_gltf_count_image_uses(const gltf *g, uint32_t *counts, size_t images);
 /* patch.c: refuses to add to a list that some index of the file reaches beyond. */
@@ -742,7 +735,7 @@ typedef enum gltf_list {
 } gltf_list;
 norma_document_result norma_gltf_check_dangling(
     const gltf *g, gltf_list list, norma_document_error *error);
-/* ---- paths (output_names.c) */
+/* ---- paths (gltf_write.c) */
 int norma_gltf_same_folder(
     const gltf *g, const char *path); /* path stands in the folder that the asset was read from */
 

@@ -270,20 +270,10 @@ void norma_gltf_require(gltf *g, const char *extension) {
     static const char *const keys[] = {"extensionsUsed", "extensionsRequired"};
     const json *j = &g->json;
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; ++k) {
-        const uint32_t list = norma_json_member(j, 0, keys[k]);
         json_text text = {0};
-        if (is_listed(j, list, extension)) continue;
-        if (list == JSON_NONE) norma_json_add_text(&text, "[");
+        if (is_listed(j, norma_json_member(j, 0, keys[k]), extension)) continue;
         norma_json_add_quoted(&text, extension);
-        norma_json_add(&text, "]", list == JSON_NONE);
-        norma_json_add(&text, "", 1);
-        if (text.failed)
-            norma_json_edits_fail(g->edits);
-        else if (list == JSON_NONE)
-            norma_json_set(g->edits, 0, keys[k], text.data);
-        else
-            norma_json_append(g->edits, list, text.data);
-        free(text.data);
+        norma_json_append_made(g->edits, 0, keys[k], &text);
     }
 }
 
