@@ -32,8 +32,6 @@ norma_document_result norma_check_again(norma_document *document, const check_kn
 /* known.c: how a mesh differs from another. Takes from rules those that it makes no difference to.
  */
 typedef enum check_change { CHECK_SAME, CHECK_SAME_SURFACE, CHECK_ALL_CHANGED } check_change;
-check_change norma_check_compare(const norma_check_mesh *a, const norma_check_mesh *b);
-void norma_check_leave_known(uint8_t rules[CHECK_RULE_COUNT], check_change change);
 
 /* check_document.c: that the rules failed, in words. */
 norma_document_result norma_check_fail(norma_document_error *error, norma_result result);
