@@ -1,7 +1,7 @@
 # The core as WebAssembly, the npm package and the page. clang with wasi-libc compiles; node, puts the files together; esbuild makes one script of the page's modules.
-# Four modules: norma.wasm is the core; skin.wasm skins alone, for norma-mesh/skin; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a
-# file; page.wasm all of it with what the page draws; three.js draws it. All that the latter two import are decoders of compressed glTF: npm's draco3dgltf and meshoptimizer
-# (web/package/decoders.js).
+# Five modules: norma.wasm is the core; skin.wasm skins alone, for norma-mesh/skin; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a
+# file; tool.wasm the command line; page.wasm all that the page draws of; three.js draws it. All that the latter three import beside WASI are decoders of compressed glTF: npm's draco3dgltf
+# and meshoptimizer (web/package/decoders.js).
 find_program(NORMA_WASM_CC NAMES clang)
 find_program(NORMA_WASM_LD NAMES wasm-ld)
 find_program(NORMA_NODE NAMES node nodejs)
@@ -32,7 +32,7 @@ set(web_dir ${PROJECT_BINARY_DIR}/web)
 set(web_objects_dir ${web_dir}/objects)
 file(MAKE_DIRECTORY ${web_objects_dir} ${web_dir}/npm)
 # No SLP vectoriser: clang 14's, for WebAssembly, stores a product into its own factor before that is read (norma_gltf_matrix_multiply in place, nodes at wrong places).
-set(web_flags --target=wasm32-wasi -std=c11 -DNDEBUG -msimd128 -fno-slp-vectorize -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno -fno-trapping-math
+set(web_flags --target=wasm32-wasi -std=c11 -DNDEBUG -msimd128 -fno-slp-vectorize -mbulk-memory -ftls-model=local-exec -ffp-contract=off -fno-math-errno -fno-trapping-math "-DNORMA_PROGRAM=\"npx norma-mesh\""
               -Wall -Wextra -Wpedantic -Wshadow -Wconversion -I${PROJECT_SOURCE_DIR}/include -I${PROJECT_SOURCE_DIR}/src)
 if(NORMA_WERROR)
   list(APPEND web_flags -Werror)
@@ -135,11 +135,25 @@ web_objects(web_model_objects ${web_model_sources} ${PROJECT_SOURCE_DIR}/src/ren
 web_module(check.wasm ${web_core_objects} ${web_file_objects} ${web_check_objects})
 web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects} ${web_fix_objects} ${web_model_objects})
 
+# The tool under node's WASI (npx norma-mesh): the objects of the modules above, and with files what they do without.
+set(web_tool_dir ${PROJECT_SOURCE_DIR}/web/package/tool)
+file(GLOB web_tool_sources CONFIGURE_DEPENDS ${web_tool_dir}/*.c ${PROJECT_SOURCE_DIR}/src/cli/*.c ${PROJECT_SOURCE_DIR}/src/cli/*/*.c ${PROJECT_SOURCE_DIR}/src/io/large/*.c ${PROJECT_SOURCE_DIR}/src/io/together/*.c)
+list(FILTER web_tool_sources EXCLUDE REGEX "/cli/(render|view|acid)/")
+list(APPEND web_tool_sources ${PROJECT_SOURCE_DIR}/src/io/file/file_read.c ${PROJECT_SOURCE_DIR}/src/io/file/file_write.c ${PROJECT_SOURCE_DIR}/src/check/run/check_large.c)
+set(web_flags_here -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_GETPID -I${PROJECT_SOURCE_DIR} -I${PROJECT_SOURCE_DIR}/web/package/host
+                   -isystem ${web_tool_dir}/posix -isystem ${PROJECT_SOURCE_DIR}/web/page/model/posix -include ${web_tool_dir}/missing.h)
+web_objects(web_tool_objects ${web_tool_sources})
+set(web_tool_shared ${web_core_objects} ${web_file_objects} ${web_fix_objects})
+list(FILTER web_tool_shared EXCLUDE REGEX "_no_system\\.c\\.o$")
+add_custom_command(OUTPUT ${web_dir}/tool.wasm
+  COMMAND ${NORMA_WASM_CC} --target=wasm32-wasi -Wl,--strip-all -Wl,--gc-sections -Wl,--stack-first -Wl,-z,stack-size=8388608 ${web_tool_shared} ${web_tool_objects} -lm -lwasi-emulated-mman -o ${web_dir}/tool.wasm
+  DEPENDS ${web_tool_shared} ${web_tool_objects} COMMENT "WebAssembly tool.wasm" VERBATIM)
+
 file(GLOB web_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/* ${PROJECT_SOURCE_DIR}/web/*.mjs ${PROJECT_SOURCE_DIR}/web/package-lock.json ${PROJECT_SOURCE_DIR}/web/licences/* ${PROJECT_SOURCE_DIR}/include/norma/shaders/*)
-list(FILTER web_inputs EXCLUDE REGEX "/(check|host|skin|wasm)$")
+list(FILTER web_inputs EXCLUDE REGEX "/(check|host|skin|tool|wasm)$")
 add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
   COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs package ${web_dir} ${NORMA_WEB_MODULES}
-  DEPENDS ${web_inputs} ${web_dir}/norma.wasm ${web_dir}/check.wasm ${web_dir}/skin.wasm COMMENT "npm package" VERBATIM)
+  DEPENDS ${web_inputs} ${web_dir}/norma.wasm ${web_dir}/check.wasm ${web_dir}/skin.wasm ${web_dir}/tool.wasm COMMENT "npm package" VERBATIM)
 file(GLOB web_page_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/page/* ${PROJECT_SOURCE_DIR}/web/page/shaders/* ${PROJECT_SOURCE_DIR}/src/render/shaders/* ${PROJECT_SOURCE_DIR}/assets/goathead.obj)
 add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
   COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs page ${web_dir} ${NORMA_WEB_MODULES}

@@ -1,5 +1,5 @@
 /* Puts together what `make web` leaves.
- *   node build.mjs package FOLDER MODULES    FOLDER/npm, from FOLDER/norma.wasm, check.wasm and skin.wasm
+ *   node build.mjs package FOLDER MODULES    FOLDER/npm, from FOLDER/norma.wasm, check.wasm, tool.wasm and skin.wasm
  *   node build.mjs page FOLDER MODULES       FOLDER/norma.html, one file with everything in it, from FOLDER/page.wasm
  * MODULES: the npm packages of web/package-lock.json, whose licences go along; what is not there is left out. */
 import { execFileSync } from "node:child_process";
@@ -43,7 +43,7 @@ const EMPTY = Buffer.from([0x00, 0x61, 0x73, 0x6d, 0x01, 0x00, 0x00, 0x00]);
 const readDraco = (modules) => (hasLibrary(modules, "draco3dgltf") ? readFileSync(join(modules, "draco3dgltf/draco_decoder_gltf.wasm")) : EMPTY);
 
 function buildPackage(folder, modules) {
-  const out = join(folder, "npm"), source = join(here, "package"), made = ["draco-decoder.js", "meshopt-decoder.js"];
+  const out = join(folder, "npm"), source = join(here, "package"), made = ["draco-decoder.js", "meshopt-decoder.js", "meshopt-encoder.js"];
   rmSync(out, { recursive: true, force: true });
   mkdirSync(out, { recursive: true });
   for (const name of readdirSync(source)) if (/\.(js|ts|json|md)$/.test(name) && name !== "worker-inline.js" && !made.includes(name)) copyFileSync(join(source, name), join(out, name));
@@ -57,6 +57,7 @@ function buildPackage(folder, modules) {
     textModule(`${name}-text.js`, `${name}.wasm in base64.`, bytes.toString("base64"));
   }
   textModule("skin-text.js", "skin.wasm in base64.", readFileSync(join(folder, "skin.wasm")).toString("base64"));
+  copyFileSync(join(folder, "tool.wasm"), join(out, "tool.wasm"));
   const shaders = ["glsl", "hlsl", "wgsl"].map((language) => `export const ${language} = ${JSON.stringify(readFileSync(join(here, `../include/norma/shaders/norma.${language}`), "utf8"))};\n`);
   writeFileSync(join(out, "shaders.js"), `/* norma.glsl, norma.hlsl and norma.wgsl. */\n${shaders.join("")}`);
   textModule("worker-text.js", "The worker of norma-mesh/inline as one script.", bundle(join(source, "worker-inline.js"), folder, modules));

@@ -31,7 +31,7 @@ installed=$user/node_modules/norma-mesh
 check "package.json has the library's version" test "$(node -p 'require(process.argv[1]).version' "$installed/package.json")" = "$version"
 check "the core is at most 120 kB (brotli)" node -e 'process.exit(require("zlib").brotliCompressSync(require("fs").readFileSync(process.argv[1])).length > 120000 ? 1 : 0)' "$installed/norma.wasm"
 check "the decoder for Draco is at most 60 kB (brotli)" node -e 'process.exit(require("zlib").brotliCompressSync(require("fs").readFileSync(process.argv[1])).length > 60000 ? 1 : 0)' "$installed/draco.wasm"
-check "nothing of the page or of C is in the package" bash -c '! find "$0" -type f ! -name "*.js" ! -name "*.d.ts" ! -name "norma.wasm" ! -name "check.wasm" ! -name "draco.wasm" ! -name package.json ! -name README.md ! -name LICENSE ! -name NOTICES | grep .' "$installed"
+check "nothing of the page or of C is in the package" bash -c '! find "$0" -type f ! -name "*.js" ! -name "*.d.ts" ! -name "norma.wasm" ! -name "check.wasm" ! -name "draco.wasm" ! -name "tool.wasm" ! -name package.json ! -name README.md ! -name LICENSE ! -name NOTICES | grep .' "$installed"
 for path in "$modules"/* "$modules"/@*/*; do
     name=${path#"$modules"/}
     [ ! -e "$path" ] || [[ $name == @* && $name != */* ]] || { mkdir -p "$(dirname "$user/node_modules/$name")" && ln -s "$path" "$user/node_modules/$name"; }
@@ -47,6 +47,11 @@ places=(assets tests/cli)
 [ ! -d "$data" ] || places+=("$data/bad" "$data/gltf" "$data/obj" "$data/ply")
 mapfile -d '' files < <(find "${places[@]}" -size -400k \( -name '*.obj' -o -name '*.stl' -o -name '*.ply' -o -name '*.gltf' -o -name '*.glb' \) -print0)
 relay files node tests/web/files.mjs "$installed" "$tool" "${files[@]}"
+# The tool itself, under node's WASI: the cases of the command line, byte by byte. It cannot draw, limit its memory, open a shell's pipes by name or take names that are not UTF-8.
+command=$user/node_modules/.bin/norma-mesh
+check "npx norma-mesh is the tool" test "$(cd "$user" && npx --no-install norma-mesh --version)" = "$("$tool" --version)"
+relay "npx norma-mesh" env NORMA_SAYS="npx norma-mesh" NORMA_LEFT_OUT='norma render|help render|norma view|\.3mf|--max-memory|<\(|\\xff|^norma( --help)?$' NORMA_BIN="$command" tests/cli/golden.sh
+relay "npx norma-mesh beside the tool" node tests/web/tool.mjs "$command" "$(realpath "$tool")" "$root/assets" "$root/tests/cli/golden/files" tests/web/ball-draco.glb tests/web/ball-meshopt.glb
 relay workers node tests/web/workers.mjs "$installed"
 
 # What imports the package by its name lies beside it.

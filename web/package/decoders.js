@@ -174,6 +174,8 @@ export function makeDecoders(libraries) {
   return {
     imports: { norma: { draco_decode: decodeDraco, ...meshoptCalls(() => host, need) } },
     serve: (exports) => (host = exports),
+    /* For a host that cannot wait while it reads. */
+    loadAll: () => Promise.all(Object.keys(libraries).map(load)),
     /* work reads or writes a file; where it missed a library, that is loaded, and work done again. drop: releases what a try gave. */
     reading: async (work, drop = () => {}) => {
       for (;;) {

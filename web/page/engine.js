@@ -24,7 +24,7 @@ async function compileDraco(packed) {
 }
 
 async function loadEncoder() {
-  const { MeshoptEncoder } = await import("./meshopt-encoder.js");
+  const { MeshoptEncoder } = await import("../package/meshopt-encoder.js");
   return MeshoptEncoder.ready.then(() => MeshoptEncoder);
 }
 

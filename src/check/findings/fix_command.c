@@ -5,6 +5,10 @@
 #include "check/findings/check_run.h"
 #include <string.h>
 
+#if !defined(NORMA_PROGRAM)
+#define NORMA_PROGRAM "norma" /* in npm's package: npx norma-mesh */
+#endif
+
 typedef struct command_line {
     char *text;
     size_t capacity, length; /* length: of all that was put, even if it does not fit */
@@ -173,7 +177,7 @@ size_t norma_finding_command(const norma_finding *finding, const char *path,
     command_line line = {command, command ? capacity : 0, 0};
     if (line.capacity) command[0] = '\0';
     if (!finding || !path || finding->fix == NORMA_FIX_NONE || strcmp(path, "-") == 0) return 0;
-    put_text(&line, "norma check ");
+    put_text(&line, NORMA_PROGRAM " check ");
     put_word(&line, path);
     put_text(
         &line, finding->fix == NORMA_FIX_SAFE ? " --fix --select " : " --fix-unsafe --select ");

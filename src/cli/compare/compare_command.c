@@ -218,19 +218,19 @@ static size_t find_worst(const compare_work *work, worst_place places[MOST_WORST
     const double near = size_of_base(&work->base) / 20;
     size_t count = 0;
     for (; count < MOST_WORST; ++count) {
-        size_t worst = SIZE_MAX;
+        const norma_compare_sample *worst = NULL;
         for (const compared_piece *p = scene->pieces; p < scene->pieces + scene->count; ++p)
             for (size_t i = p->first_corner; i < p->first_corner + p->corners; ++i) {
                 const norma_compare_sample *s = &work->samples[i];
                 const double *at = scene->positions + 3 * (p->first_position + scene->corners[i]);
                 size_t k = 0;
                 if (!(s->area > 0) || !(s->angle_rad > 2e-5f)) continue; /* 0.001 degrees */
-                if (worst != SIZE_MAX && s->angle_rad <= work->samples[worst].angle_rad) continue;
+                if (worst && s->angle_rad <= worst->angle_rad) continue;
                 while (k < count && apart(at, places[k].position) > near) ++k;
-                if (k == count) worst = i;
+                if (k == count) worst = s;
             }
-        if (worst == SIZE_MAX) break;
-        describe_place(work, worst, &places[count]);
+        if (!worst) break;
+        describe_place(work, (size_t)(worst - work->samples), &places[count]);
     }
     return count;
 }

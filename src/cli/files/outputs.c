@@ -191,7 +191,7 @@ int cli_make_out_dir(const cli_subcommand *command, const cli_files *files) {
 
 /* ---- a stream whose bytes go to norma_save_piece, which remembers its first error */
 
-#if defined(__linux__)
+#if defined(__linux__) || defined(__wasi__)
 static ssize_t pass_on(void *user, const char *bytes, size_t count) {
     return norma_save_piece(user, bytes, count, NULL) ? 0 : (ssize_t)count;
 }

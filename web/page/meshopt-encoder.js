@@ -1,2 +1,0 @@
-/* The encoder of npm's meshoptimizer, for the page; web/build.mjs puts it in. */
-export { MeshoptEncoder } from "meshoptimizer/meshopt_encoder.module.js";
