@@ -51,13 +51,12 @@ function buildPackage(folder, modules) {
   const textModule = (name, about, text) => writeFileSync(join(out, name), `/* ${about} */\nexport default ${JSON.stringify(text)};\n`);
   writeFileSync(join(out, "NOTICES"), readNotices(modules));
   for (const name of made) writeFileSync(join(out, name), bundle(join(source, name), folder, modules, ["--format=esm"]));
-  for (const name of ["norma", "check", "draco"]) {
+  for (const name of ["norma", "check", "draco", "tool"]) {
     const bytes = name === "draco" ? readDraco(modules) : readFileSync(join(folder, `${name}.wasm`));
     writeFileSync(join(out, `${name}.wasm`), bytes);
     textModule(`${name}-text.js`, `${name}.wasm in base64.`, bytes.toString("base64"));
   }
   textModule("skin-text.js", "skin.wasm in base64.", readFileSync(join(folder, "skin.wasm")).toString("base64"));
-  copyFileSync(join(folder, "tool.wasm"), join(out, "tool.wasm"));
   const shaders = ["glsl", "hlsl", "wgsl"].map((language) => `export const ${language} = ${JSON.stringify(readFileSync(join(here, `../include/norma/shaders/norma.${language}`), "utf8"))};\n`);
   writeFileSync(join(out, "shaders.js"), `/* norma.glsl, norma.hlsl and norma.wgsl. */\n${shaders.join("")}`);
   textModule("worker-text.js", "The worker of norma-mesh/inline as one script.", bundle(join(source, "worker-inline.js"), folder, modules));

@@ -18,6 +18,8 @@ export async function run({ load, loadWorker }) {
   const worker = await loadWorker();
   report.push(judged(await worker.check(draco(), { name: "packed.glb" })));
   report.push(digits(await worker.cornerNormals(position.array, box.index.array, { crease: 30 })), rules(await worker.check(file, { name: "back.obj" })));
+  const text = ({ bytes }) => new TextDecoder().decode(bytes).replaceAll("\n", " ");
+  report.push(text(await norma.compute(file, { name: "back.obj", smooth: true })), text(await worker.fix(file, { name: "back.obj", unsafe: true })), (await norma.info(draco(), { name: "packed.glb" })).vertices);
   worker.terminate();
   return report.join("\n");
 }

@@ -9,7 +9,7 @@ import { findChrome, launch } from "./chrome.mjs";
 import { run } from "./app.js";
 
 const here = import.meta.dirname, expected = await run(inNode), installed = join(here, "node_modules/norma-mesh");
-check("in node, everything gives a report", expected.split("\n").length === 10 && /N\d/.test(expected), expected);
+check("in node, everything gives a report", expected.split("\n").length === 13 && /N\d/.test(expected), expected);
 await attempt("the inlined entry runs in node too", async () => {
   const { load } = await import("norma-mesh/inline"), norma = await load(), box = Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0);
   if (norma.vertexNormals(box).join() !== "0,0,1,0,0,1,0,0,1") throw new Error("other normals");
@@ -68,7 +68,7 @@ else {
     const { warnings } = await esbuild.build({ entryPoints: [join(beside, "start.js")], outfile: join(beside, "dist/start.out.js"), bundle: true, format: "esm", platform: "browser", logLevel: "silent" });
     if (warnings.length) throw new Error(JSON.stringify(warnings));
     await esbuild.build({ entryPoints: [join(installed, "worker.js")], outfile: join(beside, "dist/worker.js"), bundle: true, format: "esm", logLevel: "silent" });
-    for (const name of ["norma.wasm", "check.wasm", "draco.wasm"]) cpSync(join(installed, name), join(beside, "dist", name));
+    for (const name of ["norma.wasm", "check.wasm", "draco.wasm", "tool.wasm"]) cpSync(join(installed, name), join(beside, "dist", name));
     cpSync(join(beside, "index.html"), join(beside, "dist/index.html"));
   });
   noNode("esbuild", join(beside, "dist"));

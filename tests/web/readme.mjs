@@ -8,7 +8,7 @@ const [tool, file] = process.argv.slice(2), modules = join(import.meta.dirname, 
 const text = readFileSync(join(modules, "norma-mesh/README.md"), "utf8");
 const blocks = [...text.matchAll(/^```js( config)?\n(.*?)^```\n(?:\n```text\n(.*?)^```)?/gms)].map(([, isConfig, code, output]) => ({ isConfig: Boolean(isConfig), code, output, title: text.slice(0, text.indexOf(code)).match(/^#+ .*$/gm).at(-1).replace(/^#+ /, "") }));
 const examples = blocks.filter(({ isConfig }) => !isConfig), compiled = [];
-check("the README has examples", examples.length === 6 && blocks.length === 7, blocks.length);
+check("the README has examples", examples.length === 7 && blocks.length === 8, blocks.length);
 examples.forEach(({ code, output, title }, i) => {
   const missing = ["three", "@gltf-transform"].find((name) => code.includes(`"${name}`) && !has(name));
   if (missing) { skip(`README, ${title} (${missing} is not installed)`); return; }
@@ -28,7 +28,7 @@ if (has("@gltf-transform/cli")) {
   writeFileSync("gltf-transform.config.mjs", blocks.find(({ isConfig }) => isConfig).code);
   const run = spawnSync(process.execPath, ["node_modules/@gltf-transform/cli/bin/cli.js", "normals", file, "out.glb", "--crease", "40", "--config", "gltf-transform.config.mjs"], { encoding: "utf8" });
   const found = run.status === 0 && JSON.parse(spawnSync(tool, ["info", "out.glb", "--json"], { encoding: "utf8" }).stdout);
-  const again = spawnSync(process.execPath, ["node_modules/@gltf-transform/cli/bin/cli.js", "normals", "out.glb", "again.glb", "--crease", "0", "--overwrite", "--config", "gltf-transform.config.mjs"], { encoding: "utf8" });
+  const again = spawnSync(process.execPath, ["node_modules/@gltf-transform/cli/bin/cli.js", "normals", "out.glb", "again.glb", "--crease", "180", "--overwrite", "--config", "gltf-transform.config.mjs"], { encoding: "utf8" });
   check("README, with --overwrite it replaces them", again.status === 0 && !readFileSync("again.glb").equals(readFileSync("out.glb")) && !/nothing was computed/.test(again.stdout + again.stderr), again.stdout + again.stderr);
   check("README, glTF-Transform's command line with the config writes normals", found && found.meshes.every(({ normals }) => normals === "vertex"), run.stdout + run.stderr);
 } else skip("glTF-Transform's command line (it is not installed)");

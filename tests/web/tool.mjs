@@ -1,8 +1,8 @@
 /* node tool.mjs COMMAND TOOL ASSETS FILES FILE...: what npx norma-mesh writes has the bytes of what the tool writes, also of compressed files; a pasted command of a finding fixes it; rights are kept; a signal leaves nothing half-written. */
 import { spawn, spawnSync } from "node:child_process";
-import { chmodSync, copyFileSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, statSync } from "node:fs";
+import { chmodSync, copyFileSync, cpSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, realpathSync, rmSync, statSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { basename, extname, join } from "node:path";
+import { basename, dirname, extname, join } from "node:path";
 import { attempt, check, finish } from "./tap.mjs";
 
 const [command, tool, assets, files, ...packed] = process.argv.slice(2), scratch = mkdtempSync(join(tmpdir(), "norma-tool-"));
@@ -45,7 +45,8 @@ await attempt("a file that is replaced keeps its mode, and one that may not be w
   copyFileSync(file, join(closed, "closed.obj"));
   chmodSync(join(closed, "closed.obj"), 0o444);
   for (const path of [scratch, closed]) chmodSync(path, 0o777);
-  const { status, stderr } = run(command, ["compute", join(closed, "closed.obj"), "--in-place", "--smooth"], owner);
+  cpSync(dirname(realpathSync(command)), join(scratch, "package"), { recursive: true }); // where everyone may read
+  const { status, stderr } = run(process.execPath, [join(scratch, "package/bin.js"), "compute", join(closed, "closed.obj"), "--in-place", "--smooth"], owner);
   if (status !== 3 || !/Permission denied/.test(stderr) || !readFileSync(join(closed, "closed.obj")).equals(before)) throw new Error(`${status} ${stderr}`);
 });
 await attempt("SIGTERM while it waits for its input ends it, and no file is left", async () => {

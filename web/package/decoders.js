@@ -176,12 +176,13 @@ export function makeDecoders(libraries) {
     serve: (exports) => (host = exports),
     /* For a host that cannot wait while it reads. */
     loadAll: () => Promise.all(Object.keys(libraries).map(load)),
-    /* work reads or writes a file; where it missed a library, that is loaded, and work done again. drop: releases what a try gave. */
-    reading: async (work, drop = () => {}) => {
+    /* work reads or writes a file; where it missed a library, that is loaded, and work done again. drop: releases what a try gave. prepare: a promise of what each try takes. */
+    reading: async (work, drop = () => {}, prepare = async () => undefined) => {
       for (;;) {
+        const prepared = await prepare();
         missed.clear();
         let result, failed = null;
-        try { result = work(); } catch (error) { failed = error; }
+        try { result = work(prepared); } catch (error) { failed = error; }
         if (!missed.size) {
           if (failed) throw failed;
           return result;
@@ -204,6 +205,12 @@ export const readingLibraries = (compileDraco) => ({
     return MeshoptDecoder.ready.then(() => MeshoptDecoder);
   },
 });
+
+/* What writing takes beside that. */
+export async function loadEncoder() {
+  const { MeshoptEncoder } = await import("./meshopt-encoder.js");
+  return MeshoptEncoder.ready.then(() => MeshoptEncoder);
+}
 
 /* For a module that is to read no file. */
 export const noDecoders = makeDecoders({}).imports;

@@ -226,6 +226,55 @@ export interface CheckOptions {
 
 export type Bytes = ArrayBuffer | ArrayBufferView;
 
+export interface FileOptions {
+  /** The name of the file; its ending decides the format. */
+  name: string;
+  /** Files that it refers to, by name: the buffers of a .gltf. */
+  files?: Record<string, Bytes> | undefined;
+}
+
+export interface FixOptions extends FileOptions {
+  /** Also changes that may not be intended: windings, sides, missing normals, transforms. Default: false. */
+  unsafe?: boolean | undefined;
+  profile?: CheckOptions["profile"];
+  /** Only these rules: ids ("N301"), beginnings of ids ("N3") or names. */
+  select?: string | string[] | undefined;
+  ignore?: string | string[] | undefined;
+}
+
+export interface ComputeOptions extends FileOptions {
+  /** Degrees, 0 to 180: edges that bend by more are hard. Default: 60; PLY: smooth. */
+  crease?: number | undefined;
+  /** No edge is hard, or all are. */
+  smooth?: boolean | undefined;
+  flat?: boolean | undefined;
+  weight?: Weight | undefined;
+  weld?: "exact" | "none" | number | undefined;
+  nonManifold?: "hard" | "smooth" | undefined;
+  /** `auto` (the default): the smoothing groups of an OBJ, if it has some, decide which edges are hard. */
+  groups?: "auto" | "ignore" | undefined;
+  /** Default: `"all"`. */
+  only?: "all" | "missing" | "broken" | undefined;
+  /** Also normals of morph targets that have none. */
+  morphs?: boolean | undefined;
+  /** What happens to tangents of a glTF. Default: `"orthogonalise"`. */
+  tangents?: "keep" | "orthogonalise" | "regenerate" | undefined;
+}
+
+export interface InfoOptions extends FileOptions {
+  /** Also whether meshes are closed, and how stored normals and tangents were made. */
+  deep?: boolean | undefined;
+}
+
+/** The file, and other files that belong to it, by name: a buffer of a .gltf. */
+export interface WrittenFile {
+  bytes: Uint8Array;
+  files: Record<string, Uint8Array>;
+}
+
+/** What `norma compute --json` and `norma info --json` print. */
+export type Summary = Record<string, unknown>;
+
 type Reporting<Options> = Options & { report: true };
 type Plain<Options> = Options & { report?: false | undefined };
 
@@ -278,6 +327,12 @@ export interface Norma {
   encodingErrorDeg(encoding: Encoding): number;
   /** Looks for what is wrong with the normals and surfaces of a file in memory. The first call loads a second module, check.wasm. */
   check(bytes: Bytes, options: CheckOptions): Promise<CheckReport>;
+  /** Fixes what check finds, as `norma check --fix` does; the report is about the fixed file. The first of these three calls loads a third module, tool.wasm. */
+  fix(bytes: Bytes, options: FixOptions): Promise<WrittenFile & { report: CheckReport }>;
+  /** The file with new normals, byte by byte what `norma compute` writes. */
+  compute(bytes: Bytes, options: ComputeOptions): Promise<WrittenFile & { summary: Summary }>;
+  /** What is in a file. */
+  info(bytes: Bytes, options: InfoOptions): Promise<Summary>;
 }
 
 /** Hands the arrays of a call over to the worker instead of copying them: they are empty afterwards. `out` is always handed over, and returned. */
@@ -316,6 +371,9 @@ export interface NormaWorker {
   decodeNormals(codes: Uint32Array, options?: DecodeOptions & Transfer): Promise<Float32Array>;
   encodingErrorDeg(encoding: Encoding): Promise<number>;
   check(bytes: Bytes, options: CheckOptions & Transfer): Promise<CheckReport>;
+  fix(bytes: Bytes, options: FixOptions & Transfer): Promise<WrittenFile & { report: CheckReport }>;
+  compute(bytes: Bytes, options: ComputeOptions & Transfer): Promise<WrittenFile & { summary: Summary }>;
+  info(bytes: Bytes, options: InfoOptions & Transfer): Promise<Summary>;
   /** Ends the worker. Calls that wait are rejected. */
   terminate(): void;
 }
@@ -333,6 +391,8 @@ export interface LoadOptions {
   check?: ModuleSource | undefined;
   /** Where draco.wasm is, which is loaded when a file with Draco's compression is first checked. Default: beside the package's other files. */
   draco?: ModuleSource | undefined;
+  /** Where tool.wasm is, which fix, compute and info load. Default: beside the package's other files. */
+  tool?: ModuleSource | undefined;
 }
 
 /** Without a source: norma.wasm from this package, loaded once. */

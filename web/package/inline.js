@@ -1,4 +1,4 @@
-/* norma-mesh with its modules as text: one file for bundlers and pages that cannot serve a .wasm beside their script. The text of check.wasm is loaded when a file is first checked, that of draco.wasm with the first Draco stream. */
+/* norma-mesh with its modules as text: one file for bundlers and pages that cannot serve a .wasm beside their script. The text of check.wasm is loaded when a file is first checked, that of draco.wasm with the first Draco stream, that of tool.wasm when a file is first computed, fixed or listed. */
 import { fail } from "./arguments.js";
 import { decode } from "./heap.js";
 import { makeLoad } from "./load.js";
@@ -8,7 +8,7 @@ import core from "./norma-text.js";
 
 export { NormaError } from "./arguments.js";
 
-const later = { check: async () => decode((await import("./check-text.js")).default), draco: async () => decode((await import("./draco-text.js")).default) };
+const later = { check: async () => decode((await import("./check-text.js")).default), draco: async () => decode((await import("./draco-text.js")).default), tool: async () => decode((await import("./tool-text.js")).default) };
 
 export const load = makeLoad(read, { core: () => decode(core), ...later });
 

@@ -10,4 +10,4 @@ function read(address) {
   return /^[a-z][a-z0-9+.-]+:/i.test(text) ? fetchBytes(address) : readFile(text);
 }
 
-export const load = makeLoad(read, { core: () => new URL("./norma.wasm", import.meta.url), check: () => new URL("./check.wasm", import.meta.url), draco: () => new URL("./draco.wasm", import.meta.url) });
+export const load = makeLoad(read, { core: () => new URL("./norma.wasm", import.meta.url), check: () => new URL("./check.wasm", import.meta.url), draco: () => new URL("./draco.wasm", import.meta.url), tool: () => new URL("./tool.wasm", import.meta.url) });

@@ -8,4 +8,4 @@ export async function read(address) {
   return response.arrayBuffer();
 }
 
-export const load = makeLoad(read, { core: () => new URL("./norma.wasm", import.meta.url), check: () => new URL("./check.wasm", import.meta.url), draco: () => new URL("./draco.wasm", import.meta.url) });
+export const load = makeLoad(read, { core: () => new URL("./norma.wasm", import.meta.url), check: () => new URL("./check.wasm", import.meta.url), draco: () => new URL("./draco.wasm", import.meta.url), tool: () => new URL("./tool.wasm", import.meta.url) });

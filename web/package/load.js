@@ -1,6 +1,7 @@
 /* Loading, the same for every entry: what differs is where the modules lie. */
 import { bindCalls } from "./calls.js";
 import { makeCheck } from "./check.js";
+import { makeTool } from "./tool.js";
 import { makeDecoders, readingLibraries } from "./decoders.js";
 import { fail, options as checkOptions, spell } from "./arguments.js";
 
@@ -28,21 +29,21 @@ async function compile(source, read, what) {
 
 const instantiate = async (source, read, what, imports = {}) => (await WebAssembly.instantiate(await compile(source, read, what), imports)).exports;
 
-/* read: (address) => a promise of bytes. modules: core, check and draco, each giving an address, bytes, or a promise of them. */
+/* read: (address) => a promise of bytes. modules: core, check, draco and tool, each giving an address, bytes, or a promise of them. */
 export function makeLoad(read, modules) {
   let first = null;
   const sourceOf = (given, standard) => (typeof given === "function" ? given() : given ?? standard());
-  const open = async (source, check, draco) => {
+  const open = async (source, check, draco, tool) => {
     const core = await instantiate(source ?? (await modules.core()), read, "load");
-    const decoders = makeDecoders(readingLibraries(async () => compile(await sourceOf(draco, modules.draco), read, "draco")));
+    const libraries = readingLibraries(async () => compile(await sourceOf(draco, modules.draco), read, "draco")), decoders = makeDecoders(libraries);
     const loadCheck = async () => decoders.serve(await instantiate(await sourceOf(check, modules.check), read, "check", decoders.imports));
-    return bindCalls(core, makeCheck(loadCheck, decoders.reading));
+    return Object.assign(bindCalls(core, makeCheck(loadCheck, decoders.reading)), makeTool(async () => compile(await sourceOf(tool, modules.tool), read, "tool"), libraries));
   };
-  /* source: nothing, an address of norma.wasm, its bytes, or a compiled module; check, draco: the same of check.wasm and draco.wasm. */
+  /* source: nothing, an address of norma.wasm, its bytes, or a compiled module; check, draco, tool: the same of check.wasm, draco.wasm and tool.wasm. */
   return async (source, options) => {
-    const { check, draco } = checkOptions(options, "check draco");
-    const standard = (source === undefined || source === null) && check === undefined && draco === undefined;
-    if (!standard) return (current = await open(source, check, draco));
+    const { check, draco, tool } = checkOptions(options, "check draco tool");
+    const standard = (source === undefined || source === null) && [check, draco, tool].every((module) => module === undefined);
+    if (!standard) return (current = await open(source, check, draco, tool));
     first ??= open();
     try {
       return (current = await first);

@@ -6,10 +6,11 @@ const CALLS = ["faceNormals", "vertexNormals", "cornerNormals", "split", "tangen
 const isOptions = (value) => typeof value === "object" && value !== null && !ArrayBuffer.isView(value) && !Array.isArray(value) && !("array" in value);
 
 /* What is posted instead of an array: itself where it is handed over or shared, else a copy of what it shows, which is then handed over. */
+const copyOf = (array) => Object.getPrototypeOf(Uint8Array.prototype).slice.call(array); // a Buffer's own slice copies nothing
 function post(array, handOver, buffers) {
   const { buffer } = array;
   if (!(buffer instanceof ArrayBuffer)) return array;
-  const sent = handOver ? array : array.slice();
+  const sent = handOver ? array : copyOf(array);
   buffers.add(sent.buffer);
   return sent;
 }
@@ -30,9 +31,9 @@ function pack(args) {
   return { packed, buffers: [...buffers] };
 }
 
-/* worker: of a browser, or of node. source, check, draco: as load takes them; the latter two may be functions that give bytes. */
+/* worker: of a browser, or of node. source, check, draco, tool: as load takes them; the latter three may be functions that give bytes. */
 export async function connect(worker, source, options) {
-  const modules = checkOptions(options, "check draco"), waiting = new Map();
+  const modules = checkOptions(options, "check draco tool"), waiting = new Map();
   let next = 0, ended = null;
   const end = (reason) => {
     ended = reason;
@@ -75,7 +76,7 @@ export async function connect(worker, source, options) {
 
   const sendModule = (name) => modules[name]().then((bytes) => send("send", [name, bytes], []), (error) => send("send", [name, null, error.message], [])).catch(() => undefined); // ended meanwhile
   const sendable = (module) => (typeof module === "function" ? true : module instanceof URL ? String(module) : module);
-  const version = await send("load", [source instanceof URL ? String(source) : source, { check: sendable(modules.check), draco: sendable(modules.draco) }], []).catch((error) => {
+  const version = await send("load", [source instanceof URL ? String(source) : source, { check: sendable(modules.check), draco: sendable(modules.draco), tool: sendable(modules.tool) }], []).catch((error) => {
     worker.terminate();
     throw error;
   });
@@ -87,10 +88,10 @@ export async function connect(worker, source, options) {
   return {
     version, plan,
     ...Object.fromEntries(CALLS.map((call) => [call, (...args) => ask(call, args)])),
-    check: async (...args) => {
+    ...Object.fromEntries(["check", "fix", "compute", "info"].map((call) => [call, async (...args) => {
       const bytes = Object.prototype.toString.call(args[0]) === "[object ArrayBuffer]" ? new Uint8Array(args[0]) : args[0];
-      return ask("check", [bytes, ...args.slice(1)]);
-    },
+      return ask(call, [bytes, ...args.slice(1)]);
+    }])),
     terminate: () => { end(new NormaError("terminate: the worker has been ended")); return worker.terminate(); },
   };
 }

@@ -3,4 +3,4 @@ import { makeLoad } from "./load.js";
 import { serve } from "./serve.js";
 
 const none = () => { throw new Error("the module was not sent"); };
-serve(globalThis, makeLoad(none, { core: none, check: none, draco: none }));
+serve(globalThis, makeLoad(none, { core: none, check: none, draco: none, tool: none }));

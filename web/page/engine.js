@@ -1,6 +1,6 @@
 /* The page's module: the package's calls; models, which are packs; documents, which are files read, fixed and written by the library's own code. */
 import { bindCalls } from "../package/calls.js";
-import { makeDecoders, readingLibraries } from "../package/decoders.js";
+import { loadEncoder, makeDecoders, readingLibraries } from "../package/decoders.js";
 import { moduleOf } from "./inflate.js";
 
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
@@ -21,11 +21,6 @@ const attributesOf = (bits) => ({ hasTexcoords: [(bits & HAS.texcoords0) > 0, (b
 async function compileDraco(packed) {
   if (!packed) throw new Error("This page cannot decode Draco's compression (KHR_draco_mesh_compression). The command line can.");
   return WebAssembly.compile(await moduleOf(packed));
-}
-
-async function loadEncoder() {
-  const { MeshoptEncoder } = await import("../package/meshopt-encoder.js");
-  return MeshoptEncoder.ready.then(() => MeshoptEncoder);
 }
 
 export async function startEngine({ bytes, draco: packed }) {
