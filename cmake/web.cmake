@@ -138,7 +138,7 @@ web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects}
 # The tool under node's WASI (npx norma-mesh): the objects of the modules above, and with files what they do without.
 set(web_tool_dir ${PROJECT_SOURCE_DIR}/web/package/tool)
 file(GLOB web_tool_sources CONFIGURE_DEPENDS ${web_tool_dir}/*.c ${PROJECT_SOURCE_DIR}/src/cli/*.c ${PROJECT_SOURCE_DIR}/src/cli/*/*.c ${PROJECT_SOURCE_DIR}/src/io/large/*.c ${PROJECT_SOURCE_DIR}/src/io/together/*.c)
-list(FILTER web_tool_sources EXCLUDE REGEX "/cli/(render|view|acid)/")
+list(FILTER web_tool_sources EXCLUDE REGEX "/cli/(render|view|acid|mcp)/")
 list(APPEND web_tool_sources ${PROJECT_SOURCE_DIR}/src/io/file/file_read.c ${PROJECT_SOURCE_DIR}/src/io/file/file_write.c ${PROJECT_SOURCE_DIR}/src/check/run/check_large.c)
 set(web_flags_here -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_GETPID -I${PROJECT_SOURCE_DIR} -I${PROJECT_SOURCE_DIR}/web/package/host
                    -isystem ${web_tool_dir}/posix -isystem ${PROJECT_SOURCE_DIR}/web/page/model/posix -include ${web_tool_dir}/missing.h)

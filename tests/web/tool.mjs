@@ -57,7 +57,7 @@ await attempt("SIGTERM while it waits for its input ends it, and no file is left
   const status = await new Promise((settle) => child.on("exit", (code, signal) => settle(signal)));
   if (status !== "SIGTERM" || !said.includes("norma: interrupted") || readdirSync(folder).length) throw new Error(`${status} ${said} ${readdirSync(folder)}`);
 });
-for (const word of ["render", "view", "acid"]) {
+for (const word of ["render", "view", "acid", "mcp"]) {
   const { status, stderr } = run(command, [word, "a.obj"]);
   check(`${word} says that it is not in the package`, status === 2 && stderr.includes(`${word} is not in the npm package`), stderr);
 }
