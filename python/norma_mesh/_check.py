@@ -350,6 +350,6 @@ def check(
 def rules() -> List[Rule]:
     """All rules, sorted by id."""
     return [
-        Rule(id_, name, _SEVERITIES[render], _SEVERITIES[printed], _FIXES[fix], verb, what, why, how)
-        for id_, name, render, printed, fix, verb, what, why, how in _norma.rules()
+        Rule(id_, name, _SEVERITIES[render], _SEVERITIES[printed], _FIXES[fix], verb, what, cause, why, how)
+        for id_, name, render, printed, fix, verb, what, cause, why, how in _norma.rules()
     ]
