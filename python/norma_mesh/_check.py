@@ -18,7 +18,7 @@ from ._files import Path, bytes_of, raise_document
 from ._selection import PROFILES, Names, mask_of
 from ._tool import tool_path
 
-_PROFILE_NAMES = ("auto", "render", "print")
+_PROFILE_NAMES = ("auto", "render", "print", "generated")
 _SEVERITIES = ("none", "info", "warning", "error")
 _SHADINGS = ("default", "crease", "smooth", "flat")
 _FIXES = (None, "safe", "unsafe")

@@ -49,6 +49,13 @@ class Rules(unittest.TestCase):
             self.assertEqual(ours, theirs)
         self.assertEqual(totals, expected["summary"])
 
+    def test_every_profile_is_that_of_the_tool(self):
+        for profile in "render", "print", "generated":
+            theirs = json.loads(tool("check", "--format", "json", "--no-config", "--profile", profile, "assets/spider.stl").stdout)["files"][0]
+            ours = json.loads(norma.check("assets/spider.stl", profile=profile).to_json())["files"][0]
+            self.assertEqual((ours["profile"], [f["severity"] for f in ours["findings"]]), (profile, [f["severity"] for f in theirs["findings"]]))
+            self.assertTrue(all(f["cause"] and f["impact"] for f in ours["findings"]))
+
     def test_selecting(self):
         all_rules = norma.rules()
         self.assertIn("N501", [rule.id for rule in all_rules])
