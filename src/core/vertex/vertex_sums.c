@@ -93,9 +93,9 @@ static size_t size_alone(size_t positions, double span, size_t most) {
 }
 
 /* So large that few chunks touch two, so small that each who works has some. */
-static size_t choose_size(size_t workers, size_t positions, double span, size_t most) {
+static size_t choose_size(size_t workers, size_t positions, double span, size_t alone) {
     const size_t share = positions / (workers * BINS_FOR_EACH);
-    size_t size = size_alone(positions, span, most);
+    size_t size = alone;
     if (workers > 1 && size > share) size = share;
     const double least = (workers > 1 ? LEAST_SPANS_SHARED : LEAST_SPANS_IN_BIN) * span;
     if ((double)size < least) size = (size_t)least;
@@ -116,11 +116,9 @@ static size_t lesser_of(size_t a, size_t b) { return a < b ? a : b; }
 
 /* One for each who works, as far as they are together a quarter of all positions at most, or no
  * more than one thread takes. */
-static size_t choose_buffers(
-    const core_bins *bins, size_t workers, size_t size_alone, size_t most) {
-    const size_t quarter = 1 + (bins->count - 1) / BINS_FOR_EACH,
-                 as_alone = size_alone / bins->size, fit = most / bins->size,
-                 useful = quarter > as_alone ? quarter : as_alone;
+static size_t choose_buffers(const core_bins *bins, size_t workers, size_t alone, size_t most) {
+    const size_t quarter = 1 + (bins->count - 1) / BINS_FOR_EACH, as_alone = alone / bins->size,
+                 fit = most / bins->size, useful = quarter > as_alone ? quarter : as_alone;
     return lesser_of(lesser_of(workers, MOST_BUFFERS), lesser_of(useful, fit ? fit : 1));
 }
 
@@ -130,13 +128,14 @@ int norma_core_plan_bins(const core_call *call, const core_mesh *mesh, core_rang
                  chunks = norma_core_count_chunks(mesh),
                  most = lesser_of(MOST_IN_BIN, limits.in_one);
     const double span = average_span(ranges, chunks);
+    const size_t alone = size_alone(positions, span, most);
     if (!positions) return 0;
     *bins = (core_bins){.mesh = mesh,
         .ranges = ranges,
         .chunks = chunks,
-        .size = choose_size(workers, positions, span, most)};
+        .size = choose_size(workers, positions, span, alone)};
     bins->count = positions / bins->size + (positions % bins->size != 0);
-    bins->buffers = choose_buffers(bins, workers, size_alone(positions, span, most), limits.in_all);
+    bins->buffers = choose_buffers(bins, workers, alone, limits.in_all);
     bins->step =
         call->options.parallel_for || bins->buffers < workers ? bins->buffers : bins->count;
     return bins->size <= most && is_coherent(bins);
