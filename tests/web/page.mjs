@@ -45,6 +45,7 @@ async function visit(url, options = {}) {
   if (!options.intro && (await page.evaluate("document.getElementById('fallback').hidden && !document.getElementById('intro').hidden"))) {
     await set("scale-x", 2);
     await pick("sides", "split");
+    await set("split", 50); // wherever the line was then
   }
   return made;
 }
@@ -56,8 +57,11 @@ const worst = (a) => (Math.asin((a * a - 1) / (a * a + 1)) * 180) / Math.PI;
 
 await attempt("the first seconds: one model is slowly stretched, a line sweeps over it, one number, a sentence of at most twelve words, no form; a press stops it", async () => {
   const first = await visit(home, { intro: true }), state = () => first.evaluate("[Number(document.getElementById('scale-x').value), parseFloat(document.getElementById('divider').style.left)]"), seen = [];
-  for (const end = Date.now() + 12000; Date.now() < end; await pause(60)) seen.push(await state());
-  const ends = (which) => [Math.min(...seen.map((one) => one[which])), Math.max(...seen.map((one) => one[which]))], [scales, lines] = [ends(0), ends(1)];
+  const ends = (which) => [Math.min(...seen.map((one) => one[which])), Math.max(...seen.map((one) => one[which]))];
+  /* Twelve seconds, and longer where a busy machine draws few pictures: each lets at most a tenth of a second pass. */
+  const isWhole = () => ends(0)[0] < 1.1 && ends(0)[1] > 2.1 && ends(1)[0] < 25 && ends(1)[1] > 75;
+  for (const begin = Date.now(); Date.now() < begin + 12000 || (!isWhole() && Date.now() < begin + 90000); await pause(60)) seen.push(await state());
+  const [scales, lines] = [ends(0), ends(1)];
   expect(scales[0] >= 1 && scales[1] <= 2.2 && scales[0] < 1.1 && scales[1] > 2.1, `the scale went from ${scales}`);
   expect(lines[0] >= 10 && lines[1] <= 90 && lines[0] < 25 && lines[1] > 75, `the line went from ${lines}`);
   expect(await first.evaluate("['side-wrong', 'side-right', 'divider', 'intro', 'worst'].every((id) => document.getElementById(id).offsetParent)"), "a part is missing");
