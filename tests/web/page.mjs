@@ -70,8 +70,9 @@ await attempt("the first seconds: one model is slowly stretched, a line sweeps o
   expect(words.split(".").filter((part) => part.trim()).length === 1 && words.split(/\s+/).length <= 12, words);
   expect((await first.text("said")) === "", "it talks while it moves");
   await first.evaluate("document.getElementById('breathe').click()");
+  await pause(1000); // the picture that was on its way
   const still = (await state()).join();
-  await pause(300);
+  await pause(1000);
   expect((await state()).join() === still, "it does not pause");
   await first.picture("intro");
   await first.set("scale-x", 2);
