@@ -4,6 +4,7 @@
 #include "cli/process/process.h"
 #include "cli/text/text.h"
 #include "cli/view/embedded_page.h"
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -193,35 +194,69 @@ typedef struct view_sources {
     FILE *out;
     const char *folder; /* of the file: paths are written relative to it */
     size_t folder_length;
+    int status;
 } view_sources;
 
+/* A call that a signal interrupted is made again. */
+static FILE *open_source(const char *path) {
+    FILE *in;
+    do errno = 0, in = fopen(path, "rb");
+    while (!in && errno == EINTR);
+    return in;
+}
+
+static size_t read_source(FILE *in, unsigned char *part, size_t size) {
+    size_t got = 0;
+    while (got < size && !feof(in)) {
+        got += fread(part + got, 1, size - got, in);
+        if (ferror(in) && errno != EINTR) return got;
+        if (ferror(in)) clearerr(in);
+    }
+    return got;
+}
+
+static int fail_source(const char *path) {
+    cli_error("%s: cannot be read: %s", path, strerror(errno));
+    return CLI_FILE;
+}
+
+/* Returns a status. */
 static int write_source(void *user, const char *path) {
     const view_sources *to = user;
     unsigned char part[3 * 4096];
-    FILE *in = fopen(path, "rb");
-    if (!in) return 0; /* the page draws without it, as viewers do */
+    FILE *in = open_source(path);
+    if (!in && errno == ENOENT) return CLI_OK; /* the page draws without it, as viewers do */
+    if (!in) return fail_source(path);
     const int inside = strncmp(path, to->folder, to->folder_length) == 0;
     const char *name = inside ? path + to->folder_length : cli_base_name(path);
     write_base64(to->out, (const unsigned char *)name, strlen(name));
     fputc(' ', to->out);
-    for (size_t size; (size = fread(part, 1, sizeof part, in)) > 0;)
+    for (size_t size; (size = read_source(in, part, sizeof part)) > 0;)
         write_base64(to->out, part, size);
     fputc('\n', to->out);
+    const int status = ferror(in) ? fail_source(path) : CLI_OK;
     fclose(in);
-    return 0;
+    return status;
 }
 
-static void write_sources(FILE *out, const char *input, norma_document *document) {
-    const view_sources to = {out, input, (size_t)(cli_base_name(input) - input)};
-    write_source((void *)&to, input);
-    norma_document_visit_files(document, write_source, (void *)&to, NULL);
+static int write_other_source(void *user, const char *path) {
+    view_sources *to = user;
+    return to->status = write_source(to, path);
 }
 
-/* document: whose files the page holds too; or NULL. */
-static void write_view_page(
+static int write_sources(FILE *out, const char *input, norma_document *document) {
+    view_sources to = {out, input, (size_t)(cli_base_name(input) - input), CLI_OK};
+    to.status = write_source(&to, input);
+    if (!to.status) norma_document_visit_files(document, write_other_source, &to, NULL);
+    return to.status;
+}
+
+/* document: whose files the page holds too; or NULL. A status. */
+static int write_view_page(
     FILE *out, const char *input, norma_document *document, const view_pack *pack) {
     static const char *const marks[] = {VIEW_PAGE_NAME, VIEW_PAGE_MODEL, VIEW_PAGE_FILES};
     size_t size;
+    int status = CLI_OK;
     const char *page = view_page(&size), *end = page + size;
     for (size_t i = 0; i < CLI_COUNT(marks); ++i) {
         const char *mark = find_mark(page, end, marks[i]);
@@ -233,9 +268,10 @@ static void write_view_page(
         else if (i == 1)
             write_base64(out, pack->bytes, pack->size);
         else if (document)
-            write_sources(out, input, document);
+            status = write_sources(out, input, document);
     }
     fwrite(page, 1, (size_t)(end - page), out);
+    return status;
 }
 
 /* ---- one file */
@@ -320,8 +356,10 @@ static int write_to(const view_work *work, const char *input, const char *to,
     int status = cli_make_folders(&work->files, to);
     if (!status) status = cli_output_begin(&output, to, work->files.guard);
     if (status) return status;
-    write_view_page(output.out, input, whole ? document : NULL, pack);
-    return cli_output_end(&output);
+    status = write_view_page(output.out, input, whole ? document : NULL, pack);
+    if (!status) return cli_output_end(&output);
+    cli_output_drop(&output);
+    return status;
 }
 
 static int view_file(const view_work *work, const char *input, const char *to) {
