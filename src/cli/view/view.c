@@ -198,14 +198,14 @@ typedef struct view_sources {
 } view_sources;
 
 /* A call that a signal interrupted is made again. */
-static FILE *open_source(const char *path) {
+static FILE *open_source_file(const char *path) {
     FILE *in;
     do errno = 0, in = fopen(path, "rb");
     while (!in && errno == EINTR);
     return in;
 }
 
-static size_t read_source(FILE *in, unsigned char *part, size_t size) {
+static size_t read_source_part(FILE *in, unsigned char *part, size_t size) {
     size_t got = 0;
     while (got < size && !feof(in)) {
         got += fread(part + got, 1, size - got, in);
@@ -215,7 +215,7 @@ static size_t read_source(FILE *in, unsigned char *part, size_t size) {
     return got;
 }
 
-static int fail_source(const char *path) {
+static int fail_reading_source(const char *path) {
     cli_error("%s: cannot be read: %s", path, strerror(errno));
     return CLI_FILE;
 }
@@ -224,17 +224,17 @@ static int fail_source(const char *path) {
 static int write_source(void *user, const char *path) {
     const view_sources *to = user;
     unsigned char part[3 * 4096];
-    FILE *in = open_source(path);
+    FILE *in = open_source_file(path);
     if (!in && errno == ENOENT) return CLI_OK; /* the page draws without it, as viewers do */
-    if (!in) return fail_source(path);
+    if (!in) return fail_reading_source(path);
     const int inside = strncmp(path, to->folder, to->folder_length) == 0;
     const char *name = inside ? path + to->folder_length : cli_base_name(path);
     write_base64(to->out, (const unsigned char *)name, strlen(name));
     fputc(' ', to->out);
-    for (size_t size; (size = read_source(in, part, sizeof part)) > 0;)
+    for (size_t size; (size = read_source_part(in, part, sizeof part)) > 0;)
         write_base64(to->out, part, size);
     fputc('\n', to->out);
-    const int status = ferror(in) ? fail_source(path) : CLI_OK;
+    const int status = ferror(in) ? fail_reading_source(path) : CLI_OK;
     fclose(in);
     return status;
 }
