@@ -247,8 +247,14 @@ static int write_other_source(void *user, const char *path) {
 static int write_sources(FILE *out, const char *input, norma_document *document) {
     view_sources to = {out, input, (size_t)(cli_base_name(input) - input), CLI_OK};
     to.status = write_source(&to, input);
-    if (!to.status) norma_document_visit_files(document, write_other_source, &to, NULL);
-    return to.status;
+    norma_document_error error;
+    if (to.status) return to.status;
+    if (norma_document_visit_files(document, write_other_source, &to, &error) ==
+            NORMA_DOCUMENT_OK ||
+        to.status)
+        return to.status;
+    cli_print_error(&error);
+    return CLI_FILE;
 }
 
 /* document: whose files the page holds too; or NULL. A status. */
