@@ -1,13 +1,17 @@
 /* view.c: norma view: a page that shows a model. */
+#define _POSIX_C_SOURCE 200809L
 #include "web/page/model/model_pack.h"
 #include "cli/files/files.h"
 #include "cli/process/process.h"
 #include "cli/text/text.h"
 #include "cli/view/embedded_page.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 /* ---- Fewer triangles, by meshoptimizer's simplifier (quadrics, Garland and Heckbert 1997),
  * and by its clustering of vertices where that cannot go far enough. Equal positions count as one
@@ -197,60 +201,64 @@ typedef struct view_sources {
     int status;
 } view_sources;
 
-/* A call that a signal interrupted is made again. */
-static FILE *open_source_file(const char *path) {
-    FILE *in;
-    do errno = 0, in = fopen(path, "rb");
-    while (!in && errno == EINTR);
-    return in;
-}
-
-static size_t read_source_part(FILE *in, unsigned char *part, size_t size) {
+/* Returns how many bytes were read, fewer only at the end, or -1. */
+static ssize_t read_part(int file, unsigned char *part, size_t size) {
     size_t got = 0;
-    while (got < size && !feof(in)) {
-        got += fread(part + got, 1, size - got, in);
-        if (ferror(in) && errno != EINTR) return got;
-        if (ferror(in)) clearerr(in);
+    while (got < size) {
+        const ssize_t more = read(file, part + got, size - got);
+        if (more < 0 && errno == EINTR) continue;
+        if (more < 0) return -1;
+        if (more == 0) break;
+        got += (size_t)more;
     }
-    return got;
+    return (ssize_t)got;
 }
 
-static int fail_reading_source(const char *path) {
-    cli_error("%s: cannot be read: %s", path, strerror(errno));
-    return CLI_FILE;
-}
-
-/* Returns a status. */
-static int write_source(void *user, const char *path) {
-    const view_sources *to = user;
-    unsigned char part[3 * 4096];
-    FILE *in = open_source_file(path);
-    if (!in && errno == ENOENT) return CLI_OK; /* the page draws without it, as viewers do */
-    if (!in) return fail_reading_source(path);
+static void write_source_name(const view_sources *to, const char *path) {
     const int inside = strncmp(path, to->folder, to->folder_length) == 0;
     const char *name = inside ? path + to->folder_length : cli_base_name(path);
     write_base64(to->out, (const unsigned char *)name, strlen(name));
-    fputc(' ', to->out);
-    for (size_t size; (size = read_source_part(in, part, sizeof part)) > 0;)
-        write_base64(to->out, part, size);
-    fputc('\n', to->out);
-    const int status = ferror(in) ? fail_reading_source(path) : CLI_OK;
-    fclose(in);
-    return status;
 }
 
-static int write_other_source(void *user, const char *path) {
+/* Returns 0 or errno. A pipe, which may have no end, is left out. */
+static int copy_source(const view_sources *to, const char *path, int file) {
+    unsigned char part[3 * 4096];
+    struct stat status;
+    ssize_t size;
+    if (fstat(file, &status)) return errno;
+    if (!S_ISREG(status.st_mode)) return 0;
+    write_source_name(to, path);
+    fputc(' ', to->out);
+    while ((size = read_part(file, part, sizeof part)) > 0)
+        write_base64(to->out, part, (size_t)size);
+    fputc('\n', to->out);
+    return size < 0 ? errno : 0;
+}
+
+/* Returns a status. Without a file that is missing the page draws as viewers do. */
+static int write_source(const view_sources *to, const char *path) {
+    int file;
+    do file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    while (file < 0 && errno == EINTR);
+    if (file < 0 && errno == ENOENT) return CLI_OK;
+    const int failed = file < 0 ? errno : copy_source(to, path, file);
+    if (file >= 0) close(file);
+    if (!failed) return CLI_OK;
+    cli_error("%s: cannot be read: %s", path, strerror(failed));
+    return CLI_FILE;
+}
+
+static int visit_source(void *user, const char *path) {
     view_sources *to = user;
-    return to->status = write_source(to, path);
+    to->status = write_source(to, path);
+    return to->status;
 }
 
 static int write_sources(FILE *out, const char *input, norma_document *document) {
     view_sources to = {out, input, (size_t)(cli_base_name(input) - input), CLI_OK};
-    to.status = write_source(&to, input);
     norma_document_error error;
-    if (to.status) return to.status;
-    if (norma_document_visit_files(document, write_other_source, &to, &error) ==
-            NORMA_DOCUMENT_OK ||
+    if (visit_source(&to, input) ||
+        norma_document_visit_files(document, visit_source, &to, &error) == NORMA_DOCUMENT_OK ||
         to.status)
         return to.status;
     cli_print_error(&error);
