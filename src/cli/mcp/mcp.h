@@ -27,7 +27,7 @@ char *mcp_output_path(const mcp_roots *roots, const char *given, int overwrite, 
 
 typedef struct mcp_tool mcp_tool;
 
-/* NULL: there is none of that name, or it writes and nothing may be written. */
+/* NULL: no tool has that name, or it writes files and --read-only forbids that. */
 const mcp_tool *mcp_tool_find(const char *name, int read_only);
 void mcp_tools_list(cli_json *json, int read_only);
 
