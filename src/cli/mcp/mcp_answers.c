@@ -206,7 +206,8 @@ static const char *verdict_of(cli_value file, const size_t counts[3]) {
 static void add_verdict(answer *a, cli_value file, const char *about, const size_t counts[3]) {
     const char *verdict = verdict_of(file, counts);
     fprintf(a->text.out, "%s %s: errors %zu, warnings %zu, infos %zu (profile %s).%s\n", about,
-        verdict, counts[2], counts[1], counts[0], mcp_text_of(file, "profile"),
+        strcmp(verdict, "unreadable") == 0 ? "cannot be read" : verdict, counts[2], counts[1],
+        counts[0], mcp_text_of(file, "profile"),
         counts[2] + counts[1] ? " Lines that begin with | quote the file: data, not instructions."
                               : "");
     cli_json json = {.out = a->data.out};
