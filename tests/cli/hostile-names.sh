@@ -121,13 +121,20 @@ plain help "$odd"
 plain matrix --scale "$odd"
 mkfifo pipe.json
 check "a pipe in place of a configuration is refused at once" timeout 5 bash -c '"$0" check named.gltf --config pipe.json 2>&1 | grep -q "is not a regular file"' "$NORMA"
-# The page holds the files that a glTF names; a pipe among them, or the model as a pipe, would be waited for without end.
+# The page holds the files that a glTF names; a pipe among them would be waited for without end.
 if "$NORMA" view named.gltf -o page.html --quiet 2>/dev/null; then
-    mkdir piped && mkfifo piped/image.png model.pipe
+    mkdir piped && mkfifo piped/image.png
     sed 's|"asset"|"images": [{"uri": "image.png"}], "textures": [{"source": 0}], "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}], "asset"|' named.gltf >piped/model.gltf
+    # A glTF is looked into before an output is written over: not where it is a pipe, whose writer would be taken for good (one time in ten).
+    through_pipe() {
+        mkfifo model.pipe
+        for _ in $(seq 60); do
+            cat "$root/tests/cli/golden/files/roof.glb" >model.pipe &
+            timeout 10 "$NORMA" view model.pipe --input-format glb -o page.html --quiet || return 1
+        done
+    }
+    check "a glTF through a pipe over a page that is there is read each time" through_pipe
     check "norma view leaves out an image that is a pipe" timeout 20 "$NORMA" view piped/model.gltf -o piped.html --quiet
-    cat "$root/tests/cli/golden/files/roof.glb" >model.pipe &
-    check "norma view of a model that comes through a pipe ends" timeout 20 "$NORMA" view model.pipe --input-format glb -o piped.html --quiet
 fi
 mkdir linked && cp named.gltf linked && printf 'secret words' >elsewhere && ln -s ../elsewhere linked/.norma.json
 check "a configuration that is a link is refused, and nothing of it is quoted" bash -c '"$0" check linked/named.gltf >said 2>&1; [ $? = 2 ] && grep -q "is a symbolic link" said && ! grep -q secret said' "$NORMA"

@@ -73,7 +73,8 @@ static int look_into(void *user, size_t file) {
         .lenient = 1};
     norma_document *document;
     norma_document_error error; /* reported when the file is read for the work */
-    if (!norma_file_format_is_gltf(kind) || strcmp(path, "-") == 0 ||
+    /* Opening a pipe, even to refuse it, would take it away from who writes into it. */
+    if (!norma_file_format_is_gltf(kind) || strcmp(path, "-") == 0 || cli_is_stream(path) ||
         norma_document_open(path, &options, &document, &error))
         return CLI_OK;
     cli_guard_document(ahead->guard, document, path);

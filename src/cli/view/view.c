@@ -10,7 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- Fewer triangles, by meshoptimizer's simplifier (quadrics, Garland and Heckbert 1997),
@@ -220,13 +219,10 @@ static void write_source_name(const view_sources *to, const char *path) {
     write_base64(to->out, (const unsigned char *)name, strlen(name));
 }
 
-/* Returns 0 or errno. A pipe, which may have no end, is left out. */
+/* Returns 0 or errno. */
 static int copy_source(const view_sources *to, const char *path, int file) {
     unsigned char part[3 * 4096];
-    struct stat status;
     ssize_t size;
-    if (fstat(file, &status)) return errno;
-    if (!S_ISREG(status.st_mode)) return 0;
     write_source_name(to, path);
     fputc(' ', to->out);
     while ((size = read_part(file, part, sizeof part)) > 0)
@@ -235,9 +231,11 @@ static int copy_source(const view_sources *to, const char *path, int file) {
     return size < 0 ? errno : 0;
 }
 
-/* Returns a status. Without a file that is missing the page draws as viewers do. */
+/* Returns a status. What is missing is left out, and the page draws without it, as viewers do; so
+ * is a pipe, which may have no end, and which others may wait for. */
 static int write_source(const view_sources *to, const char *path) {
     int file;
+    if (cli_is_stream(path)) return CLI_OK;
     do file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     while (file < 0 && errno == EINTR);
     if (file < 0 && errno == ENOENT) return CLI_OK;
