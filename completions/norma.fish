@@ -35,8 +35,8 @@ complete -c norma -n "$reads" -l max-memory -x -d 'Limit of memory, such as 512M
 complete -c norma -n "$reads" -l quiet -d 'Prints only errors'
 complete -c norma -n '__fish_seen_subcommand_from compute tangents pack transform matrix check explain info compare render view acid' -l json -d 'Prints JSON'
 complete -c norma -n '__fish_seen_subcommand_from info' -l deep -d 'Which weight and crease explain the stored normals'
-complete -c norma -n '__fish_seen_subcommand_from compare' -l max -x -d 'Largest angle that is fine, in degrees'
-complete -c norma -n '__fish_seen_subcommand_from compare' -l share -x -d 'Part of the area that may be above it'
+complete -c norma -n '__fish_seen_subcommand_from compare check' -l max -x -d 'Largest angle that is fine, in degrees'
+complete -c norma -n '__fish_seen_subcommand_from compare check' -l share -x -d 'Part of the area that may be above it'
 
 set -l matrix '__fish_seen_subcommand_from transform matrix render'
 complete -c norma -n "$matrix" -l scale -x -d 'X,Y,Z or one number'
@@ -116,6 +116,7 @@ complete -c norma -n "$check" -l fix-unsafe -d 'Also changes things that may be 
 complete -c norma -n "$check" -l dry-run -d 'Writes nothing'
 complete -c norma -n "$check" -l open-by-rays -d 'With --fix-unsafe: turns open surfaces outward by a majority of rays'
 complete -c norma -n "$check" -l files-from -r -F -d 'File with names, one per line'
+complete -c norma -n "$check" -l against -x -a '(__fish_complete_directories)' -d 'Also compares with the files of this folder'
 complete -c norma -n "$check" -l shard -x -d 'One of N jobs: I/N'
 complete -c norma -n "$check" -l exit -x -a 'findings job' -d 'What the exit status tells'
 

@@ -1,6 +1,7 @@
 /* check.h: what the files of norma check share. */
 #ifndef NORMA_CLI_CHECK_CHECK_H
 #define NORMA_CLI_CHECK_CHECK_H
+#include "cli/compare/compare.h"
 #include "cli/files/files.h"
 #include <norma/check.h>
 #include <inttypes.h>
@@ -98,6 +99,8 @@ typedef struct check_settings {
     check_style style;
     size_t shard, shards;      /* shards 0: all files */
     const char *shard_options; /* JSON: what else the findings of a shard depend on */
+    const char *against;       /* a folder of references, one of each file's path; NULL: none */
+    compare_limits limits;     /* of how much a file may differ from its reference */
     const char *missing;       /* of a merged report: JSON, a list of shards; NULL: none */
     const char *lost;          /* why a file cannot be checked: it ended a worker (process.h) */
     const char *command_options[COMMAND_OPTIONS]; /* what a fix must be told as well; NULL-ended */
@@ -134,6 +137,8 @@ typedef struct check_report {
     size_t by_rays, undecided; /* open components that rays decided on, or did not; 0 where that was
                                   not asked for */
     double least_confidence;   /* of by_rays */
+    const char *against;       /* what norma compare prints of it and its reference; NULL: none */
+    int against_status;
 } check_report;
 
 typedef struct check_rule_total {
@@ -145,6 +150,7 @@ typedef struct check_list check_list;
 typedef struct check_totals {
     size_t errors, warnings, infos, files, files_with_trouble, not_checked;
     size_t known;                 /* silenced by the baseline */
+    size_t differing;             /* files that differ from their references, or have none */
     size_t clean;                 /* files without problems */
     size_t hidden;                /* infos that reports for people only count */
     int status;                   /* worst of its files */

@@ -137,6 +137,7 @@ static void add_totals(check_totals *sum, const check_totals *more) {
     sum->files_with_trouble += more->files_with_trouble;
     sum->not_checked += more->not_checked;
     sum->known += more->known;
+    sum->differing += more->differing;
     sum->clean += more->clean;
     sum->hidden += more->hidden;
     for (size_t rule = 0; rule < CHECK_RULES; ++rule)

@@ -53,6 +53,11 @@ static const char check_help[] =
     "  --baseline FILE       hides the findings recorded in FILE, unless they got worse\n"
     "  --write-baseline FILE records today's findings in FILE\n"
     "\n"
+    "References\n"
+    "  --against FOLDER      also compares each file with its namesake in FOLDER (norma compare)\n"
+    "  --max DEG             status 1 if normals differ by more than DEG on\n"
+    "  --share PART          more than PART of the area, from 0 to 1 (0)\n"
+    "\n"
     "Report\n"
     "  --format text|line|json|sarif|html\n"
     "                        the default is the ending of -o, or text; --json is --format json\n"
@@ -77,24 +82,21 @@ static const char check_help[] =
     "  --in-place            replaces each input file; a failure leaves it as it was\n"
     "  --open-by-rays        with --fix-unsafe: turns open surfaces (N304) outward by a majority\n"
     "                        of rays, and reports the confidence: 1 if all rays agree\n"
-    "  --dry-run             reports the findings that a fix would leave, and writes nothing\n"
-    "With a fix, the report and the exit status are about the fixed file. A fix is skipped, and "
-    "the\n"
-    "reason printed, if it would open edges or cause more findings of some rule.\n"
+    "  --dry-run             reports what a fix would leave, and writes nothing\n"
+    "With a fix, the report and the exit status are about the fixed file. A fix that would open\n"
+    "edges or cause more findings of some rule is skipped, and the reason printed.\n"
     "\n"
     "Files\n"
     "  IN                    a file, a folder, or a pattern in quotes\n"
     "  --files-from FILE     reads names of files from FILE, one per line; - is standard input.\n"
-    "                        Missing files and other formats are skipped and counted; missing\n"
-    "                        files are reported as unreadable if nothing else is listed\n"
-    "  --shard I/N           checks the I-th of N parts of the files, chosen by their paths;\n"
-    "                        norma report --merge joins the reports of all N jobs\n"
+    "                        Skips and counts other formats, and missing files unless all are\n"
+    "  --shard I/N           checks one of N parts of the files, chosen by their paths; norma\n"
+    "                        report --merge joins the reports\n"
     "  --exit findings|job   job: ends with 0 whatever was found or could not be read "
     "(findings)\n" CLI_INPUT_FORMAT_HELP
     "  --threads N           uses at most N threads (all processors)\n"
-    "  --max-memory SIZE     uses at most SIZE (512M, 2G). A larger binary PLY or STL is\n"
-    "                        read in parts; N002 then lists the rules that were not checked.\n"
-    "                        Other files that need more fail\n"
+    "  --max-memory SIZE     uses at most SIZE (512M, 2G). Reads a larger binary PLY or STL in\n"
+    "                        parts; N002 lists the rules not checked. Others fail\n"
     "\n"
     "Exit status: 0 fine, 1 findings at or above --fail-on, 2 wrong usage, 3 a file could not be\n"
     "read or written, 130 interrupted.\n";
@@ -179,6 +181,7 @@ static const cli_option check_command_options[] = {
     {"baseline", CLI_TO(CLI_TEXT, check_work, baseline), .expected = "the name of a file"},
     {"write-baseline", CLI_TO(CLI_TEXT, check_work, new_baseline),
         .expected = "the name of a file"},
+    {"against", CLI_TO(CLI_TEXT, check_work, settings.against), .expected = "a folder"},
     {"format", CLI_SET(set_check_format)},
     {"info", CLI_SETS(check_work, settings.list_infos, 1)},
     {"color", CLI_TO(CLI_CHOICE, check_work, color), .words = "auto,always,never",
@@ -243,12 +246,33 @@ static int write_shard_options(check_work *work) {
         : work->trust == CHECK_CONFIG_ANY  ? "any"
                                            : "own");
     cli_json_bool(&json, "baseline", work->baseline != NULL);
+    if (settings->against) {
+        cli_json_number(&json, "max_deg",
+            settings->limits.given & COMPARE_MAX ? cli_given_degrees(settings->limits.max_rad)
+                                                 : NAN);
+        cli_json_number(&json, "share", settings->limits.share);
+    }
     if (settings->has_select) write_rule_list(text.out, "select", settings->select);
     write_rule_list(text.out, "ignore", settings->ignore);
     cli_json_close(&json, '}');
     if (!cli_memory_close(&text)) return cli_out_of_memory();
     work->shard_options = text.text;
     work->settings.shard_options = text.text;
+    return CLI_OK;
+}
+
+static int check_against_words(const cli_subcommand *command, const check_work *work) {
+    const check_settings *settings = &work->settings;
+    if (!settings->against)
+        return settings->limits.given ? cli_usage(command, "--%s needs --against",
+                                            settings->limits.given & COMPARE_MAX ? "max" : "share")
+                                      : CLI_OK;
+    if (settings->limits.given == COMPARE_SHARE) return cli_usage(command, "--share needs --max");
+    if (settings->fix) return cli_usage(command, "--against and --fix exclude each other");
+    if (work->format != &check_format_text && work->format != &check_format_json)
+        return cli_usage(command, "--against needs --format text or json");
+    if (!cli_is_folder(settings->against))
+        return cli_usage(command, "--against '%s': expected a folder", settings->against);
     return CLI_OK;
 }
 
@@ -275,6 +299,8 @@ static int check_words(const cli_subcommand *command, check_work *work) {
                                    : "in-place");
     if (work->settings.open_by_rays && work->settings.fix != CHECK_FIX_UNSAFE)
         return cli_usage(command, "--open-by-rays needs --fix-unsafe");
+    const int against = check_against_words(command, work);
+    if (against) return against;
     work->settings.files = &work->files;
     work->settings.threads = work->common.threads;
     work->settings.quiet = work->common.quiet;
@@ -378,11 +404,49 @@ static int check_fix_places(const cli_subcommand *command, check_work *work) {
     return cli_check_outputs(command, &common, &work->files);
 }
 
+static int compare_names(const void *a, const void *b) {
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* References of which the folder that is checked has no file. */
+static int report_lost_files(
+    const check_work *work, const cli_inputs *references, const char **names, size_t count) {
+    int status = CLI_OK;
+    qsort((void *)names, count, sizeof *names, compare_names);
+    for (size_t i = 0; i < references->count; ++i) {
+        const char *name = references->paths[i] + references->within[i];
+        if (count && bsearch(&name, (const void *)names, count, sizeof *names, compare_names))
+            continue;
+        cli_error("%s: has no counterpart in %s", references->paths[i], work->files.words.words[0]);
+        status = CLI_FILE;
+    }
+    return status;
+}
+
+/* inputs: before a shard is taken of them. */
+static int find_lost_files(const cli_subcommand *command, const check_work *work) {
+    const cli_inputs *inputs = &work->files.inputs;
+    cli_files references = {.words = {(const char **)(uintptr_t)&work->settings.against, 1}};
+    const char **names = malloc((inputs->count + 1) * sizeof *names);
+    if (!names) return cli_out_of_memory();
+    for (size_t i = 0; i < inputs->count; ++i) names[i] = inputs->paths[i] + inputs->within[i];
+    int status = cli_find_inputs(command, &references);
+    if (work->settings.shards)
+        check_keep_shard(&references.inputs, work->settings.shard, work->settings.shards);
+    status = cli_worse(status, report_lost_files(work, &references.inputs, names, inputs->count));
+    cli_inputs_free(&references.inputs);
+    free((void *)names);
+    return status;
+}
+
 static int find_inputs(const cli_subcommand *command, check_work *work) {
     int status = cli_find_listed(command, &work->files);
     if (status == CLI_USAGE) return status;
     status = cli_worse(status, cli_find_inputs(command, &work->files));
     work->settings.file_count = work->files.inputs.count;
+    if (work->settings.against && work->files.words.count == 1 &&
+        cli_is_folder(work->files.words.words[0]))
+        status = cli_worse(status, find_lost_files(command, work));
     if (work->settings.shards)
         check_keep_shard(&work->files.inputs, work->settings.shard, work->settings.shards);
     return status == CLI_USAGE ? status : cli_worse(status, check_sort_inputs(&work->files.inputs));
@@ -413,6 +477,7 @@ static int check_run(const cli_subcommand *command, int count, char **arguments)
     check_work work = {.settings = {.fail_on = -1}, .common.threads = NORMA_ALL_THREADS};
     const cli_table tables[] = {
         {check_command_options, CLI_COUNT(check_command_options), &work},
+        {compare_limit_options, compare_limit_option_count, &work.settings.limits},
         {cli_output_options, cli_output_option_count, &work.files},
         {cli_input_options, cli_input_option_count, &work.files},
         {cli_common_options, cli_common_option_count, &work.common},

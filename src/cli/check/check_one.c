@@ -409,8 +409,44 @@ static void report_unreadable(
     check_write_file(&report, format, out, totals);
 }
 
+/* ---- beside its reference */
+
+/* The file is read once more, as norma compare does: as it is drawn, with all of its normals. */
+static int compare_with_reference(
+    const check_settings *settings, const char *path, const char *reference, FILE *out, int json) {
+    const cli_common common = {.threads = settings->threads, .json = json, .quiet = 1};
+    const char *const names[2] = {reference, path};
+    norma_document_error error = {0};
+    const int status =
+        compare_pair(settings->files, &common, &settings->limits, names, out, &error);
+    if (error.result && !json) {
+        cli_say(out, "%s: cannot be compared with its reference: %s", path, error.message);
+        fputc('\n', out);
+    }
+    return status;
+}
+
+/* *text: to be freed. */
+static int report_against(
+    const check_settings *settings, const check_format *format, size_t index, char **text) {
+    const cli_inputs *inputs = &settings->files->inputs;
+    cli_memory_stream gathered;
+    char *reference = cli_join(settings->against, inputs->paths[index] + inputs->tails[index]);
+    int status = CLI_FILE;
+    *text = NULL;
+    if (reference && cli_memory_open(&gathered)) {
+        status = compare_with_reference(
+            settings, inputs->paths[index], reference, gathered.out, format == &check_format_json);
+        if (cli_memory_close(&gathered)) *text = gathered.text;
+    }
+    free(reference);
+    if (!*text) cli_out_of_memory();
+    return *text ? status : CLI_FILE;
+}
+
 static void report_findings(
     file_check *check, const check_format *format, FILE *out, check_totals *totals) {
+    char *against = NULL;
     check_item *items = calloc(norma_findings_count(findings_of(check)) + 1, sizeof *items);
     size_t count = 0;
     if (!items || !weigh(check, items, &count, totals) ||
@@ -435,9 +471,14 @@ static void report_findings(
         .by_rays = check->mended.summary.by_rays,
         .undecided = check->mended.summary.undecided,
         .least_confidence = check->mended.summary.least_confidence};
+    if (check->settings->against) {
+        report.against_status = report_against(check->settings, format, check->index, &against);
+        report.against = against;
+    }
     totals->status = cli_worse(totals->status, check->fix_status);
     totals->incomplete |= check->fix_status != CLI_OK;
     check_write_file(&report, format, out, totals);
+    free(against);
     free_items(items, count);
 }
 

@@ -137,6 +137,7 @@ static void write_json_file(FILE *out, const check_report *report) {
     for (size_t i = 0; i < report->count; ++i) write_json_item(&json, &report->items[i]);
     cli_json_close(&json, ']');
     write_json_reasons(&json, report);
+    if (report->against) fprintf(out, ", \"against\": %s", report->against);
     if (report->by_rays + report->undecided) {
         cli_json_open(&json, "open_by_rays", '{');
         cli_json_size(&json, "decided", report->by_rays);

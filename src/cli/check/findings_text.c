@@ -39,13 +39,13 @@ int check_is_listed(const check_report *report, const check_item *item) {
 int check_is_clean(const check_report *report) {
     for (size_t i = 0; i < report->count; ++i)
         if (is_problem(report, &report->items[i])) return 0;
-    return strcmp(report->status, "checked") == 0;
+    return !report->against_status && strcmp(report->status, "checked") == 0;
 }
 
 int check_fails(const check_report *report) {
     for (size_t i = 0; i < report->count; ++i)
         if ((int)report->items[i].severity >= report->fail_on) return 1;
-    return 0;
+    return report->against_status != CLI_OK;
 }
 
 int check_is_same(const check_item *item, const check_item *other) {
@@ -140,6 +140,8 @@ void check_write_file(
     count_findings(same, totals);
     ++totals->files;
     totals->not_checked += strcmp(report->status, "checked") != 0;
+    totals->differing += report->against_status != CLI_OK;
+    totals->status = cli_worse(totals->status, report->against_status);
     totals->clean += (size_t)check_is_clean(report);
     report->same = (const size_t(*)[CHECK_SEVERITIES])same;
     report->shown = check_shown_path(report->path);
@@ -417,6 +419,7 @@ static void write_text_file(FILE *out, const check_report *report) {
         cli_say(out, "%s: No problems found%s", report->shown, check_unseen(report));
         fputc('\n', out);
     }
+    if (report->against && is_shown) fputs(report->against, out);
 }
 
 /* ---- the end */
@@ -455,6 +458,7 @@ void check_write_verdict(FILE *out, const check_totals *totals) {
         totals->warnings == 1 ? "warning" : "warnings", totals->files_with_trouble, totals->files,
         totals->files == 1 ? "file" : "files");
     if (totals->not_checked) fprintf(out, "; %zu not checked", totals->not_checked);
+    if (totals->differing) fprintf(out, "; %zu not as the reference", totals->differing);
     if (totals->known) fprintf(out, "; %zu known to the baseline", totals->known);
 }
 

@@ -36,4 +36,20 @@ void compared_scene_close(compared_scene *scene);
 int compared_surface_make(
     const compared_scene *scene, size_t first, size_t end, norma_surface *surface);
 void compared_surface_free(norma_surface *surface);
+
+/* What normals may differ by: --max and --share. */
+enum { COMPARE_MAX = 1, COMPARE_SHARE = 2 };
+
+typedef struct compare_limits {
+    double max_rad, share;
+    int given; /* COMPARE_... */
+} compare_limits;
+extern const cli_option compare_limit_options[];
+extern const size_t compare_limit_option_count;
+
+/* Compares names[1] with names[0] and writes lines of text, or common->json an object, to out. A
+ * status: CLI_FINDINGS beyond the limits; else error says why nothing could be compared, and only
+ * JSON is written. */
+int compare_pair(const cli_files *files, const cli_common *common, const compare_limits *limits,
+    const char *const names[2], FILE *out, norma_document_error *error);
 #endif

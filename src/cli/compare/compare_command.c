@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const char compare_help_text[] =
     "norma compare BASE OTHER: by how many degrees the normals of OTHER differ from BASE\n"
@@ -41,14 +40,14 @@ static const char compare_help_text[] =
     "be read,\n"
     "130 interrupted.\n";
 
-enum { MOST_WORST = 5, MAX_GIVEN = 1, SHARE_GIVEN = 2 };
+enum { MOST_WORST = 5 };
 
 typedef struct compare_work {
     cli_common common;
     cli_files files;
-    double max_rad, share;
-    int given;
+    compare_limits limits;
     const char *output, *names[2]; /* names: BASE and OTHER */
+    FILE *out;
     compared_scene base, other;
     norma_compare_sample *samples; /* of each corner of other */
     size_t corners;
@@ -62,11 +61,15 @@ typedef struct compare_work {
     norma_comparison all;
 } compare_work;
 
+const cli_option compare_limit_options[] = {
+    {"max", CLI_TO(CLI_RADIANS, compare_limits, max_rad), .most = 180,
+        .expected = "degrees from 0 to 180", CLI_GIVEN(compare_limits, given, COMPARE_MAX)},
+    {"share", CLI_TO(CLI_DOUBLE, compare_limits, share), .most = 1,
+        .expected = "a part from 0 to 1", CLI_GIVEN(compare_limits, given, COMPARE_SHARE)},
+};
+const size_t compare_limit_option_count = CLI_COUNT(compare_limit_options);
+
 static const cli_option compare_options[] = {
-    {"max", CLI_TO(CLI_RADIANS, compare_work, max_rad), .most = 180,
-        .expected = "degrees from 0 to 180", CLI_GIVEN(compare_work, given, MAX_GIVEN)},
-    {"share", CLI_TO(CLI_DOUBLE, compare_work, share), .most = 1, .expected = "a part from 0 to 1",
-        CLI_GIVEN(compare_work, given, SHARE_GIVEN)},
     {"output", 'o', CLI_TO(CLI_TEXT, compare_work, output), .expected = "a file"},
 };
 
@@ -112,8 +115,8 @@ static norma_result compare_group(compare_work *work, struct compared_group *gro
         result = norma_compare(&base, &other, options, work->samples + first->first_corner, corners,
             &group->same_faces);
     if (!result)
-        result = norma_compare_summary(
-            work->samples + first->first_corner, corners, work->max_rad, options, &group->sum);
+        result = norma_compare_summary(work->samples + first->first_corner, corners,
+            work->limits.max_rad, options, &group->sum);
     if (group->named) compared_surface_free(&base);
     compared_surface_free(&other);
     return result;
@@ -140,7 +143,8 @@ static norma_result compare_groups(compare_work *work, const norma_options *opti
         work->all = work->groups ? work->groups->sum : work->all;
         return result;
     }
-    return norma_compare_summary(work->samples, work->corners, work->max_rad, options, &work->all);
+    return norma_compare_summary(
+        work->samples, work->corners, work->limits.max_rad, options, &work->all);
 }
 
 static norma_document_result compare_files(compare_work *work, norma_document_error *error) {
@@ -257,7 +261,7 @@ static void write_comparison(
     cli_json_number(json, "p99", sum->p99_distance);
     cli_json_number(json, "max", sum->max_distance);
     cli_json_close(json, '}');
-    cli_json_number(json, "share_above", work->given & MAX_GIVEN ? sum->share_above : NAN);
+    cli_json_number(json, "share_above", work->limits.given & COMPARE_MAX ? sum->share_above : NAN);
 }
 
 static void write_vector(cli_json *json, const char *key, const double v[3]) {
@@ -303,12 +307,13 @@ static void write_worst_places(
 }
 
 static int passes_gate(const compare_work *work) {
-    return !(work->given & MAX_GIVEN) || work->all.share_above <= work->share + 1e-9;
+    return !(work->limits.given & COMPARE_MAX) ||
+           work->all.share_above <= work->limits.share + 1e-9;
 }
 
 static void write_compare_json(
     const compare_work *work, const worst_place *places, size_t count, const char *error) {
-    cli_json json = {.out = stdout};
+    cli_json json = {.out = work->out};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "base", work->names[0]);
     cli_json_string(&json, "other", work->names[1]);
@@ -316,9 +321,10 @@ static void write_compare_json(
         cli_json_string(&json, "error", error);
     } else {
         cli_json_string(&json, "compared", way_of(work));
+        cli_json_number(&json, "max_deg",
+            work->limits.given & COMPARE_MAX ? cli_given_degrees(work->limits.max_rad) : NAN);
         cli_json_number(
-            &json, "max_deg", work->given & MAX_GIVEN ? cli_given_degrees(work->max_rad) : NAN);
-        cli_json_number(&json, "share", work->given & MAX_GIVEN ? work->share : NAN);
+            &json, "share", work->limits.given & COMPARE_MAX ? work->limits.share : NAN);
         write_comparison(&json, work, &work->all);
         cli_json_bool(&json, "ok", passes_gate(work));
         cli_json_bool(&json, "base_computed", work->base.computed);
@@ -328,64 +334,66 @@ static void write_compare_json(
         cli_json_notes(&json, work->other.document);
     }
     cli_json_close(&json, '}');
-    fputc('\n', stdout);
 }
 
 /* ---- for people */
 
-static void print_percentiles(const char *what, double p50, double p99, double most) {
-    printf("  %-10s p50 %.4g, p99 %.4g, at most %.4g\n", what, p50, p99, most);
+static void print_percentiles(FILE *out, const char *what, double p50, double p99, double most) {
+    fprintf(out, "  %-10s p50 %.4g, p99 %.4g, at most %.4g\n", what, p50, p99, most);
 }
 
 static double shown_degrees(double radians) { return rint(cli_to_degrees(radians) * 1e4) / 1e4; }
 
-static void print_vector(const char *before, const double v[3]) {
-    printf("%s(%.4g, %.4g, %.4g)", before, v[0] + 0.0, v[1] + 0.0, v[2] + 0.0);
+static void print_vector(FILE *out, const char *before, const double v[3]) {
+    fprintf(out, "%s(%.4g, %.4g, %.4g)", before, v[0] + 0.0, v[1] + 0.0, v[2] + 0.0);
 }
 
 static void print_place(const compare_work *work, const worst_place *place) {
+    FILE *out = work->out;
     const norma_compare_sample *s = &work->samples[place->corner];
     const double base[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
-    printf("  %.4g degrees at ", shown_degrees((double)s->angle_rad));
-    print_vector("", place->position);
-    printf(", face %zu", place->face);
+    fprintf(out, "  %.4g degrees at ", shown_degrees((double)s->angle_rad));
+    print_vector(out, "", place->position);
+    fprintf(out, ", face %zu", place->face);
     if (place->piece->name[0]) {
-        fputs(" of \"", stdout);
-        cli_write_outside(stdout, place->piece->name);
-        fputc('"', stdout);
+        fputs(" of \"", out);
+        cli_write_outside(out, place->piece->name);
+        fputc('"', out);
     }
-    print_vector(": ", place->normal);
-    print_vector(" instead of ", base);
-    fputc('\n', stdout);
+    print_vector(out, ": ", place->normal);
+    print_vector(out, " instead of ", base);
+    fputc('\n', out);
 }
 
 static void print_comparison(const compare_work *work, const worst_place *places, size_t count) {
+    FILE *out = work->out;
     const norma_comparison *all = &work->all;
     const char *way = way_of(work);
     char max[32], share[32], allowed[32];
-    cli_say(stdout, "%s against %s: ", cli_input_name(work->other.input),
+    cli_say(out, "%s against %s: ", cli_input_name(work->other.input),
         cli_input_name(work->base.input));
-    cli_counted(stdout, all->corners, "corner", "corners");
-    puts(way[0] == 'c'   ? ", each with its counterpart: the faces are the same"
-         : way[0] == 'm' ? ", with their counterparts in meshes of the same faces, others with the "
-                           "nearest points"
-                         : ", each with the nearest point");
-    print_percentiles("degrees", shown_degrees(all->p50_rad), shown_degrees(all->p99_rad),
+    cli_counted(out, all->corners, "corner", "corners");
+    fputs(way[0] == 'c' ? ", each with its counterpart: the faces are the same\n"
+          : way[0] == 'm'
+              ? ", with their counterparts in meshes of the same faces, others with the "
+                "nearest points"
+              : ", each with the nearest point\n",
+        out);
+    print_percentiles(out, "degrees", shown_degrees(all->p50_rad), shown_degrees(all->p99_rad),
         shown_degrees(all->max_rad));
-    print_percentiles("distances", all->p50_distance, all->p99_distance, all->max_distance);
+    print_percentiles(out, "distances", all->p50_distance, all->p99_distance, all->max_distance);
     for (size_t i = 0; i < count; ++i) print_place(work, &places[i]);
     if (all->missing) {
-        fputs("  ", stdout);
-        cli_counted(stdout, all->missing, "corner", "corners");
-        puts(" without a normal, which count as above --max");
+        fputs("  ", out);
+        cli_counted(out, all->missing, "corner", "corners");
+        fputs(" without a normal, which count as above --max\n", out);
     }
-    if (work->given & MAX_GIVEN)
-        printf("  %s: %s %% of the area is above %s degrees, %s %% may be\n",
+    if (work->limits.given & COMPARE_MAX)
+        fprintf(out, "  %s: %s %% of the area is above %s degrees, %s %% may be\n",
             passes_gate(work) ? "fine" : "too far off",
             cli_decimals(share, 100 * all->share_above, 4),
-            cli_decimals(max, cli_given_degrees(work->max_rad), 6),
-            cli_decimals(allowed, 100 * work->share, 4));
-    fflush(stdout);
+            cli_decimals(max, cli_given_degrees(work->limits.max_rad), 6),
+            cli_decimals(allowed, 100 * work->limits.share, 4));
 }
 
 static void print_computed(const compare_work *work, const compared_scene *scene) {
@@ -396,20 +404,15 @@ static void print_computed(const compare_work *work, const compared_scene *scene
 
 /* ---- the command */
 
-static int compare_and_report(compare_work *work) {
-    norma_document_error error = {0};
+/* Compares work->names and writes what comes of it to work->out. A status; error: why there is
+ * nothing. */
+static int compare_into(compare_work *work, norma_document_error *error) {
     worst_place places[MOST_WORST];
-    const norma_document_result result = compare_files(work, &error);
+    const norma_document_result result = compare_files(work, error);
     const size_t count = result ? 0 : find_worst(work, places);
-    if (result) {
-        cli_name_error(&error, work->other.input ? work->other.input : work->base.input);
-        cli_print_error(&error);
-    } else {
-        print_computed(work, &work->base);
-        print_computed(work, &work->other);
-    }
+    if (result) cli_name_error(error, work->other.input ? work->other.input : work->base.input);
     if (work->common.json)
-        write_compare_json(work, places, count, result ? error.message : NULL);
+        write_compare_json(work, places, count, result ? error->message : NULL);
     else if (!result)
         print_comparison(work, places, count);
     const int status = result ? cli_status_of(result) : passes_gate(work) ? CLI_OK : CLI_FINDINGS;
@@ -423,9 +426,28 @@ static int compare_and_report(compare_work *work) {
     return status;
 }
 
-static int names_folder(const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+int compare_pair(const cli_files *files, const cli_common *common, const compare_limits *limits,
+    const char *const names[2], FILE *out, norma_document_error *error) {
+    compare_work work = {.common = *common,
+        .files = *files,
+        .limits = *limits,
+        .names = {names[0], names[1]},
+        .out = out};
+    return compare_into(&work, error);
+}
+
+static int compare_and_report(compare_work *work) {
+    norma_document_error error = {0};
+    const int status = compare_into(work, &error);
+    if (error.result) {
+        cli_print_error(&error);
+    } else {
+        print_computed(work, &work->base);
+        print_computed(work, &work->other);
+    }
+    if (work->common.json) fputc('\n', stdout);
+    fflush(stdout);
+    return status;
 }
 
 /* Each file of OTHER with the file of the same path in BASE. */
@@ -446,9 +468,10 @@ static int compare_folders(
 }
 
 static int compare_run(const cli_subcommand *command, int count, char **arguments) {
-    compare_work work = {.common = {.threads = NORMA_ALL_THREADS}};
+    compare_work work = {.common = {.threads = NORMA_ALL_THREADS}, .out = stdout};
     const cli_table tables[] = {
         {compare_options, CLI_COUNT(compare_options), &work},
+        {compare_limit_options, compare_limit_option_count, &work.limits},
         {cli_input_options, cli_input_option_count, &work.files},
         {cli_common_options, cli_common_option_count, &work.common},
     };
@@ -463,9 +486,9 @@ static int compare_run(const cli_subcommand *command, int count, char **argument
     else if (work.output)
         status = cli_usage(command, "draws no picture yet; 'norma render --show error' draws the "
                                     "errors of one file");
-    else if (work.given == SHARE_GIVEN)
+    else if (work.limits.given == COMPARE_SHARE)
         status = cli_usage(command, "--share needs --max");
-    else if (names_folder(words->words[0]) && names_folder(words->words[1]))
+    else if (cli_is_folder(words->words[0]) && cli_is_folder(words->words[1]))
         status = compare_folders(command, &work, words->words[0], words->words[1]);
     else {
         memcpy((void *)work.names, (const void *)words->words, sizeof work.names);

@@ -217,7 +217,7 @@ void compared_scene_close(compared_scene *scene) {
     free(scene->sizes);
     norma_document_close(scene->document);
     free(scene->memory);
-    *scene = (compared_scene){.input = scene->input};
+    *scene = (compared_scene){.input = scene->input, .computed = scene->computed};
 }
 
 /* ---- some of them as one surface */

@@ -238,7 +238,7 @@ static int same_file(const char *a, const char *b) {
            of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 
-static int is_folder(const char *path) {
+int cli_is_folder(const char *path) {
     struct stat status;
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
@@ -250,7 +250,7 @@ static int check_output(const cli_subcommand *command, const cli_files *files, c
     norma_file_format format = files->format ? files->format : norma_file_format_of_path(input),
                       named = norma_file_format_of_path(output);
     if (cli_is_standard(output)) return CLI_OK;
-    if (is_folder(output))
+    if (cli_is_folder(output))
         return cli_usage(
             command, "-o %s is a folder; expected a file, or --out-dir %s", output, output);
     if (!cli_is_standard(input) && same_file(input, output))

@@ -94,8 +94,9 @@ char *cli_join(const char *folder, const char *name); /* the caller's to free */
 /* ---- Where the output of each input goes. */
 
 const char *cli_base_name(const char *path); /* behind its last slash */
-int cli_is_standard(const char *name);       /* "-" */
-int cli_is_stream(const char *path);         /* a pipe or a device, which is written as it is */
+int cli_is_folder(const char *path);
+int cli_is_standard(const char *name); /* "-" */
+int cli_is_stream(const char *path);   /* a pipe or a device, which is written as it is */
 
 /* Gives each input a place of its own below --out-dir. ending: as of cli_output_of. A status. */
 int cli_place_outputs(const cli_subcommand *command, cli_files *files, const char *ending);

@@ -258,7 +258,9 @@ static int status_of(cli_value file) {
     if (strcmp(cli_string(cli_get(file, "status")), "unreadable") == 0) return CLI_FILE;
     for (cli_value v = cli_first(cli_get(file, "findings")); v.in; v = cli_next(v))
         if ((int)report_severity(v) >= least) status = CLI_FINDINGS;
-    return status;
+    const cli_value against = cli_get(file, "against");
+    if (cli_string(cli_get(against, "error"))) return CLI_FILE;
+    return cli_is_false(cli_get(against, "ok")) ? CLI_FINDINGS : status;
 }
 
 static int note_file(report_scan *scan, cli_value file) {
