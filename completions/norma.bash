@@ -6,11 +6,11 @@ _norma() {
     local values="" options=""
     COMPREPLY=()
     if [ "$COMP_CWORD" -eq 1 ]; then
-        mapfile -t COMPREPLY < <(compgen -W "compute tangents pack transform matrix check report explain info compare render view acid mcp help --help --version" -- "$word")
+        mapfile -t COMPREPLY < <(compgen -W "compute seams tangents pack transform matrix check report explain info compare render view acid mcp help --help --version" -- "$word")
         return
     fi
     case $before in
-    help) values="compute tangents pack transform matrix check report explain info compare render view acid mcp" ;;
+    help) values="compute seams tangents pack transform matrix check report explain info compare render view acid mcp" ;;
     --format) values="text line json sarif html" ;;
     --profile) values="render print generated" ;;
     --color) values="auto always never" ;;
@@ -45,6 +45,7 @@ _norma() {
     case $verb in
     compute) options="--weight --crease --smooth --flat --groups --weld --non-manifold --only --morphs --tangents --together --lock --levels $files" ;;
     tangents) options="--mode --texcoord --weight --only $files" ;;
+    seams) options="votes merge apply --weight --everywhere --rounded --tiles --votes -o --output --out-dir --in-place --input-format --threads --max-memory --json --quiet --help" ;;
     pack) options="--max-error $files" ;;
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;

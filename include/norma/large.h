@@ -116,6 +116,12 @@ typedef struct norma_together_options {
     /* Written: for each pattern of lock how many names it matched, in all files; or NULL. Of a mesh
      * without normals too, which has none to keep. */
     size_t *lock_matches;
+
+    /* A file of votes (norma_seams_merge) of a surface that files[0] is a tile of; NULL: all tiles
+     * are given. Only one file may be given then, weight is that of the votes, and lock, levels and
+     * creases are refused. */
+    const char *votes;
+    norma_weight *weight; /* written: that of the votes; or NULL */
 } norma_together_options;
 
 /* Computes the normals of one surface that lies in several files, or in several meshes of one:
@@ -145,6 +151,66 @@ typedef struct norma_together_options {
  * would need different normals. */
 NORMA_API norma_document_result norma_together_compute(const norma_together_file *files,
     size_t count, const norma_together_options *options, const norma_compute_options *compute,
+    norma_document_error *error);
+
+/* ---- one surface in more files than one process should hold */
+
+typedef struct norma_seams_options {
+    size_t struct_size;       /* sizeof(norma_seams_options) of the caller; 0: the first version */
+    norma_weight weight;      /* of votes; not visible */
+    norma_file_format format; /* of tiles; unknown: by each path's extension */
+
+    /* Nonzero: votes at all positions, not only on edges of one face. Needed if tiles touch
+     * elsewhere: closed bodies, levels of detail. */
+    int everywhere;
+    int rounded;  /* nonzero: positions are rounded to floats even if no tile is a glTF */
+    size_t tiles; /* of merging: how many there must be; 0: any number */
+    uint32_t threads;
+    uint64_t max_memory; /* bytes that joining the positions of a tile may take; 0: 64 MiB */
+    const char *temporary_folder; /* NULL: that of the output */
+    norma_progress *progress;
+    void *progress_user;
+} norma_seams_options;
+
+typedef struct norma_seams_summary {
+    size_t tiles;
+    uint64_t positions, bytes; /* bytes: of the output */
+} norma_seams_summary;
+
+/* Writes what the faces of some tiles of a surface add at the positions on their borders.
+ *
+ *   tiles     OBJ, PLY, glTF or GLB
+ *   count     of tiles
+ *   output    the file of votes, some 140 bytes for each position
+ *   options   NULL for the defaults
+ *   summary   written; or NULL
+ *   error     written on failure; or NULL
+ *
+ * Three steps make the surface of all tiles seamless, by as many processes as there are: votes of
+ * some tiles each, norma_seams_merge, and norma_together_compute with options->votes for each tile.
+ * The normals have the same bits as if norma_together_compute got all tiles at once.
+ *
+ * Memory: that of the largest tile, and of the votes. */
+NORMA_API norma_document_result norma_seams_votes(const char *const *tiles, size_t count,
+    const char *output, const norma_seams_options *options, norma_seams_summary *summary,
+    norma_document_error *error);
+
+/* Joins files of votes, those that it wrote itself too. In whatever order and by whatever tree
+ * files are joined, the last one has the same bytes.
+ *
+ *   votes     files of votes
+ *   count     of them
+ *   output    the joined file
+ *   options   NULL for the defaults; uses tiles and progress
+ *   summary   written; or NULL
+ *   error     written on failure; or NULL
+ *
+ * Memory: 17 KB for each file, and the names of all tiles.
+ * Errors: NORMA_DOCUMENT_ERROR_REFUSED if a tile is in two of the files, if these were made with
+ * different options, or if there are not options->tiles; NORMA_DOCUMENT_ERROR_MALFORMED for a
+ * file that is damaged, as its checksums show. */
+NORMA_API norma_document_result norma_seams_merge(const char *const *votes, size_t count,
+    const char *output, const norma_seams_options *options, norma_seams_summary *summary,
     norma_document_error *error);
 
 #ifdef __cplusplus

@@ -5,10 +5,11 @@
 #include <locale.h>
 #include <string.h>
 
-static const cli_subcommand *const commands[] = {&cli_subcommand_compute, &cli_subcommand_tangents,
-    &cli_subcommand_pack, &cli_subcommand_transform, &cli_subcommand_matrix, &cli_subcommand_check,
-    &cli_subcommand_report, &cli_subcommand_explain, &cli_subcommand_info, &cli_subcommand_compare,
-    &cli_subcommand_render, &cli_subcommand_view, &cli_subcommand_acid, &cli_subcommand_mcp};
+static const cli_subcommand *const commands[] = {&cli_subcommand_compute, &cli_subcommand_seams,
+    &cli_subcommand_tangents, &cli_subcommand_pack, &cli_subcommand_transform,
+    &cli_subcommand_matrix, &cli_subcommand_check, &cli_subcommand_report, &cli_subcommand_explain,
+    &cli_subcommand_info, &cli_subcommand_compare, &cli_subcommand_render, &cli_subcommand_view,
+    &cli_subcommand_acid, &cli_subcommand_mcp};
 
 static const char introduction[] =
     "Norma computes, transforms and checks surface normals in OBJ, PLY, STL and glTF files.\n"

@@ -320,16 +320,16 @@ static int compute_prepare(const cli_subcommand *command, void *user, uint32_t t
                             : work->smooth_given ? NORMA_SHADING_SMOOTH
                             : work->flat_given   ? NORMA_SHADING_FLAT
                                                  : NORMA_SHADING_DEFAULT;
-    return compute_check_together(command, work);
+    return work->together && !work->votes && command != &cli_subcommand_compute
+               ? cli_usage(command, "apply needs --votes FILE")
+               : compute_check_together(command, work);
 }
 
 static int takes_all(const void *work) { return ((const compute_work *)work)->together; }
 
-static int compute_run(const cli_subcommand *command, int count, char **arguments) {
-    compute_work work = {.options = {.struct_size = sizeof work.options}};
-    const cli_table tables[] = {{compute_options, CLI_COUNT(compute_options), &work},
-        {compute_together_options, compute_together_option_count, &work}};
-    const cli_changer changer = {.work = &work,
+static int run_changer(const cli_subcommand *command, compute_work *work, const cli_table *tables,
+    size_t table_count, int count, char **arguments) {
+    const cli_changer changer = {.work = work,
         .change = compute_change,
         .write_json = write_computed_json,
         .write_text = write_computed_text,
@@ -337,10 +337,24 @@ static int compute_run(const cli_subcommand *command, int count, char **argument
         .prepare = compute_prepare,
         .all = compute_all_together,
         .takes_all = takes_all};
-    const int status =
-        cli_run_changer(command, &changer, tables, CLI_COUNT(tables), count, arguments);
+    return cli_run_changer(command, &changer, tables, table_count, count, arguments);
+}
+
+static int compute_run(const cli_subcommand *command, int count, char **arguments) {
+    compute_work work = {.options = {.struct_size = sizeof work.options}};
+    const cli_table tables[] = {{compute_options, CLI_COUNT(compute_options), &work},
+        {compute_together_options, compute_together_option_count, &work}};
+    const int status = run_changer(command, &work, tables, CLI_COUNT(tables), count, arguments);
     free((void *)work.locks);
     return status;
+}
+
+int compute_with_votes(const cli_subcommand *command, int count, char **arguments) {
+    static const cli_option options[] = {
+        {"votes", CLI_TO(CLI_TEXT, compute_work, votes), .expected = "a file of votes"}};
+    compute_work work = {.options = {.struct_size = sizeof work.options}, .together = 1};
+    const cli_table table = {options, CLI_COUNT(options), &work};
+    return run_changer(command, &work, &table, 1, count, arguments);
 }
 
 const cli_subcommand cli_subcommand_compute = {

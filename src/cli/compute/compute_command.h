@@ -14,6 +14,11 @@ typedef struct compute_work {
     int together, levels;
     const char **locks;
     size_t lock_count, lock_room;
+    const char *votes; /* of norma seams apply; NULL: all files are given */
 } compute_work;
+
+struct cli_subcommand;
+/* norma seams apply: smooth normals by votes of all tiles, which --votes names. */
+int compute_with_votes(const struct cli_subcommand *command, int count, char **arguments);
 
 #endif

@@ -65,8 +65,8 @@ typedef struct joint_file {
 typedef struct joint_run {
     const cli_all_files *all;
     norma_together_file *files;
-    joint_file *own; /* what each of them points to */
-    size_t count;
+    joint_file *own;    /* what each of them points to */
+    size_t count, done; /* done: files of the calls before */
     const compute_work *work;
     size_t *lock_matches;                  /* of each --lock: names that match it */
     char (*nearest)[CLI_LONGEST_WORD + 1]; /* to each, of the names that do not */
@@ -143,6 +143,7 @@ static void report_locks(const joint_run *run) {
 
 static void note_done(void *user, size_t file, const norma_document *document) {
     joint_run *run = user;
+    file += run->done;
     if (run->work->lock_count) compare_document_names(run, document);
     run->own[file].before = 1e6 * cli_megabytes(run->files[file].input);
     cli_progress_hide(&run->progress);
@@ -151,7 +152,7 @@ static void note_done(void *user, size_t file, const norma_document *document) {
 }
 
 static norma_document_result compute_files(
-    joint_run *run, const compute_work *work, norma_document_error *error) {
+    joint_run *run, compute_work *work, norma_document_error *error) {
     norma_compute_options options = work->options;
     const uint64_t allowed = cli_memory_for_data();
     options.progress = cli_progress_report;
@@ -165,6 +166,8 @@ static norma_document_result compute_files(
         .threads = options.threads,
         .max_memory = allowed < (uint64_t)1 << 29 ? allowed : 0,
         .temporary_folder = getenv("TMPDIR"),
+        .votes = work->votes,
+        .weight = &work->options.weight,
         .file_done = note_done,
         .file_done_user = run};
     double megabytes = 0;
@@ -172,8 +175,11 @@ static norma_document_result compute_files(
     cli_progress_start(
         &run->progress, "computing", "all files", run->all->common->quiet, megabytes);
     cli_writing_begin();
-    const norma_document_result result =
-        norma_together_compute(run->files, run->count, &together, &options, error);
+    const size_t at_once = work->votes ? 1 : run->count;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (; run->done < run->count && !result; run->done += at_once)
+        result =
+            norma_together_compute(run->files + run->done, at_once, &together, &options, error);
     cli_progress_stop(&run->progress);
     cli_writing_end();
     return result;

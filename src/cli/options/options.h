@@ -14,7 +14,8 @@ typedef struct cli_subcommand {
 extern const cli_subcommand cli_subcommand_compute, cli_subcommand_tangents,
     cli_subcommand_transform, cli_subcommand_matrix, cli_subcommand_check, cli_subcommand_report,
     cli_subcommand_explain, cli_subcommand_info, cli_subcommand_compare, cli_subcommand_render,
-    cli_subcommand_view, cli_subcommand_acid, cli_subcommand_pack, cli_subcommand_mcp;
+    cli_subcommand_view, cli_subcommand_acid, cli_subcommand_pack, cli_subcommand_mcp,
+    cli_subcommand_seams;
 
 /* Prints "norma compute: ..." (command may be NULL). Always CLI_USAGE, so that a caller can return
  * it.

@@ -245,18 +245,15 @@ void norma_near_find(const near_positions *near, double at[3]) {
 
 enum { AT_ONCE = 256 };
 
-typedef struct entry {
-    position_votes votes;
-    uint32_t others; /* records with votes, beside the first */
-} entry;
-
 typedef struct joining {
     spill *votes, *normals;
     size_t partition, count, round, rounds;
-    entry *entries;
+    position_votes *entries;
     size_t entry_count, entry_room;
     uint32_t *table; /* entry + 1; 0: free */
     size_t table_size;
+    visit_position *visit;
+    void *user;
     position_votes some[AT_ONCE];
     position_normal answers[AT_ONCE];
 } joining;
@@ -285,7 +282,7 @@ static int grow_positions(joining *j) {
     uint32_t *table = norma_io_allocate(size, sizeof *table);
     if (!table) return ENOMEM;
     for (size_t i = 0; i < j->entry_count; ++i) {
-        size_t at = (size_t)(norma_together_hash(j->entries[i].votes.at) >> 20) & (size - 1);
+        size_t at = (size_t)(norma_together_hash(j->entries[i].at) >> 20) & (size - 1);
         while (table[at]) at = (at + 1) & (size - 1);
         table[at] = (uint32_t)i + 1;
     }
@@ -299,31 +296,36 @@ static int grow_positions(joining *j) {
 static uint32_t *find_position(const joining *j, const double at[3], uint64_t hash) {
     size_t place = (size_t)(hash >> 20) & (j->table_size - 1);
     while (j->table[place] &&
-           memcmp(j->entries[j->table[place] - 1].votes.at, at, sizeof j->entries->votes.at) != 0)
+           memcmp(j->entries[j->table[place] - 1].at, at, sizeof j->entries->at) != 0)
         place = (place + 1) & (j->table_size - 1);
     return &j->table[place];
 }
 
-static void add_position_votes(entry *e, const position_votes *votes) {
-    if (!votes->sum.votes) return;
-    e->others += e->votes.sum.votes != 0;
-    if (!e->votes.sum.votes || votes->rank < e->votes.rank)
-        e->votes = *votes;
-    else if (votes->rank == e->votes.rank)
-        norma_core_open_sum_join(&e->votes.sum, &votes->sum);
+void norma_together_add_votes(position_votes *to, const position_votes *votes) {
+    const uint32_t voters = to->voters + votes->voters;
+    const unsigned border = to->border | votes->border;
+    if (votes->sum.votes) {
+        if (!to->sum.votes || votes->rank < to->rank)
+            *to = *votes;
+        else if (votes->rank == to->rank)
+            norma_core_open_sum_join(&to->sum, &votes->sum);
+    }
+    to->voters = voters & INT32_MAX;
+    to->border = border & 1;
 }
 
 static int add_joined_position(joining *j, const position_votes *votes, uint64_t hash) {
     if (2 * j->entry_count >= j->table_size && grow_positions(j)) return ENOMEM;
     uint32_t *place = find_position(j, votes->at, hash);
     if (*place) {
-        add_position_votes(&j->entries[*place - 1], votes);
+        norma_together_add_votes(&j->entries[*place - 1], votes);
         return 0;
     }
-    entry *entries = norma_io_grow(j->entries, &j->entry_room, j->entry_count + 1, sizeof *entries);
+    position_votes *entries =
+        norma_io_grow(j->entries, &j->entry_room, j->entry_count + 1, sizeof *entries);
     if (!entries) return ENOMEM;
     j->entries = entries;
-    j->entries[j->entry_count] = (entry){.votes = *votes};
+    j->entries[j->entry_count] = *votes;
     *place = (uint32_t)++j->entry_count;
     return 0;
 }
@@ -343,16 +345,17 @@ static int take_some(joining *j, size_t first, size_t count) {
     return error;
 }
 
-static position_normal normal_of(const entry *e) {
-    const int kept = e->votes.rank == 0;
+/* of: a record of the position. */
+static position_normal normal_of(const position_votes *all, const position_votes *of) {
+    const int kept = all->rank == 0;
     position_normal normal;
     double weight;
     memset(&normal, 0, sizeof normal);
-    normal.shared = e->others > 0 || kept;
+    normal.shared = all->voters > of->voters || kept;
     normal.kept = (uint8_t)kept;
-    normal.reason = (uint8_t)norma_core_open_direction(&e->votes.sum, normal.direction);
+    normal.reason = (uint8_t)norma_core_open_direction(&all->sum, normal.direction);
     if (kept) {
-        norma_core_open_sum_value(&e->votes.sum, normal.direction, &weight);
+        norma_core_open_sum_value(&all->sum, normal.direction, &weight);
         for (int k = 0; k < 3; ++k) normal.direction[k] /= weight;
     }
     return normal;
@@ -365,7 +368,8 @@ static int answer_some(joining *j, size_t first, size_t count) {
     for (size_t i = 0; i < count && !error; ++i) {
         const uint64_t hash = norma_together_hash(j->some[i].at);
         if (is_of_round(j, hash))
-            j->answers[i] = normal_of(&j->entries[*find_position(j, j->some[i].at, hash) - 1]);
+            j->answers[i] =
+                normal_of(&j->entries[*find_position(j, j->some[i].at, hash) - 1], &j->some[i]);
         if (!j->round) error = norma_spill_add(j->normals, j->partition, &j->answers[i]);
     }
     return error || !j->round ? error
@@ -384,22 +388,27 @@ static int each_record(joining *j, int (*visit)(joining *j, size_t first, size_t
 static int join_partition(joining *j, uint64_t memory) {
     int error = 0;
     j->count = spill_count(j->votes, j->partition);
-    j->rounds = (size_t)(j->count * 2 * sizeof(entry) / (memory ? memory : 1)) + 1;
+    j->rounds = (size_t)(j->count * 2 * sizeof(position_votes) / (memory ? memory : 1)) + 1;
     for (j->round = 0; j->round < j->rounds && !error; ++j->round) {
         j->entry_count = 0;
         if (j->table) memset(j->table, 0, j->table_size * sizeof *j->table);
         error = each_record(j, take_some);
-        if (!error) error = each_record(j, answer_some);
+        for (size_t i = 0; j->visit && i < j->entry_count && !error; ++i)
+            error = j->visit(j->user, &j->entries[i]);
+        if (!error && j->normals) error = each_record(j, answer_some);
     }
     return error;
 }
 
-int norma_together_join(spill *votes, spill *normals, uint64_t memory) {
+int norma_together_join(
+    spill *votes, spill *normals, uint64_t memory, visit_position *visit, void *user) {
     joining *j = calloc(1, sizeof *j);
     int error = j ? 0 : ENOMEM;
     if (!j) return error;
     j->votes = votes;
     j->normals = normals;
+    j->visit = visit;
+    j->user = user;
     for (; j->partition < SPILL_PARTITIONS && !error; ++j->partition)
         error = join_partition(j, memory);
     free(j->entries);

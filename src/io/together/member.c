@@ -429,3 +429,21 @@ norma_document_result norma_member_places(const member *m, const document_surfac
     (*places)[(*count)++] = place_by(IDENTITY, level_at(m, surface, NULL));
     return NORMA_DOCUMENT_OK;
 }
+
+/* ---- all of them */
+
+int norma_together_rounds(const norma_together_file *files, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+        const norma_file_format format =
+            files[i].format ? files[i].format : norma_file_format_of_path(files[i].input);
+        if (norma_file_format_is_gltf(format)) return 1;
+    }
+    return 0;
+}
+
+char *norma_together_folder_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return !slash          ? norma_io_copy_text(".", 1)
+           : slash == path ? norma_io_copy_text("/", 1)
+                           : norma_io_copy_text(path, (size_t)(slash - path));
+}

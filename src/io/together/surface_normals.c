@@ -1,5 +1,6 @@
 /* surface_normals.c: normals of smooth surfaces: what the faces of each file add, and what its
  * positions get. */
+#include "core/call/table.h"
 #include "io/together/together.h"
 #include <math.h>
 #include <stdlib.h>
@@ -15,6 +16,7 @@ typedef struct taking {
     world_mesh world;
     open_sum *sums, *kept; /* of each position; kept: NULL where nothing is locked */
     uint8_t *silent;       /* of each face; NULL */
+    uint64_t *borders;     /* of each position: not 0 on an edge of one face; NULL */
 } taking;
 
 static norma_document_result fail_votes(const taking *t) {
@@ -110,6 +112,55 @@ static norma_document_result keep_locked(taking *t) {
     return result;
 }
 
+/* ---- borders */
+
+static void note_hash(surface_tile *tile, const void *bytes, size_t size) {
+    const uint64_t both[] = {tile->hash, norma_core_hash(bytes, size)};
+    tile->hash = norma_core_hash(both, sizeof both);
+}
+
+static void widen_tile(surface_tile *tile, const double at[3]) {
+    const int first = !tile->positions++;
+    for (int k = 0; k < 3; ++k) {
+        if (first || at[k] < tile->low[k]) tile->low[k] = at[k];
+        if (first || at[k] > tile->high[k]) tile->high[k] = at[k];
+    }
+}
+
+/* A face adds a number of the edge at both ends of each of its edges, or takes it away where it
+ * runs from the greater position to the lesser: nothing is left where faces run both ways. */
+static void add_border_edge(uint64_t *borders, uint32_t from, uint32_t to) {
+    const uint32_t ends[] = {from < to ? from : to, from < to ? to : from};
+    const uint64_t number = norma_core_hash(ends, sizeof ends),
+                   way = from < to ? number : UINT64_C(0) - number;
+    borders[from] += way;
+    borders[to] += way;
+}
+
+static int mark_open_edges(taking *t) {
+    const core_mesh *mesh = &t->world.mesh;
+    surface_tile *tile = &t->run->tile;
+    const size_t count = t->surface->mesh->positions.count;
+    t->borders = norma_io_allocate(count, sizeof *t->borders);
+    if (!t->borders) return 0;
+    for (size_t f = 0; f < mesh->face_count; ++f)
+        for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); ++c) {
+            const uint32_t from = norma_core_welded_corner(mesh, c),
+                           to = norma_core_welded_corner(mesh, norma_core_next_in_face(mesh, f, c));
+            if (from != to) add_border_edge(t->borders, from, to);
+        }
+    for (size_t i = 0; i < t->world.first_count; ++i)
+        widen_tile(tile, t->world.at[t->world.firsts[i]]);
+    note_hash(tile, t->world.positions, 3 * count * sizeof *t->world.positions);
+    note_hash(tile, t->world.corners, mesh->corner_count * sizeof *t->world.corners);
+    if (mesh->face_starts)
+        note_hash(tile, mesh->face_starts, (mesh->face_count + 1) * sizeof *mesh->face_starts);
+    note_hash(tile, &t->place->level, sizeof t->place->level);
+    note_hash(tile, &t->place->mirrored, sizeof t->place->mirrored);
+    tile->faces += mesh->face_count;
+    return 1;
+}
+
 /* ---- records */
 
 static norma_document_result add_corner_vote(taking *t, uint32_t position) {
@@ -119,6 +170,8 @@ static norma_document_result add_corner_vote(taking *t, uint32_t position) {
     memcpy(votes.at, t->world.at[position], sizeof votes.at);
     votes.sum = keeps ? t->kept[position] : t->sums[position];
     votes.rank = keeps ? 0 : t->place->level + 1;
+    votes.voters = votes.sum.votes != 0;
+    votes.border = t->borders && (t->run->tile.everywhere || t->borders[position]);
     const int failed = norma_spill_add(t->run->votes, norma_together_partition(votes.at), &votes);
     return failed ? norma_together_fail_spill(t->run, failed) : NORMA_DOCUMENT_OK;
 }
@@ -129,6 +182,7 @@ static norma_document_result take_placed(taking *t, int count_faces) {
     if (!t->sums) return fail_votes(t);
     norma_document_result result = keep_locked(t);
     if (result) return result;
+    if (t->run->tile.marks && !mark_open_edges(t)) return fail_votes(t);
     const open_voting voting = {
         &t->world.mesh, t->run->compute.weight, t->silent, t->place->mirrored};
     norma_core_open_votes(&voting, t->sums, &degenerate);
@@ -148,6 +202,8 @@ static norma_document_result take_at(taking *t, int first) {
     free(t->sums);
     free(t->kept);
     free(t->silent);
+    free(t->borders);
+    t->borders = NULL;
     t->sums = t->kept = NULL;
     t->silent = NULL;
     return result;

@@ -558,14 +558,6 @@ static norma_document_result together_commit(together_run *run) {
     return NORMA_DOCUMENT_OK;
 }
 
-/* together.c: a file's normals, and its output, complete but not in place. */
-static char *together_folder_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return !slash          ? norma_io_copy_text(".", 1)
-           : slash == path ? norma_io_copy_text("/", 1)
-                           : norma_io_copy_text(path, (size_t)(slash - path));
-}
-
 /* ---- Norma_together_compute. Once over all files to take down what their faces add at each
  * position; then position by position what follows; then once more over the files, which get it.
  * Nothing of a file is held meanwhile. Outputs are put in place at the end, all or none. */
@@ -603,15 +595,6 @@ static const char *bad_file(const norma_together_file *files, size_t count) {
     for (size_t i = 0; i < count; ++i)
         if (!files[i].input || !files[i].output) return "a file has no path";
     return NULL;
-}
-
-static int rounds(const norma_together_file *files, size_t count) {
-    for (size_t i = 0; i < count; ++i) {
-        const norma_file_format format =
-            files[i].format ? files[i].format : norma_file_format_of_path(files[i].input);
-        if (norma_file_format_is_gltf(format)) return 1;
-    }
-    return 0;
 }
 
 /* ---- the run */
@@ -665,7 +648,11 @@ static norma_document_result join_all(together_run *run) {
     norma_document_result result = join_near(run);
     if (!result) result = each_file(run, norma_together_take_votes);
     if (result) return result;
-    const int failed = norma_together_join(run->votes, run->normals, run->options.max_memory / 4);
+    if (run->seams) result = norma_seams_find(run);
+    if (result) return result;
+    const int failed = norma_together_join(run->votes, run->normals, run->options.max_memory / 4,
+        run->seams ? norma_seams_take : NULL, run->seams);
+    if (failed && run->seams && failed < 0) return norma_seams_fail(run);
     if (failed) return norma_together_fail_spill(run, failed);
     norma_spill_close(run->votes);
     run->votes = NULL;
@@ -674,7 +661,25 @@ static norma_document_result join_all(together_run *run) {
     return result ? result : together_commit(run);
 }
 
+/* One tile of a surface whose votes are known. */
+static norma_document_result begin_seams_run(together_run *run) {
+    const char *bad = run->count != 1 ? "votes go to one file at a time" : NULL;
+    if (run->compute.shading != NORMA_SHADING_SMOOTH || run->compute.weld != NORMA_WELD_EXACT ||
+        run->options.lock_count || run->options.levels)
+        bad = "with votes, normals are smooth and equal positions are joined, and no more";
+    if (bad) return fail_option(run->error, bad);
+    run->tile.marks = 1;
+    const norma_document_result result =
+        norma_seams_open(run->options.votes, &run->seams, run->error);
+    if (result) return result;
+    norma_seams_choose(
+        run->seams, &run->compute.weight, &run->equal.rounded, &run->tile.everywhere);
+    if (run->options.weight) *run->options.weight = run->compute.weight;
+    return result;
+}
+
 static void end_run(together_run *run) {
+    norma_seams_close(run->seams);
     norma_spill_close(run->votes);
     norma_spill_close(run->normals);
     norma_near_free(run->near);
@@ -703,13 +708,14 @@ norma_document_result norma_together_compute(const norma_together_file *files, s
     if (!count) return NORMA_DOCUMENT_OK;
     if (!run.options.max_memory) run.options.max_memory = JOINING_MEMORY;
     if (run.compute.shading == NORMA_SHADING_DEFAULT) run.compute.shading = NORMA_SHADING_SMOOTH;
-    run.equal.rounded = rounds(files, count);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (run.options.votes) result = begin_seams_run(&run);
+    run.equal.rounded |= norma_together_rounds(files, count);
     const int creased = run.compute.shading == NORMA_SHADING_CREASE;
     run.passes = run.compute.weld == NORMA_WELD_DISTANCE && !creased ? 3 : 2;
     run.folder = run.options.temporary_folder;
-    if (!run.folder) run.folder = run.own_folder = together_folder_of(files[0].output);
-    norma_document_result result =
-        run.folder ? join_all(&run) : norma_document_fail_memory(NULL, error);
+    if (!run.folder) run.folder = run.own_folder = norma_together_folder_of(files[0].output);
+    if (!result) result = run.folder ? join_all(&run) : norma_document_fail_memory(NULL, error);
     end_run(&run);
     return result;
 }

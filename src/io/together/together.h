@@ -116,6 +116,7 @@ typedef struct position_votes {
     open_sum sum;
     uint32_t rank; /* only those of the least rank decide: 0: it keeps a normal; else its level of
                       detail, from 1 */
+    unsigned voters : 31, border : 1; /* how many have votes; it lies on an edge of one face */
 } position_votes;
 
 typedef struct position_normal {
@@ -129,13 +130,31 @@ typedef struct position_normal {
 size_t norma_together_partition(const double at[3]);
 uint64_t norma_together_hash(const double at[3]);
 
-/* For each record of votes one of normals, in the same partition and order. memory: bytes that may
- * be taken; a partition that needs more is gone through several times. Returns 0 or errno. */
-int norma_together_join(spill *votes, spill *normals, uint64_t memory);
+/* Adds what another record says of the same position. */
+void norma_together_add_votes(position_votes *to, const position_votes *votes);
 
-/* ---- One call of norma_together_compute. */
+/* Sees what all records say of a position, and may say otherwise. Returns 0, or what the join
+ * returns then. */
+typedef int visit_position(void *user, position_votes *votes);
+
+/* For each record of votes one of normals, in the same partition and order; NULL: visit alone
+ * counts, which may be NULL else. memory: bytes that may be taken; a partition that needs more is
+ * gone through several times. Returns 0 or errno. */
+int norma_together_join(
+    spill *votes, spill *normals, uint64_t memory, visit_position *visit, void *user);
+
+/* ---- One call of norma_together_compute, or of norma_seams_votes. */
 
 typedef struct creases creases;
+typedef struct seams seams;
+
+/* A file as one of many tiles of a surface. */
+typedef struct surface_tile {
+    int marks, everywhere; /* whether borders are marked; everywhere: all positions are */
+    uint64_t hash, faces;  /* hash: of where its faces lie */
+    size_t positions;
+    double low[3], high[3];
+} surface_tile;
 
 typedef struct together_run {
     const norma_together_file *files;
@@ -146,6 +165,8 @@ typedef struct together_run {
     equality equal;
     near_positions *near;
     spill *votes, *normals;
+    seams *seams; /* NULL, or what all tiles of a surface say of which this file is one */
+    surface_tile tile;
     creases *creases;   /* NULL: normals are smooth */
     size_t *degenerate; /* faces of each file */
     const char *folder; /* of temporary files */
@@ -153,6 +174,22 @@ typedef struct together_run {
     companion_writers writers; /* of all outputs, complete, waiting to be put in place */
     double passes, passes_done;
 } together_run;
+
+/* member.c */
+char *norma_together_folder_of(const char *path); /* to be freed; NULL: out of memory */
+/* Whether positions are rounded to floats: one of the files is a glTF. */
+int norma_together_rounds(const norma_together_file *files, size_t count);
+
+/* seams.c: a file of votes. Close it whatever is returned. */
+norma_document_result norma_seams_open(
+    const char *path, seams **opened, norma_document_error *error);
+void norma_seams_close(seams *s); /* NULL is fine */
+/* What its votes were made with. */
+void norma_seams_choose(const seams *s, norma_weight *weight, int *rounded, int *everywhere);
+/* Finds run's file among the tiles, and what others may say of its positions. */
+norma_document_result norma_seams_find(together_run *run);
+int norma_seams_take(void *seams, position_votes *votes); /* a visit_position; -1: see below */
+norma_document_result norma_seams_fail(const together_run *run);
 
 /* join.c */
 norma_document_result norma_together_fail_spill(together_run *run, int failed);
