@@ -462,8 +462,8 @@ typedef struct norma_drawn_mesh {
     int moved;        /* nonzero: morph targets or a skin moved the vertices */
     int skinned;      /* nonzero: a skin moved them; all instances are then at the same place */
 
-    /* Moved: three doubles for each vertex. Otherwise those of norma_mesh_data, whose integers
-     * world scales if they are normalised. */
+    /* Skinned: three floats for each vertex; moved by targets alone: three doubles. Otherwise those
+     * of norma_mesh_data, whose integers world scales if they are normalised. */
     norma_vec3_view positions;
     norma_vec3_view normals; /* as many as in norma_mesh_data; of any length. count 0: none */
     const float *tangents;   /* x, y, z, sign for each; NULL: none */
@@ -477,8 +477,8 @@ typedef struct norma_drawn_mesh {
  *   drawn      written
  *   error      written on failure; or NULL
  *
- * Normals go through the cofactors of the blended matrices of their joints. Weights of joints are
- * divided by their sum.
+ * Skins are applied by norma_skin_positions, norma_skin_normals and norma_skin_tangents, with the
+ * weights of each vertex divided by their sum.
  * Errors: those of norma_document_mesh_data and norma_document_instance_world.
  * Cost: O(vertices) at the first instance of a node. */
 NORMA_API norma_document_result norma_document_drawn_mesh(norma_document *document, size_t node,

@@ -1,5 +1,6 @@
 /* drawn_mesh.c: a mesh as a viewer draws it at rest: the weights of its morph targets and its skin
- * applied (glTF 2.0, 3.7.2.2 and 3.7.3.3), normals through the cofactors of the same matrices. */
+ * applied (glTF 2.0, 3.7.2.2 and 3.7.3.3), the skin by norma_skin_positions, _normals, _tangents.
+ */
 #include "io/gltf/gltf.h"
 #include <math.h>
 #include <stdio.h>
@@ -13,18 +14,23 @@ typedef struct gltf_moved {
     struct gltf_moved *next;
 } gltf_moved;
 
+/* What the joints of a skin do at rest. */
+typedef struct gltf_joints {
+    float *matrices; /* sixteen numbers for each; NULL: not yet */
+    size_t count;
+    double origin[3]; /* to be added to where the matrices lead */
+} gltf_joints;
+
 /* What moving a mesh works with. */
 typedef struct mover {
     gltf *g;
     const gltf_primitive *p;
     const gltf_node *node;
     size_t count, normal_count, tangent_count;
-    double *positions;
-    const double *joints; /* the sixteen numbers of each joint's matrix */
+    double *positions; /* as the file and its targets have them */
+    float *posed;      /* where the skin moved them; NULL: it did not */
     float *normals, *tangents;
-    size_t joint_count;
-    size_t mirrored; /* vertices that lie in matrices that mirror */
-    int turned;      /* the x axis is reversed: most vertices do */
+    double world[16]; /* from these positions to the scene */
 } mover;
 
 static norma_document_result fail_drawn(const gltf *g, norma_document_error *error) {
@@ -154,56 +160,58 @@ norma_document_result norma_gltf_read_inverse(gltf *g, uint32_t skin, size_t joi
     return result;
 }
 
-/* From the mesh, as it was bound, to the scene, for each joint of the list. */
+/* From the mesh, as it was bound, to the scene, for each joint of the list. Where the first joint
+ * takes the mesh's origin is kept apart, in doubles: a skin that stands far away loses nothing. */
 static norma_document_result fill_joints(gltf *g, uint32_t list, const gltf_array *inverse,
-    double *matrices, norma_document_error *error) {
+    gltf_joints *made, norma_document_error *error) {
     const json *j = &g->json;
-    uint32_t number = 0;
-    for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item); ++number) {
+    for (uint32_t item = JSON_NONE; norma_json_each(j, list, &item); ++made->count) {
         uint64_t node;
-        float bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-        double matrix[16];
+        double bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, matrix[16];
+        float *to = made->matrices + 16 * made->count;
         if (!norma_json_uint(j, item, &node) || node >= g->node_count)
             return norma_gltf_malformed(g, error, item, "the number of an existing node");
-        if (inverse) norma_gltf_floats(inverse, number, bound);
-        for (int i = 0; i < 16; ++i) matrix[i] = (double)bound[i];
-        norma_gltf_matrix_multiply(g->nodes[node].world, matrix, matrices + 16 * (size_t)number);
+        if (inverse) norma_gltf_doubles(inverse, made->count, bound);
+        norma_gltf_matrix_multiply(g->nodes[node].world, bound, matrix);
+        if (made->count == 0) memcpy(made->origin, matrix + 12, sizeof made->origin);
+        for (int i = 0; i < 16; ++i)
+            to[i] = (float)(i < 12 || i > 14 ? matrix[i] : matrix[i] - made->origin[i - 12]);
     }
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result make_joints(gltf *g, uint32_t skin, uint32_t list, size_t count,
-    double **made, norma_document_error *error) {
+static norma_document_result make_joints(
+    gltf *g, uint32_t skin, gltf_joints *made, norma_document_error *error) {
     gltf_array inverse;
     int there;
+    const uint32_t list = norma_json_member(&g->json, skin, "joints");
+    const size_t count =
+        norma_json_is(&g->json, list, JSON_ARRAY) ? norma_json_size(&g->json, list) : 0;
     norma_document_result result = norma_gltf_read_inverse(g, skin, count, &inverse, &there, error);
-    if (!result) result = norma_gltf_spend(g, skin, count, 16 * sizeof **made, error);
+    if (!result) result = norma_gltf_spend(g, skin, count, 16 * sizeof *made->matrices, error);
     if (result) return result;
-    *made = norma_scene_allocate(g->document->scene, count, 16 * sizeof **made);
-    if (!*made) return fail_drawn(g, error);
-    return fill_joints(g, list, there ? &inverse : NULL, *made, error);
+    made->matrices = norma_scene_allocate(g->document->scene, count, 16 * sizeof *made->matrices);
+    if (!made->matrices) return fail_drawn(g, error);
+    return fill_joints(g, list, there ? &inverse : NULL, made, error);
 }
 
 /* A skin's matrices are the same for every node that it moves: they are made once. */
-static norma_document_result read_drawn_joints(mover *m, norma_document_error *error) {
-    gltf *g = m->g;
+static norma_document_result read_drawn_joints(
+    gltf *g, uint32_t index, const gltf_joints **joints, norma_document_error *error) {
     gltf_scene *scene = norma_gltf_scene_of(g);
     uint32_t skin;
-    norma_document_result result = norma_gltf_skin_token(g, m->node->skin, &skin, error);
+    norma_document_result result = norma_gltf_skin_token(g, index, &skin, error);
     if (result) return result;
-    const uint32_t list = norma_json_member(&g->json, skin, "joints");
-    m->joint_count =
-        norma_json_is(&g->json, list, JSON_ARRAY) ? norma_json_size(&g->json, list) : 0;
     if (!scene->joints && !(scene->joints = norma_scene_allocate(
                                 g->document->scene, g->skin_count, sizeof *scene->joints)))
         return fail_drawn(g, error);
-    if (!scene->joints[m->node->skin]) {
-        double *made = NULL;
-        result = make_joints(g, skin, list, m->joint_count, &made, error);
+    if (!scene->joints[index].matrices) {
+        gltf_joints made = {0};
+        result = make_joints(g, skin, &made, error);
         if (result) return result;
-        scene->joints[m->node->skin] = made;
+        scene->joints[index] = made;
     }
-    m->joints = scene->joints[m->node->skin];
+    *joints = &scene->joints[index];
     return NORMA_DOCUMENT_OK;
 }
 
@@ -213,103 +221,79 @@ typedef struct influences { /* one set of four joints for each vertex */
 
 enum { MOST_SETS = 8 };
 
-static norma_document_result read_influences(
-    const mover *m, influences sets[MOST_SETS], int *count, norma_document_error *error) {
-    gltf *g = m->g;
+static norma_document_result find_influences(gltf *g, const gltf_primitive *p,
+    influences sets[MOST_SETS], size_t *count, norma_document_error *error) {
     for (*count = 0; *count < MOST_SETS; ++*count) {
-        const uint32_t joints = accessor_of(g, m->p, "JOINTS", *count),
-                       weights = accessor_of(g, m->p, "WEIGHTS", *count);
+        const uint32_t joints = accessor_of(g, p, "JOINTS", (int)*count),
+                       weights = accessor_of(g, p, "WEIGHTS", (int)*count);
         if (joints == GLTF_NONE || weights == GLTF_NONE) break;
         influences *set = &sets[*count];
         norma_document_result result = norma_gltf_array(g, joints, &set->joints, error);
         if (!result) result = norma_gltf_array(g, weights, &set->weights, error);
         if (result) return result;
-        if (set->joints.width != 4 || set->joints.count < m->count ||
+        if (set->joints.width != 4 || set->joints.count < p->vertices ||
             (set->joints.component != GLTF_UBYTE && set->joints.component != GLTF_USHORT))
             return norma_gltf_malformed(g, error, g->accessors[joints].token,
                 "four joints for each vertex, as unsigned bytes or shorts");
-        if (set->weights.width != 4 || set->weights.count < m->count)
+        if (set->weights.width != 4 || set->weights.count < p->vertices)
             return norma_gltf_malformed(
                 g, error, g->accessors[weights].token, "four weights for each vertex");
     }
     return NORMA_DOCUMENT_OK;
 }
 
-/* The mean of the matrices of a vertex's joints by their weights, whose sum need not be 1; without
- * weights, its first joint's. */
-static norma_document_result blend_joints(const mover *m, const influences *sets, int count,
-    size_t vertex, double matrix[16], norma_document_error *error) {
+/* Viewers divide a vertex's weights by their sum, which need not be 1, and let one without weights
+ * follow its first joint. A joint that weighs nothing need not exist. */
+static void share_weights(uint16_t *joints, float *weights, size_t count) {
+    const uint16_t first = joints[0];
     double sum = 0;
-    uint32_t first = 0;
-    memset(matrix, 0, 16 * sizeof *matrix);
-    for (int set = 0; set < count; ++set) {
-        uint32_t joints[4];
-        float weights[4];
-        norma_gltf_uints(&sets[set].joints, vertex, joints);
-        norma_gltf_floats(&sets[set].weights, vertex, weights);
-        if (set == 0) first = joints[0];
-        for (int k = 0; k < 4; ++k) {
-            if (weights[k] == 0 || !isfinite(weights[k])) continue;
-            if (joints[k] >= m->joint_count)
-                return norma_document_fail(m->g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
-                    m->p->where, "vertex %zu names joint %u; its skin has %zu, numbered from 0",
-                    vertex, (unsigned)joints[k], m->joint_count);
-            sum += (double)weights[k];
-            for (int i = 0; i < 16; ++i)
-                matrix[i] += (double)weights[k] * m->joints[16 * (size_t)joints[k] + (size_t)i];
-        }
+    for (size_t k = 0; k < count; ++k) {
+        if (!isfinite(weights[k])) weights[k] = 0;
+        if (weights[k] == 0) joints[k] = 0;
+        sum += (double)weights[k];
     }
-    if (sum == 0 && first < m->joint_count)
-        memcpy(matrix, m->joints + 16 * (size_t)first, 16 * sizeof *matrix);
-    for (int i = 0; i < 16 && sum != 0; ++i) matrix[i] /= sum;
+    for (size_t k = 0; k < count; ++k)
+        weights[k] = sum != 0 ? (float)((double)weights[k] / sum) : k == 0;
+    if (sum == 0) joints[0] = first;
+}
+
+norma_document_result norma_gltf_read_influences(
+    gltf *g, uint32_t primitive, norma_skin *skin, norma_document_error *error) {
+    const gltf_primitive *p = &g->primitives[primitive];
+    influences sets[MOST_SETS];
+    size_t count = 0;
+    norma_document_result result = find_influences(g, p, sets, &count, error);
+    if (result) return result;
+    const size_t width = 4 * count;
+    uint16_t *joints = norma_io_allocate(p->vertices, width * sizeof *joints);
+    float *weights = norma_io_allocate(p->vertices, width * sizeof *weights);
+    skin->joints = joints;
+    skin->weights = weights;
+    skin->influences = width;
+    skin->vertex_count = p->vertices;
+    if (!joints || !weights) return fail_drawn(g, error);
+    for (size_t i = 0; i < p->vertices; ++i) {
+        for (size_t set = 0; set < count; ++set) {
+            uint32_t numbers[4];
+            norma_gltf_uints(&sets[set].joints, i, numbers);
+            norma_gltf_floats(&sets[set].weights, i, weights + i * width + 4 * set);
+            for (size_t k = 0; k < 4; ++k) joints[i * width + 4 * set + k] = (uint16_t)numbers[k];
+        }
+        share_weights(joints + i * width, weights + i * width, width);
+    }
     return NORMA_DOCUMENT_OK;
 }
 
-double norma_gltf_normal_matrix(const double m[16], double cofactors[9]) {
-    for (int c = 0; c < 3; ++c)
-        for (int r = 0; r < 3; ++r) {
-            const int c1 = (c + 1) % 3, c2 = (c + 2) % 3, r1 = (r + 1) % 3, r2 = (r + 2) % 3;
-            cofactors[3 * c + r] =
-                m[4 * c1 + r1] * m[4 * c2 + r2] - m[4 * c1 + r2] * m[4 * c2 + r1];
-        }
-    const double determinant = m[0] * cofactors[0] + m[1] * cofactors[1] + m[2] * cofactors[2];
-    for (int i = 0; i < 9 && determinant < 0; ++i) cofactors[i] = -cofactors[i];
-    return determinant;
-}
-
-/* A matrix of columns, step numbers from one to the next. */
-static void apply(const double *m, int step, double v[3]) {
-    const double x = v[0], y = v[1], z = v[2];
-    for (int r = 0; r < 3; ++r) v[r] = m[r] * x + m[step + r] * y + m[2 * step + r] * z;
-}
-
-/* Normals of unit length, so that joints of small scale leave them longer than the least float. */
-static void move_direction(float *floats, const double *matrix, int step) {
-    double v[3] = {(double)floats[0], (double)floats[1], (double)floats[2]};
-    apply(matrix, step, v);
-    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int k = 0; k < 3; ++k) floats[k] = (float)(length > 0 ? v[k] / length : 0);
-}
-
-/* Whether the matrix mirrors. */
-static int move_vertex(mover *m, size_t vertex, const double matrix[16]) {
-    double cofactors[9], *p = m->positions + 3 * vertex;
-    const double determinant = norma_gltf_normal_matrix(matrix, cofactors);
-    apply(matrix, 4, p);
-    for (int k = 0; k < 3; ++k) p[k] += matrix[12 + k];
-    if (vertex < m->normal_count) move_direction(m->normals + 3 * vertex, cofactors, 3);
-    if (vertex < m->tangent_count) {
-        move_direction(m->tangents + 4 * vertex, matrix, 4);
-        if (determinant < 0) m->tangents[4 * vertex + 3] *= -1;
-    }
-    return determinant < 0;
+void norma_gltf_free_influences(norma_skin *skin) {
+    free((void *)skin->joints);
+    free((void *)skin->weights);
 }
 
 /* Faces whose joints mirror face the other way: the mesh is reversed along x, and placed by a
  * matrix that mirrors, as under a node that does. */
-static void turn_vertex(mover *m) {
-    m->turned = 1;
-    for (size_t i = 0; i < m->count; ++i) m->positions[3 * i] *= -1;
+static void turn_vertices(mover *m) {
+    m->world[0] = -1;
+    for (size_t i = 0; i < m->count; ++i) m->posed[3 * i] *= -1;
     for (size_t i = 0; i < m->normal_count; ++i) m->normals[3 * i] *= -1;
     for (size_t i = 0; i < m->tangent_count; ++i) {
         m->tangents[4 * i] *= -1;
@@ -317,38 +301,68 @@ static void turn_vertex(mover *m) {
     }
 }
 
-static norma_document_result blend_vertices(
-    const mover *m, see_blended *see, void *user, norma_document_error *error) {
-    influences sets[MOST_SETS];
-    int count = 0;
-    norma_document_result result = read_influences(m, sets, &count, error);
-    for (size_t i = 0; i < m->count && !result; ++i) {
-        double matrix[16];
-        result = blend_joints(m, sets, count, i, matrix, error);
-        if (!result) see(user, i, matrix);
-    }
+/* Whether most vertices lie in matrices that mirror: such a matrix negates a tangent's sign. signs:
+ * four numbers for each vertex, zeros. */
+static norma_result find_mirrored(
+    const norma_skin *skin, norma_vec3_view positions, float *signs, int *mirrored) {
+    size_t count = 0;
+    for (size_t i = 0; i < skin->vertex_count; ++i) signs[4 * i + 3] = 1;
+    const norma_result result =
+        norma_skin_tangents(skin, signs, positions, NULL, signs, skin->vertex_count);
+    for (size_t i = 0; i < skin->vertex_count; ++i) count += signs[4 * i + 3] < 0;
+    *mirrored = count > skin->vertex_count / 2;
     return result;
 }
 
-norma_document_result norma_gltf_blend(gltf *g, uint32_t primitive, const double *joints,
-    size_t joint_count, see_blended *see, void *user, norma_document_error *error) {
-    const mover m = {.g = g,
-        .p = &g->primitives[primitive],
-        .count = g->primitives[primitive].vertices,
-        .joints = joints,
-        .joint_count = joint_count};
-    return blend_vertices(&m, see, user, error);
+static norma_result move_by_skin(mover *m, norma_skin skin, float *signs) {
+    const norma_vec3_view at = {m->positions, m->count, 0, NORMA_FORMAT_DOUBLE},
+                          normals = {m->normals, m->normal_count, 0, NORMA_FORMAT_FLOAT};
+    int mirrored = 0;
+    norma_result result = find_mirrored(&skin, at, signs, &mirrored);
+    if (!result) result = norma_skin_positions(&skin, at, NULL, m->posed, m->count);
+    if (m->normal_count < skin.vertex_count) skin.vertex_count = m->normal_count;
+    if (!result) result = norma_skin_normals(&skin, normals, NULL, m->normals, m->count, NULL);
+    if (m->tangent_count < skin.vertex_count) skin.vertex_count = m->tangent_count;
+    if (!result)
+        result = norma_skin_tangents(&skin, m->tangents, normals, NULL, m->tangents, m->count);
+    if (!result && mirrored) turn_vertices(m);
+    return result;
 }
 
-static void see_moved(void *user, size_t vertex, const double matrix[16]) {
-    mover *m = user;
-    m->mirrored += (size_t)move_vertex(m, vertex, matrix);
+static norma_document_result refuse_skin(
+    const mover *m, const norma_skin *skin, norma_result why, norma_document_error *error) {
+    norma_fault fault;
+    if (why == NORMA_ERROR_MEMORY) return fail_drawn(m->g, error);
+    norma_find_skin_fault(skin, NULL, &fault);
+    if (why == NORMA_ERROR_INDEX)
+        return norma_document_fail(m->g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
+            m->p->where, "vertex %zu names joint %u; its skin has %zu, numbered from 0",
+            fault.index / skin->influences, (unsigned)((const uint16_t *)skin->joints)[fault.index],
+            skin->joint_count);
+    return norma_document_fail(m->g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED, m->p->where,
+        "joint %zu of its skin has a matrix that is not finite", fault.index);
 }
 
 static norma_document_result apply_skin(mover *m, norma_document_error *error) {
-    norma_document_result result = read_drawn_joints(m, error);
-    if (!result) result = blend_vertices(m, see_moved, m, error);
-    if (!result && m->mirrored > m->count / 2) turn_vertex(m);
+    gltf *g = m->g;
+    const gltf_joints *joints;
+    norma_skin skin = {.joint_size = sizeof(uint16_t)};
+    norma_document_result result = read_drawn_joints(g, m->node->skin, &joints, error);
+    if (result) return result;
+    skin.matrices = joints->matrices;
+    skin.joint_count = joints->count;
+    memcpy(m->world + 12, joints->origin, sizeof joints->origin);
+    m->posed = norma_scene_allocate(g->document->scene, m->count, 3 * sizeof *m->posed);
+    float *signs = norma_io_allocate(m->count, 4 * sizeof *signs);
+    result = m->posed && signs
+                 ? norma_gltf_read_influences(g, (uint32_t)(m->p - g->primitives), &skin, error)
+                 : fail_drawn(g, error);
+    if (!result) {
+        const norma_result moved = move_by_skin(m, skin, signs);
+        if (moved) result = refuse_skin(m, &skin, moved, error);
+    }
+    free(signs);
+    norma_gltf_free_influences(&skin);
     return result;
 }
 
@@ -372,7 +386,7 @@ static norma_document_result copy_vertices(mover *m, norma_document_error *error
     gltf_array array;
     m->count = m->p->vertices;
     norma_document_result result = norma_gltf_spend(
-        g, m->node->token, m->count, 3 * sizeof(double) + 7 * sizeof(float), error);
+        g, m->node->token, m->count, 3 * sizeof(double) + 10 * sizeof(float), error);
     if (!result) result = norma_gltf_array(g, m->p->base.position, &array, error);
     if (result) return result;
     m->positions = norma_scene_allocate(g->document->scene, m->count, 3 * sizeof *m->positions);
@@ -396,6 +410,7 @@ static norma_document_result move(mover *m, int skinned, norma_document_error *e
 static norma_document_result make_moved(gltf *g, uint32_t node, size_t mesh, int skinned,
     gltf_moved *made, norma_document_error *error) {
     mover m = {.g = g, .p = &g->primitives[mesh], .node = &g->nodes[node]};
+    norma_gltf_matrix_identity(m.world);
     norma_document_result result = move(&m, skinned, error);
     made->mesh = mesh;
     made->drawn = (norma_drawn_mesh){.moved = 1,
@@ -403,8 +418,8 @@ static norma_document_result make_moved(gltf *g, uint32_t node, size_t mesh, int
         .positions = {.data = m.positions, .count = m.count, .format = NORMA_FORMAT_DOUBLE},
         .normals = {.data = m.normals, .count = m.normal_count},
         .tangents = m.tangents};
-    norma_gltf_matrix_identity(made->drawn.world);
-    if (m.turned) made->drawn.world[0] = -1;
+    if (skinned) made->drawn.positions = (norma_vec3_view){m.posed, m.count, 0, NORMA_FORMAT_FLOAT};
+    memcpy(made->drawn.world, m.world, sizeof m.world);
     return result;
 }
 

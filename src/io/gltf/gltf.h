@@ -474,7 +474,7 @@ typedef struct gltf_scene {
     uint32_t *skins;                             /* the token of each; NULL: not yet */
     size_t effort;                               /* steps that skins and animations took */
     size_t measured;                             /* the same, of the errors of normals */
-    const double **joints;     /* of each skin, a matrix for each joint at rest; NULL: not yet */
+    struct gltf_joints *joints;                  /* of each skin, at rest; NULL: not yet */
     struct gltf_moved **moved; /* of each node that draws, its meshes that morphs or skins move */
     struct gltf_image *images; /* NULL: not yet */
     const uint8_t *shown;      /* of each node: 1 in the scene, 2 not; NULL: not yet */
@@ -506,13 +506,11 @@ int norma_gltf_moves(const norma_texture_info *place); /* its transform is not t
 /* drawn_mesh.c: the inverse bind matrices of a skin, if they are there. */
 norma_document_result norma_gltf_read_inverse(gltf *g, uint32_t skin, size_t joints,
     gltf_array *array, int *there, norma_document_error *error);
-/* The cofactors of the upper 3x3, their sign that of the determinant, which is returned. */
-double norma_gltf_normal_matrix(const double m[16], double cofactors[9]);
-/* Calls for each vertex of a primitive with the mean of its joints' matrices, of sixteen numbers
- * each, by its weights. */
-typedef void see_blended(void *user, size_t vertex, const double matrix[16]);
-norma_document_result norma_gltf_blend(gltf *g, uint32_t primitive, const double *joints,
-    size_t joint_count, see_blended *see, void *user, norma_document_error *error);
+/* The joints and weights of a primitive's vertices, as norma_skin_positions takes them, the weights
+ * of each divided by their sum. To be freed after a failure too. */
+norma_document_result norma_gltf_read_influences(
+    gltf *g, uint32_t primitive, norma_skin *skin, norma_document_error *error);
+void norma_gltf_free_influences(norma_skin *skin);
 /* skins.c */
 size_t norma_gltf_skin_count(const norma_document *document);
 norma_document_result norma_gltf_skin(

@@ -194,7 +194,7 @@ typedef struct pose {
     int is_measuring;
     size_t *effort; /* what was spent, of all skins */
     uint32_t index, skin;
-    double *matrices; /* sixteen for each joint: from the mesh, as it was bound */
+    float *matrices; /* sixteen for each joint: from the mesh, as it was bound */
     gltf_array inverse;
     int has_inverse;
     size_t animation;
@@ -422,36 +422,29 @@ static norma_document_result judge_animations(pose *p, norma_document_error *err
 enum { EFFORT_OF_VERTEX = 64 };
 static const double MEASURED_FROM = 1.05;
 
-typedef struct error_search {
-    pose *p;
-    uint32_t primitive;
-    const float *normals;
-    size_t normal_count;
-} error_search;
-
-static void judge_blended(void *user, size_t vertex, const double matrix[16]) {
-    error_search *s = user;
-    norma_skin_info *info = s->p->info;
-    double cofactors[9], through[3], right[3], cross[3];
-    if (vertex >= s->normal_count) return;
-    const float *n = s->normals + 3 * vertex;
-    norma_gltf_normal_matrix(matrix, cofactors);
-    for (int r = 0; r < 3; ++r) {
-        through[r] =
-            matrix[r] * (double)n[0] + matrix[4 + r] * (double)n[1] + matrix[8 + r] * (double)n[2];
-        right[r] = cofactors[r] * (double)n[0] + cofactors[3 + r] * (double)n[1] +
-                   cofactors[6 + r] * (double)n[2];
+/* The largest angle between the normals through the blended matrix, moved as positions are, and the
+ * right ones. */
+static void measure_angles(
+    pose *p, uint32_t primitive, const float *through, const float *right, size_t count) {
+    norma_skin_info *info = p->info;
+    for (size_t i = 0; i < count; ++i) {
+        double a[3], b[3], cross[3];
+        for (size_t k = 0; k < 3; ++k) {
+            a[k] = (double)through[3 * i + k];
+            b[k] = (double)right[3 * i + k];
+        }
+        norma_core_cross(a, b, cross);
+        const double sine = sqrt(norma_core_dot(cross, cross)), cosine = norma_core_dot(a, b);
+        if (!(sine > 0 || cosine > 0 || cosine < 0) || !isfinite(sine) || !isfinite(cosine))
+            continue;
+        const double angle = norma_core_angle(sine, cosine);
+        if (angle <= info->normal_error_rad) continue;
+        info->normal_error_rad = angle;
+        info->error_mesh = primitive;
+        info->error_vertex = i;
+        info->error_animation = p->animation;
+        info->error_time_s = p->time;
     }
-    norma_core_cross(through, right, cross);
-    const double sine = sqrt(norma_core_dot(cross, cross)), cosine = norma_core_dot(through, right);
-    if (!(sine > 0 || cosine > 0 || cosine < 0) || !isfinite(sine) || !isfinite(cosine)) return;
-    const double angle = norma_core_angle(sine, cosine);
-    if (angle <= info->normal_error_rad) return;
-    info->normal_error_rad = angle;
-    info->error_mesh = s->primitive;
-    info->error_vertex = vertex;
-    info->error_animation = s->p->animation;
-    info->error_time_s = s->p->time;
 }
 
 /* Calls for each primitive that the skin moves and that has normals. */
@@ -483,29 +476,46 @@ static norma_document_result add_vertex_count(
 
 static norma_document_result measure_primitive(
     pose *p, uint32_t primitive, void *user, norma_document_error *error) {
-    const uint32_t normal = p->g->primitives[primitive].base.normal;
-    error_search s = {.p = p, .primitive = primitive};
+    gltf *g = p->g;
+    const uint32_t normal = g->primitives[primitive].base.normal;
+    norma_skin skin = {.matrices = p->matrices, .joint_count = p->joint_count};
+    norma_vec3_view normals = {.count = g->accessors[normal].count};
+    const float *stored = NULL;
     (void)user;
-    s.normal_count = p->g->accessors[normal].count;
     norma_document_result result =
-        spend(p, EFFORT_OF_VERTEX * p->g->primitives[primitive].vertices, error);
-    if (!result) result = norma_gltf_decode(p->g, normal, 3, &s.normals, error);
-    return result ? result
-                  : norma_gltf_blend(
-                        p->g, primitive, p->matrices, p->joint_count, judge_blended, &s, error);
+        spend(p, EFFORT_OF_VERTEX * g->primitives[primitive].vertices, error);
+    if (!result) result = norma_gltf_decode(g, normal, 3, &stored, error);
+    if (!result) result = norma_gltf_read_influences(g, primitive, &skin, error);
+    if (skin.vertex_count > normals.count) skin.vertex_count = normals.count;
+    const size_t count = skin.vertex_count;
+    float *moved = result ? NULL : norma_io_allocate(count, 6 * sizeof *moved);
+    normals.data = stored;
+    if (!moved && !result) result = fail_skin(p, error);
+    norma_result blended =
+        result ? NORMA_ERROR_ARGUMENT : norma_skin_positions(&skin, normals, NULL, moved, count);
+    if (!blended)
+        blended = norma_skin_normals(&skin, normals, NULL, moved + 3 * count, count, NULL);
+    if (!blended) measure_angles(p, primitive, moved, moved + 3 * count, count);
+    if (blended == NORMA_ERROR_MEMORY) result = fail_skin(p, error);
+    free(moved);
+    norma_gltf_free_influences(&skin);
+    return result;
 }
 
 /* worlds: nine numbers for each node; NULL: at rest. */
 static norma_document_result measure_moment(
     pose *p, const double *worlds, norma_document_error *error) {
     for (size_t j = 0; j < p->joint_count; ++j) {
-        double world[16] = {0}, bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+        double world[16] = {0}, bound[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+               matrix[16];
         for (size_t i = 0; i < 9; ++i)
             world[i / 3 * 4 + i % 3] = worlds ? worlds[9 * (size_t)p->joints[j] + i]
                                               : p->g->nodes[p->joints[j]].world[i / 3 * 4 + i % 3];
         world[15] = 1;
         if (p->has_inverse) norma_gltf_doubles(&p->inverse, j, bound);
-        norma_gltf_matrix_multiply(world, bound, p->matrices + 16 * j);
+        norma_gltf_matrix_multiply(world, bound, matrix);
+        for (int i = 0; i < 16; ++i)
+            p->matrices[16 * j + (size_t)i] = i < 12 ? (float)matrix[i] : 0;
     }
     return visit_primitives_of_skin(p, measure_primitive, NULL, error);
 }
@@ -541,7 +551,7 @@ static norma_document_result measure_animations(pose *p, norma_document_error *e
     if (result || !vertices) return result;
     result =
         norma_gltf_read_inverse(p->g, p->skin, p->joint_count, &p->inverse, &p->has_inverse, error);
-    if (!result) result = norma_gltf_spend(p->g, p->skin, p->joint_count, 128, error);
+    if (!result) result = norma_gltf_spend(p->g, p->skin, p->joint_count, 64, error);
     p->matrices = result ? NULL : norma_io_allocate(p->joint_count, 16 * sizeof *p->matrices);
     if (!p->matrices) return result ? result : fail_skin(p, error);
     p->animation = SIZE_MAX;

@@ -149,6 +149,51 @@ static void test_mirrored_skin(void **state) {
     asset_free(&a);
 }
 
+/* The skin of test_skin, on a globe: floats there are half a metre apart, but the mesh keeps its
+ * shape. The tangents become perpendicular to the normals. */
+static void test_far_skin(void **state) {
+    (void)state;
+    const double far = 6378137.3;
+    gltf_asset a = {0};
+    add_skin(&a, 1);
+    norma_document *document = asset_open(
+        &a, PRIMITIVE("") SKIN "3,1]},{\"children\":[1],\"translation\":[0,0,6378137.3]}]", 0);
+    const norma_drawn_mesh drawn = drawn_at(document, 0);
+    assert_at(&drawn, 0, 11, -6, far);
+    assert_at(&drawn, 1, 10, 0.5 * (-1 + -3), far);
+    assert_at(&drawn, 2, 10, -2, far + 1);
+    assert_points_to(drawn.tangents + 8, 1, 0, 0);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
+/* A joint number of a weight that is 0 is not looked at; a matrix that is not finite is named. */
+static void test_unusable_joints(void **state) {
+    (void)state;
+    norma_drawn_mesh drawn;
+    norma_document_error error;
+    for (int broken = 0; broken < 2; broken++) {
+        const double joints[3][4] = {{7, 1, 0, 9}, {0, 1, 8, 0}, {0, 200, 0, 0}};
+        gltf_asset a = {0};
+        add_triangle(&a);
+        asset_numbers(&a, &joints[0][0], 3, 4, 5121, 0);
+        asset_floats(&a, &weights[0][0], 3, 4);
+        asset_floats(&a, &bound[0][0], 2, 16);
+        norma_document *document = asset_open(
+            &a, broken ? PRIMITIVE("") SKIN "1e39,1]}]" : PRIMITIVE("") SKIN "3,1]}]", 0);
+        if (!broken) {
+            drawn = drawn_at(document, 0);
+            assert_at(&drawn, 0, 11, -6, 0);
+        } else {
+            assert_int_equal(norma_document_drawn_mesh(document, 0, 0, 0, &drawn, &error),
+                NORMA_DOCUMENT_ERROR_MALFORMED);
+            assert_non_null(strstr(error.message, "joint 1 of its skin has a matrix that is not"));
+        }
+        norma_document_close(document);
+        asset_free(&a);
+    }
+}
+
 static void test_joint_out_of_range(void **state) {
     (void)state;
     gltf_asset a = {0};
@@ -319,6 +364,8 @@ int main(void) {
         cmocka_unit_test(test_weights),
         cmocka_unit_test(test_skin),
         cmocka_unit_test(test_mirrored_skin),
+        cmocka_unit_test(test_far_skin),
+        cmocka_unit_test(test_unusable_joints),
         cmocka_unit_test(test_joint_out_of_range),
         cmocka_unit_test(test_maps),
         cmocka_unit_test(test_texcoords),
