@@ -113,8 +113,12 @@ killed() {
         status=0
         from=$SECONDS
         (cd "$folder" && export WAIT=$5 && PATH=$3/bin:$PATH LIMIT=60 ranks "$3" 3 bash -c "$AS_RANK"'; if [ "$(as_rank '"$4"' yes no)" = yes ]; then (while kill -0 $$ && ! eval "$WAIT"; do :; done; kill -KILL $$) 2>/dev/null & fi; exec norma-mpi compute ../a.ply -o out.ply --quiet') >"$scratch/log" 2>&1 || status=$?
-        left=$(cd "$folder" && find . -name ".norma-*.tmp" -o -name ".out.ply.*" ! -name "*.lock") # Open MPI's own, of the rank that was killed
-        [ -z "$left" ] || [ "$4" = 0 ] || bad="left behind: $left"
+        for _ in {1..50}; do # the guard has seen the end of the rank that it watches, or will
+            left=$(cd "$folder" && find . -name ".norma-*.tmp" -o -name ".out.ply.*" ! -name "*.lock") # Open MPI's own, of the rank that was killed
+            [ -n "$left" ] || break
+            sleep 0.1
+        done
+        [ -z "$left" ] || bad="left behind: $left"
         [ $((SECONDS - from)) -lt 60 ] || bad="it hung"
         if cmp -s "$folder/out.ply" "$scratch/a.done.ply"; then continue; fi # too late
         if [ "$(cat "$folder/out.ply")" = old ] && [ "$status" != 0 ]; then hit=1; else bad="status $status, another output"; fi

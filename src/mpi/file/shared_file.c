@@ -1,15 +1,18 @@
 /* shared_file.c: slices by MPI-IO; the output is a temporary file that the first rank puts in its
  * place once every rank has written its slice. */
-#define _DEFAULT_SOURCE
+#define _GNU_SOURCE /* pipe2 */
 #include "mpi/file/shared_file.h"
 #include "io/format/format.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
+#include <spawn.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 /* ---- memory that is counted */
@@ -124,21 +127,36 @@ int norma_mpi_read(mpi_job *job, uint64_t offset, void *bytes, size_t size) {
 
 /* ---- writing */
 
-/* Launchers end a job, when a rank has died or someone has pressed Ctrl-C, by SIGTERM. The handler
- * has no other way to know the name. */
-static const char *volatile mpi_left_behind;
-
-static void mpi_tidy(int number) {
-    if (mpi_left_behind) unlink(mpi_left_behind);
-    signal(number, SIG_DFL);
-    raise(number);
+/* The temporary file has a name, since the other ranks open it: should this rank end before it has
+ * put the file in its place, a guard takes the name away. Launchers end a job whose rank has died
+ * by SIGKILL, a few milliseconds after SIGTERM, so no handler could. The guard is a shell in a
+ * process group of its own that waits for the end of a pipe; spawned, not forked, for memory that a
+ * network adapter writes must not become a copy. Without one (no shell) the file would stay. */
+static void guard(mpi_job *job) {
+    char *words[] = {"sh", "-c", "read -r _; rm -f -- \"$0\"", job->temporary, NULL};
+    int ends[2];
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    if (pipe2(ends, O_CLOEXEC)) return;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, ends[0], 0);
+    posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    if (posix_spawnp(&job->guard, "sh", &actions, &attributes, words, environ)) job->guard = 0;
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    close(ends[0]);
+    job->guarded = ends[1];
 }
 
-static void tidy_when_ended(const char *path) {
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    mpi_left_behind = path;
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; ++i)
-        if (signal(numbers[i], path ? mpi_tidy : SIG_DFL) == SIG_IGN) signal(numbers[i], SIG_IGN);
+static void dismiss_guard(mpi_job *job) {
+    if (!job->guard) return;
+    kill(job->guard, SIGKILL);
+    waitpid(job->guard, NULL, 0);
+    close(job->guarded);
+    job->guard = 0;
 }
 
 static int fail_output(mpi_job *job, int failed) {
@@ -155,7 +173,7 @@ static int make_temporary(mpi_job *job) {
     if (strlen(name) >= sizeof job->temporary)
         return norma_mpi_fail(job, "%s: the path is too long", job->output);
     strcpy(job->temporary, name);
-    tidy_when_ended(job->temporary);
+    guard(job);
     return 0;
 }
 
@@ -213,7 +231,7 @@ int norma_mpi_close_output(mpi_job *job, int failed) {
         const int error = norma_file_writer_commit(job->writer);
         if (error) failed = fail_output(job, error);
     }
-    if (job->writer) tidy_when_ended(NULL);
+    dismiss_guard(job);
     job->writer = NULL;
     job->temporary[0] = '\0';
     return norma_mpi_failed(job, failed);

@@ -4,6 +4,7 @@
 #include "io/file/file.h"
 #include "mpi/exchange/exchange.h"
 #include <norma/norma.h>
+#include <sys/types.h>
 
 /* ---- One file that all ranks read, and one that all write, whole or not at all. */
 
@@ -17,6 +18,8 @@ typedef struct mpi_job {
     uint64_t size;        /* of the input */
     file_writer *writer;  /* of the first rank */
     char temporary[1024]; /* the output until it is whole; "" when there is none */
+    pid_t guard;          /* takes the temporary file away should this rank end; 0: none */
+    int guarded;          /* the end of a pipe that it waits at */
     norma_report report;
     uint64_t faces, vertices;
     uint64_t memory, most_memory; /* bytes that this rank has allocated; the most at any time */
