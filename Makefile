@@ -5,7 +5,7 @@ CMAKE_FLAGS ?=
 V ?= 0
 export BUILD PREFIX CMAKE_FLAGS V DESTDIR
 
-.PHONY: all help deps demo engines figures fuzz judges marks firefox dist mpi web test test-all coverage bench asan tsan format lint analyse portable deb install single python python-fuzz blender clean
+.PHONY: all help deps demo engines farms figures fuzz judges marks firefox dist mpi web test test-all coverage bench asan tsan format lint analyse portable deb install single python python-fuzz blender clean
 .DEFAULT_GOAL := all
 
 # If packages cannot be installed (another system, neither root nor sudo), the script names them, and the build does without those that are optional.
@@ -34,6 +34,7 @@ help:
 	@echo "make marks     presses every error and warning of the data set's large files in the page, and counts what is marked in the picture (some minutes)"
 	@echo "make firefox   installs Firefox and Xvfb if they are missing, and runs the page's tests in it (several minutes)"
 	@echo "make engines   installs engines that read glTF (npm and Debian, a gigabyte), draws the acid scene with each and writes docs/engines.md; ENGINES=... for some"
+	@echo "make farms     installs GNU parallel, Snakemake, Dask and Slurm, and runs the recipes of examples/farm on local clusters (a minute)"
 	@echo "make mpi       installs Open MPI and MPICH, builds libnorma-mpi and norma-mpi with each, and tests them on 1 to 16 ranks"
 	@echo "make coverage  shows which lines and branches of core and io the tests run (gcov)"
 	@echo "make portable  checks that results have the same bits with other compilers, as WebAssembly, on 64-bit ARM (qemu) and Windows (Wine)"
@@ -90,6 +91,10 @@ ENGINES ?=
 engines: all
 	@scripts/install-deps.sh engines
 	@NORMA_BIN=$(abspath $(BUILD))/bin/norma tests/engines/run.sh $(ENGINES)
+
+farms: all
+	@scripts/install-deps.sh farms
+	@NORMA_TREE=$(abspath $(BUILD)) NORMA_BIN=$(abspath $(BUILD))/bin/norma tests/cli/farm.sh
 
 figures: all
 	@NORMA_BIN=$(BUILD)/bin/norma scripts/figures.sh

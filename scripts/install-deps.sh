@@ -13,6 +13,7 @@
 #   scripts/install-deps.sh mpi     what `make mpi` needs: Open MPI and MPICH
 #   scripts/install-deps.sh firefox     Firefox and a display without a screen, for `make firefox`
 #   scripts/install-deps.sh engines     the engines of `make engines`, from Debian and npm (tests/engines/package-lock.json), and Chromium
+#   scripts/install-deps.sh farms       GNU parallel, Snakemake, Dask and Slurm, on which `make farms` runs examples/farm
 #   scripts/install-deps.sh deb     what `make deb` needs
 #   scripts/install-deps.sh test    what `make test` needs
 #   scripts/install-deps.sh         what building and `make test-all` need
@@ -36,6 +37,7 @@ fi
 [ "$what" != analyse ] || packages="$packages clang clang-tidy"
 [ "$what" != firefox ] || packages="firefox-esr xvfb"
 [ "$what" != engines ] || packages="chromium xvfb xauth f3d godot3 python3"
+[ "$what" != farms ] || packages="parallel snakemake python3-distributed slurm-wlm python3"
 [ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ] || [ "$what" = test ]; then
