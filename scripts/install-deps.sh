@@ -26,7 +26,7 @@ packages="gcc g++ libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-d
 python_packages="python3-dev python3-numpy python3-setuptools python3-wheel python3-venv"
 web_packages="clang lld wasi-libc libclang-rt-dev-wasm32 esbuild"
 [ "$what" != web ] || packages=$web_packages
-[ "$what" != python ] || packages="$packages $python_packages mypy python3-pytest"
+[ "$what" != python ] || packages="$packages $python_packages mypy python3-pytest python3-meshio"
 [ "$what" != blender ] || packages="$packages $python_packages blender"
 if [ "$what" = bench ]; then
     packages="$packages $web_packages $python_packages g++ libvtk9-dev libopen3d-dev python3-open3d libopenmesh-dev libcgal-dev libassimp-dev libglm-dev libcglm-dev libeigen3-dev"
@@ -45,8 +45,8 @@ if [ "$what" = all ] || [ "$what" = test ]; then
     packages="$packages clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev libjansson-dev mandoc locales clang-format glslang-tools python3"
 fi
 if [ "$what" = all ]; then
-    # admesh, lib3mf, unzip: judges of fixed STL and 3MF files; godot3-server: runs the import gate of examples/gate; spirv-cross: makes GLSL of norma.hlsl, which then runs; curl: fetches a release in the test of the action; chromium: the page's tests; mypy and pytest: those of the Python package.
-    packages="$packages admesh lib3mf1 godot3-server unzip spirv-cross curl $web_packages chromium $python_packages mypy python3-pytest"
+    # admesh, lib3mf, unzip: judges of fixed STL and 3MF files; godot3-server: runs the import gate of examples/gate; spirv-cross: makes GLSL of norma.hlsl, which then runs; curl: fetches a release in the test of the action; chromium: the page's tests; mypy, pytest and meshio (a second reader): those of the Python package.
+    packages="$packages admesh lib3mf1 godot3-server unzip spirv-cross curl $web_packages chromium $python_packages mypy python3-pytest python3-meshio"
 fi
 
 missing=""

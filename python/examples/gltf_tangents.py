@@ -1,18 +1,14 @@
-"""Tangents of a glTF's meshes with the bits of MikkTSpace, as a normal map needs them.
+"""Writes the tangents of a glTF's meshes into it, with the bits of MikkTSpace, as a normal map needs them.
 
-    python gltf_tangents.py model.glb
+    python gltf_tangents.py model.glb with-tangents.glb
 """
 import sys
 
 import norma_mesh as norma
 
-for mesh in norma.open(sys.argv[1]).meshes:
-    if mesh.normals is None or mesh.texcoords is None:
-        print(f"{mesh.where}: no normals or texture coordinates")
-        continue
-    tangents, report = norma.tangents(
-        mesh.positions, mesh.normals, mesh.texcoords, mesh.faces,
-        normal_faces=mesh.normal_faces, texcoord_faces=mesh.texcoord_faces, report=True,
-    )
-    tangents[:, 3] *= -1  # glTF: v runs downwards
-    print(f"{mesh.where}: {len(tangents)} corners, {report.degenerate} without texture area")
+source, target = sys.argv[1:3]
+model = norma.open(source)
+done = model.tangents(only="missing")
+model.save(target)
+print(f"{done.primitives} meshes got tangents; {done.left_out} triangles have no normals or texture coordinates")
+print(f"{done.vertices_before} vertices became {done.vertices_after}; {done.degenerate} corners have no texture area")

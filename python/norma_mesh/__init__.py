@@ -28,10 +28,11 @@ from ._calls import (
     vertex_normals,
 )
 from ._check import Deviation, Finding, Report, Rule, Sample, check, rules
-from ._files import ComputeSummary, Document, FileError, FileMesh, FixSummary, open
+from ._files import ComputeSummary, Document, FileError, FileMesh, FixSummary, TangentSummary, TransformSummary, open
 from ._norma import version as _version
 from ._results import Comparison, Indexed, MatrixInfo, NormalReport, OrientReport, Split, TangentReport
 from ._skins import Skin
+from ._write import write
 
 __version__: str = _version()
 __all__ = [
@@ -54,6 +55,8 @@ __all__ = [
     "Skin",
     "Split",
     "TangentReport",
+    "TangentSummary",
+    "TransformSummary",
     "check",
     "compare",
     "corner_normals",
@@ -72,4 +75,5 @@ __all__ = [
     "tangents",
     "transform_normals",
     "vertex_normals",
+    "write",
 ]

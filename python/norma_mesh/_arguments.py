@@ -22,9 +22,16 @@ Indices = NDArray[np.uint32]
 #: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each three
 #: positions are a triangle. None beside an object that has faces.
 Faces = Union[ArrayLike, Sequence[ArrayLike], Tuple[ArrayLike, ArrayLike], Literal["soup"], None]
-Weld = Union[str, float]
-Fallback = Union[str, Sequence[float]]
+Weight = Literal["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"]
+Weld = Union[Literal["exact", "none"], float]  #: equal positions share a normal, none do, or those within a distance
+Fallback = Union[Literal["zero", "nearest"], Sequence[float], Array]
+NonManifold = Literal["hard", "smooth"]
+TangentMode = Literal["mikk", "steady"]
+Encoding = Literal["oct8", "oct12", "oct16", "10-10-10-2"]
+Profile = Literal["auto", "render", "print", "generated"]
 
+POINTS = ("Points alone are no surface: estimate their normals from neighbours (Open3D's estimate_normals), "
+          "or make a mesh of them first")
 WEIGHTS = {name: number for number, name in enumerate(_norma.weights())}
 NON_MANIFOLD = {"hard": 0, "smooth": 1}
 ALL_THREADS = 0xFFFFFFFF
@@ -111,10 +118,10 @@ def weld_of(weld: Weld) -> Tuple[int, float]:
 
 
 def options(
-    weight: str = "angle",
+    weight: Weight = "angle",
     weld: Weld = "exact",
     fallback: Fallback = "zero",
-    non_manifold: str = "hard",
+    non_manifold: NonManifold = "hard",
     threads: Optional[int] = None,
     normal_stride: int = 0,
 ) -> Tuple[Any, ...]:
@@ -283,7 +290,7 @@ def _face_starts(values: ArrayLike) -> Indices:
 def _split_faces(faces: Faces) -> Tuple[Optional[Array], Optional[Indices]]:
     """(corners of any shape, offsets or None for triangles) of faces in any of their forms."""
     if faces is None:
-        raise TypeError("faces: indices are needed; \"soup\" makes a triangle of each three positions")
+        raise TypeError(f"faces: indices are needed; \"soup\" makes a triangle of each three positions. {POINTS}")
     if isinstance(faces, str):
         if faces != "soup":
             raise ValueError(f"faces: indices or 'soup' are needed, not {faces!r}")
@@ -312,20 +319,84 @@ def _split_faces(faces: Faces) -> Tuple[Optional[Array], Optional[Indices]]:
     return array, np.arange(array.shape[0] + 1, dtype=np.uint32) * np.uint32(array.shape[1])
 
 
+def _vtk_array(values: Any) -> Array:
+    """The numbers of a vtkDataArray, which hands out its memory."""
+    return np.asarray(memoryview(values))
+
+
+def _padded(cells: Array) -> Faces:
+    """Polygons of cells as VTK lists them: 3, a, b, c, 4, a, b, c, d."""
+    if cells.size == 0:
+        return np.empty((0, 3), np.uint32)
+    width = int(cells[0])
+    if cells.size % (width + 1) == 0 and (cells[:: width + 1] == width).all():
+        return cells.reshape(-1, width + 1)[:, 1:]
+    polygons, at = [], 0
+    while at < cells.size:
+        polygons.append(cells[at + 1 : at + 1 + int(cells[at])])
+        at += int(cells[at]) + 1
+    return polygons
+
+
+def _cell_blocks(blocks: Any) -> Faces:
+    """The faces of meshio's cells: blocks of one type each; lines and vertices are no faces."""
+    parts = [np.asarray(block.data) for block in blocks if block.type in ("triangle", "quad", "polygon") or block.type.startswith("polygon")]
+    solids = sorted({block.type for block in blocks} - {"vertex", "line", "triangle", "quad", "polygon"})
+    if not parts:
+        found = ", ".join(solids) or "points or lines"
+        raise TypeError(f"positions: faces (triangle, quad, polygon) are needed, not {found}")
+    if len(parts) == 1:
+        return parts[0]
+    corners = np.concatenate([part.reshape(-1) for part in parts])
+    sizes = np.concatenate([np.full(len(part), part.shape[1], np.int64) for part in parts])
+    return corners, np.concatenate([[0], np.cumsum(sizes)])
+
+
+def _tensor(values: Any) -> Array:
+    """A tensor of Open3D or of torch, as an array."""
+    for step in ("detach", "cpu", "numpy"):
+        values = getattr(values, step)() if hasattr(values, step) else values
+    return np.asarray(values)
+
+
+def parts_of(whole: Any) -> Tuple[Any, Faces]:
+    """Positions and faces of an object that has both by their usual names: a mesh of `norma.open`,
+    trimesh, meshio, Open3D (both kinds), pyvista and vtkPolyData."""
+    if hasattr(whole, "GetPolys") and hasattr(whole, "GetPoints"):  # VTK, pyvista
+        if whole.GetNumberOfStrips():
+            raise TypeError("positions: strips are no faces yet; vtkTriangleFilter makes triangles of them")
+        points, polygons = whole.GetPoints(), whole.GetPolys()
+        if points is None or polygons.GetNumberOfCells() == 0:
+            return np.empty((0, 3)) if points is None else _vtk_array(points.GetData()), None
+        return _vtk_array(points.GetData()), (_vtk_array(polygons.GetConnectivityArray()), _vtk_array(polygons.GetOffsetsArray()))
+    if hasattr(whole, "vertex") and hasattr(whole, "triangle"):  # Open3D's tensors
+        if "indices" not in whole.triangle:
+            return _tensor(whole.vertex["positions"]), None
+        return _tensor(whole.vertex["positions"]), _tensor(whole.triangle["indices"])
+    positions = next((getattr(whole, name) for name in ("positions", "vertices", "points") if hasattr(whole, name)), None)
+    if positions is None or isinstance(whole, np.ndarray):
+        return whole, None
+    faces = next((getattr(whole, name) for name in ("faces", "triangles", "cells") if hasattr(whole, name)), None)
+    if isinstance(faces, list) and faces and hasattr(faces[0], "type"):
+        faces = _cell_blocks(faces)
+    elif faces is not None and not isinstance(faces, (tuple, list)):
+        faces = as_array("faces", faces)
+        faces = _padded(faces) if faces.ndim == 1 else faces
+    return as_array("positions", positions), faces
+
+
 def mesh(
     positions: Any,
     faces: Faces,
     smoothing_groups: Optional[ArrayLike] = None,
     hard_edges: Optional[ArrayLike] = None,
 ) -> Mesh:
-    """A mesh from positions and faces, or from an object that has vertices and faces (trimesh) or
-    vertices and triangles (Open3D)."""
-    if faces is None and hasattr(positions, "vertices"):
+    """A mesh from positions and faces, or from an object that has both (see `parts_of`)."""
+    if faces is None:
         whole = positions
-        given_faces = getattr(whole, "faces", getattr(whole, "triangles", None))
-        if given_faces is None:
-            raise TypeError("positions: an object with vertices needs faces or triangles too")
-        faces, positions = as_array("faces", given_faces), as_array("positions", whole.vertices)
+        positions, faces = parts_of(whole)
+        if faces is None and positions is not whole:
+            raise TypeError(f"positions: an object with vertices needs faces (triangles, cells) too. {POINTS}")
     points, kind = vectors("positions", positions)
     given, starts = _split_faces(faces)
     corners = None if given is None else indices("faces", given)

@@ -2,15 +2,10 @@
  * numbers. A refused call is asked once more what was wrong, so that the message can name it. */
 #include "_norma.h"
 
-typedef struct mesh_call {
-    norma_mesh mesh;
-    norma_options options;
-} mesh_call;
-
 /* The first two arguments of each call on a mesh: (positions, count, stride, format, corners,
  * count, size, face_starts, face_count, groups, hard) and (weight, weld, weld_distance,
  * non_manifold, fallback, x, y, z, stride, reasons, threads). */
-static int parse_mesh_call(PyObject *mesh, PyObject *options, mesh_call *call) {
+int norma_py_mesh_call(PyObject *mesh, PyObject *options, mesh_call *call) {
     address positions, corners, starts, groups, hard, reasons;
     Py_ssize_t count, stride, corner_count, corner_size, face_count, normal_stride;
     int format, weight, weld, non_manifold, fallback;
@@ -72,7 +67,7 @@ static PyObject *normals(PyObject *self, PyObject *arguments) {
     norma_report report;
     (void)self;
     if (!PyArg_ParseTuple(arguments, "OOifKn", &mesh, &options, &of, &crease, &out, &capacity) ||
-        !parse_mesh_call(mesh, options, &call))
+        !norma_py_mesh_call(mesh, options, &call))
         return NULL;
     watch w;
     begin_call(&call, &w);
@@ -101,7 +96,7 @@ static PyObject *split(PyObject *self, PyObject *arguments) {
     (void)self;
     if (!PyArg_ParseTuple(
             arguments, "OOfKKKn", &mesh, &options, &crease, &corners, &sources, &out, &capacity) ||
-        !parse_mesh_call(mesh, options, &call))
+        !norma_py_mesh_call(mesh, options, &call))
         return NULL;
     watch w;
     begin_call(&call, &w);
@@ -112,7 +107,7 @@ static PyObject *split(PyObject *self, PyObject *arguments) {
     return Py_BuildValue("Nn", norma_py_counts(&report), (Py_ssize_t)vertices);
 }
 
-static int parse_attribute(PyObject *tuple, norma_attribute *attribute) {
+int norma_py_attribute(PyObject *tuple, norma_attribute *attribute) {
     address data, corners;
     Py_ssize_t count, stride;
     int format, of;
@@ -139,8 +134,8 @@ static PyObject *tangents(PyObject *self, PyObject *arguments) {
     norma_report report;
     (void)self;
     if (!PyArg_ParseTuple(arguments, "OOOOiKn", &mesh, &options, &n, &t, &mode, &out, &capacity) ||
-        !parse_mesh_call(mesh, options, &call) || !parse_attribute(n, &directions) ||
-        !parse_attribute(t, &texcoords))
+        !norma_py_mesh_call(mesh, options, &call) || !norma_py_attribute(n, &directions) ||
+        !norma_py_attribute(t, &texcoords))
         return NULL;
     watch w;
     begin_call(&call, &w);
@@ -209,7 +204,7 @@ static PyObject *orient(PyObject *self, PyObject *arguments) {
     norma_orient_report r;
     (void)self;
     if (!PyArg_ParseTuple(arguments, "OOiKn", &mesh, &options, &by_rays, &reverse, &capacity) ||
-        !parse_mesh_call(mesh, options, &call))
+        !norma_py_mesh_call(mesh, options, &call))
         return NULL;
     watch w;
     begin_call(&call, &w);
@@ -241,7 +236,8 @@ static PyObject *compare(PyObject *self, PyObject *arguments) {
         return NULL;
     for (int i = 0; i < 2; i++) {
         norma_attribute n;
-        if (!parse_mesh_call(meshes[i], options, &calls[i]) || !parse_attribute(normals_of[i], &n))
+        if (!norma_py_mesh_call(meshes[i], options, &calls[i]) ||
+            !norma_py_attribute(normals_of[i], &n))
             return NULL;
         surfaces[i] =
             (norma_surface){calls[i].mesh, {n.data, n.count, n.stride, n.format}, n.corners};
@@ -278,7 +274,7 @@ static PyObject *plan(PyObject *self, PyObject *arguments) {
     norma_plan *made = NULL;
     (void)self;
     if (!PyArg_ParseTuple(arguments, "OOif", &mesh, &options, &of, &crease) ||
-        !parse_mesh_call(mesh, options, &call))
+        !norma_py_mesh_call(mesh, options, &call))
         return NULL;
     watch w;
     begin_call(&call, &w);
@@ -305,7 +301,7 @@ static PyObject *plan_update(PyObject *self, PyObject *arguments) {
     (void)self;
     if (!PyArg_ParseTuple(arguments, "OOOKnKn", &capsule, &mesh, &options, &moved, &moved_count,
             &out, &capacity) ||
-        !parse_mesh_call(mesh, options, &call))
+        !norma_py_mesh_call(mesh, options, &call))
         return NULL;
     const norma_plan *of = PyCapsule_GetPointer(capsule, PLAN);
     if (!of) return NULL;

@@ -10,10 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 from . import _norma
 from ._arguments import (
     Array,
+    Encoding,
     Faces,
     Fallback,
     Floats,
     Mesh,
+    NonManifold,
+    TangentMode,
+    Weight,
     Weld,
     as_array,
     choice,
@@ -33,7 +37,7 @@ from ._arguments import (
 from ._results import Comparison, Indexed, MatrixInfo, NormalReport, OrientReport, Split, TangentReport, report_of
 
 _FACES, _VERTICES, _CORNERS = 0, 1, 2
-_MODES = {"steady": 0, "mikk": 1}
+MODES = {"steady": 0, "mikk": 1}
 _OPEN = {"kept": 0, "rays": 1}
 _PER = {"vertex": 0, "corner": 1}
 _ENCODINGS = {"oct8": 0, "oct12": 1, "oct16": 2, "10-10-10-2": 3}
@@ -88,7 +92,7 @@ def face_normals(
 ) -> Union[Floats, Tuple[Floats, NormalReport]]:
     """The unit normal of each face, (faces, 3) float32; concave polygons too.
 
-    positions: (n, 3) numbers, or an object with `vertices` and `faces` or `triangles`.
+    positions: (n, 3) numbers, or a whole mesh: of `norma.open`, trimesh, meshio, Open3D, pyvista, VTK.
     faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each
         three positions are a triangle. It may be left out only beside an object that has faces.
     fallback: what a face without a direction gets: "zero", "nearest" or three numbers.
@@ -105,13 +109,13 @@ def face_normals(
 
 @overload
 def vertex_normals(
-    positions: Any, faces: Faces = ..., *, weight: str = ..., weld: Weld = ...,
+    positions: Any, faces: Faces = ..., *, weight: Weight = ..., weld: Weld = ...,
     fallback: Fallback = ..., threads: Optional[int] = ..., out: Optional[Floats] = ...,
     report: Literal[False] = ...,
 ) -> Floats: ...
 @overload
 def vertex_normals(
-    positions: Any, faces: Faces = ..., *, weight: str = ..., weld: Weld = ...,
+    positions: Any, faces: Faces = ..., *, weight: Weight = ..., weld: Weld = ...,
     fallback: Fallback = ..., threads: Optional[int] = ..., out: Optional[Floats] = ...,
     report: Literal[True],
 ) -> Tuple[Floats, NormalReport]: ...
@@ -119,7 +123,7 @@ def vertex_normals(
     positions: Any,
     faces: Faces = None,
     *,
-    weight: str = "angle",
+    weight: Weight = "angle",
     weld: Weld = "exact",
     fallback: Fallback = "zero",
     threads: Optional[int] = None,
@@ -147,15 +151,15 @@ def vertex_normals(
 
 @overload
 def corner_normals(
-    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: str = ...,
-    weld: Weld = ..., non_manifold: str = ..., smoothing_groups: Optional[ArrayLike] = ...,
+    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: Weight = ...,
+    weld: Weld = ..., non_manifold: NonManifold = ..., smoothing_groups: Optional[ArrayLike] = ...,
     hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
     threads: Optional[int] = ..., out: Optional[Floats] = ..., report: Literal[False] = ...,
 ) -> Floats: ...
 @overload
 def corner_normals(
-    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: str = ...,
-    weld: Weld = ..., non_manifold: str = ..., smoothing_groups: Optional[ArrayLike] = ...,
+    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: Weight = ...,
+    weld: Weld = ..., non_manifold: NonManifold = ..., smoothing_groups: Optional[ArrayLike] = ...,
     hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
     threads: Optional[int] = ..., out: Optional[Floats] = ..., report: Literal[True],
 ) -> Tuple[Floats, NormalReport]: ...
@@ -164,9 +168,9 @@ def corner_normals(
     faces: Faces = None,
     *,
     crease: float = 60.0,
-    weight: str = "angle",
+    weight: Weight = "angle",
     weld: Weld = "exact",
-    non_manifold: str = "hard",
+    non_manifold: NonManifold = "hard",
     smoothing_groups: Optional[ArrayLike] = None,
     hard_edges: Optional[ArrayLike] = None,
     fallback: Fallback = "zero",
@@ -198,15 +202,15 @@ def corner_normals(
 
 @overload
 def split(
-    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: str = ...,
-    weld: Weld = ..., non_manifold: str = ..., smoothing_groups: Optional[ArrayLike] = ...,
+    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: Weight = ...,
+    weld: Weld = ..., non_manifold: NonManifold = ..., smoothing_groups: Optional[ArrayLike] = ...,
     hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
     threads: Optional[int] = ..., report: Literal[False] = ...,
 ) -> Split: ...
 @overload
 def split(
-    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: str = ...,
-    weld: Weld = ..., non_manifold: str = ..., smoothing_groups: Optional[ArrayLike] = ...,
+    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: Weight = ...,
+    weld: Weld = ..., non_manifold: NonManifold = ..., smoothing_groups: Optional[ArrayLike] = ...,
     hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
     threads: Optional[int] = ..., report: Literal[True],
 ) -> Tuple[Split, NormalReport]: ...
@@ -215,9 +219,9 @@ def split(
     faces: Faces = None,
     *,
     crease: float = 60.0,
-    weight: str = "angle",
+    weight: Weight = "angle",
     weld: Weld = "exact",
-    non_manifold: str = "hard",
+    non_manifold: NonManifold = "hard",
     smoothing_groups: Optional[ArrayLike] = None,
     hard_edges: Optional[ArrayLike] = None,
     fallback: Fallback = "zero",
@@ -257,7 +261,7 @@ def _as_given(m: Mesh, corners: Array) -> Any:
     return corners, m.starts
 
 
-def _attribute(name: str, values: ArrayLike, width: int, m: Mesh, own: Optional[ArrayLike]) -> Tuple[Any, ...]:
+def attribute(name: str, values: ArrayLike, width: int, m: Mesh, own: Optional[ArrayLike]) -> Tuple[Any, ...]:
     array, kind = vectors(name, values, width)
     rows = array.shape[0]
     if own is not None:
@@ -279,14 +283,14 @@ def _attribute(name: str, values: ArrayLike, width: int, m: Mesh, own: Optional[
 @overload
 def tangents(
     positions: Any, normals: ArrayLike, texcoords: ArrayLike, faces: Faces = ..., *,
-    mode: str = ..., weight: str = ..., normal_faces: Optional[ArrayLike] = ...,
+    mode: TangentMode = ..., weight: Weight = ..., normal_faces: Optional[ArrayLike] = ...,
     texcoord_faces: Optional[ArrayLike] = ..., threads: Optional[int] = ...,
     out: Optional[Floats] = ..., report: Literal[False] = ...,
 ) -> Floats: ...
 @overload
 def tangents(
     positions: Any, normals: ArrayLike, texcoords: ArrayLike, faces: Faces = ..., *,
-    mode: str = ..., weight: str = ..., normal_faces: Optional[ArrayLike] = ...,
+    mode: TangentMode = ..., weight: Weight = ..., normal_faces: Optional[ArrayLike] = ...,
     texcoord_faces: Optional[ArrayLike] = ..., threads: Optional[int] = ...,
     out: Optional[Floats] = ..., report: Literal[True],
 ) -> Tuple[Floats, TangentReport]: ...
@@ -296,8 +300,8 @@ def tangents(
     texcoords: ArrayLike,
     faces: Faces = None,
     *,
-    mode: str = "mikk",
-    weight: str = "angle",
+    mode: TangentMode = "mikk",
+    weight: Weight = "angle",
     normal_faces: Optional[ArrayLike] = None,
     texcoord_faces: Optional[ArrayLike] = None,
     threads: Optional[int] = None,
@@ -318,12 +322,12 @@ def tangents(
     array([1., 0., 0., 1.], dtype=float32)
     """
     m = mesh(positions, faces)
-    directions, normal_corners, n = _attribute("normals", normals, 3, m, normal_faces)
-    coordinates, texcoord_corners, t = _attribute("texcoords", texcoords, 2, m, texcoord_faces)
+    directions, normal_corners, n = attribute("normals", normals, 3, m, normal_faces)
+    coordinates, texcoord_corners, t = attribute("texcoords", texcoords, 2, m, texcoord_faces)
     inputs = [a for a in (m.positions, m.corners, directions, coordinates) if a is not None]
     result = output("out", out, m.corner_count, 4, *inputs)
     settings = options(weight=weight, threads=threads, normal_stride=stride(result))
-    counts = _norma.tangents(m.call, settings, n, t, choice("mode", mode, _MODES), _address(result), m.corner_count)
+    counts = _norma.tangents(m.call, settings, n, t, choice("mode", mode, MODES), _address(result), m.corner_count)
     del normal_corners, texcoord_corners  # had to live until here
     if len(counts) != 6:
         refuse(counts, m)
@@ -380,8 +384,8 @@ _SAMPLE = np.dtype([("area", "f8"), ("angle", "f4"), ("distance", "f4"), ("face"
 
 
 def compare(
-    base: Tuple[Any, Faces, ArrayLike],
-    other: Tuple[Any, Faces, ArrayLike],
+    base: Any,
+    other: Any,
     *,
     max_deg: float = 0.0,
     threads: Optional[int] = None,
@@ -390,7 +394,8 @@ def compare(
     if both have the same faces, else at the nearest points of the base, whose normals are
     interpolated there.
 
-    base, other: (positions, faces, normals), with a normal for each position or for each corner.
+    base, other: (positions, faces, normals), with a normal for each position or for each corner; or a
+        mesh of `norma.open` that has normals.
     max_deg: the largest angle allowed, for `share_above`.
 
     >>> import norma_mesh as norma
@@ -406,13 +411,15 @@ def compare(
     surfaces: list[Any] = []
     held: list[Any] = []
     for name, given in (("base", base), ("other", other)):
+        if getattr(given, "corner_normals", None) is not None:
+            given = given.positions, given.faces, given.corner_normals
         if not isinstance(given, tuple) or len(given) != 3:
-            raise TypeError(f"{name}: a tuple of positions, faces and normals is needed")
+            raise TypeError(f"{name}: a tuple of positions, faces and normals is needed, or a file's mesh with normals")
         m = mesh(given[0], given[1])
         each = np.arange(m.corner_count, dtype=np.uint32)
         rows = as_array("normals", given[2]).shape[:1]
         own = each if rows == (m.corner_count,) and rows != m.positions.shape[:1] else None
-        held.append((m, each, _attribute("normals", given[2], 3, m, own)))
+        held.append((m, each, attribute("normals", given[2], 3, m, own)))
         surfaces += [m.call, held[-1][2][2]]
     count = held[1][0].corner_count
     samples = np.empty(count, _SAMPLE)
@@ -433,19 +440,19 @@ def compare(
 
 @overload
 def orient(
-    positions: Any, faces: Faces = ..., *, open: str = ..., weld: Weld = ...,
+    positions: Any, faces: Faces = ..., *, open: Literal["kept", "rays"] = ..., weld: Weld = ...,
     threads: Optional[int] = ..., report: Literal[False] = ...,
 ) -> Any: ...
 @overload
 def orient(
-    positions: Any, faces: Faces = ..., *, open: str = ..., weld: Weld = ...,
+    positions: Any, faces: Faces = ..., *, open: Literal["kept", "rays"] = ..., weld: Weld = ...,
     threads: Optional[int] = ..., report: Literal[True],
 ) -> Tuple[Any, OrientReport]: ...
 def orient(
     positions: Any,
     faces: Faces = None,
     *,
-    open: str = "kept",
+    open: Literal["kept", "rays"] = "kept",
     weld: Weld = "exact",
     threads: Optional[int] = None,
     report: bool = False,
@@ -505,10 +512,10 @@ class Plan:
         positions: Any,
         faces: Faces = None,
         *,
-        per: str = "vertex",
+        per: Literal["vertex", "corner"] = "vertex",
         crease: float = 180.0,
         weld: Weld = "exact",
-        non_manifold: str = "hard",
+        non_manifold: NonManifold = "hard",
         smoothing_groups: Optional[ArrayLike] = None,
         hard_edges: Optional[ArrayLike] = None,
         threads: Optional[int] = None,
@@ -534,7 +541,7 @@ class Plan:
         positions: ArrayLike,
         moved: Optional[ArrayLike] = None,
         *,
-        weight: str = "angle",
+        weight: Weight = "angle",
         fallback: Fallback = "zero",
         threads: Optional[int] = None,
         out: Optional[Floats] = None,
@@ -585,6 +592,11 @@ def _models(name: str, values: ArrayLike, many: bool) -> NDArray[Any]:
         whole[..., :3, :3], whole[..., 3, 3] = array, 1
         return whole
     return np.ascontiguousarray(array, kind)
+
+
+def matrix_columns(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """A model as sixteen doubles, column after column."""
+    return np.ascontiguousarray(_models(name, values, False).T, np.float64)
 
 
 def normal_matrix(model: ArrayLike) -> NDArray[Any]:
@@ -662,14 +674,14 @@ def transform_normals(matrix: ArrayLike, normals: ArrayLike, *, out: Optional[Fl
 
 @overload
 def encode_normals(
-    normals: ArrayLike, encoding: str = ..., *, report: Literal[False] = ...,
+    normals: ArrayLike, encoding: Encoding = ..., *, report: Literal[False] = ...,
 ) -> NDArray[np.uint32]: ...
 @overload
 def encode_normals(
-    normals: ArrayLike, encoding: str = ..., *, report: Literal[True],
+    normals: ArrayLike, encoding: Encoding = ..., *, report: Literal[True],
 ) -> Tuple[NDArray[np.uint32], NormalReport]: ...
 def encode_normals(
-    normals: ArrayLike, encoding: str = "oct16", *, report: bool = False
+    normals: ArrayLike, encoding: Encoding = "oct16", *, report: bool = False
 ) -> Union[NDArray[np.uint32], Tuple[NDArray[np.uint32], NormalReport]]:
     """The nearest code of each normal, (n,) uint32, x in the lowest bits.
 
@@ -691,7 +703,7 @@ def encode_normals(
     return (codes, report_of(answer)) if report else codes
 
 
-def decode_normals(codes: ArrayLike, encoding: str = "oct16", *, out: Optional[Floats] = None) -> Floats:
+def decode_normals(codes: ArrayLike, encoding: Encoding = "oct16", *, out: Optional[Floats] = None) -> Floats:
     """The unit normals of codes, (n, 3) float32.
 
     codes: (n,) integers of 32 bits.  encoding: as for `encode_normals`.  out: an array to write to.
@@ -716,7 +728,7 @@ def decode_normals(codes: ArrayLike, encoding: str = "oct16", *, out: Optional[F
     return result
 
 
-def encoding_error_deg(encoding: str) -> float:
+def encoding_error_deg(encoding: Encoding) -> float:
     """The largest angle between any unit vector and what its code is decoded to, proven.
 
     >>> import norma_mesh as norma

@@ -60,22 +60,25 @@ static PyObject *findings_list(norma_findings *findings) {
     return answer;
 }
 
-/* check(path in bytes, profile, strict, samples, mask of rules in bytes or None, threads) ->
- * (profile, partly, unreadable, [findings]); why it was refused if there was no memory */
+/* check(path in bytes or None, the file's bytes or None, format, profile, strict, samples, mask of
+ * rules in bytes or None, threads) -> (profile, partly, unreadable, [findings]); why it was refused
+ * if there was no memory */
 static PyObject *check(PyObject *self, PyObject *arguments) {
-    const char *path, *mask;
-    int profile, strict;
+    const char *mask;
+    PyObject *path, *bytes;
+    int format, profile, strict;
     Py_ssize_t samples, mask_size;
     unsigned int threads;
     norma_document *document = NULL;
     norma_findings *findings = NULL;
     norma_document_error error = {0};
     (void)self;
-    if (!PyArg_ParseTuple(
-            arguments, "yipnz#I", &path, &profile, &strict, &samples, &mask, &mask_size, &threads))
+    if (!PyArg_ParseTuple(arguments, "OOiipnz#I", &path, &bytes, &format, &profile, &strict,
+            &samples, &mask, &mask_size, &threads))
         return NULL;
     watch w = norma_py_give_up_lock();
     const norma_document_options opening = {.struct_size = sizeof opening,
+        .format = (norma_file_format)format,
         .threads = threads,
         .progress = norma_py_let_signals_in,
         .progress_user = &w,
@@ -88,14 +91,17 @@ static PyObject *check(PyObject *self, PyObject *arguments) {
         .threads = threads,
         .progress = norma_py_let_signals_in,
         .progress_user = &w};
-    norma_document_result result = norma_document_open(path, &opening, &document, &error);
+    norma_document_result result = norma_py_open(path, bytes, &opening, &document, &error);
     const int unreadable = result != NORMA_DOCUMENT_OK;
     if (!unreadable) result = norma_check_document(document, &options, &findings, &error);
     if (!unreadable && result == NORMA_DOCUMENT_OK)
         result =
             norma_document_try_fixes(document, &options, NORMA_SEVERITY_INFO, findings, &error);
     if (unreadable && result != NORMA_DOCUMENT_ERROR_MEMORY)
-        findings = norma_check_unreadable(&error, norma_file_format_of_path(path), &options);
+        findings = norma_check_unreadable(&error,
+            format || path == Py_None ? (norma_file_format)format
+                                      : norma_file_format_of_path(PyBytes_AsString(path)),
+            &options);
     norma_document_close(document);
     if (result != NORMA_DOCUMENT_OK && !unreadable) {
         norma_findings_free(findings);
@@ -108,6 +114,60 @@ static PyObject *check(PyObject *self, PyObject *arguments) {
     if (!findings) return norma_py_document_refusal(result, &error);
     PyObject *list = findings_list(findings);
     return list ? Py_BuildValue("Ni", list, unreadable) : NULL;
+}
+
+/* check_arrays(mesh, options, normals or None, profile, strict, samples, mask of rules or None) ->
+ * (profile, partly, [findings]), or why it was refused. Normals are one for each corner if they
+ * have corners, else one for each position. */
+static PyObject *check_arrays(PyObject *self, PyObject *arguments) {
+    PyObject *mesh, *options_of, *normals;
+    const char *mask;
+    int profile, strict;
+    Py_ssize_t samples, mask_size;
+    mesh_call call;
+    norma_attribute n = {0};
+    norma_findings *findings = NULL;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "OOOipnz#", &mesh, &options_of, &normals, &profile, &strict,
+            &samples, &mask, &mask_size) ||
+        !norma_py_mesh_call(mesh, options_of, &call) ||
+        (normals != Py_None && !norma_py_attribute(normals, &n)))
+        return NULL;
+    const size_t faces = call.mesh.face_starts ? call.mesh.face_count : call.mesh.corner_count / 3;
+    const norma_check_mesh one = {.info = {.name = "",
+                                      .where = "",
+                                      .vertices = call.mesh.positions.count,
+                                      .faces = faces,
+                                      .triangles = call.mesh.corner_count - 2 * faces,
+                                      .normals = !n.count    ? NORMA_NORMALS_NONE
+                                                 : n.corners ? NORMA_NORMALS_PER_CORNER
+                                                             : NORMA_NORMALS_PER_VERTEX,
+                                      .encoding = n.count ? "float" : ""},
+        .data = {.mesh = call.mesh,
+            .normals = {n.data, n.count, n.stride, n.format},
+            .corner_normals = n.corners},
+        .attributes = {.material = SIZE_MAX, .tangent_encoding = "", .ignore = ""},
+        .material = {.name = "", .where = "", .base_color = {1, 1, 1, 1}, .ignore = ""}};
+    const norma_check_scene scene = {
+        .meshes = &one, .mesh_count = 1, .format = n.corners ? NORMA_FILE_OBJ : NORMA_FILE_PLY};
+    watch w = norma_py_give_up_lock();
+    const norma_check_options options = {.struct_size = sizeof options,
+        .profile = (norma_check_profile)profile,
+        .strict = strict,
+        .max_samples = (size_t)samples,
+        .rules = (const uint8_t *)mask,
+        .threads = call.options.threads,
+        .progress = norma_py_let_signals_in,
+        .progress_user = &w};
+    const norma_result result = norma_check_scene_run(&scene, &options, &findings);
+    if (norma_py_take_lock(&w)) {
+        norma_findings_free(findings);
+        return NULL;
+    }
+    if (result == NORMA_OK) return findings_list(findings);
+    norma_fault fault;
+    norma_find_fault(&call.mesh, NULL, &call.options, &fault);
+    return norma_py_refusal(result, &fault);
 }
 
 /* The notes of a document from the given one on, as texts. */
@@ -201,6 +261,7 @@ static PyObject *bounds(PyObject *self, PyObject *unused) {
 }
 
 PyMethodDef norma_py_rules[] = {{"check", check, METH_VARARGS, NULL},
+    {"check_arrays", check_arrays, METH_VARARGS, NULL},
     {"document_fix", document_fix, METH_VARARGS, NULL}, {"rules", rules, METH_NOARGS, NULL},
     {"rules_select", rules_select, METH_VARARGS, NULL}, {"bounds", bounds, METH_NOARGS, NULL},
     {NULL, NULL, 0, NULL}};

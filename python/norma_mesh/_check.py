@@ -12,9 +12,13 @@ import sys
 from dataclasses import dataclass, field
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from . import _norma
-from ._arguments import WEIGHTS, choice, count_of, given_degrees, thread_count
-from ._files import Path, bytes_of, raise_document
+from ._arguments import WEIGHTS, Faces, Profile, choice, count_of, given_degrees, mesh, options, parts_of, refuse, thread_count
+from ._calls import attribute
+from ._files import FORMATS, Document, FileError, FileMesh, Format, bytes_of, raise_document, source_of
 from ._selection import PROFILES, Names, mask_of
 from ._tool import tool_path
 
@@ -85,6 +89,7 @@ class Finding:
     mesh: Optional[str] = None  #: the same for equal meshes, in whichever file; None: not about one
     cause: str = ""  #: how such a fault usually arises; the same for all findings of a rule
     impact: str = ""  #: what it does to pictures or programs; the same for all findings of a rule
+    path: str = ""  #: of the file; "arrays": of arrays
 
     def __str__(self) -> str:
         place = f"{self.label}: " if self.label else ""
@@ -135,14 +140,20 @@ def _deviation_json(d: Deviation) -> Dict[str, Any]:
 
 @dataclass(frozen=True)
 class Report:
-    """What `check` found in a file. Iterate over it, or look at `.errors`; in a notebook it is a
-    table."""
+    """What `check` found. Iterate over it, or look at `.errors`; in a notebook it is a table. Of a
+    folder or a list it holds the findings of all files, and `files` has a report of each."""
 
     path: str
     profile: str  #: "render", "print" or "generated"
     status: str  #: "checked", "partly" or "unreadable"
     findings: Tuple[Finding, ...]
     _time: int = field(default=-1, repr=False, compare=False)
+    _parts: Optional[Tuple[Report, ...]] = field(default=None, repr=False)
+
+    @property
+    def files(self) -> Tuple[Report, ...]:
+        """A report of each file: of one file, the report itself."""
+        return (self,) if self._parts is None else self._parts
 
     def _of(self, severity: str) -> List[Finding]:
         return [finding for finding in self.findings if finding.severity == severity]
@@ -172,29 +183,44 @@ class Report:
 
     def to_json(self, indent: Optional[int] = None) -> str:
         """The report as `norma check --format json` writes it (schema norma-check/1)."""
+        unreadable = any(file.status == "unreadable" for file in self.files)
         summary = {
             "errors": len(self.errors),
             "warnings": len(self.warnings),
             "infos": len(self.infos),
-            "files": 1,
-            "not_checked": int(self.status != "checked"),
-            "exit_status": 3 if self.status == "unreadable" else int(bool(self.errors)),
+            "files": len(self.files),
+            "not_checked": sum(file.status != "checked" for file in self.files),
+            "exit_status": 3 if unreadable else int(bool(self.errors)),
         }
-        entry = {
-            "path": self.path,
-            "profile": self.profile,
-            "status": self.status,
-            "findings": [_finding_json(finding) for finding in self.findings],
-        }
-        report = {"schema": "norma-check/1", "files": [entry], "summary": summary}
+        entries = [
+            {
+                "path": file.path,
+                "profile": file.profile,
+                "status": file.status,
+                "findings": [_finding_json(finding) for finding in file.findings],
+            }
+            for file in self.files
+        ]
+        report = {"schema": "norma-check/1", "files": entries, "summary": summary}
         return json.dumps(report, indent=indent, ensure_ascii=False, allow_nan=False)
 
+    def to_pandas(self) -> Any:
+        """The findings as a pandas DataFrame, a row for each; pandas has to be installed."""
+        try:
+            import pandas  # type: ignore[import]
+        except ImportError:
+            raise ImportError("to_pandas: pandas is not installed") from None
+        columns = ("path", "rule", "name", "severity", "where", "label", "count", "worst_value", "unit", "fix", "message", "command", "mesh")
+        return pandas.DataFrame([[getattr(f, column) for column in columns] for f in self.findings], columns=list(columns))
+
     def __str__(self) -> str:
+        if self._parts is not None:
+            return "\n".join([*map(str, self._parts), self._verdict()])
         lines = [str(finding) for finding in self.findings if finding.severity != "info"]
         return "\n".join([*lines, self._verdict()])
 
     def _verdict(self) -> str:
-        if self.status == "unreadable":
+        if self.status == "unreadable" and self._parts is None:
             return f"{self.path}: could not be read"
         counts = [(len(self.errors), "error"), (len(self.warnings), "warning"), (len(self.infos), "info")]
         if not any(count for count, _ in counts):
@@ -214,7 +240,7 @@ class Report:
     def _page(self) -> Optional[str]:
         tool = tool_path()
         try:
-            if not self.findings or not os.path.isfile(tool) or os.stat(self.path).st_mtime_ns != self._time:
+            if not self.findings or self._parts is not None or not os.path.isfile(tool) or os.stat(self.path).st_mtime_ns != self._time:
                 return None
             done = subprocess.run(
                 [tool, "check", "--no-config", "--info", "--format", "html", "--profile", self.profile, "--", self.path],
@@ -229,12 +255,13 @@ class Report:
         colors = {"error": "#b3261e", "warning": "#8a5a00", "info": "#4a5568"}
         rows = "".join(
             f'<tr><td style="color:{colors[f.severity]}">{f.severity}</td>'
+            f"<td>{html.escape(f.path)}</td>"
             f"<td>{html.escape(f.rule)} {html.escape(f.name)}</td><td>{html.escape(f.label)}</td>"
             f'<td style="text-align:right">{f.count}</td>'
             f'<td style="text-align:left">{html.escape(f.message)}</td></tr>'
             for f in self.findings
         )
-        head = "<tr><th>severity</th><th>rule</th><th>where</th><th>count</th><th>what</th></tr>"
+        head = "<tr><th>severity</th><th>file</th><th>rule</th><th>where</th><th>count</th><th>what</th></tr>"
         table = f"<table>{head}{rows}</table>" if rows else ""
         return f"<p><b>{html.escape(self._verdict())}</b></p>{table}"
 
@@ -268,8 +295,8 @@ def _finding_json(finding: Finding) -> Dict[str, Any]:
     return result
 
 
-def _command(path: str, rule: str, fix: Optional[str], profile: str) -> Optional[str]:
-    if fix is None:
+def _command(path: Optional[str], rule: str, fix: Optional[str], profile: str) -> Optional[str]:
+    if fix is None or path is None:
         return None
     stem, ending = os.path.splitext(path)
     flag = "--fix" if fix == "safe" else "--fix-unsafe"
@@ -287,7 +314,7 @@ def _without_path(message: str, path: str) -> str:
     return "line " + rest if line else rest.lstrip()
 
 
-def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool, profile: str) -> Finding:
+def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool, profile: str, on_disk: bool) -> Finding:
     rule, name, severity, where, label, count, value, unit, worst, samples, fix, message, deviation, mesh, cause, impact = parts
     if unreadable:
         message = _without_path(message, path)
@@ -304,18 +331,41 @@ def _finding(parts: Tuple[Any, ...], path: str, unreadable: bool, profile: str) 
         tuple(_sample(sample) for sample in samples),
         _FIXES[fix],
         message,
-        _command(path, rule, _FIXES[fix], profile),
+        _command(path if on_disk else None, rule, _FIXES[fix], profile),
         _deviation(deviation),
         f"{mesh:016x}" if mesh else None,
         cause,
         impact,
+        path,
     )
 
 
+@dataclass(frozen=True)
+class _Settings:
+    """The arguments of a check, looked at."""
+
+    profile: str
+    kind: int
+    strict: bool
+    samples: int
+    mask: Optional[bytes]
+    threads: Optional[int]
+
+    def report(self, path: str, answer: Tuple[Any, ...], unreadable: bool = False, on_disk: bool = True, time: int = -1) -> Report:
+        applied, partly, findings = answer
+        status = "unreadable" if unreadable else "partly" if partly else "checked"
+        found = tuple(_finding(f, path, unreadable, self.profile, on_disk) for f in findings)
+        return Report(path, _PROFILE_NAMES[applied], status, found, time)
+
+
 def check(
-    path: Path,
+    source: Any,
+    faces: Faces = None,
     *,
-    profile: str = "auto",
+    normals: Optional[ArrayLike] = None,
+    name: Optional[str] = None,
+    format: Optional[Format] = None,
+    profile: Profile = "auto",
     select: Names = None,
     ignore: Names = None,
     strict: bool = False,
@@ -324,27 +374,85 @@ def check(
 ) -> Report:
     """Checks the normals of a file, as `norma check` does; configuration files are not read.
 
-    profile: "render", "print", "generated" or "auto" (print for STL and 3MF).  select, ignore: rules by id, beginning of
-    an id ("N3") or name, in a list or with commas.  strict: lengths within 1e-4 of 1.
+    source: a path; a folder, whose files are checked, those in folders below too; a list of paths and
+        folders; a file's contents as bytes; a document of `norma.open`, as it is now; or positions
+        (with `faces`), or a mesh as `norma.vertex_normals` takes it.
+    faces, normals: of positions; normals are one for each position or for each corner.
+    name, format: of bytes, as in `norma.open`.
+    profile: "render", "print", "generated" or "auto" (print for STL and 3MF).  select, ignore: rules by
+        id, beginning of an id ("N3") or name, in a list or with commas.  strict: lengths within 1e-4 of 1.
     A file that is there and cannot be read gives a report with the status "unreadable".
 
     >>> import norma_mesh as norma
     >>> norma.check("assets/goathead.obj").ok
     True
+    >>> [f.rule for f in norma.check([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], normals=[[0, 0, 2]] * 3)]
+    ['N103', 'N204', 'N304']
     """
-    encoded = bytes_of("path", path)
-    shown = os.fsdecode(encoded)
-    if not os.path.exists(encoded):
-        raise FileNotFoundError(2, os.strerror(2), shown)
-    kind = choice("profile", profile, PROFILES)
-    time = os.stat(encoded).st_mtime_ns
-    answer = _norma.check(encoded, kind, bool(strict), count_of("samples", samples, sys.maxsize), mask_of(select, ignore), thread_count(threads))
+    settings = _Settings(profile, choice("profile", profile, PROFILES), bool(strict), count_of("samples", samples, sys.maxsize),
+                         mask_of(select, ignore), threads)
+    if isinstance(source, Document):
+        return _check_file(source.to_bytes(), settings, source.path, source.format)
+    if faces is None and isinstance(source, (list, tuple)) and source and all(isinstance(part, (str, os.PathLike)) for part in source):
+        return _check_files([path for part in source for path in _within(part)], f"{len(source)} paths", settings)
+    if isinstance(source, (str, os.PathLike)) and os.path.isdir(bytes_of("path", source)):
+        return _check_files(_within(source), os.fsdecode(source), settings)
+    if faces is None and not isinstance(source, (bytes, bytearray, memoryview)) and not isinstance(source, (str, os.PathLike)):
+        if not isinstance(source, (list, tuple, np.ndarray)) and parts_of(source)[0] is source:
+            raise TypeError(f"path: a path, bytes, or positions and faces are needed, not {type(source).__name__}")
+    if isinstance(source, (str, os.PathLike, bytes, bytearray, memoryview)):
+        if faces is not None or normals is not None:
+            raise TypeError(f"{'faces' if faces is not None else 'normals'}: only for positions, not for a file")
+        return _check_file(source, settings, name, format)
+    return _check_arrays(source, faces, normals, settings)
+
+
+def _within(path: Any) -> List[str]:
+    """The files of a folder that can be checked, or the path itself."""
+    if not os.path.isdir(bytes_of("path", path)):
+        return [os.fsdecode(path)]
+    endings = {"." + word for word in FORMATS if word} | {".vrm"}
+    found = [os.path.join(folder, file) for folder, _, files in os.walk(os.fsdecode(path)) for file in files]
+    return sorted(file for file in found if os.path.splitext(file)[1].lower() in endings)
+
+
+def _check_files(paths: List[str], shown: str, settings: _Settings) -> Report:
+    if not paths:
+        raise FileError(f"{shown}: holds no OBJ, PLY, STL, glTF or 3MF file, nor a tile")
+    parts = tuple(_check_file(path, settings) for path in paths)
+    worst = max((part.status for part in parts), key=("checked", "partly", "unreadable").index)
+    profiles = {part.profile for part in parts}
+    return Report(shown, profiles.pop() if len(profiles) == 1 else settings.profile, worst,
+                  tuple(finding for part in parts for finding in part.findings), -1, parts)
+
+
+def _check_file(given: object, settings: _Settings, name: Optional[str] = None, format: Optional[str] = None) -> Report:
+    source = source_of("path", given, name, format)
+    on_disk = source.contents is None
+    time = os.stat(source.shown).st_mtime_ns if on_disk else -1
+    answer = _norma.check(source.path, source.contents, source.format, settings.kind, settings.strict, settings.samples,
+                          settings.mask, thread_count(settings.threads))
     if isinstance(answer[0], int):
         raise_document(answer)
-    (applied, partly, findings), unreadable = answer
-    status = "unreadable" if unreadable else "partly" if partly else "checked"
-    found = tuple(_finding(f, shown, bool(unreadable), profile) for f in findings)
-    return Report(shown, _PROFILE_NAMES[applied], status, found, time)
+    return settings.report(source.shown, answer[0], bool(answer[1]), on_disk, time)
+
+
+def _check_arrays(positions: Any, faces: Faces, normals: Optional[ArrayLike], settings: _Settings) -> Report:
+    if normals is None and isinstance(positions, FileMesh):
+        normals = positions.corner_normals
+    m = mesh(positions, faces)
+    parts: Any = None
+    if normals is not None:
+        each = np.arange(m.corner_count, dtype=np.uint32)
+        rows = np.shape(normals)[:1]
+        own = each if rows == (m.corner_count,) and rows != m.positions.shape[:1] else None
+        held = attribute("normals", normals, 3, m, own)
+        parts = held[2]
+    answer = _norma.check_arrays(m.call, options(threads=settings.threads), parts, settings.kind, settings.strict,
+                                 settings.samples, settings.mask)
+    if len(answer) == 4:
+        refuse(answer, m)
+    return settings.report("arrays", answer, on_disk=False)
 
 
 def rules() -> List[Rule]:

@@ -1,5 +1,7 @@
-/* _files.c: documents: opened, read as arrays, computed, saved. */
+/* _files.c: documents: opened, read as arrays, computed, saved; from a path or from bytes. */
 #include "_norma.h"
+#include <stdlib.h>
+#include <string.h>
 
 PyObject *norma_py_document_refusal(
     norma_document_result result, const norma_document_error *error) {
@@ -10,24 +12,37 @@ PyObject *norma_py_document_refusal(
 const char norma_py_document[] = "norma_document";
 
 static void close_document(PyObject *capsule) {
+    PyObject *bytes = PyCapsule_GetContext(capsule);
     norma_document_close(PyCapsule_GetPointer(capsule, norma_py_document));
+    Py_XDECREF(bytes);
 }
 
-/* open_document(path in bytes, threads) -> a capsule, or why it was refused */
+norma_document_result norma_py_open(PyObject *name, PyObject *bytes,
+    const norma_document_options *options, norma_document **document, norma_document_error *error) {
+    const char *path = name == Py_None ? NULL : PyBytes_AsString(name);
+    if (bytes == Py_None) return norma_document_open(path, options, document, error);
+    return norma_document_open_memory(
+        PyBytes_AsString(bytes), (size_t)PyBytes_Size(bytes), path, options, document, error);
+}
+
+/* open_document(path in bytes or None, the file's bytes or None, format, threads) -> a capsule, or
+ * why it was refused. Bytes are read where they are: the capsule keeps them. */
 static PyObject *open_document(PyObject *self, PyObject *arguments) {
-    const char *path;
+    PyObject *path, *bytes;
+    int format;
     unsigned int threads;
     norma_document *document = NULL;
     norma_document_error error = {0};
     (void)self;
-    if (!PyArg_ParseTuple(arguments, "yI", &path, &threads)) return NULL;
+    if (!PyArg_ParseTuple(arguments, "OOiI", &path, &bytes, &format, &threads)) return NULL;
     watch w = norma_py_give_up_lock();
     const norma_document_options options = {.struct_size = sizeof options,
+        .format = (norma_file_format)format,
         .threads = threads,
         .progress = norma_py_let_signals_in,
         .progress_user = &w,
         .lenient = 1};
-    const norma_document_result result = norma_document_open(path, &options, &document, &error);
+    const norma_document_result result = norma_py_open(path, bytes, &options, &document, &error);
     if (norma_py_take_lock(&w)) {
         norma_document_close(document);
         return NULL;
@@ -35,6 +50,7 @@ static PyObject *open_document(PyObject *self, PyObject *arguments) {
     if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);
     PyObject *capsule = PyCapsule_New(document, norma_py_document, close_document);
     if (!capsule) norma_document_close(document);
+    if (capsule && bytes != Py_None && !PyCapsule_SetContext(capsule, bytes)) Py_INCREF(bytes);
     return capsule;
 }
 
@@ -96,18 +112,19 @@ static PyObject *document_arrays(PyObject *self, PyObject *arguments) {
 }
 
 /* document_compute(document, (shading, crease, weight, weld, distance, non_manifold, groups, only,
- * morphs, threads, tangents)) -> (changed, faces, before, after, shading, crease, hard edges,
- * filled, counts), or why it was refused */
+ * morphs, threads, tangents, address of a mark for each mesh or 0)) -> (changed, faces, before,
+ * after, shading, crease, hard edges, filled, counts), or why it was refused */
 static PyObject *document_compute(PyObject *self, PyObject *arguments) {
     PyObject *capsule;
     int shading, weight, weld, non_manifold, groups, only, morphs, tangents;
     double crease, distance;
     unsigned int threads;
+    address meshes;
     norma_compute_summary s;
     norma_document_error error = {0};
     (void)self;
-    if (!PyArg_ParseTuple(arguments, "O(idiidiiipIi)", &capsule, &shading, &crease, &weight, &weld,
-            &distance, &non_manifold, &groups, &only, &morphs, &threads, &tangents))
+    if (!PyArg_ParseTuple(arguments, "O(idiidiiipIiK)", &capsule, &shading, &crease, &weight, &weld,
+            &distance, &non_manifold, &groups, &only, &morphs, &threads, &tangents, &meshes))
         return NULL;
     norma_document *document = PyCapsule_GetPointer(capsule, norma_py_document);
     if (!document) return NULL;
@@ -125,7 +142,8 @@ static PyObject *document_compute(PyObject *self, PyObject *arguments) {
         .threads = threads,
         .progress = norma_py_let_signals_in,
         .progress_user = &w,
-        .tangents = (norma_stored_tangents)tangents};
+        .tangents = (norma_stored_tangents)tangents,
+        .meshes = at(meshes)};
     const norma_document_result result = norma_document_compute(document, &options, &s, &error);
     if (norma_py_take_lock(&w)) return NULL;
     if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);
@@ -156,8 +174,151 @@ static PyObject *document_save(PyObject *self, PyObject *arguments) {
     Py_RETURN_NONE;
 }
 
+/* A file's bytes as they are written. */
+typedef struct written {
+    char *bytes;
+    size_t size, capacity;
+} written;
+
+static int append(void *user, const void *bytes, size_t size) {
+    written *w = user;
+    if (size > w->capacity - w->size) {
+        const size_t capacity = w->size + size + w->capacity / 2;
+        char *larger = capacity > w->size ? realloc(w->bytes, capacity) : NULL;
+        if (!larger) return 1;
+        w->bytes = larger;
+        w->capacity = capacity;
+    }
+    memcpy(w->bytes + w->size, bytes, size);
+    w->size += size;
+    return 0;
+}
+
+/* document_bytes(document) -> the file as bytes, or why it was refused */
+static PyObject *document_bytes(PyObject *self, PyObject *capsule) {
+    norma_document *document = PyCapsule_GetPointer(capsule, norma_py_document);
+    norma_document_error error = {0};
+    written file = {0};
+    (void)self;
+    if (!document) return NULL;
+    watch w = norma_py_give_up_lock();
+    const norma_document_result result = norma_document_write(document, append, &file, &error);
+    PyObject *answer = norma_py_take_lock(&w) ? NULL
+                       : result != NORMA_DOCUMENT_OK
+                           ? norma_py_document_refusal(result, &error)
+                           : PyBytes_FromStringAndSize(file.bytes, (Py_ssize_t)file.size);
+    free(file.bytes);
+    return answer;
+}
+
+/* save_bytes(path in bytes, bytes) -> None, or why it was refused */
+static PyObject *save_bytes(PyObject *self, PyObject *arguments) {
+    const char *path, *bytes;
+    Py_ssize_t size;
+    norma_document_error error = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "yy#", &path, &bytes, &size)) return NULL;
+    watch w = norma_py_give_up_lock();
+    const norma_document_result result = norma_save_bytes(path, bytes, (size_t)size, &error);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);
+    Py_RETURN_NONE;
+}
+
+/* document_transform(document, address of 16 doubles by columns, bake, threads) -> (changed,
+ * vertices, meshes, nodes baked, mirrored), or why it was refused */
+static PyObject *document_transform(PyObject *self, PyObject *arguments) {
+    PyObject *capsule;
+    address matrix;
+    int bake;
+    unsigned int threads;
+    norma_transform_summary s;
+    norma_document_error error = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "OKpI", &capsule, &matrix, &bake, &threads)) return NULL;
+    norma_document *document = PyCapsule_GetPointer(capsule, norma_py_document);
+    if (!document) return NULL;
+    watch w = norma_py_give_up_lock();
+    norma_transform_options options = {.struct_size = sizeof options,
+        .bake = bake,
+        .threads = threads,
+        .progress = norma_py_let_signals_in,
+        .progress_user = &w};
+    memcpy(options.matrix, at(matrix), sizeof options.matrix);
+    const norma_document_result result = norma_document_transform(document, &options, &s, &error);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);
+    return Py_BuildValue("innni", s.changed, (Py_ssize_t)s.vertices, (Py_ssize_t)s.meshes,
+        (Py_ssize_t)s.nodes_baked, s.mirrored);
+}
+
+/* document_tangents(document, (mode, weight, set of texture coordinates or -1, only, threads)) ->
+ * (changed, primitives, left out, before, after, degenerate, non_finite, cancelled), or why it was
+ * refused */
+static PyObject *document_tangents(PyObject *self, PyObject *arguments) {
+    PyObject *capsule;
+    int mode, weight, set, only;
+    unsigned int threads;
+    norma_tangent_summary s;
+    norma_document_error error = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "O(iiiiI)", &capsule, &mode, &weight, &set, &only, &threads))
+        return NULL;
+    norma_document *document = PyCapsule_GetPointer(capsule, norma_py_document);
+    if (!document) return NULL;
+    watch w = norma_py_give_up_lock();
+    const norma_tangent_options options = {.struct_size = sizeof options,
+        .mode = (norma_tangent_mode)mode,
+        .weight = (norma_weight)weight,
+        .texcoord_given = set >= 0,
+        .texcoord = set >= 0 ? (uint32_t)set : 0,
+        .only = (norma_only)only,
+        .threads = threads,
+        .progress = norma_py_let_signals_in,
+        .progress_user = &w};
+    const norma_document_result result = norma_document_tangents(document, &options, &s, &error);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);
+    return Py_BuildValue("innnnnnn", s.changed, (Py_ssize_t)s.primitives, (Py_ssize_t)s.left_out,
+        (Py_ssize_t)s.vertices_before, (Py_ssize_t)s.vertices_after, (Py_ssize_t)s.degenerate,
+        (Py_ssize_t)s.non_finite, (Py_ssize_t)s.cancelled);
+}
+
+/* document_set_normals(document, mesh, normals, a mark for each, source vertices, their number,
+ * corners) -> None, or why it was refused; addresses, the last two 0 if vertices stay */
+static PyObject *document_set_normals(PyObject *self, PyObject *arguments) {
+    PyObject *capsule;
+    address normals, marks, sources, corners;
+    Py_ssize_t index, vertices;
+    norma_document_error error = {0};
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "OnKKKnK", &capsule, &index, &normals, &marks, &sources,
+            &vertices, &corners))
+        return NULL;
+    norma_document *document = PyCapsule_GetPointer(capsule, norma_py_document);
+    if (!document) return NULL;
+    norma_mesh_edit *edits = calloc(norma_document_mesh_count(document), sizeof *edits);
+    if (!edits) return PyErr_NoMemory();
+    edits[index] = (norma_mesh_edit){.normals = at(normals),
+        .set_normals = at(marks),
+        .source_vertices = at(sources),
+        .vertex_count = (size_t)vertices,
+        .new_corners = at(corners)};
+    watch w = norma_py_give_up_lock();
+    const norma_document_result result = norma_document_edit(document, edits, &error);
+    free(edits);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_DOCUMENT_OK) return norma_py_document_refusal(result, &error);
+    Py_RETURN_NONE;
+}
+
 PyMethodDef norma_py_files[] = {{"open_document", open_document, METH_VARARGS, NULL},
     {"document_meshes", document_meshes, METH_O, NULL},
     {"document_arrays", document_arrays, METH_VARARGS, NULL},
     {"document_compute", document_compute, METH_VARARGS, NULL},
-    {"document_save", document_save, METH_VARARGS, NULL}, {NULL, NULL, 0, NULL}};
+    {"document_save", document_save, METH_VARARGS, NULL},
+    {"document_bytes", document_bytes, METH_O, NULL},
+    {"save_bytes", save_bytes, METH_VARARGS, NULL},
+    {"document_transform", document_transform, METH_VARARGS, NULL},
+    {"document_tangents", document_tangents, METH_VARARGS, NULL},
+    {"document_set_normals", document_set_normals, METH_VARARGS, NULL}, {NULL, NULL, 0, NULL}};

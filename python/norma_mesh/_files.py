@@ -1,38 +1,51 @@
-"""Files that contain normals: their meshes as arrays, computing, saving."""
+"""Files that contain normals: their meshes as arrays, changing them, saving."""
 from __future__ import annotations
 
 import errno
 import os
 import threading
-from dataclasses import dataclass
-from typing import Any, List, NoReturn, Optional, Tuple, Union
+from dataclasses import dataclass, field
+from typing import Any, List, Literal, NoReturn, Optional, Tuple, Union
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _norma
 from ._arguments import (
     NON_MANIFOLD,
     WEIGHTS,
     Array,
+    NonManifold,
+    Profile,
+    TangentMode,
+    Weight,
     Weld,
+    as_array,
     choice,
     crease_radians,
     given_degrees,
     thread_count,
+    vectors,
     weld_of,
 )
-from ._results import NormalReport, report_of
+from ._calls import MODES, compare, index_corners, matrix_columns, split
+from ._results import Comparison, NormalReport, Split, report_of
 from ._selection import PROFILES, Names, mask_of
 
-Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
+Path = Union[str, "os.PathLike[str]", "os.PathLike[bytes]"]
+Contents = Union[bytes, bytearray, memoryview]
+Format = Literal["obj", "ply", "stl", "gltf", "glb", "b3dm", "i3dm", "cmpt", "3mf"]
+Only = Literal["all", "missing", "broken"]
 
+FORMATS = {"": 0, "obj": 1, "ply": 2, "stl": 3, "gltf": 4, "glb": 5, "b3dm": 6, "i3dm": 7, "cmpt": 8, "3mf": 9}
+_BEGINNINGS = ((b"glTF", "glb"), (b"ply", "ply"), (b"b3dm", "b3dm"), (b"i3dm", "i3dm"), (b"cmpt", "cmpt"), (b"PK\3\4", "3mf"))
 _FORMATS = (np.float32, np.float64, np.int8, np.uint8, np.int16, np.uint16)
 _SHADINGS = {"default": 0, "crease": 1, "smooth": 2, "flat": 3}
 _ONLY = {"all": 0, "missing": 1, "broken": 2}
 _GROUPS = {"auto": 0, "ignore": 1}
 _STORED_TANGENTS = {"orthogonalise": 0, "keep": 1, "regenerate": 2}
 _STORAGE = ("none", "vertex", "corner", "facet")
+_NO_NORMAL = 0xFFFFFFFF
 
 
 class FileError(OSError):
@@ -48,10 +61,10 @@ def raise_document(answer: Any) -> NoReturn:
     raise FileError(message)
 
 
-def bytes_of(name: str, path: Path) -> bytes:
+def bytes_of(name: str, path: object) -> bytes:
     """A path as the system's bytes."""
     try:
-        encoded = os.fsencode(path)
+        encoded = os.fsencode(path)  # type: ignore[arg-type]
     except TypeError:
         raise TypeError(f"{name}: a path is needed, not {type(path).__name__}") from None
     if b"\0" in encoded:
@@ -60,8 +73,41 @@ def bytes_of(name: str, path: Path) -> bytes:
 
 
 @dataclass(frozen=True)
+class Source:
+    """A file to be read: on the disk, or bytes with a name for messages."""
+
+    shown: str
+    path: Optional[bytes]
+    contents: Optional[bytes]
+    format: int
+
+
+def source_of(argument: str, source: object, name: Optional[str] = None, format: Optional[str] = None) -> Source:
+    """What a path or a file's bytes stand for; without a name and a format, bytes are known by their beginning."""
+    kind = choice("format", format or "", FORMATS)
+    if isinstance(source, (bytes, bytearray, memoryview)):
+        contents = bytes(source)
+        if not kind and not (name and os.path.splitext(name)[1]):
+            found = [word for beginning, word in _BEGINNINGS if contents.startswith(beginning)]
+            found += ["gltf"] * contents.lstrip().startswith(b"{")
+            if not found:
+                raise ValueError(f"format: bytes that begin with {contents[:8]!r} may be of any format; "
+                                 "name it (\"obj\", \"stl\"), or give the name of a file")
+            kind = FORMATS[found[0]]
+        return Source(name or "bytes", bytes_of("name", name) if name else None, contents, kind)
+    encoded = bytes_of(argument, source)
+    if not os.path.exists(encoded):
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fsdecode(encoded))
+    return Source(os.fsdecode(encoded), encoded, None, kind)
+
+
+@dataclass
 class FileMesh:
-    """A mesh of a file (a glTF primitive, or a whole OBJ, PLY or STL), in arrays of its own."""
+    """A mesh of a file (a glTF primitive, or a whole OBJ, PLY or STL), in arrays of its own.
+
+    `mesh.normals = array` writes normals into the document, one for each position or for each corner;
+    the other arrays are copies. After another change of the document, take `document.meshes` again.
+    """
 
     name: str
     where: str  #: JSON pointer of a glTF primitive
@@ -74,6 +120,47 @@ class FileMesh:
     texcoords: Optional[NDArray[np.float32]]  #: (n, 2)
     texcoord_faces: Optional[NDArray[np.uint32]]  #: for each corner, where not that of its position
     tangents: Optional[NDArray[np.float32]]  #: (n, 4)
+    _document: Optional[Document] = field(default=None, repr=False, compare=False)
+    _index: int = field(default=0, repr=False, compare=False)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if "_index" not in self.__dict__:  # not made yet
+            object.__setattr__(self, name, value)
+        elif name != "normals":
+            raise AttributeError(f"{name}: of a file's mesh, only normals can be set")
+        else:
+            assert self._document is not None
+            self.__dict__.update(self._document.set_normals(self._index, value).__dict__)
+
+    def split(self, *, crease: float = 60.0, weight: Weight = "angle", weld: Weld = "exact",
+              threads: Optional[int] = None) -> Split:
+        """`norma.split` of this mesh."""
+        return split(self.positions, self.faces, crease=crease, weight=weight, weld=weld, threads=threads)
+
+    @property
+    def corner_normals(self) -> Optional[NDArray[Any]]:
+        """The stored normal of each corner, (corners, 3); NaN: none. None if the file has no normals."""
+        if self.normals is None:
+            return None
+        corners = self.faces[0] if isinstance(self.faces, tuple) else self.faces.ravel()
+        if self.stored == "facet":
+            return np.repeat(self.normals, 3, axis=0)
+        own = corners if self.normal_faces is None else self.normal_faces
+        padded = np.concatenate([self.normals, np.full((1, 3), np.nan, self.normals.dtype)])
+        found: NDArray[Any] = padded[np.minimum(own, len(self.normals))]
+        return found
+
+    def __str__(self) -> str:
+        count = len(self.faces[1]) - 1 if isinstance(self.faces, tuple) else len(self.faces)
+        return _described(self.where, self.name, len(self.positions), count, self.stored, self.encoding, None)
+
+
+def _described(where: str, name: str, positions: int, faces: int, stored: str, encoding: str, why: Optional[str]) -> str:
+    head = " ".join(part for part in (where, repr(name) if name else "") if part)
+    words = f"{positions} positions, {faces} faces, " if why is None else f"not read: {why}"
+    if why is None:
+        words += "no normals" if stored == "none" else f"a normal for each {stored} ({encoding})"
+    return f"{head}: {words}" if head else words
 
 
 @dataclass(frozen=True)
@@ -100,21 +187,60 @@ class FixSummary:
     notes: Tuple[str, ...]
 
 
-class Document:
-    """An open file. `meshes` are its meshes; `compute` and `fix` change it; `save` writes it, and every byte
-    that has nothing to do with normals is kept."""
+@dataclass(frozen=True)
+class TransformSummary:
+    """What `Document.transform` did."""
 
-    def __init__(self, path: Path, *, threads: Optional[int] = None) -> None:
-        encoded = bytes_of("path", path)
-        self.path = os.fsdecode(encoded)
+    changed: bool
+    vertices: int
+    meshes: int
+    nodes_baked: int
+    mirrored: bool  #: by the matrix, or by a node that was baked
+
+
+@dataclass(frozen=True)
+class TangentSummary:
+    """What `Document.tangents` did."""
+
+    changed: bool
+    primitives: int  #: that got tangents
+    left_out: int  #: triangles without normals or texture coordinates
+    vertices_before: int
+    vertices_after: int
+    degenerate: int  #: corners without texture area
+    non_finite: int
+    cancelled: int
+
+
+class Document:
+    """An open file. `meshes` are its meshes as arrays; `compute`, `tangents`, `transform`, `fix` and
+    `set_normals` change it; `save` and `to_bytes` write it. Every byte that has nothing to do with
+    normals is kept. `print(document)` lists its meshes."""
+
+    def __init__(self, source: Union[Path, Contents], *, name: Optional[str] = None,
+                 format: Optional[Format] = None, threads: Optional[int] = None) -> None:
+        found = source_of("path", source, name, format)
+        self.path = found.shown
         self._lock = threading.Lock()
-        if not os.path.exists(encoded):
-            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), self.path)
-        answer = _norma.open_document(encoded, thread_count(threads))
+        answer = _norma.open_document(found.path, found.contents, found.format, thread_count(threads))
         if isinstance(answer, tuple):
             raise_document(answer)
         self._document: Any = answer
         self.format: str = _norma.document_meshes(answer)[0]
+
+    def __str__(self) -> str:
+        infos = self._infos()
+        lines = [f"{self.path}: {self.format}, {len(infos)} mesh{'' if len(infos) == 1 else 'es'}"]
+        for name, where, positions, faces, storage, encoding, _, why in infos:
+            lines.append("    " + _described(where, name, positions, faces, _STORAGE[storage], encoding, why))
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        return f"<norma_mesh.Document {self.path!r}: {self.format}, {self.mesh_count} meshes>"
+
+    def _infos(self) -> List[Tuple[Any, ...]]:
+        with self._lock:
+            return _norma.document_meshes(self._document)[1]
 
     @property
     def meshes(self) -> List[FileMesh]:
@@ -126,8 +252,7 @@ class Document:
 
     @property
     def mesh_count(self) -> int:
-        with self._lock:
-            return len(_norma.document_meshes(self._document)[1])
+        return len(self._infos())
 
     def _mesh(self, index: int, info: Tuple[Any, ...]) -> FileMesh:
         name, where, _, _, storage, encoding, _, not_read = info
@@ -152,6 +277,8 @@ class Document:
             _table(texcoords, 2),
             _rows(texcoord_corners, corners[1], np.uint32) if texcoord_corners else None,
             _table(tangents, 4),
+            self,
+            index,
         )
 
     def compute(
@@ -160,13 +287,13 @@ class Document:
         crease: Optional[float] = None,
         smooth: bool = False,
         flat: bool = False,
-        weight: str = "angle",
+        weight: Weight = "angle",
         weld: Weld = "exact",
-        non_manifold: str = "hard",
-        groups: str = "auto",
-        only: str = "all",
+        non_manifold: NonManifold = "hard",
+        groups: Literal["auto", "ignore"] = "auto",
+        only: Only = "all",
         morphs: bool = False,
-        tangents: str = "orthogonalise",
+        tangents: Literal["orthogonalise", "keep", "regenerate"] = "orthogonalise",
         threads: Optional[int] = None,
     ) -> ComputeSummary:
         """Computes normals into the document, as `norma compute` does: creases at 60 degrees unless
@@ -188,6 +315,7 @@ class Document:
             bool(morphs),
             thread_count(threads),
             choice("tangents", tangents, _STORED_TANGENTS),
+            0,
         )
         with self._lock:
             answer = _norma.document_compute(self._document, settings)
@@ -207,7 +335,7 @@ class Document:
         unsafe: bool = False,
         select: Names = None,
         ignore: Names = None,
-        profile: str = "auto",
+        profile: Profile = "auto",
         open_by_rays: bool = False,
         threads: Optional[int] = None,
     ) -> FixSummary:
@@ -229,6 +357,100 @@ class Document:
         changed, left_out, notes = answer
         return FixSummary(bool(changed), left_out, tuple(notes))
 
+    def tangents(
+        self,
+        *,
+        mode: TangentMode = "mikk",
+        weight: Weight = "angle",
+        texcoord: Optional[int] = None,
+        only: Only = "all",
+        threads: Optional[int] = None,
+    ) -> TangentSummary:
+        """Computes the tangents of a glTF, as `norma tangents` does: of all triangles with normals and
+        texture coordinates, split where corners of a vertex have different ones.
+
+        mode: "mikk" gives the bits of MikkTSpace, "steady" does not depend on the order of faces.
+        texcoord: the set of coordinates (TEXCOORD_n); None: that of the material's normal map, else 0.
+        only: "missing" leaves primitives with tangents alone, "broken" those with usable ones.
+        """
+        if texcoord is not None and not 0 <= texcoord < 2**31:
+            raise ValueError(f"texcoord: the number of a set is needed, not {texcoord!r}")
+        settings = (choice("mode", mode, MODES), choice("weight", weight, WEIGHTS),
+                    -1 if texcoord is None else texcoord, choice("only", only, _ONLY), thread_count(threads))
+        with self._lock:
+            answer = _norma.document_tangents(self._document, settings)
+        if len(answer) == 2:
+            raise_document(answer)
+        return TangentSummary(bool(answer[0]), *answer[1:])
+
+    def transform(self, matrix: Optional[ArrayLike] = None, *, bake: bool = False,
+                  threads: Optional[int] = None) -> TransformSummary:
+        """Transforms positions, normals and tangents, as `norma transform` does; a mirror reverses the
+        winding.
+
+        matrix: (4, 4) or (3, 3) as mathematics writes it: the translation is the last column.
+        bake: the transforms of glTF nodes are applied to their meshes as well.
+
+        >>> import norma_mesh as norma
+        >>> norma.open("assets/goathead.obj").transform([[-1, 0, 0], [0, 1, 0], [0, 0, 1]]).mirrored
+        True
+        """
+        columns = matrix_columns("matrix", np.eye(4) if matrix is None else matrix)
+        with self._lock:
+            answer = _norma.document_transform(self._document, _address(columns), bool(bake), thread_count(threads))
+        if len(answer) == 2:
+            raise_document(answer)
+        changed, vertices, meshes, baked, mirrored = answer
+        return TransformSummary(bool(changed), vertices, meshes, baked, bool(mirrored))
+
+    def set_normals(self, mesh: int, normals: ArrayLike) -> FileMesh:
+        """Writes normals into one mesh and returns it as it is then.
+
+        mesh: its number in `meshes`.
+        normals: (n, 3) numbers of any length above 0: one for each position or for each corner, or
+            as many as the file stores (each facet of an STL, each vn of an OBJ). For corners that
+            differ, vertices of a glTF or PLY are split; in an OBJ, faces that share a vn cannot get
+            different normals.
+        """
+        with self._lock:
+            infos = _norma.document_meshes(self._document)[1]
+            if not 0 <= mesh < len(infos):
+                raise IndexError(f"mesh: {mesh} is not the number of a mesh; there are {len(infos)}")
+            if self.format not in ("obj", "stl") and infos[mesh][4] == 0 and infos[mesh][7] is None:
+                chosen = np.arange(len(infos)) == mesh
+                settings = (2, 0.0, 0, 1, 0.0, 0, 0, 0, False, thread_count(None), 1, _address(chosen) if self.format != "ply" else 0)
+                answer = _norma.document_compute(self._document, settings)
+                if len(answer) == 2:
+                    raise_document(answer)
+            given, marks, sources, corners = _placed(self._mesh(mesh, _norma.document_meshes(self._document)[1][mesh]), normals, self.format)
+            answer = _norma.document_set_normals(
+                self._document, mesh, _address(given), _address(marks), 0 if sources is None else _address(sources),
+                0 if sources is None else len(sources), 0 if corners is None else _address(corners))
+            if answer is not None:
+                raise_document(answer)
+            return self._mesh(mesh, _norma.document_meshes(self._document)[1][mesh])
+
+    def compare(self, base: Union[Document, Path, Contents], *, max_deg: float = 0.0,
+                threads: Optional[int] = None) -> List[Comparison]:
+        """By how much the normals of each mesh differ from those of the same mesh of another file, as
+        `norma.compare` measures it.
+
+        base: a document, or what `norma.open` takes.
+        """
+        other = base if isinstance(base, Document) else Document(base, threads=threads)
+        pairs = list(zip(other.meshes, self.meshes))
+        if len(other.meshes) != len(self.meshes):
+            raise ValueError(f"base: {len(self.meshes)} meshes are needed, as in {self.path}, not {len(other.meshes)}")
+        return [compare(theirs, ours, max_deg=max_deg, threads=threads) for theirs, ours in pairs]
+
+    def to_bytes(self) -> bytes:
+        """The file as bytes; a .gltf has its buffers as data URIs."""
+        with self._lock:
+            answer = _norma.document_bytes(self._document)
+        if isinstance(answer, tuple):
+            raise_document(answer)
+        return bytes(answer)
+
     def save(self, path: Path, *, in_place: bool = False) -> None:
         """Writes the document, whole or not at all. `in_place` allows the source as `path`."""
         with self._lock:
@@ -239,6 +461,39 @@ class Document:
 
 def _address(array: Array) -> int:
     return int(array.__array_interface__["data"][0])
+
+
+def _placed(m: FileMesh, values: ArrayLike, format: str) -> Tuple[Array, Array, Optional[Array], Optional[Array]]:
+    """Normals as the file stores them: (normals, marks, source vertices, corners)."""
+    given = np.array(vectors("normals", values)[0], np.float64)
+    length = np.sqrt((given * given).sum(1))
+    wrong = np.flatnonzero(~((length > 0) & np.isfinite(length)))
+    if wrong.size:
+        raise ValueError(f"normals[{wrong[0]}]: a vector with a length is needed, not {tuple(given[wrong[0]].tolist())}")
+    unit = (given / length[:, None]).astype(np.float32)
+    corners = m.faces[0] if isinstance(m.faces, tuple) else m.faces.ravel()
+    if m.normals is None:
+        raise ValueError(f"normals: this {format} file stores none yet; compute() makes places for them, norma.write() new files")
+    stored, points = len(m.normals), len(m.positions)
+    place = None if m.stored in ("vertex", "facet") else m.normal_faces
+    if len(unit) == (points if m.stored == "vertex" else stored):
+        return unit, np.ones(len(unit), np.uint8), None, None
+    if m.stored == "facet" or len(unit) not in (points, len(corners)):
+        counts = f"{stored} normals" if m.stored == "facet" else f"one for each of {points} positions or {len(corners)} corners"
+        raise ValueError(f"normals: {counts} are needed, not {len(unit)}")
+    if m.stored == "vertex":
+        indices, first = index_corners(corners, unit)
+        return unit[first], np.ones(len(first), np.uint8), corners[first], indices
+    assert place is not None
+    unit = unit if len(unit) == len(corners) else unit[corners]
+    result, marks = np.zeros((stored, 3), np.float32), np.zeros(stored, np.uint8)
+    used = place != _NO_NORMAL
+    result[place[used]], marks[place[used]] = unit[used], 1
+    torn = np.flatnonzero((result[place[used]] != unit[used]).any(1))
+    if torn.size:
+        raise ValueError(f"normals: corners that share normal {place[used][torn[0]]} of the {format} file cannot get different ones; "
+                         "norma.write() makes a new file")
+    return result, marks, None, None
 
 
 def _rows(address: int, count: int, kind: Any, width: int = 0, stride: int = 0) -> NDArray[Any]:
@@ -264,12 +519,21 @@ def _corners(corners: Tuple[int, int, int], positions: int) -> NDArray[np.uint32
     return _rows(address, count, {4: np.uint32, 2: np.uint16, 1: np.uint8}[size]).astype(np.uint32, copy=False)
 
 
-def open(path: Path, *, threads: Optional[int] = None) -> Document:
-    """Opens an OBJ, PLY, STL, glTF or GLB file.
+def open(source: Union[Path, Contents], *, name: Optional[str] = None, format: Optional[Format] = None,
+         threads: Optional[int] = None) -> Document:
+    """Opens an OBJ, PLY, STL, glTF, GLB or 3MF file, or a tile of 3D Tiles.
+
+    source: a path, or the file's contents as bytes.
+    name: of bytes: what messages call them; its folder is that of a glTF's buffers.
+    format: "obj", "ply", "stl", "gltf", "glb", ...; otherwise it is known by the ending of the name, or
+        by the first bytes.
 
     >>> import norma_mesh as norma
     >>> goat = norma.open("assets/goathead.obj")
+    >>> print(goat)
+    assets/goathead.obj: obj, 1 mesh
+        2763 positions, 5522 faces, no normals
     >>> goat.compute(crease=30).hard_edges
     659
     """
-    return Document(path, threads=threads)
+    return Document(source, name=name, format=format, threads=threads)

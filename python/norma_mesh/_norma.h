@@ -32,6 +32,17 @@ int norma_py_take_lock(watch *w);
 
 /* The name of the capsule of an open document. */
 extern const char norma_py_document[];
+/* Opens a path, given in bytes, or the contents of a file of this name (or None). Needs no lock. */
+norma_document_result norma_py_open(PyObject *name, PyObject *bytes,
+    const norma_document_options *options, norma_document **document, norma_document_error *error);
+
+/* A mesh and the options of a call on it, of the two tuples that _arguments.py makes. */
+typedef struct mesh_call {
+    norma_mesh mesh;
+    norma_options options;
+} mesh_call;
+int norma_py_mesh_call(PyObject *mesh, PyObject *options, mesh_call *call);
+int norma_py_attribute(PyObject *tuple, norma_attribute *attribute);
 
 PyObject *norma_py_text(const char *words);
 PyObject *norma_py_counts(const norma_report *report);

@@ -316,6 +316,72 @@ class Forms(unittest.TestCase):
         self.assertTrue(np.array_equal(near, both))
 
 
+class OtherLibraries(unittest.TestCase):
+    """Meshes of other libraries, whole: the arrays taken are those that were put in."""
+
+    TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]])
+    POINTS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 2]])  # every three of them have another normal
+
+    def same(self, whole, faces=TRIANGLES):
+        expected = norma.corner_normals(self.POINTS, faces, crease=0)
+        self.assertTrue(np.array_equal(norma.corner_normals(whole, crease=0), expected))
+
+    def test_stand_ins(self):
+        points, faces, named = self.POINTS, self.TRIANGLES, types.SimpleNamespace
+        self.same(named(vertices=points, faces=faces))  # trimesh
+        self.same(named(vertices=points, triangles=faces))  # Open3D
+        tensor = lambda array: named(cpu=lambda: named(numpy=lambda: array))
+        self.same(named(vertex={"positions": tensor(points)}, triangle={"indices": tensor(faces)}))  # Open3D, tensors
+        self.same(named(points=points, faces=np.array([3, 0, 1, 2, 3, 0, 2, 3])))  # pyvista
+        self.same(named(points=points, faces=np.array([4, 0, 1, 2, 3, 3, 0, 1, 2])), [[0, 1, 2, 3], [0, 1, 2]])
+        blocks = [named(type="line", data=[[0, 1]]), named(type="triangle", data=faces), named(type="quad", data=[[0, 1, 2, 3]])]
+        self.same(named(points=points, cells=blocks), [[0, 1, 2], [0, 2, 3], [0, 1, 2, 3]])  # meshio
+        for whole in named(points=points), named(vertices=points, triangles=None), named(vertex={"positions": points}, triangle={}):
+            with self.assertRaisesRegex(TypeError, "^positions: an object with vertices needs faces.*estimate_normals"):
+                norma.vertex_normals(whole)
+        with self.assertRaisesRegex(TypeError, "^positions: faces .* are needed, not tetra"):
+            norma.vertex_normals(named(points=points, cells=[named(type="tetra", data=[[0, 1, 2, 3]])]))
+
+    def test_a_mesh_of_a_file(self):
+        mesh = norma.open("assets/goathead.obj").meshes[0]
+        self.assertTrue(np.array_equal(norma.vertex_normals(mesh), norma.vertex_normals(mesh.positions, mesh.faces)))
+
+    def test_meshio(self):
+        try:
+            import meshio
+        except ImportError:
+            self.skipTest("meshio is not installed")
+        self.same(meshio.Mesh(self.POINTS, [("triangle", self.TRIANGLES)]))
+        self.same(meshio.Mesh(self.POINTS, [("quad", [[0, 1, 2, 3]]), ("triangle", [[0, 1, 2]])]), [[0, 1, 2, 3], [0, 1, 2]])
+
+    def test_vtk(self):
+        try:
+            from vtkmodules.util.numpy_support import numpy_to_vtk
+            from vtkmodules.vtkCommonCore import vtkPoints
+            from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+        except ImportError:
+            self.skipTest("VTK is not installed")
+        for kind in np.float32, np.float64:
+            points, cells, whole = vtkPoints(), vtkCellArray(), vtkPolyData()
+            points.SetData(numpy_to_vtk(self.POINTS.astype(kind), deep=True))
+            for face in [[0, 1, 2, 3], [0, 1, 2]]:
+                cells.InsertNextCell(len(face), face)
+            whole.SetPoints(points)
+            with self.assertRaisesRegex(TypeError, "^positions: an object with vertices needs faces"):
+                norma.vertex_normals(whole)
+            whole.SetPolys(cells)
+            self.same(whole, [[0, 1, 2, 3], [0, 1, 2]])
+
+    def test_open3d(self):
+        try:
+            import open3d
+        except ImportError:
+            self.skipTest("Open3D is not installed")
+        mesh = open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(self.POINTS), open3d.utility.Vector3iVector(self.TRIANGLES))
+        self.same(mesh)
+        self.same(open3d.t.geometry.TriangleMesh.from_legacy(mesh))
+
+
 class Refusals(unittest.TestCase):
     def refused(self, kind, words, call, *arguments, **options):
         with self.assertRaises(kind) as caught:

@@ -37,11 +37,15 @@ class Examples(unittest.TestCase):
         self.assertRegex(self.run_one("cad_creases.py", "assets/dodecahedron.obj"), r"20 positions become 60 vertices")
 
     def test_tangents(self):
+        import numpy as np
+        import norma_mesh as norma
         with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "square.obj")
-            with open(path, "w") as file:
-                file.write("v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\n")
-            self.assertIn("3 corners", self.run_one("gltf_tangents.py", path))
+            path, target = os.path.join(folder, "square.glb"), os.path.join(folder, "out.glb")
+            square = np.float32([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+            norma.write(path, square, [[0, 1, 2], [0, 2, 3]], normals=[[0, 0, 1]] * 4, texcoords=square[:, :2])
+            self.assertIn("1 meshes got tangents; 0 triangles", self.run_one("gltf_tangents.py", path, target))
+            # v runs downwards in glTF: the bitangent of these coordinates points along -y of the picture
+            self.assertEqual(norma.open(target).meshes[0].tangents.tolist(), [[1, 0, 0, -1]] * 4)
 
     def test_a_folder_in_pytest(self):
         try:
