@@ -218,6 +218,26 @@ await attempt("a worker that crashes ends its call only", async () => {
   assert.ok(!(await call("mesh_info", { path: "cube.obj" })).isError);
 });
 
+await attempt("structured content is what the output schemas say", async () => {
+  const Ajv = require("ajv").default ?? require("ajv"), ajv = new Ajv({ strict: false });
+  const { tools } = await client.listTools();
+  const calls = { check_mesh: [{ path: "dark.obj" }, { path: "cube.obj" }, { path: "broken.obj", profile: "print" }, { path: "grid.ply", max_bytes: 500 }],
+    fix_mesh: [{ path: "dark.obj", output: "schema-fix.obj", unsafe: true, profile: "generated" }], compute_normals: [{ path: "roof.glb", output: "schema.glb" }, { path: "cube.obj", output: "schema.obj", flat: true }],
+    compute_tangents: [{ path: "roof.glb", output: "schema-t.glb" }], compare_normals: [{ base: "roof.ply", other: "roof.glb" }, { base: "cube.obj", other: "dark.obj", max_deg: 3 }],
+    transform_mesh: [{ path: "roof.ply", output: "schema.ply", scale: [-1, 2, 1] }], mesh_info: [{ path: "roof.glb", deep: true }, { path: "grid.ply" }] };
+  for (const tool of tools) {
+    assert.equal(tool.outputSchema !== undefined, tool.name in calls, tool.name);
+    if (!tool.outputSchema) continue;
+    const fits = ajv.compile(tool.outputSchema);
+    assert.ok(!fits({}), `${tool.name}: an empty object fits its schema`);
+    for (const given of calls[tool.name]) {
+      const result = await call(tool.name, given);
+      assert.ok(!result.isError, `${tool.name}: ${textOf(result)}`);
+      assert.ok(fits(result.structuredContent), `${tool.name}: ${ajv.errorsText(fits.errors)} in ${JSON.stringify(result.structuredContent)}`);
+    }
+  }
+});
+
 await attempt("1,000 calls: no memory, descriptor or process is left behind", async () => {
   const one = (i) => (i % 3 ? call("mesh_info", { path: "cube.obj" }) : call("check_mesh", { path: "dark.obj" }));
   for (let i = 0; i < 100; i++) await one(i);
