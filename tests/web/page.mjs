@@ -798,6 +798,34 @@ await attempt("for artists: images, normal maps, tangents, wireframe, parts, the
   await view.close();
 });
 
+/* A small picture shows the place of its finding; one about a whole part has a line round that part, which is in view. */
+await attempt("findings are listed with pictures, worst first; a finding about a whole part outlines it", async () => {
+  const looked = await visit(home, { size: [1000, 700] }), made = `[...document.querySelectorAll("#findings canvas")].filter((c) => c.dataset.made)`;
+  const square = (x, turn) => `v ${x} 0 0\nv ${x + 1} 0 0\nv ${x + 1} 1 0\nv ${x} 1 0\nvn 0 0 ${turn}\nvn 0.6 0 0.8\n`, four = (v, n) => `f ${v}//${n} ${v + 1}//${n} ${v + 2}//${n}\nf ${v}//${n} ${v + 2}//${n} ${v + 3}//${n}\n`;
+  await dropText(looked, "parts.obj", `o Good\n${square(0, 1)}${four(1, 1)}${TURNED.replaceAll(/^v (\S+)/gm, (_, x) => `v ${Number(x) + 4}`).replaceAll(/^f (\d+) (\d+) (\d+)/gm, (_, a, b, c) => `f ${Number(a) + 4} ${Number(b) + 4} ${Number(c) + 4}`)}`);
+  await looked.until(`${made}.length > 0`, 60);
+  const grades = await looked.evaluate("[...document.querySelectorAll('#findings button')].map((b) => b.className).join()");
+  expect(/^error(,error)*(,warning)*(,info)*$/.test(grades), grades);
+  const [reds, inks] = await looked.evaluate(`(() => { const c = ${made}[0], d = c.getContext("2d").getImageData(0, 0, c.width, c.height).data; let red = 0, ink = 0; for (let i = 0; i < d.length; i += 4) { if (d[i] > d[i + 1] + 70 && d[i] > d[i + 2] + 70) red++; if (Math.abs(d[i] - d[0]) > 25) ink++; } return [red, ink]; })()`);
+  expect(reds > 150 && inks > reds, `${reds} red pixels of ${inks} that are drawn`);
+  expect(looked.said.length === 0, looked.said.join("\n"));
+  await looked.picture("findings-with-pictures");
+  await looked.close();
+  const whole = await visit(home, { size: [1000, 700] });
+  await dropText(whole, "mirrored.gltf", JSON.stringify({ ...JSON.parse(artistsModel()), nodes: [{ mesh: 0 }, { mesh: 1, translation: [4, 0, 0], scale: [-1, 1, 1] }] }));
+  const at = await whole.evaluate("[...document.querySelectorAll('#findings button')].findIndex((b) => /N602/.test(b.textContent))");
+  expect(at >= 0, await whole.text("findings"));
+  await whole.click(`finding-${at}`);
+  await whole.evaluate("new Promise((done) => setTimeout(done, 700))");
+  await whole.settled();
+  expect(/whole part/.test(await whole.text("finding-seen")), await whole.text("finding-seen"));
+  /* The line has the colour of an info; what it goes round keeps its own. */
+  const line = countPixels(await whole.picture("finding-of-a-part"), [0, 60, 620, 560], ([r, g, b]) => r < 30 && Math.abs(g - 54) < 12 && Math.abs(b - 142) < 12);
+  expect(line > 300 && line < 12000, `${line} pixels of a line`);
+  expect(whole.said.length === 0, whole.said.join("\n"));
+  await whole.close();
+});
+
 /* Squares in a row, each two wide: vertices red on the left and blue on the right; cut away by its mask; half green before white; seen from behind; unlit; hidden by its alpha. What is seen of each follows from glTF. */
 function materialsModel() {
   const square = (x, z, flip) => [[x, 0, z], [x + 2, 0, z], [x + 2, 2, z], [x, 2, z]].map((p, i, all) => (flip ? all[3 - i] : p)).flat();

@@ -1,4 +1,4 @@
-/* The list of what norma check found: buttons, the gravest first. One that is pressed shows its faces and takes the camera there; pressed once more, the model is as it was. */
+/* The list of what norma check found: buttons, the worst first, each with a small picture of its place. One that is pressed shows its faces and takes the camera there; pressed once more, the model is as it was. */
 import { count, counted } from "./readouts.js";
 
 /* A list that nobody reads to its end would only make the page slow. */
@@ -19,26 +19,32 @@ function element(tag, text, name) {
   return made;
 }
 
-function makeButton(finding, number) {
+/* thumb: its picture, or null for a finding that has no part of the model. */
+function makeButton(finding, number, thumb) {
   const button = element("button", "", finding.grade);
   button.type = "button";
   button.id = `finding-${number}`;
   button.setAttribute("aria-pressed", "false");
-  button.append(element("b", finding.grade), ` ${finding.id} ${finding.name}, ${counted(finding.places, "place")}${measured(finding)}`,
-                element("small", finding.label ? `${finding.label}: ${finding.message}` : finding.message));
+  const words = element("span", "");
+  words.append(element("b", finding.grade), ` ${finding.id} ${finding.name}, ${counted(finding.places, "place")}${measured(finding)}`,
+               element("small", finding.label ? `${finding.label}: ${finding.message}` : finding.message));
+  button.append(words, ...(thumb ? [thumb] : []));
   return button;
 }
 
-/* findings: null where the model was not checked. chosen(finding or null) is called when that changes. */
-export function listFindings(findings, chosen) {
+/* Errors before warnings before the rest; of one grade those of most places. */
+const byWorst = (a, b) => b.severity - a.severity || b.places - a.places;
+
+/* findings: null where the model was not checked. chosen(finding or null) is called when that changes; thumbOf(finding) gives its picture. */
+export function listFindings(findings, chosen, thumbOf) {
   const list = document.getElementById("findings"), section = document.getElementById("findings-section");
   section.hidden = findings === null;
   list.replaceChildren();
   if (findings === null) return;
-  const sorted = [...findings].sort((a, b) => b.severity - a.severity), shown = sorted.slice(0, MOST_LISTED);
+  const sorted = [...findings].sort(byWorst), shown = sorted.slice(0, MOST_LISTED);
   document.getElementById("findings-facts").textContent = summary(findings) + (sorted.length > shown.length ? ` The first ${shown.length} of ${count(sorted.length)} are listed.` : "");
   for (const [number, finding] of shown.entries()) {
-    const button = makeButton(finding, number), item = document.createElement("li");
+    const button = makeButton(finding, number, thumbOf(finding)), item = document.createElement("li");
     button.addEventListener("click", () => {
       const press = button.getAttribute("aria-pressed") !== "true";
       for (const other of list.querySelectorAll("button")) other.setAttribute("aria-pressed", "false");

@@ -56,7 +56,7 @@ export function makeGraphics(canvas, texts) {
     return made.place;
   };
   for (const define of Object.values(SURFACES)) prepare("surface", "LIGHT_IN_VIEW", define);
-  for (const [stage, ...defines] of [["angle"], ["marked", "MARKED_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"]]) prepare(stage, ...defines);
+  for (const [stage, ...defines] of [["angle"], ["marked", "MARKED_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"], ["outline"]]) prepare(stage, ...defines);
 
   const lit = makeLit(canvas, gl);
 
@@ -116,7 +116,7 @@ export function makeGraphics(canvas, texts) {
   const makeSurface = ({ positions, normals, reach, indices }) => {
     const surface = {
       positions: makeBuffer(positions, indices ? gl.DYNAMIC_DRAW : gl.STATIC_DRAW), normals: makeBuffer(normals, gl.DYNAMIC_DRAW), reach: reach && makeBuffer(reach),
-      values: null, marks: null, colours: null, texcoords: [null, null], tangents: null, lit: new Map(), indexArray: indices, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
+      values: null, marks: null, trial: null, colours: null, texcoords: [null, null], tangents: null, lit: new Map(), indexArray: indices, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
     };
     const arrays = new Map();
     surface.use = (normalsBuffer) => {
@@ -134,12 +134,12 @@ export function makeGraphics(canvas, texts) {
     };
     /* Colours of the corners, or none; of the array that is in use. */
     surface.colour = (buffer) => {
-      if (buffer) { attribute(COLOUR, buffer, 4, 0, 0, 0, buffer === surface.marks ? gl.UNSIGNED_BYTE : gl.UNSIGNED_SHORT); return; }
+      if (buffer) { attribute(COLOUR, buffer, 4, 0, 0, 0, gl.UNSIGNED_BYTE); return; }
       gl.disableVertexAttribArray(COLOUR);
       gl.vertexAttrib4f(COLOUR, 1, 1, 1, 1);
     };
     surface.free = () => {
-      for (const name of ["positions", "normals", "reach", "values", "marks", "colours", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
+      for (const name of ["positions", "normals", "reach", "values", "marks", "trial", "colours", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
       for (const buffer of surface.texcoords) if (buffer) gl.deleteBuffer(buffer);
       surface.lit.forEach((geometry) => geometry.dispose());
       arrays.forEach((array) => gl.deleteVertexArray(array));
@@ -147,7 +147,9 @@ export function makeGraphics(canvas, texts) {
     return surface;
   };
 
-  const lines = gl.createVertexArray();
+  const lines = gl.createVertexArray(), nothing = gl.createVertexArray();
+  /* Where it is drawn: null is the canvas. */
+  let into = null;
   /* The part of the picture that is drawn into, in pixels from below. */
   let box = { x: 0, y: 0, width: canvas.width, height: canvas.height }, seen = box;
 
@@ -195,16 +197,42 @@ export function makeGraphics(canvas, texts) {
   const drawSurfaces = (items, camera, look) => {
     if (look.colours === "findings" || (look.colours === "lit" && look.shading !== "gouraud")) lit.draw(items, camera, look, box, seen);
     else for (const item of items) drawSurface(item, camera, look);
-    if (look.colours === "findings") drawMarks(items, camera, look.through);
+    if (look.colours === "findings" && !look.unpainted) drawMarks(items, camera, look.through);
+    if (look.outline) drawOutline(items.filter(look.outline), camera, look.outlineColour, look.outlineWidth);
   };
 
-  /* What is marked, over the model; through: also where the rest stands in front of it. */
-  const drawMarks = (items, camera, through) => {
+  /* What is marked, over the model; through: also where the rest stands in front of it. marks: which of a surface's buffers says so. */
+  const drawMarks = (items, camera, through, marks = "marks") => {
     if (through) gl.clear(gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(-1, -8);
-    for (const item of items) if (item.surface.marks) drawMarked(item, camera, "MARKED_ONLY");
+    for (const item of items) if (item.surface[marks]) drawMarked(item, camera, item.surface[marks], "MARKED_ONLY");
     gl.disable(gl.POLYGON_OFFSET_FILL);
+  };
+
+  /* A line round these, also where something stands in front of them. */
+  const drawOutline = (items, camera, colour, width) => {
+    const mask = targetOf("mask", box.width, box.height, false);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, mask.frame);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.viewport(0, 0, box.width, box.height);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    for (const item of items) drawMarked(item, camera, null, "COUNT");
+    gl.bindFramebuffer(gl.FRAMEBUFFER, into);
+    gl.viewport(box.x, box.y, box.width, box.height);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.disable(gl.DEPTH_TEST);
+    const place = programOf("outline");
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, mask.texture);
+    gl.uniform1i(place("mask"), 0);
+    gl.uniform2f(place("corner"), box.x, box.y);
+    gl.uniform1f(place("width"), width);
+    gl.uniform4f(place("colour"), ...colour);
+    gl.bindVertexArray(nothing);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.bindTexture(gl.TEXTURE_2D, null);
+    gl.enable(gl.DEPTH_TEST);
   };
 
   const drawAngle = (item, camera, look) => {
@@ -217,11 +245,12 @@ export function makeGraphics(canvas, texts) {
     drawTriangles(item, null);
   };
 
-  const drawMarked = (item, camera, define) => {
-    const place = programOf("marked", ...(define ? [define] : []));
+  /* marks: a buffer; null: all of it. */
+  const drawMarked = (item, camera, marks, ...defines) => {
+    const place = programOf("marked", ...defines);
     setCamera(place, camera);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
-    drawTriangles(item, item.surface.marks);
+    drawTriangles(item, marks);
   };
 
   const startLines = (place, camera, width, head, lift = 0.002) => {
@@ -304,56 +333,73 @@ export function makeGraphics(canvas, texts) {
     gl.enable(gl.DEPTH_TEST);
   };
 
-  /* ---- counting what is marked */
-  const TILE = 192, ACROSS = 4;
-  let counting = null;
-  const countingTarget = (tiles, height) => {
-    const size = [TILE * Math.min(ACROSS, tiles), height * Math.ceil(tiles / ACROSS)];
-    if (counting && counting.size.join() === size.join()) return counting;
-    if (counting) { gl.deleteFramebuffer(counting.frame); counting.buffers.forEach((buffer) => gl.deleteRenderbuffer(buffer)); }
-    const frame = gl.createFramebuffer(), buffers = [gl.createRenderbuffer(), gl.createRenderbuffer()];
-    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-    [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT]].forEach(([format, at], i) => {
-      gl.bindRenderbuffer(gl.RENDERBUFFER, buffers[i]);
-      gl.renderbufferStorage(gl.RENDERBUFFER, format, ...size);
-      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, at, gl.RENDERBUFFER, buffers[i]);
-    });
-    counting = { size, frame, buffers };
-    return counting;
+  /* ---- pictures that are not shown */
+  const targets = new Map();
+  const targetOf = (name, width, height, isDeep = true) => {
+    const known = targets.get(name);
+    if (known?.width === width && known.height === height) return known;
+    if (known) { gl.deleteFramebuffer(known.frame); gl.deleteTexture(known.texture); if (known.depth) gl.deleteRenderbuffer(known.depth); }
+    const made = { width, height, frame: gl.createFramebuffer(), texture: gl.createTexture(), depth: isDeep ? gl.createRenderbuffer() : null };
+    gl.bindFramebuffer(gl.FRAMEBUFFER, made.frame);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, made.texture);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA8, width, height);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, made.texture, 0);
+    if (isDeep) {
+      gl.bindRenderbuffer(gl.RENDERBUFFER, made.depth);
+      gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, made.depth);
+    }
+    gl.bindTexture(gl.TEXTURE_2D, null);      /* surfaces look at this unit as well */
+    targets.set(name, made);
+    return made;
   };
-  /* Of a picture from each camera, which part shows what is marked; through: as if the rest were not there. Nothing waits for the card meanwhile. */
-  const countMarked = async (items, cameras, aspect, through) => {
-    const height = Math.max(16, Math.round(TILE / aspect)), target = countingTarget(cameras.length, height), [width, all] = target.size;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, target.frame);
-    gl.viewport(0, 0, width, all);
-    gl.clearColor(0, 0, 0, 0);
+  /* What draw() leaves, four bytes a pixel, from below. Nothing waits for the card meanwhile. */
+  const pictureOf = async (name, width, height, colour, draw) => {
+    into = targetOf(name, width, height).frame;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, into);
+    gl.viewport(0, 0, width, height);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.enable(gl.DEPTH_TEST);
+    gl.clearColor(...colour);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    cameras.forEach((camera, i) => {
-      gl.viewport(TILE * (i % ACROSS), height * Math.floor(i / ACROSS), TILE, height);
-      for (const item of items) if (item.surface.marks) drawMarkedFor(item, camera, through);
-    });
+    gl.clearColor(0, 0, 0, 0);
+    draw();
     const pixels = gl.createBuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, into);
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, pixels);
-    gl.bufferData(gl.PIXEL_PACK_BUFFER, 4 * width * all, gl.STREAM_READ);
-    gl.readPixels(0, 0, width, all, gl.RGBA, gl.UNSIGNED_BYTE, 0);
+    gl.bufferData(gl.PIXEL_PACK_BUFFER, 4 * width * height, gl.STREAM_READ);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, 0);
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, (into = null));
     await drained();
-    const read = new Uint8Array(4 * width * all), counts = cameras.map(() => 0);
+    const read = new Uint8ClampedArray(4 * width * height);
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, pixels);
     gl.getBufferSubData(gl.PIXEL_PACK_BUFFER, 0, read);
     gl.bindBuffer(gl.PIXEL_PACK_BUFFER, null);
     gl.deleteBuffer(pixels);
+    return read;
+  };
+
+  const TILE = 192, ACROSS = 4;
+  /* Of a picture from each camera, which part shows what is marked; through: as if the rest were not there. */
+  const countMarked = async (items, cameras, aspect, through, marks = "marks") => {
+    const height = Math.max(16, Math.round(TILE / aspect)), width = TILE * Math.min(ACROSS, cameras.length), all = height * Math.ceil(cameras.length / ACROSS), counts = cameras.map(() => 0);
+    const read = await pictureOf("count", width, all, [0, 0, 0, 0], () => cameras.forEach((camera, i) => {
+      gl.viewport(TILE * (i % ACROSS), height * Math.floor(i / ACROSS), TILE, height);
+      for (const item of items) if (item.surface[marks]) drawMarked(item, camera, item.surface[marks], "COUNT", ...(through ? ["MARKED_ONLY"] : []));
+    }));
     for (let y = 0; y < all; y++)
       for (let x = 0; x < width; x++) if (read[4 * (y * width + x)] > 127) counts[ACROSS * Math.floor(y / height) + Math.floor(x / TILE)]++;
     return counts.map((count) => count / (TILE * height));
   };
-  const drawMarkedFor = (item, camera, through) => {
-    const place = programOf("marked", "COUNT", ...(through ? ["MARKED_ONLY"] : []));
-    setCamera(place, camera);
-    gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
-    drawTriangles(item, item.surface.marks);
-  };
+  /* A small picture in clay, of what a surface's trial marks. */
+  const drawSmall = (items, camera, width, height, colour, look, more) => pictureOf("small", width, height, colour, () => within({ x: 0, y: 0, width, height }, () => {
+    for (const item of items) drawSurface(item, camera, { colours: "lit", shading: "phong", errorTop: 1 });
+    drawMarks(items, camera, look.through, "trial");
+    if (look.outline) drawOutline(items.filter(look.outline), camera, look.outlineColour, look.outlineWidth);
+    more();
+  }));
 
   /* Asks after all programs while the card has nothing else to do. */
   const warmUp = async () => {
@@ -389,5 +435,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, clear, paint, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, drawSmall, clear, paint, within };
 }

@@ -18,10 +18,11 @@ import { savePicture } from "./picture.js";
 import { count, counted, degrees, notice, showComputeFacts, showMatrix, showMatrixFacts, showModelFacts, showMovingFacts } from "./readouts.js";
 import { bytesOf, moduleOf } from "./inflate.js";
 import { startRemote } from "./remote.js";
-import { fitOf, itemsOf, makeScene, meanColumn } from "./scene.js";
+import { fitOf, itemsOf, largestColumn, makeScene, meanColumn } from "./scene.js";
 import { CREDIT, unpackSculpture } from "./sculpture.js";
 import { posesOf, seek } from "./seek.js";
 import { SHAPES } from "./shapes.js";
+import { makeThumbs, viewOf } from "./thumbs.js";
 
 const canvas = byId("canvas"), stage = byId("stage");
 const camera = makeCamera();
@@ -32,10 +33,10 @@ const DEFAULT_CURSOR = { x: 0.5, y: 0.47, itself: true };
 const ANGLE_TOPS = [1, 2, 5, 10, 15, 30, 45, 60, 90, 180];
 const REACH = 2.2;
 
-let norma, remote, graphics, intro, remember = () => undefined;
+let norma, remote, graphics, intro, thumbs, remember = () => undefined;
 /* What is shown: a scene, and the one before it was changed; or the surface that moves; and where its file came from. */
 let scene = null, before = null, moving = null, source = null, sculpture = null;
-const UNMARKED = { through: false, dim: false, pins: null, place: null }, FLIGHT = 450, SWEEP = 2600;
+const UNMARKED = { through: false, dim: false, pins: null, place: null, outline: null, unpainted: false }, FLIGHT = 450, SWEEP = 2600;
 let chosen = null, look = { ...UNMARKED, errorTop: 1, angleTop: 45 };
 let cursor = DEFAULT_CURSOR, panels = [], found = null;
 let lessonOf = null, dirty = { compute: true, draw: true }, calls = 0, drawing = false, computing = false, picking = false, measuring = false, loading = 0, seeking = 0, computed = 0, opening = 0;
@@ -75,7 +76,7 @@ function showModel(model, { changed = false, files = model.files } = {}) {
   const stored = model.meshes.some((mesh) => mesh.stored);
   option("source", "stored").disabled = option("colours", "error").disabled = !stored;
   byId("source").value = stored ? "stored" : "computed";
-  listFindings(model.findings, chooseFinding);
+  listFindings(model.findings, chooseFinding, (finding) => (model.meshes[finding.mesh] ? thumbs.add(finding) : null));
   byId("finding-seen").textContent = "";
   option("colours", "findings").disabled = !model.findings?.length;
   if (byId("colours").selectedOptions[0].disabled) byId("colours").value = "lit";
@@ -192,12 +193,26 @@ function placeIn(finding, { point: at, direction, size, points }) {
   return { at: where, normal: length(normal) > 0 ? unit(normal) : camera.axes().back, size: size * meanColumn(toWorld), pins: pins.length ? pins : [where] };
 }
 
-const poseView = (pose, aspect) => {
-  const other = makeCamera();
-  other.reset(pose);
-  other.aspect = aspect;
-  return { worldToView: other.worldToView(), viewToClip: other.viewToClip(REACH) };
-};
+/* Whether a finding is about a part rather than about places on it. */
+const isOfWhole = (shown, { mesh, places, severity }, place) => shown.model.meshes[mesh] !== undefined && (!place || (severity < 2 && places > shown.model.meshes[mesh].faces / 2));
+/* What is drawn of a part that a finding is about: of its node, if that is what it names. */
+const partOf = ({ mesh, draw }) => (item) => item.mesh === mesh && (draw < 0 || item.draw === draw);
+/* From where the part fills a good part of the picture; all of the model where it lies in more places than one. */
+function poseOfPart(finding, items) {
+  const parts = items.filter(partOf(finding)), whole = { azimuth: camera.azimuth, elevation: camera.elevation };
+  if (parts.length !== 1) return whole;
+  const [{ localToWorld }] = parts, radius = largestColumn(localToWorld);
+  return radius > 0 && isFinite(radius) ? { ...whole, centre: localToWorld.slice(12, 15), distance: Math.max(0.02, Math.min(3.4, 3.6 * radius)) } : whole;
+}
+
+/* What a small picture of a finding is made of. */
+async function seenSmall(finding) {
+  const shown = scene;
+  if (!shown?.model?.findings?.includes(finding)) return null;
+  const place = placeIn(finding, await remote.place(shown.model.number, finding.index, 0)), items = itemsOf(norma, shown, userMatrix(), "right"), isWhole = isOfWhole(shown, finding, place), outline = isWhole ? partOf(finding) : null;
+  return { scene: shown, items, place: isWhole ? null : place, whole: isWhole ? { ...poseOfPart(finding, items), azimuth: 38, elevation: 18 } : null, up: camera.axes().up, paper: isDark() ? [0.125, 0.16, 0.17] : [0.914, 0.906, 0.875],
+           look: { outline, outlineColour: PIN_COLOURS[finding.grade], outlineWidth: 3 }, pins: (view) => graphics.drawPins(place.at, view, PIN_COLOURS[finding.grade], 22) };
+}
 
 /* Marks a finding alone, and takes the camera where enough of it is seen. */
 async function chooseFinding(finding, which = 0) {
@@ -213,10 +228,17 @@ async function chooseFinding(finding, which = 0) {
     const place = finding && placeIn(finding, await remote.place(shown.model.number, finding.index, which));
     if (mine !== seeking || shown !== scene) return;
     if (!finding) return;
-    look.dim = shown.model.meshes[finding.mesh] !== undefined;
-    if (!place) { camera.reset(); byId("finding-seen").textContent = shown.model.meshes[finding.mesh] ? "This is about a whole part, not about a place on it." : "This is about the file, not about a place on its surface."; return; }
+    const items = itemsOf(norma, shown, userMatrix(), "right");
+    if (!shown.model.meshes[finding.mesh]) { camera.reset(); byId("finding-seen").textContent = "This is about the file, not about a place on its surface."; return; }
+    if (isOfWhole(shown, finding, place)) {
+      look = { ...look, outline: partOf(finding), unpainted: finding.severity < 2 };
+      byId("finding-seen").textContent = "This is about a whole part: the line goes round it.";
+      await fly({ distance: 3.4, centre: [0, 0, 0], ...poseOfPart(finding, items) });
+      return;
+    }
+    look.dim = true;
     const everywhere = finding.places > shown.model.meshes[finding.mesh].faces / 2, aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
-    const items = itemsOf(norma, shown, userMatrix(), "right"), counts = (poses, through) => graphics.countMarked(items, poses.map((pose) => poseView(pose, aspect)), aspect, through);
+    const counts = (poses, through) => graphics.countMarked(items, poses.map((pose) => viewOf(pose, aspect, REACH)), aspect, through);
     const best = await seek(posesOf(place, camera.axes().up, everywhere), counts);
     if (mine !== seeking || shown !== scene) return;
     look = { ...look, through: best.faint, pins: best.pinned ? [place.at] : null, place };
@@ -285,6 +307,7 @@ function drawCorner(pixels, draw) {
     const view = { worldToView: whole.worldToView(), viewToClip: whole.viewToClip(REACH) };
     graphics.paint(isDark() ? [0.11, 0.137, 0.149] : [1, 1, 1]);
     draw(view);
+    if (!look.place) return;
     graphics.drawPins(look.place.at, view, isDark() ? [1, 1, 1, 1] : [0, 0, 0, 1], 13 * pixels);
     graphics.drawPins(look.place.at, view, isDark() ? [0, 0, 0, 1] : [1, 1, 1, 1], 8 * pixels);
   });
@@ -531,16 +554,16 @@ function draw() {
   look.angleTop = ANGLE_TOPS.find((top) => top >= info.worstErrorDeg - 0.005) ?? 180;
   graphics.clear();
   for (const panel of panels) drawPanel(panel, pixels, (side, view) => {
-    const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), colours: angle ? "angle" : value("colours"), shading: value("shading") };
+    const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, outlineColour: chosen && PIN_COLOURS[chosen.grade], outlineWidth: 3.5 * pixels, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), colours: angle ? "angle" : value("colours"), shading: value("shading") };
     graphics.drawSurfaces(items, view, how);
     if (!angle && isChecked("wireframe") && !moving) for (const item of items) drawWire(item, view, pixels, side === "wrong" && compared === "change" ? before : scene);
     if (!angle) for (const item of items) drawHedgehog(item, view, pixels, compared === "change" ? colours.before : colours[side]);
     if (!moving) drawChosen(view, pixels);
     if (found && !chosen && compared && compared !== "change" && !angle && !intro.isShown()) drawFound(view, pixels, colours);
   });
-  const inCorner = Boolean(chosen && look.place && value("colours") === "findings");
+  const inCorner = Boolean(chosen && (look.place || look.outline) && value("colours") === "findings");
   byId("whole").hidden = !inCorner;
-  if (inCorner) drawCorner(pixels, (view) => graphics.drawSurfaces(sideItems("right", user, null), view, { ...UNMARKED, materials: isChecked("textures"), normalMaps: false, colours: "lit", shading: "phong" }));
+  if (inCorner) drawCorner(pixels, (view) => graphics.drawSurfaces(sideItems("right", user, null), view, { ...UNMARKED, outline: look.outline, outlineColour: chosen && PIN_COLOURS[chosen.grade], outlineWidth: 2 * pixels, materials: isChecked("textures"), normalMaps: false, colours: "lit", shading: "phong" }));
   placeStage();
   showReadouts(info, user, compared);
   remember();
@@ -960,6 +983,7 @@ export async function startPage(texts) {
   graphics = makeGraphics(canvas, texts);
   if (!graphics) { fallBack(""); return; }
   await startEngines();
+  thumbs = makeThumbs(graphics, remote, seenSmall, () => !(drawing || computing || picking || measuring || loading || seeking || dirty.compute || dirty.draw || intro.isPlaying()) && computed > 0);
   byId("version").textContent = norma.version;
   sculpture = unpackSculpture(bytesOf(textOf("sculpture")));
   paintLegend(texts);

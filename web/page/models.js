@@ -57,6 +57,7 @@ export async function startModels(modules) {
     /* The time alone. */
     time: (number, options) => run(models.get(number), options),
     marks: (number, finding) => models.get(number).meshes.map((_, i) => models.get(number).marks(i, finding ?? undefined).slice()),
+    markOf: (number, mesh, finding) => models.get(number).marks(mesh, finding).slice(),
     place: (number, finding, which) => ({ ...(models.get(number).placeOf(finding, which) ?? { point: null }), points: models.get(number).pointsOf(finding) }),
     /* items: [{ mesh, plain, right }], matrices. */
     worst: (number, items) => items.reduce((most, { mesh, plain, right }) => Math.max(most, models.get(number).worst(mesh, plain, right)), 0),
