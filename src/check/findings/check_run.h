@@ -91,6 +91,7 @@ typedef struct check_run {
     const norma_findings *known; /* of a document that differs little; or NULL */
     check_judge *judge;          /* of a surface that the next group's is the same as; or NULL */
     const check_part *part; /* what is hit has the numbers of this part; NULL: those of the file */
+    int has_tile_instances; /* what they do to a node no fix can bake */
     size_t next_order;      /* places are numbered as they come */
     check_group *group;     /* the meshes that are looked at together now */
     check_member *members;  /* primitives held for N501 */

@@ -7,8 +7,12 @@
 
 static const double UNEVEN = 1.05, SHEARED = 1e-3, DEGREES = 180 / 3.141592653589793;
 
+typedef struct node_kind { /* of instances */
+    size_t count, first;
+} node_kind;
+
 typedef struct node_sums { /* instances, and the worst of each kind */
-    size_t uneven, mirrored, upright, singular, sheared;
+    node_kind uneven, mirrored, upright, singular, sheared;
     double anisotropy, determinant, cosine, error_rad;
     int rank;
 } node_sums;
@@ -26,21 +30,27 @@ static double shear_of(const double m[16]) {
     return worst;
 }
 
-/* A matrix that flattens is that and nothing else. */
-static void judge_world(const double world[16], size_t times, node_sums *sums) {
+static void count_instances(node_kind *kind, size_t index, size_t times) {
+    if (!kind->count) kind->first = index;
+    kind->count += times;
+}
+
+/* A matrix that flattens is that and nothing else. times: instances from index on that it moves. */
+static void judge_world(const double world[16], size_t index, size_t times, node_sums *sums) {
     double normal_matrix[9];
     norma_matrix_info info;
     int finite =
         norma_normal_matrix_double(world, NORMA_WINDING_KEPT, normal_matrix, &info) == NORMA_OK;
     if (!finite || info.rank < 3) {
-        sums->rank = sums->singular && sums->rank < info.rank ? sums->rank : finite ? info.rank : 0;
-        sums->singular += times;
+        const int had_less = sums->singular.count && sums->rank < info.rank;
+        sums->rank = had_less ? sums->rank : finite ? info.rank : 0;
+        count_instances(&sums->singular, index, times);
         return;
     }
     double cosine = shear_of(world);
-    sums->uneven += info.anisotropy > UNEVEN ? times : 0;
-    sums->sheared += cosine > SHEARED ? times : 0;
-    *(info.mirrored ? &sums->mirrored : &sums->upright) += times;
+    if (info.anisotropy > UNEVEN) count_instances(&sums->uneven, index, times);
+    if (cosine > SHEARED) count_instances(&sums->sheared, index, times);
+    count_instances(info.mirrored ? &sums->mirrored : &sums->upright, index, times);
     if (info.mirrored && (sums->determinant == 0 || info.determinant < sums->determinant))
         sums->determinant = info.determinant;
     sums->cosine = fmax(sums->cosine, cosine);
@@ -56,18 +66,19 @@ static norma_result judge_instances(const norma_node_info *node, check_instance_
     void *context, size_t index, node_sums *sums) {
     double world[16];
     norma_result result = NORMA_OK;
-    if (!world_of || node->instances == 1) {
-        judge_world(node->world, node->instances, sums);
-        if (node->instances > 1 && node->mirrored_instances <= node->instances && !sums->singular) {
-            sums->mirrored = node->mirrored_instances;
-            sums->upright = node->instances - node->mirrored_instances;
+    if (!world_of) {
+        judge_world(node->world, 0, node->instances, sums);
+        if (node->instances > 1 && node->mirrored_instances <= node->instances &&
+            !sums->singular.count) {
+            sums->mirrored.count = node->mirrored_instances;
+            sums->upright.count = node->instances - node->mirrored_instances;
             sums->determinant = NAN;
         }
         return NORMA_OK;
     }
     for (size_t i = 0; i < node->instances && !result; i++) {
         result = world_of(context, index, i, world);
-        if (!result) judge_world(world, 1, sums);
+        if (!result) judge_world(world, i, 1, sums);
     }
     return result;
 }
@@ -77,6 +88,7 @@ typedef struct node_judgement {
     uint8_t rules[CHECK_RULE_COUNT];
     check_place place;
     const norma_node_info *node;
+    int has_worlds;   /* of its instances, each */
     int double_sided; /* some material of its mesh */
 } node_judgement;
 
@@ -89,19 +101,25 @@ static norma_result add_node_finding(const node_judgement *j, check_rule rule,
             .severity = severity,
             .unit = unit,
             .no_value = isnan(worst),
+            .no_fix = j->run->has_tile_instances,
             .hits = &hits,
             .message = message});
 }
 
-static void begin_message(const node_judgement *j, size_t count, char text[CHECK_MESSAGE]) {
+static void begin_message(const node_judgement *j, node_kind kind, char text[CHECK_MESSAGE]) {
     text[0] = 0;
-    if (j->node->instances != 1)
-        norma_check_message(text, "%z of %z instances: ", count, j->node->instances);
+    if (j->node->instances != 1 && j->has_worlds && kind.count == 1)
+        norma_check_message(text, "instance %z of %z: ", kind.first, j->node->instances);
+    else if (j->node->instances != 1 && j->has_worlds)
+        norma_check_message(text, "%z of %z instances, the first of them %z: ", kind.count,
+            j->node->instances, kind.first);
+    else if (j->node->instances != 1)
+        norma_check_message(text, "%z of %z instances: ", kind.count, j->node->instances);
 }
 
 static norma_result add_mirrored(const node_judgement *j, const node_sums *sums) {
     char begin[CHECK_MESSAGE], determinant[CHECK_MESSAGE], message[CHECK_MESSAGE];
-    int mixed = sums->mirrored && sums->upright;
+    int mixed = sums->mirrored.count && sums->upright.count;
     begin_message(j, sums->mirrored, begin);
     norma_check_message(
         determinant, isnan(sums->determinant) ? "below 0" : "%g", sums->determinant);
@@ -112,8 +130,8 @@ static norma_result add_mirrored(const node_judgement *j, const node_sums *sums)
         : j->double_sided ? "; renderers disagree on how to light it"
                           : "; renderers must reverse their culling");
     return add_node_finding(j, RULE_N602,
-        mixed || j->double_sided ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO, sums->mirrored,
-        sums->determinant, "determinant", message);
+        mixed || j->double_sided ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
+        sums->mirrored.count, sums->determinant, "determinant", message);
 }
 
 static norma_result add_node_findings(const node_judgement *j, const node_sums *sums) {
@@ -124,14 +142,14 @@ static norma_result add_node_findings(const node_judgement *j, const node_sums *
         "by up to %g degrees",
         begin, sums->anisotropy, sums->error_rad * DEGREES);
     norma_result result = add_node_finding(
-        j, RULE_N601, NORMA_SEVERITY_INFO, sums->uneven, sums->anisotropy, "ratio", message);
+        j, RULE_N601, NORMA_SEVERITY_INFO, sums->uneven.count, sums->anisotropy, "ratio", message);
     if (!result) result = add_mirrored(j, sums);
     begin_message(j, sums->singular, begin);
     norma_check_message(message,
         "%sworld matrix of rank %z: it flattens the mesh and has no inverse", begin,
         (size_t)sums->rank);
     if (!result)
-        result = add_node_finding(j, RULE_N603, NORMA_SEVERITY_WARNING, sums->singular,
+        result = add_node_finding(j, RULE_N603, NORMA_SEVERITY_WARNING, sums->singular.count,
             (double)sums->rank, "rank", message);
     begin_message(j, sums->sheared, begin);
     norma_check_message(message,
@@ -139,7 +157,7 @@ static norma_result add_node_findings(const node_judgement *j, const node_sums *
         "translation, rotation and scale",
         begin, norma_check_arc_sine(fmin(sums->cosine, 1)) * DEGREES);
     return result ? result
-                  : add_node_finding(j, RULE_N604, NORMA_SEVERITY_WARNING, sums->sheared,
+                  : add_node_finding(j, RULE_N604, NORMA_SEVERITY_WARNING, sums->sheared.count,
                         sums->cosine, "cosine", message);
 }
 
@@ -158,7 +176,7 @@ static norma_result judge_node(check_run *run, const norma_check_scene *scene, s
     check_instance_world *world_of, void *context) {
     const norma_node_info *node = &scene->nodes[index];
     char label[CHECK_MESSAGE];
-    node_judgement j = {.run = run, .node = node};
+    node_judgement j = {.run = run, .node = node, .has_worlds = world_of != NULL};
     node_sums sums = {0};
     j.place = (check_place){
         .order = run->next_order++, .where = node->where ? node->where : "", .label = label};
@@ -168,9 +186,11 @@ static norma_result judge_node(check_run *run, const norma_check_scene *scene, s
         !(j.rules[RULE_N601] || j.rules[RULE_N602] || j.rules[RULE_N603] || j.rules[RULE_N604]))
         return NORMA_OK;
     norma_result result = judge_instances(node, world_of, context, index, &sums);
-    if (result || !(sums.uneven || sums.mirrored || sums.singular || sums.sheared)) return result;
+    if (result ||
+        !(sums.uneven.count || sums.mirrored.count || sums.singular.count || sums.sheared.count))
+        return result;
     label_of("node", node->node, node->name, label);
-    j.double_sided = sums.mirrored && has_double_sided(scene, node->mesh);
+    j.double_sided = sums.mirrored.count && has_double_sided(scene, node->mesh);
     return add_node_findings(&j, &sums);
 }
 

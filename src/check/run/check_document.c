@@ -6,6 +6,7 @@
 #include "check/rules/rules.h"
 #include "check/run/run.h"
 #include "core/call/table.h"
+#include "io/format/for_fixes.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -468,10 +469,31 @@ static norma_document_result check_maps(document_check *d) {
 
 /* ---- nodes and skins */
 
+static void multiply_upper(const double a[16], double b[16]) { /* of 4 x 4, into b */
+    double product[9];
+    for (int column = 0; column < 3; column++)
+        for (int row = 0; row < 3; row++)
+            product[3 * column + row] = a[row] * b[4 * column] + a[4 + row] * b[4 * column + 1] +
+                                        a[8 + row] * b[4 * column + 2];
+    for (int i = 0; i < 9; i++) b[4 * (i / 3) + i % 3] = product[i];
+}
+
+/* A tile may draw all that again and again: its instances are then those of each of its own, one
+ * after another. No rule asks where they are. */
 static norma_result instance_world(void *context, size_t index, size_t instance, double world[16]) {
     const document_check *d = context;
-    norma_document_result result =
-        norma_document_instance_world(d->document, index, instance, world, d->error);
+    double matrix[16];
+    const size_t in_tile = norma_document_tile_instance(d->document, SIZE_MAX, matrix),
+                 all = d->nodes[index].instances,
+                 own = in_tile && all > in_tile ? all / in_tile
+                       : in_tile                ? 1
+                                                : all;
+    const norma_document_result result =
+        norma_document_instance_world(d->document, index, instance % own, world, d->error);
+    if (!result && in_tile) {
+        (void)norma_document_tile_instance(d->document, instance / own, matrix);
+        multiply_upper(matrix, world);
+    }
     return !result                                 ? NORMA_OK
            : result == NORMA_DOCUMENT_ERROR_MEMORY ? NORMA_ERROR_MEMORY
                                                    : NORMA_ERROR_INDEX;
@@ -524,6 +546,10 @@ static norma_document_result check_nodes(document_check *d) {
             (void)norma_document_instance_world(d->document, i, 0, world, d->error);
         if (result == NORMA_DOCUMENT_ERROR_MEMORY)
             result = norma_check_fail(d->error, NORMA_ERROR_MEMORY);
+        const size_t in_tile = norma_document_tile_instance(d->document, SIZE_MAX, world);
+        d->run.has_tile_instances = in_tile > 0;
+        if (in_tile && d->nodes[i].instances <= SIZE_MAX / in_tile)
+            d->nodes[i].instances *= in_tile;
     }
     if (!result) result = read_skins(d);
     const norma_check_scene scene = {.meshes = d->meshes,

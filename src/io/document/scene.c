@@ -139,6 +139,13 @@ norma_document_result norma_document_unread(
     return NORMA_DOCUMENT_OK;
 }
 
+size_t norma_document_tile_instance(
+    const norma_document *document, size_t index, double matrix[16]) {
+    return scene_of(document)->tile_instance
+               ? scene_of(document)->tile_instance(document, index, matrix)
+               : 0;
+}
+
 norma_document_result norma_document_instance_world(norma_document *document, size_t index,
     size_t instance, double world[16], norma_document_error *error) {
     norma_node_info info;

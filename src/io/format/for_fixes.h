@@ -1,5 +1,5 @@
 /* for_fixes.h: what norma check uses of documents besides their public functions: notes, the green
- * channel of normal maps turned (N812), a copy to try changes on. */
+ * channel of normal maps turned (N812), a copy to try changes on, the instances of a tile. */
 #ifndef NORMA_IO_FOR_FIXES_H
 #define NORMA_IO_FOR_FIXES_H
 #include <norma/document.h>
@@ -20,4 +20,10 @@ norma_document_result norma_document_turn_green(
  * not to be saved. To be closed. */
 norma_document_result norma_document_copy(
     norma_document *document, norma_document **copy, norma_document_error *error);
+
+/* How often a tile of 3D Tiles draws its whole scene turned or scaled (i3dm); 0: not at all.
+ * matrix: of one of them, if there are so many; from the scene to the tile, whose z points up,
+ * without the place. */
+size_t norma_document_tile_instance(
+    const norma_document *document, size_t index, double matrix[16]);
 #endif

@@ -301,6 +301,8 @@ typedef struct scene_functions {
         norma_document *document, norma_document_error *error); /* fills unread and unread_count */
     norma_document_result (*instance_world)(norma_document *document, size_t node, size_t instance,
         double world[16], norma_document_error *error);
+    /* as norma_document_tile_instance; NULL: no tile has the format */
+    size_t (*tile_instance)(const norma_document *document, size_t index, double matrix[16]);
     /* drawn is filled as the file stores the mesh: moves it by its morph targets and its skin */
     norma_document_result (*move_drawn)(norma_document *document, size_t node, size_t mesh,
         norma_drawn_mesh *drawn, norma_document_error *error);

@@ -590,7 +590,7 @@ static norma_document_result gltf_open(norma_document *document, norma_document_
     if (!result) result = parse_text(g, error);
     norma_document_result (*const steps[])(gltf *, norma_document_error *) = {
         norma_gltf_read_buffers, norma_gltf_read_accessors, norma_gltf_read_meshes,
-        norma_gltf_read_nodes};
+        norma_gltf_read_nodes, norma_gltf_read_tile_instances};
     if (!result) result = check_version(g, error);
     if (!result) result = check_required(g, error);
     for (size_t i = 0; !result && i < sizeof steps / sizeof steps[0]; ++i)

@@ -178,7 +178,12 @@ enum { TILE_DEPTH = 8 };
 typedef struct gltf_tile {
     size_t at, end;             /* of the GLB; of the tile or the file */
     size_t headers[TILE_DEPTH]; /* offsets of the tile's and the composites' around it */
-    uint32_t depth;             /* of them; 0: the file is the GLB */
+    /* i3dm: how often it draws the model, and each time how; 0: once, or each time as it stands */
+    size_t instances;
+    const unsigned char *up, *right, *scale, *scales; /* an element for each; NULL: none */
+    int has_octahedral;                               /* up and right: two numbers of 16 bits */
+    const char *not_read;                             /* why not; NULL: they were */
+    uint32_t depth;                                   /* of them; 0: the file is the GLB */
 } gltf_tile;
 
 typedef struct gltf {
@@ -237,6 +242,9 @@ norma_document_result norma_gltf_read_accessors(
 norma_document_result norma_gltf_read_meshes(
     gltf *g, norma_document_error *error); /* primitives.c */
 norma_document_result norma_gltf_read_nodes(gltf *g, norma_document_error *error); /* nodes.c */
+/* nodes.c: how an i3dm turns and scales its instances (tile.not_read, if that is not in the file).
+ */
+norma_document_result norma_gltf_read_tile_instances(gltf *g, norma_document_error *error);
 norma_document_result norma_gltf_load_buffer(gltf *g, uint32_t buffer, norma_document_error *error);
 int norma_gltf_view_overruns(const gltf *g, uint32_t view); /* its end lies beyond its buffer's */
 norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t view, const unsigned char **bytes,
@@ -537,6 +545,7 @@ norma_document_result norma_gltf_read_instances(
     gltf *g, uint32_t node, gltf_instances *instances, norma_document_error *error);
 void norma_gltf_instance_matrix(
     const gltf_instances *instances, size_t index, double matrix[16]); /* within the node */
+size_t norma_gltf_tile_instance(const norma_document *document, size_t index, double matrix[16]);
 
 /* members.c: whether a file may require the extension without a word in it changing what its
  * meshes' numbers mean. */

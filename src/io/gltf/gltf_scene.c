@@ -636,8 +636,7 @@ static const char *path_of(gltf *g, uint32_t number) {
     return norma_scene_text(g->document->scene, path + at);
 }
 
-/* From the nearest node above that is known, or a root, down to this one: each node's extras are
- * read once. */
+/* From the nearest node above that is known, or a root: each node's extras are read once. */
 static const char *ignored_by_node(gltf *g, uint32_t node) {
     gltf_scene *scene = norma_gltf_scene_of(g);
     size_t depth = 0;
@@ -714,12 +713,11 @@ static norma_document_result gltf_instance_world(norma_document *document, size_
     memcpy(world, g->nodes[node].world, sizeof g->nodes[node].world);
     if (!g->nodes[node].instanced) return NORMA_DOCUMENT_OK;
     norma_document_result result = norma_gltf_read_instances(g, node, &instances, error);
-    if (!result) {
-        double matrix[16];
-        norma_gltf_instance_matrix(&instances, instance, matrix);
-        norma_gltf_matrix_multiply(world, matrix, world);
-    }
-    return result;
+    double matrix[16];
+    if (result) return result;
+    norma_gltf_instance_matrix(&instances, instance, matrix);
+    norma_gltf_matrix_multiply(world, matrix, world);
+    return NORMA_DOCUMENT_OK;
 }
 
 /* ---- what was not read */
@@ -763,9 +761,10 @@ static norma_document_result read_unread_part(
     norma_scene *scene = document->scene;
     uint32_t list = norma_json_member(&g->json, 0, "extensionsRequired"), number = 0;
     norma_unread *unread = norma_scene_allocate(
-        scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 2, sizeof *unread);
+        scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 3, sizeof *unread);
     size_t count = 0;
     if (!unread || !add_tail(g, unread, &count)) return norma_document_fail_memory(document, error);
+    if (g->tile.not_read) unread[count++] = (norma_unread){"instances", g->tile.not_read};
     if (norma_gltf_needs_later(g))
         unread[count++] =
             (norma_unread){"/asset/minVersion", "needs a later version of glTF than 2.0"};
@@ -792,6 +791,7 @@ const scene_functions norma_gltf_scene = {
     .skin = norma_gltf_skin,
     .unread = read_unread_part,
     .instance_world = gltf_instance_world,
+    .tile_instance = norma_gltf_tile_instance,
     .move_drawn = norma_gltf_move_drawn,
     .material_maps = gltf_material_maps,
     .normal_map = norma_gltf_normal_texture,

@@ -309,6 +309,116 @@ void norma_gltf_instance_matrix(const gltf_instances *instances, size_t index, d
     norma_gltf_matrix_compose(&trs, matrix);
 }
 
+/* ---- The ways in which a tile draws its scene again and again (i3dm). Source: OGC 18-053r2, 3D
+ * Tiles Specification 1.0, 10.3 (Instanced 3D Model) and Annex A (octahedral vectors). */
+
+typedef struct tile_table { /* the numbers behind the JSON of a feature table */
+    const json *j;
+    const unsigned char *data;
+    size_t size, count;
+} tile_table;
+
+/* at: NULL where the table does not have them. 0: they do not lie in the table. */
+static int find_tile_array(
+    const tile_table *table, const char *key, size_t element, const unsigned char **at) {
+    const uint32_t member = norma_json_member(table->j, 0, key);
+    uint64_t offset;
+    *at = NULL;
+    if (member == JSON_NONE) return 1;
+    if (!norma_json_uint(table->j, norma_json_member(table->j, member, "byteOffset"), &offset) ||
+        offset > table->size || (table->size - (size_t)offset) / element < table->count)
+        return 0;
+    *at = table->data + offset;
+    return 1;
+}
+
+/* Places bound the number of instances by the size of the file. */
+static int find_tile_arrays(const tile_table *table, gltf_tile *tile) {
+    const unsigned char *place, *small_place, *up, *right;
+    if (!find_tile_array(table, "POSITION", 12, &place) ||
+        !find_tile_array(table, "POSITION_QUANTIZED", 6, &small_place) ||
+        !find_tile_array(table, "NORMAL_UP", 12, &tile->up) ||
+        !find_tile_array(table, "NORMAL_RIGHT", 12, &tile->right) ||
+        !find_tile_array(table, "NORMAL_UP_OCT32P", 4, &up) ||
+        !find_tile_array(table, "NORMAL_RIGHT_OCT32P", 4, &right) ||
+        !find_tile_array(table, "SCALE", 4, &tile->scale) ||
+        !find_tile_array(table, "SCALE_NON_UNIFORM", 12, &tile->scales) || !(place || small_place))
+        return 0;
+    tile->has_octahedral = !(tile->up && tile->right);
+    if (tile->has_octahedral) {
+        tile->up = up && right ? up : NULL;
+        tile->right = right;
+    }
+    return 1;
+}
+
+norma_document_result norma_gltf_read_tile_instances(gltf *g, norma_document_error *error) {
+    gltf_tile *tile = &g->tile;
+    if (!tile->depth) return NORMA_DOCUMENT_OK;
+    const unsigned char *header = g->document->source.data + tile->headers[tile->depth - 1];
+    if (memcmp(header, "i3dm", 4) != 0) return NORMA_DOCUMENT_OK;
+    const size_t text = norma_gltf_u32(header + 12);
+    json j = {0};
+    json_error wrong = {0};
+    uint64_t count = 0;
+    const int is_json = norma_json_parse((const char *)header + 32, text, NULL, &j, &wrong);
+    tile_table table = {&j, header + 32 + text, norma_gltf_u32(header + 16), 0};
+    int is_good =
+        is_json && norma_json_uint(&j, norma_json_member(&j, 0, "INSTANCES_LENGTH"), &count);
+    table.count = (size_t)count;
+    is_good = is_good && find_tile_arrays(&table, tile);
+    norma_json_free(&j);
+    if (!is_json && !wrong.expected) return norma_document_fail_memory(g->document, error);
+    if (!is_good)
+        tile->not_read = "the tile's instances, as its feature table does not have an element for "
+                         "each of INSTANCES_LENGTH in POSITION and the like";
+    else if (tile->up || tile->scale || tile->scales)
+        tile->instances = (size_t)count;
+    return NORMA_DOCUMENT_OK;
+}
+
+static double tile_float(const unsigned char *at) {
+    const uint32_t bits = norma_gltf_u32(at);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return (double)value;
+}
+
+static void read_tile_direction(
+    const gltf_tile *tile, const unsigned char *vectors, size_t index, double out[3]) {
+    for (int k = 0; k < 3 && !tile->has_octahedral; ++k)
+        out[k] = tile_float(vectors + 12 * index + 4 * (size_t)k);
+    if (!tile->has_octahedral) return;
+    const uint32_t both = norma_gltf_u32(vectors + 4 * index);
+    const double x = (both & 0xFFFF) / 32767.5 - 1, y = (both >> 16) / 32767.5 - 1,
+                 z = 1 - fabs(x) - fabs(y);
+    out[0] = z < 0 ? (1 - fabs(y)) * (x < 0 ? -1 : 1) : x;
+    out[1] = z < 0 ? (1 - fabs(x)) * (y < 0 ? -1 : 1) : y;
+    out[2] = z;
+    const double length = sqrt(matrix_dot(out, out));
+    for (int k = 0; k < 3; ++k) out[k] /= length;
+}
+
+size_t norma_gltf_tile_instance(const norma_document *document, size_t index, double matrix[16]) {
+    static const double y_up[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1};
+    const gltf_tile *tile = &norma_gltf_of(document)->tile;
+    if (index >= tile->instances) return tile->instances;
+    double columns[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    if (tile->up) {
+        read_tile_direction(tile, tile->right, index, columns);
+        read_tile_direction(tile, tile->up, index, columns + 3);
+        matrix_cross(columns, columns + 3, columns + 6);
+    }
+    norma_gltf_matrix_identity(matrix);
+    for (size_t axis = 0; axis < 3; ++axis) {
+        const double all = tile->scale ? tile_float(tile->scale + 4 * index) : 1,
+                     one = tile->scales ? tile_float(tile->scales + 12 * index + 4 * axis) : 1;
+        for (size_t k = 0; k < 3; ++k) matrix[4 * axis + k] = columns[3 * axis + k] * all * one;
+    }
+    norma_gltf_matrix_multiply(matrix, y_up, matrix);
+    return tile->instances;
+}
+
 /* ---- The node tree: local matrices, world matrices in double precision, what each node
  * draws. A tree it must be: a node with two parents, or in a loop, is told by name. */
 

@@ -11,6 +11,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include <norma/check.h>
+#include "document_bytes.h"
 #include "gltf_asset.h"
 
 /* ---- what is found */
@@ -204,6 +205,86 @@ static void test_instances(void **state) {
     FOUND(check_instances(&right[0][0], 3, "[1,-1,1]"), {"N602", "/nodes/0", I, 3, -125, ""});
     FOUND(check_instances(&uneven[0][0], 4, "[1,1,1]"), {"N601", "/nodes/0", I, 2, 3, ""},
         {"N603", "/nodes/0", W, 1, 2, ""});
+}
+
+/* An i3dm (OGC 18-053r2, 10.3): 32 bytes, the feature table as JSON and as numbers, the GLB. Each
+ * instance has places of three zeros, then what numbers has. */
+static norma_findings *check_tile(
+    const char *features, const float *numbers, size_t size, const char *node, const char *rules) {
+    enum { TEXT = 128, HEADER = 32 };
+    unsigned char bytes[4096] = "i3dm\1";
+    gltf_asset a = {0};
+    char rest[1000];
+    size_t glb;
+    add_square(&a);
+    snprintf(rest, sizeof rest, "\"nodes\":[{\"mesh\":0%s}]," ONE_SIDE, node);
+    asset_bytes(&a, rest, &glb);
+    const size_t end = HEADER + TEXT + size, length = (end + glb + 7) / 8 * 8;
+    assert_true(length <= sizeof bytes && strlen(features) <= TEXT);
+    for (size_t i = 0; i < 4; i++) {
+        bytes[8 + i] = (unsigned char)(length >> 8 * i);
+        bytes[12 + i] = (unsigned char)((size_t)TEXT >> 8 * i);
+        bytes[16 + i] = (unsigned char)(size >> 8 * i);
+    }
+    bytes[28] = 1; /* the GLB lies inside */
+    memset(bytes + HEADER, ' ', TEXT);
+    memcpy(bytes + HEADER, features, strlen(features));
+    memcpy(bytes + HEADER + TEXT, numbers, size);
+    memcpy(bytes + end, a.glb, glb);
+    document_bytes file = bytes_copy(bytes, length);
+    norma_findings *findings = check(bytes_open(file, "a.i3dm"), rules);
+    bytes_free(&file);
+    asset_free(&a);
+    return findings;
+}
+
+static void expect_message(norma_findings *findings, const char *message) {
+    assert_int_equal(norma_findings_count(findings), 1);
+    assert_string_equal(norma_findings_get(findings, 0)->message, message);
+    norma_findings_free(findings);
+}
+
+static void test_tile_instances(void **state) {
+    (void)state;
+    const char *scaled = "{\"INSTANCES_LENGTH\":3,\"POSITION\":{\"byteOffset\":0},"
+                         "\"SCALE\":{\"byteOffset\":36}}",
+               *uneven = "{\"INSTANCES_LENGTH\":2,\"POSITION\":{\"byteOffset\":0},"
+                         "\"SCALE_NON_UNIFORM\":{\"byteOffset\":24}}",
+               *turned = "{\"INSTANCES_LENGTH\":1,\"POSITION\":{\"byteOffset\":0},"
+                         "\"NORMAL_UP\":{\"byteOffset\":12},"
+                         "\"NORMAL_RIGHT\":{\"byteOffset\":24}}",
+               *packed = "{\"INSTANCES_LENGTH\":1,\"POSITION\":{\"byteOffset\":0},"
+                         "\"NORMAL_UP_OCT32P\":{\"byteOffset\":12},"
+                         "\"NORMAL_RIGHT_OCT32P\":{\"byteOffset\":16}}";
+    float of_scale[12] = {[9] = 1, [10] = -1, [11] = 2};
+    FOUND(check_tile(scaled, of_scale, sizeof of_scale, "", MINE),
+        {"N602", "/nodes/0", W, 1, -1, ""});
+    expect_message(check_tile(scaled, of_scale, sizeof of_scale, "", "N602"),
+        "instance 1 of 3: world determinant -1, and the others do not mirror; one draw call can "
+        "cull in only one direction");
+    /* a mirror of the node's own makes the mirrored one the only one that is right */
+    FOUND(check_tile(scaled, of_scale, sizeof of_scale, ",\"scale\":[1,1,-1]", MINE),
+        {"N602", "/nodes/0", W, 2, -8, ""});
+    of_scale[10] = 0;
+    FOUND(
+        check_tile(scaled, of_scale, sizeof of_scale, "", MINE), {"N603", "/nodes/0", W, 1, 0, ""});
+    /* along z of the tile, which is y of the model */
+    const float of_axes[12] = {[6] = 1, [7] = 1, [8] = 3, [9] = 1, [10] = 1, [11] = 1};
+    FOUND(check_tile(uneven, of_axes, sizeof of_axes, "", MINE), {"N601", "/nodes/0", I, 1, 3, ""});
+    assert_clean(check_tile(uneven, of_axes, sizeof of_axes,
+        ",\"extras\":{\"norma\":{\"ignore\":"
+        "[\"N601\"]}}",
+        MINE));
+    const float upright[9] = {[5] = 1, [6] = 1}, flat[9] = {[5] = 1, [8] = 1};
+    assert_clean(check_tile(turned, upright, sizeof upright, "", MINE));
+    FOUND(check_tile(turned, flat, sizeof flat, "", MINE), {"N603", "/nodes/0", W, 1, 1, ""});
+    const uint16_t codes[10] = {[6] = 32768, 65535, 65535, 32768}; /* about +y, +x */
+    float octahedral[5];
+    memcpy(octahedral, codes, sizeof codes);
+    assert_clean(check_tile(packed, octahedral, sizeof octahedral, "", MINE));
+    /* one instance fewer than there are said to be */
+    FOUND(check_tile(scaled, of_scale, sizeof of_scale - 4, "", MINE),
+        {"N002", "instances", W, 1, NAN, ""});
 }
 
 static void test_ignored_nodes(void **state) {
@@ -853,6 +934,7 @@ int main(void) {
         cmocka_unit_test(test_uneven),
         cmocka_unit_test(test_singular),
         cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_tile_instances),
         cmocka_unit_test(test_ignored_nodes),
         cmocka_unit_test(test_joints),
         cmocka_unit_test(test_skin_errors),
