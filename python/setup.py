@@ -27,7 +27,7 @@ setup(
             sorted(str(path) for path in Path("norma_mesh").glob("*.c")),
             include_dirs=[str(root / "include")],
             extra_objects=[os.environ["NORMA_LIBRARY"]],
-            extra_compile_args=["-std=c11", "-O2", "-Wall", "-Wextra", "-fvisibility=hidden"],
+            extra_compile_args=["-std=c11", "-O3", "-fno-math-errno", "-Wall", "-Wextra", "-fvisibility=hidden"],
             extra_link_args=["-Wl,-rpath,$ORIGIN/lib"],
             py_limited_api=True,
         )

@@ -951,6 +951,31 @@ typedef struct norma_comparison {
 NORMA_API norma_result norma_compare_summary(const norma_compare_sample *samples, size_t count,
     double max_angle_rad, const norma_options *options, norma_comparison *comparison);
 
+/* ---- nearest points */
+
+/* The nearest point of a mesh. */
+typedef struct norma_closest {
+    double point[3];
+    double distance;     /* -1: none */
+    uint32_t face;       /* UINT32_MAX: none */
+    uint32_t corners[3]; /* of that face; numbers as in norma_corner_normals */
+    double weights[3];   /* of these corners at the point; their sum is 1 */
+} norma_closest;
+
+/* Finds the points of a mesh that are nearest to others.
+ *
+ *   mesh       any faces; polygons are cut into triangles
+ *   points     in the coordinates of the mesh
+ *   options    uses threads, parallel_for, allocator and progress; may be NULL
+ *   found      written: one for each point; none if the point is not finite, or if the mesh has no
+ *              triangle with an area
+ *   capacity   results that fit
+ *
+ * Errors: those of norma_face_normals. Cost: O((faces + points) log faces).
+ * Source: Ericson 2005 (Real-Time Collision Detection, 5.1.5). */
+NORMA_API norma_result norma_closest_points(const norma_mesh *mesh, norma_vec3_view points,
+    const norma_options *options, norma_closest *found, size_t capacity);
+
 /* ---- packing: signed normalised integers, as in glTF
  *
  * A code c means max(c / 127, -1) with 8 bits and max(c / 32767, -1) with 16. */

@@ -32,10 +32,12 @@ from ._files import ComputeSummary, Document, FileError, FileMesh, FixSummary, T
 from ._norma import version as _version
 from ._results import Comparison, Indexed, MatrixInfo, NormalReport, OrientReport, Split, TangentReport
 from ._skins import Skin
+from ._surfaces import Closest, Samples, closest, heightmap_normals, sample
 from ._write import write
 
 __version__: str = _version()
 __all__ = [
+    "Closest",
     "Comparison",
     "ComputeSummary",
     "Deviation",
@@ -52,18 +54,21 @@ __all__ = [
     "Report",
     "Rule",
     "Sample",
+    "Samples",
     "Skin",
     "Split",
     "TangentReport",
     "TangentSummary",
     "TransformSummary",
     "check",
+    "closest",
     "compare",
     "corner_normals",
     "decode_normals",
     "encode_normals",
     "encoding_error_deg",
     "face_normals",
+    "heightmap_normals",
     "index_corners",
     "matrix_info",
     "normal_matrices",
@@ -71,6 +76,7 @@ __all__ = [
     "open",
     "orient",
     "rules",
+    "sample",
     "split",
     "tangents",
     "transform_normals",

@@ -257,6 +257,28 @@ static PyObject *compare(PyObject *self, PyObject *arguments) {
         c.share_above, (Py_ssize_t)(c.worst == SIZE_MAX ? -1 : (Py_ssize_t)c.worst));
 }
 
+/* closest(mesh, points as an attribute, options, address of norma_closest, capacity) -> None, or
+ * why it was refused */
+static PyObject *closest(PyObject *self, PyObject *arguments) {
+    PyObject *mesh, *points, *options;
+    address found;
+    Py_ssize_t capacity;
+    mesh_call call;
+    norma_attribute p;
+    (void)self;
+    if (!PyArg_ParseTuple(arguments, "OOOKn", &mesh, &points, &options, &found, &capacity) ||
+        !norma_py_mesh_call(mesh, options, &call) || !norma_py_attribute(points, &p))
+        return NULL;
+    watch w;
+    begin_call(&call, &w);
+    const norma_result result =
+        norma_closest_points(&call.mesh, (norma_vec3_view){p.data, p.count, p.stride, p.format},
+            &call.options, at(found), (size_t)capacity);
+    if (norma_py_take_lock(&w)) return NULL;
+    if (result != NORMA_OK) return refused_mesh(result, &call, NULL);
+    Py_RETURN_NONE;
+}
+
 /* ---- plans */
 
 static const char PLAN[] = "norma_plan";
@@ -322,6 +344,6 @@ static PyObject *plan_bytes(PyObject *self, PyObject *capsule) {
 PyMethodDef norma_py_calls[] = {{"normals", normals, METH_VARARGS, NULL},
     {"split", split, METH_VARARGS, NULL}, {"tangents", tangents, METH_VARARGS, NULL},
     {"index_corners", index_corners, METH_VARARGS, NULL}, {"orient", orient, METH_VARARGS, NULL},
-    {"compare", compare, METH_VARARGS, NULL}, {"plan", plan, METH_VARARGS, NULL},
-    {"plan_update", plan_update, METH_VARARGS, NULL}, {"plan_bytes", plan_bytes, METH_O, NULL},
-    {NULL, NULL, 0, NULL}};
+    {"compare", compare, METH_VARARGS, NULL}, {"closest", closest, METH_VARARGS, NULL},
+    {"plan", plan, METH_VARARGS, NULL}, {"plan_update", plan_update, METH_VARARGS, NULL},
+    {"plan_bytes", plan_bytes, METH_O, NULL}, {NULL, NULL, 0, NULL}};

@@ -2,6 +2,7 @@
  * Matrices of Python are rows, those of the library columns: what is handed over is the transpose,
  * and the cofactors of a transpose are the transposed cofactors. */
 #include "_norma.h"
+#include <math.h>
 
 static PyObject *normal_matrices(PyObject *self, PyObject *arguments) {
     address models, out;
@@ -175,10 +176,111 @@ static PyObject *skin(PyObject *self, PyObject *arguments) {
     return result == NORMA_OK ? norma_py_counts(&report) : norma_py_refusal(result, &fault);
 }
 
+/* A row of heights, the ones before and after it (or itself at the border), and what 1 in the
+ * differences across two columns and along the rows is in slope. */
+typedef struct height_row {
+    const void *here, *before, *after;
+    int doubles;
+    double across, along;
+} height_row;
+
+enum { HEIGHTS_AT_ONCE = 256 };
+
+static double height_of(const void *row, int doubles, Py_ssize_t i) {
+    return doubles ? ((const double *)row)[i] : (double)((const float *)row)[i];
+}
+
+/* A single one, at the border or too steep for squares of floats. Returns whether it is not finite;
+ * then it is zero. */
+static int write_height_normal(
+    const height_row *r, Py_ssize_t columns, Py_ssize_t i, float normal[3]) {
+    const Py_ssize_t left = i > 0 ? i - 1 : i, right = i + 1 < columns ? i + 1 : i;
+    const double x = (height_of(r->here, r->doubles, left) -
+                         height_of(r->here, r->doubles, right)) *
+                     r->across * (right - left == 2 ? 1 : 2),
+                 y = (height_of(r->before, r->doubles, i) - height_of(r->after, r->doubles, i)) *
+                     r->along,
+                 steep = fmax(fabs(x), fabs(y)), unit = steep > 1e150 ? 1 / steep : 1,
+                 length = sqrt(x * unit * (x * unit) + y * unit * (y * unit) + unit * unit);
+    const int fine = isfinite(x) && isfinite(y);
+    normal[0] = fine ? (float)(x * unit / length) : 0;
+    normal[1] = fine ? (float)(y * unit / length) : 0;
+    normal[2] = fine ? (float)(unit / length) : 0;
+    return !fine;
+}
+
+/* x, y: slopes of count heights from a place inside the row on. Plain loops, which compilers turn
+ * into lanes. */
+static void slopes_of(const height_row *r, Py_ssize_t first, int count, float *x, float *y) {
+    if (r->doubles) {
+        const double *h = (const double *)r->here + first, *b = (const double *)r->before + first,
+                     *a = (const double *)r->after + first;
+        for (int i = 0; i < count; i++) x[i] = (float)((h[i - 1] - h[i + 1]) * r->across);
+        for (int i = 0; i < count; i++) y[i] = (float)((b[i] - a[i]) * r->along);
+    } else {
+        const float *h = (const float *)r->here + first, *b = (const float *)r->before + first,
+                    *a = (const float *)r->after + first;
+        const float across = (float)r->across, along = (float)r->along;
+        for (int i = 0; i < count; i++) x[i] = (h[i - 1] - h[i + 1]) * across;
+        for (int i = 0; i < count; i++) y[i] = (b[i] - a[i]) * along;
+    }
+}
+
+/* Three floats for each height. Returns how many are not finite. */
+static Py_ssize_t write_height_normals(const height_row *r, Py_ssize_t columns, float *out) {
+    Py_ssize_t wrong = write_height_normal(r, columns, 0, out);
+    float x[HEIGHTS_AT_ONCE], y[HEIGHTS_AT_ONCE], z[HEIGHTS_AT_ONCE];
+    for (Py_ssize_t first = 1; first + 1 < columns; first += HEIGHTS_AT_ONCE) {
+        const Py_ssize_t left = columns - 1 - first;
+        const int count = left < HEIGHTS_AT_ONCE ? (int)left : HEIGHTS_AT_ONCE;
+        float *to = out + 3 * first;
+        slopes_of(r, first, count, x, y);
+        int steep = 0;
+        for (int i = 0; i < count; i++) {
+            z[i] = 1 / sqrtf(x[i] * x[i] + y[i] * y[i] + 1);
+            x[i] *= z[i];
+            y[i] *= z[i];
+            steep |= !(z[i] > 1e-15F);
+        }
+        for (int i = 0; i < count; i++) {
+            to[3 * i] = x[i];
+            to[3 * i + 1] = y[i];
+            to[3 * i + 2] = z[i];
+        }
+        for (int i = 0; steep && i < count; i++)
+            if (!(z[i] > 1e-15F)) wrong += write_height_normal(r, columns, first + i, to + 3 * i);
+    }
+    if (columns > 1) wrong += write_height_normal(r, columns, columns - 1, out + 3 * columns - 3);
+    return wrong;
+}
+
+/* height_normals(heights, rows, columns, doubles, spacing of x, of y, out) -> how many have none */
+static PyObject *height_normals(PyObject *self, PyObject *arguments) {
+    address heights, out;
+    Py_ssize_t rows, columns, wrong = 0;
+    int doubles;
+    double dx, dy;
+    (void)self;
+    if (!PyArg_ParseTuple(
+            arguments, "KnnpddK", &heights, &rows, &columns, &doubles, &dx, &dy, &out))
+        return NULL;
+    const Py_ssize_t row_bytes = columns * (doubles ? 8 : 4);
+    watch w = norma_py_give_up_lock();
+    for (Py_ssize_t i = 0; i < rows; i++) {
+        const Py_ssize_t before = i > 0 ? i - 1 : i, after = i + 1 < rows ? i + 1 : i;
+        const char *first = at(heights);
+        const height_row row = {first + i * row_bytes, first + before * row_bytes,
+            first + after * row_bytes, doubles, 0.5 / dx, (after - before == 2 ? 0.5 : 1) / dy};
+        wrong += write_height_normals(&row, columns, (float *)at(out) + 3 * i * columns);
+    }
+    norma_py_take_lock(&w);
+    return PyLong_FromSsize_t(wrong);
+}
+
 PyMethodDef norma_py_matrices[] = {{"normal_matrices", normal_matrices, METH_VARARGS, NULL},
     {"matrix_info", matrix_info, METH_O, NULL},
     {"transform_normals", transform_normals, METH_VARARGS, NULL},
     {"encode_normals", encode_normals, METH_VARARGS, NULL},
     {"decode_normals", decode_normals, METH_VARARGS, NULL},
     {"encoding_error_rad", encoding_error_rad, METH_O, NULL}, {"skin", skin, METH_VARARGS, NULL},
-    {NULL, NULL, 0, NULL}};
+    {"height_normals", height_normals, METH_VARARGS, NULL}, {NULL, NULL, 0, NULL}};

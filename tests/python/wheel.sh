@@ -50,7 +50,7 @@ unittests() {
     grep -qE '^OK' "$scratch/$name.out" || fail "$name ends well" "$(tail -n 40 "$scratch/$name.out")"
 }
 for file in tests/python/test_*.py; do unittests "$file"; done
-for module in _calls _files _check _write; do
+for module in _calls _files _check _write _surfaces; do
     check "the examples in $module's documentation say what they print" "$bare/bin/python" -c "import doctest, sys, norma_mesh.$module as m; r = doctest.testmod(m); sys.exit(bool(r.failed) or not r.attempted)"
 done
 check "random arguments are served or refused" "$bare/bin/python" -W ignore tests/python/fuzz_arguments.py 5
