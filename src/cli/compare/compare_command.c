@@ -169,7 +169,11 @@ static norma_document_result compare_files(compare_work *work, norma_document_er
         error->result = compared == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY
                                                        : NORMA_DOCUMENT_ERROR_MALFORMED;
         snprintf(error->message, sizeof error->message, "%.800s: cannot be compared: %s",
-            cli_input_name(work->other.input), norma_result_text(compared));
+            cli_input_name(work->other.input),
+            compared == NORMA_ERROR_OVERFLOW
+                ? "too many triangles are equally far from its corners, so comparing them "
+                  "would take too long"
+                : norma_result_text(compared));
     } else if (work->all.area == 0) {
         error->result = NORMA_DOCUMENT_ERROR_UNSUPPORTED;
         snprintf(error->message, sizeof error->message,

@@ -5,6 +5,7 @@
 #include "core/mesh/mesh.h"
 #include "core/face/face.h"
 #include "core/call/call.h"
+#include <stdatomic.h>
 
 /* ---- Which faces lie side by side: the faces along each edge of (welded) positions,
  * and what is out of the ordinary there. */
@@ -190,6 +191,8 @@ typedef struct core_triangle_tree {
     core_triangle *triangles; /* in the order of the tree's numbers */
     size_t count, room;
     core_triangles_by by;
+    atomic_ullong *steps; /* counts the boxes that searches for near triangles open; NULL: nobody
+                             asks */
 } core_triangle_tree;
 
 /* O(n log n). MEMORY leaves nothing to release. */

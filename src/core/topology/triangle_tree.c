@@ -172,11 +172,13 @@ static void visit_near(const core_triangle_tree *tree, const double point[3], co
     void (*visit)(void *context, size_t triangle, double distance), void *context) {
     box_at stack[128];
     size_t depth = 0;
+    unsigned long long steps = 0;
     if (tree->count) stack[depth++] = box_from(tree, 0, point);
     while (depth) {
         const box_at at = stack[--depth];
         if (at.distance > *within) continue;
         const core_box_node *node = &tree->boxes.nodes[at.node];
+        ++steps;
         if (node->right) {
             const box_at left = box_from(tree, node->left, point),
                          right = box_from(tree, node->right, point);
@@ -192,6 +194,7 @@ static void visit_near(const core_triangle_tree *tree, const double point[3], co
             if (distance <= *within) visit(context, i, distance);
         }
     }
+    if (tree->steps) atomic_fetch_add_explicit(tree->steps, steps, memory_order_relaxed);
 }
 
 typedef struct nearest_triangle {

@@ -83,6 +83,30 @@ static shaded shuffled(const shaded *s, uint64_t seed) {
     return out;
 }
 
+/* ---- bounds */
+
+/* Every triangle of a sphere is equally far from points around its middle: a search that could rule
+ * none out would take the product of both. */
+static void a_dot_in_the_middle_of_a_sphere(void **state) {
+    (void)state;
+    shaded base = {0}, other = {0};
+    shape_octahedron_sphere(&base.mesh, 36);
+    shade_radial(&base);
+    shape_octahedron_sphere(&other.mesh, 50);
+    shade_radial(&other);
+    for (size_t i = 0; i < other.mesh.position_count; i++)
+        for (int k = 0; k < 3; k++) other.mesh.positions[i][k] *= 0x1p-20;
+    const norma_surface a = view_of(&base), b = view_of(&other);
+    const size_t count = other.mesh.corner_count;
+    norma_compare_sample *samples = test_calloc(count, sizeof *samples);
+    const norma_options options = {.struct_size = sizeof options, .threads = NORMA_ALL_THREADS};
+    assert_int_equal(norma_compare(&a, &b, &options, samples, count, NULL), NORMA_ERROR_OVERFLOW);
+    assert_ok(norma_compare(&b, &a, &options, samples, base.mesh.corner_count, NULL));
+    test_free(samples);
+    shaded_free(&base);
+    shaded_free(&other);
+}
+
 /* ---- closed forms */
 
 /* From a corner of the octahedron to the middle of its face: acos(1 / sqrt 3). */
@@ -496,6 +520,7 @@ static void memory_and_arguments(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_dot_in_the_middle_of_a_sphere),
         cmocka_unit_test(an_octahedron_in_a_sphere),
         cmocka_unit_test(a_decimated_sphere),
         cmocka_unit_test(normals_are_interpolated),
