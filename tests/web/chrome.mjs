@@ -102,7 +102,7 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
     await Promise.race([send("Browser.close").catch(() => undefined), pause(2000)]);
     await Promise.race([ended, pause(3000)]);
     if (child.exitCode === null) child.kill("SIGKILL");
-    rmSync(profile, { recursive: true, force: true, maxRetries: 5, retryDelay: 200 });
+    rmSync(profile, { recursive: true, force: true, maxRetries: 30, retryDelay: 200 });
   };
   return { open, close };
 }

@@ -77,7 +77,7 @@ export async function startEngine({ bytes, draco: packed }) {
     const readFinding = (_, index) => lend([40], (at) => {
       wasm.model_finding_numbers(address, index, at);
       const [severity, mesh, draw, places, worst] = doubles(at, 5), text = Object.fromEntries(TEXTS.map((name, which) => [name, longTextAt(wasm.model_finding_text(address, index, which))]));
-      return { index, severity, grade: SEVERITIES[severity], mesh, draw, places, worst, ...text };
+      return { index, severity, grade: SEVERITIES[severity], mesh, draw, places, worst, ...text, fix: withText(text.id, (at) => wasm.rule_fix(at)) };
     });
     const findingCount = wasm.model_finding_count(address) >>> 0;
     const compute = (mesh, { wanted, weight, weld, crease }) => {
@@ -164,17 +164,17 @@ export async function startEngine({ bytes, draco: packed }) {
   const notesOf = (document, from = 0) => [...new Set(Array.from({ length: wasm.document_note_count(document) - from }, (_, i) => longTextAt(wasm.document_note(document, from + i))))];
 
   /* A changed copy of one of the files: its model, and the files that it consists of. change(document, numbers) fills the numbers, of which the first says whether anything changed. */
-  const changeOnce = (path, name, change) => withDocument(path, (document) => lend([24], (numbers) => {
+  const changeOnce = (path, name, change, written = (file) => file) => withDocument(path, (document) => lend([24], (numbers) => {
     const before = wasm.document_note_count(document);
     orError(path, (error) => change(document, numbers, error), isSet);
-    const [isChanged, verticesBefore, verticesAfter] = doubles(numbers, 3), to = `norma/${path.split("/").pop()}`;
+    const [isChanged, verticesBefore, verticesAfter] = doubles(numbers, 3), to = `norma/${written(path.split("/").pop())}`;
     if (!isChanged) return { changed: false, notes: notesOf(document, before) };
     const model = packOf(document, path, name);
     orError(path, (error) => withText(to, (at) => wasm.document_save(document, at, error)), isSet);
     return { changed: true, model, files: takeWritten().map((file) => ({ ...file, path: file.path.replace(/^norma\//, "") })), verticesBefore, verticesAfter, notes: notesOf(document, before) };
   }));
   const changed = (...args) => decoders.reading(() => changeOnce(...args), ({ model }) => model?.free());
-  const fixFile = (path, name, { unsafe = false } = {}) => changed(path, name, (document, numbers, error) => wasm.document_fix(document, unsafe ? 1 : 0, numbers, error));
+  const fixFile = (path, name, { unsafe = false } = {}) => changed(path, name, (document, numbers, error) => wasm.document_fix(document, unsafe ? 1 : 0, numbers, error), (file) => file.replace(/(\.[^.]*)?$/, ".fixed$1"));
   /* crease: degrees; null: as norma compute does it unasked. */
   const computeFile = (path, name, { weight, weld, crease }) =>
     changed(path, name, (document, numbers, error) => wasm.document_compute(document, WEIGHTS.indexOf(weight), WELDS.indexOf(weld), crease ?? NaN, numbers, error));

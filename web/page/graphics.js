@@ -116,7 +116,7 @@ export function makeGraphics(canvas, texts) {
   const makeSurface = ({ positions, normals, reach, indices }) => {
     const surface = {
       positions: makeBuffer(positions, indices ? gl.DYNAMIC_DRAW : gl.STATIC_DRAW), normals: makeBuffer(normals, gl.DYNAMIC_DRAW), reach: reach && makeBuffer(reach),
-      values: null, marks: null, trial: null, colours: null, texcoords: [null, null], tangents: null, lit: new Map(), indexArray: indices, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
+      values: null, marks: null, trial: null, tint: null, colours: null, texcoords: [null, null], tangents: null, lit: new Map(), indexArray: indices, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
     };
     const arrays = new Map();
     surface.use = (normalsBuffer) => {
@@ -139,7 +139,7 @@ export function makeGraphics(canvas, texts) {
       gl.vertexAttrib4f(COLOUR, 1, 1, 1, 1);
     };
     surface.free = () => {
-      for (const name of ["positions", "normals", "reach", "values", "marks", "trial", "colours", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
+      for (const name of ["positions", "normals", "reach", "values", "marks", "trial", "tint", "colours", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
       for (const buffer of surface.texcoords) if (buffer) gl.deleteBuffer(buffer);
       surface.lit.forEach((geometry) => geometry.dispose());
       arrays.forEach((array) => gl.deleteVertexArray(array));
@@ -195,9 +195,10 @@ export function makeGraphics(canvas, texts) {
 
   /* All of them: in light by three.js, values as colours here. */
   const drawSurfaces = (items, camera, look) => {
-    if (look.colours === "findings" || (look.colours === "lit" && look.shading !== "gouraud")) lit.draw(items, camera, look, box, seen);
+    if (look.posed || look.colours === "findings" || (look.colours === "lit" && look.shading !== "gouraud")) lit.draw(items, camera, look, box, seen);
     else for (const item of items) drawSurface(item, camera, look);
     if (look.colours === "findings" && !look.unpainted) drawMarks(items, camera, look.through);
+    if (look.tinted && look.colours === "lit") drawMarks(items, camera, false, "tint");
     if (look.outline) drawOutline(items.filter(look.outline), camera, look.outlineColour, look.outlineWidth);
   };
 

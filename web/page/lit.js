@@ -105,13 +105,14 @@ export function makeLit(canvas, gl) {
       mesh.parent = scene;
       scene.children.push(mesh);
     });
+    if (look.posed) { scene.children.push(look.posed); look.posed.parent = scene; }
   };
 
   /* Into a part of the picture, in pixels from below. What else draws with the context finds it as it was new. */
   const draw = (items, view, look, box, cut) => {
     place(items, view, look);
     renderer.resetState();
-    lightFor(Boolean(look.materials && items.some(({ materials }) => materials)));
+    lightFor(Boolean(look.posed || (look.materials && items.some(({ materials }) => materials))));
     renderer.toneMappingExposure = look.dim ? DIM : 1;
     renderer.setViewport(box.x, box.y, box.width, box.height);
     renderer.setScissor(cut.x, box.y, cut.width, box.height);

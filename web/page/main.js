@@ -1,8 +1,10 @@
 /* The page: what its controls say is computed (in a worker) and drawn (here). Nothing is drawn but when something changed; what moves, moves by itself. */
 import { bindCalls } from "../package/calls.js";
 import { noDecoders } from "../package/decoders.js";
+import { makeAnimation } from "./animation.js";
 import { applyAddress, makeAddress, readAddress } from "./address.js";
 import { makeCamera, steer } from "./camera.js";
+import { rulesThatFell, whatStays, wordsOf } from "./changes.js";
 import { MATRIX, RANGES, byId, isChecked, modelMatrix, numberOf, setMatrix, setRange, spell, value } from "./controls.js";
 import { EXPECTED, bytesFor, downloadLink, filesOfDrop, filesOfInput, gather, hintFor } from "./files.js";
 import { listFindings, releaseFindings } from "./findings.js";
@@ -18,7 +20,7 @@ import { savePicture } from "./picture.js";
 import { count, counted, degrees, notice, showComputeFacts, showMatrix, showMatrixFacts, showModelFacts, showMovingFacts } from "./readouts.js";
 import { bytesOf, moduleOf } from "./inflate.js";
 import { startRemote } from "./remote.js";
-import { fitOf, itemsOf, largestColumn, makeScene, meanColumn } from "./scene.js";
+import { fitOf, itemsOf, largestColumn, makeScene, meanColumn, turning } from "./scene.js";
 import { CREDIT, unpackSculpture } from "./sculpture.js";
 import { posesOf, seek } from "./seek.js";
 import { SHAPES } from "./shapes.js";
@@ -33,7 +35,7 @@ const DEFAULT_CURSOR = { x: 0.5, y: 0.47, itself: true };
 const ANGLE_TOPS = [1, 2, 5, 10, 15, 30, 45, 60, 90, 180];
 const REACH = 2.2;
 
-let norma, remote, graphics, intro, thumbs, remember = () => undefined;
+let norma, remote, graphics, intro, thumbs, animation, remember = () => undefined;
 /* What is shown: a scene, and the one before it was changed; or the surface that moves; and where its file came from. */
 let scene = null, before = null, moving = null, source = null, sculpture = null;
 const UNMARKED = { through: false, dim: false, pins: null, place: null, outline: null, unpainted: false }, FLIGHT = 450, SWEEP = 2600;
@@ -53,6 +55,7 @@ function dropScenes() {
   for (const old of [scene, before]) if (old) { old.free(); if (old.model) remote.free(old.model.number); }
   moving?.free();
   graphics.lit.forget();
+  animation.forget();
   scene = before = moving = chosen = found = null;
   look = { ...look, ...UNMARKED };
 }
@@ -67,6 +70,7 @@ function showModel(model, { changed = false, files = model.files } = {}) {
     scene.hidden = original.hidden;
     if (chosen) camera.reset();      /* it stood close to one finding */
     chosen = null;
+    byId("places").hidden = true;
     look = { ...look, ...UNMARKED };
   } else {
     dropScenes();
@@ -84,6 +88,7 @@ function showModel(model, { changed = false, files = model.files } = {}) {
   showModelFacts(model);
   listParts(scene, () => { dirty.draw = true; });
   loadMaterials(scene, files);
+  if (!changed && files) animation.open(files.files, files.path);
   showSections();
   dirty.compute = dirty.draw = true;
 }
@@ -183,8 +188,8 @@ function showSections() {
 const userMatrix = () => (moving ? IDENTITY : modelMatrix());
 
 /* The finding's mesh where it is drawn, and its place there. */
-function placeIn(finding, { point: at, direction, size, points }) {
-  const draw = scene.draws[finding.draw] ?? scene.draws.find(({ mesh }) => mesh === finding.mesh);
+function placeIn(finding, { point: at, direction, size, points }, shown = scene) {
+  const draw = shown.draws[finding.draw] ?? shown.draws.find(({ mesh }) => mesh === finding.mesh);
   if (!at || !draw) return null;
   const user = userMatrix(), toWorld = multiply(fitOf(user), multiply(user, draw.local));
   let normal = direction;
@@ -218,6 +223,7 @@ async function seenSmall(finding) {
 async function chooseFinding(finding, which = 0) {
   const mine = ++seeking, shown = scene;
   chosen = finding;
+  if (finding) animation.stop();
   byId("colours").value = finding ? "findings" : "lit";
   byId("finding-seen").textContent = "";
   byId("places").hidden = true;
@@ -339,22 +345,57 @@ function listFiles(id, files) {
 const countGrade = (findings, grade) => (findings ?? []).filter((finding) => finding.grade === grade).length;
 const sum = (findings) => `${counted(countGrade(findings, "error"), "error")} and ${counted(countGrade(findings, "warning"), "warning")}`;
 
+const listWords = (id, words) => byId(id).replaceChildren(...words.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+
 /* Asks for a changed copy, shows it beside the file as it is, and offers it. */
-async function change(facts, links, ask, words) {
+async function change(facts, links, ask, words, then = () => undefined) {
   const mine = opening;
   byId(facts).textContent = "Working …";
   listFiles(links, []);
   try {
-    const result = await ask(), notes = result.notes.length ? ` ${result.notes.join(". ")}.` : "";
+    const wasChosen = chosen, result = await ask();
     if (mine !== opening) { if (result.model) remote.free(result.model.number); return; }
-    byId(facts).textContent = words(result) + notes;
-    if (!result.changed) return;
-    showModel(result.model, { changed: true, files: before?.files ?? scene.files });
-    listFiles(links, result.files);
-    sweep();
+    byId(facts).textContent = words(result);
+    const first = before ?? scene;
+    if (result.changed) {
+      const changes = await remote.changes(first.model.number, result.model.number);
+      if (mine !== opening) { remote.free(result.model.number); return; }
+      if (value("colours") === "findings") byId("colours").value = "lit";
+      showModel(result.model, { changed: true, files: before?.files ?? scene.files });
+      listFiles(links, result.files);
+      await uploadTint(changes);
+      then(result, changes, first);
+      await goToChange(wasChosen, changes);
+      sweep();
+    } else then(result, null, first);
   } catch (error) {
     byId(facts).textContent = error.message;
   }
+}
+
+/* What was changed, in colour on both sides. */
+async function uploadTint(changes) {
+  byId("tint-row").hidden = !changes;
+  for (const [shown, name] of [[before, "before"], [scene, "after"]])
+    for (const [i, one] of (changes ?? []).entries()) {
+      shown.surfaces[i].tint ??= graphics.reserve(one.marks[name].byteLength);
+      await graphics.fillSlowly(shown.surfaces[i].tint, one.marks[name]);
+    }
+  dirty.draw = true;
+}
+
+/* The camera goes to the place that was pressed, or else to the worst that is no longer found. */
+async function goToChange(wasChosen, changes) {
+  const [old, shown] = [before, scene], fell = new Set(rulesThatFell(old.model.findings, shown.model.findings).map(({ id }) => id)), gone = (old.model.findings ?? []).filter(({ id }) => fell.has(id)).sort((a, b) => b.severity - a.severity);
+  const finding = gone.find(({ id, mesh }) => id === wasChosen?.id && mesh === wasChosen.mesh) ?? gone[0];
+  if (!finding || !changes) return;
+  const place = placeIn(finding, await remote.place(old.model.number, finding.index, 0), old);
+  if (!place || isOfWhole(old, finding, place) || old !== before || shown !== scene) return;
+  const items = itemsOf(norma, old, userMatrix(), "right"), aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
+  const best = await seek(posesOf(place, camera.axes().up), (poses, through) => graphics.countMarked(items, poses.map((pose) => viewOf(pose, aspect, REACH)), aspect, through, "tint"));
+  /* Further away than one that is pressed: what was changed is seen among what was not. */
+  const distance = 2.2 * best.pose.distance, isFar = distance > 3.4;
+  if (old === before && shown === scene) await fly({ ...best.pose, centre: isFar ? [0, 0, 0] : [...best.pose.centre], distance: isFar ? 3.4 : distance });
 }
 
 /* The line goes once over what was changed. */
@@ -368,13 +409,22 @@ async function sweep() {
   }
 }
 
-const fix = () => change("fix-facts", "fixed-files", () => remote.fix(source.path, source.name, { unsafe: isChecked("fix-unsafe") }), ({ changed, model }) => (changed
-  ? `Before: ${sum((before ?? scene).model.findings)}. After: ${sum(model.findings)}. The line in the picture divides before from after.` : isChecked("fix-unsafe") ? "Nothing here can be fixed by a program." : "Nothing can be fixed without changing how it looks: tick the box to allow that."));
+function fix() {
+  const unsafe = isChecked("fix-unsafe");
+  return change("fix-facts", "fixed-files", () => remote.fix(source.path, source.name, { unsafe }), ({ changed, model }) => (changed
+    ? `Before: ${sum((before ?? scene).model.findings)}. After: ${sum(model.findings)}. The line in the picture divides before from after.` : unsafe ? "Nothing here can be fixed by a program." : "Nothing can be fixed without changing how it looks: tick the box to allow that."),
+  ({ model, notes }, changes, first) => {
+    const counts = (changes ?? []).reduce((all, one) => Object.fromEntries(Object.entries(one.counts).map(([name, x]) => [name, x + (all[name] ?? 0)])), {}), after = model?.findings ?? first.model.findings, stays = whatStays(after, notes, unsafe);
+    listWords("fixed-list", model ? wordsOf(counts, rulesThatFell(first.model.findings, after)) : []);
+    listWords("stays", stays);
+    byId("stays-box").hidden = !stays.length;
+  });
+}
 
 /* Per vertex in PLY and per facet in STL there are no creases. */
 const computeCopy = () => change("computed-facts", "computed-files",
   () => remote.computeFile(source.path, source.name, { weight: value("weight"), weld: value("weld"), crease: ["PLY", "STL"].includes(scene.model.format) ? null : numberOf("crease") }),
-  ({ changed, verticesBefore, verticesAfter }) => (changed ? `Computed${verticesAfter > verticesBefore ? `; ${counted(verticesAfter - verticesBefore, "vertex was", "vertices were")} added at creases` : ""}. The line in the picture divides before from after.` : "The file has these normals already."));
+  ({ changed, verticesBefore, verticesAfter, notes }) => (changed ? `Computed${verticesAfter > verticesBefore ? `; ${counted(verticesAfter - verticesBefore, "vertex was", "vertices were")} added at creases` : ""}. The line in the picture divides before from after.` : "The file has these normals already.") + (notes.length ? ` ${notes.join(". ")}.` : ""));
 
 /* ---- computing */
 
@@ -554,7 +604,9 @@ function draw() {
   look.angleTop = ANGLE_TOPS.find((top) => top >= info.worstErrorDeg - 0.005) ?? 180;
   graphics.clear();
   for (const panel of panels) drawPanel(panel, pixels, (side, view) => {
-    const angle = side === "angle", items = sideItems(angle ? "right" : side, user, compared), how = { ...look, outlineColour: chosen && PIN_COLOURS[chosen.grade], outlineWidth: 3.5 * pixels, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), colours: angle ? "angle" : value("colours"), shading: value("shading") };
+    /* A scene that plays stands where the model stands. */
+    const angle = side === "angle", posed = compared || chosen || moving || value("colours") !== "lit" ? null : animation.root(multiply(multiply(fitOf(user), user), multiply(scene.frame, turning(scene.up))));
+    const items = posed ? [] : sideItems(angle ? "right" : side, user, compared), how = { posed, ...look, tinted: compared === "change" && isChecked("tint"), outlineColour: chosen && PIN_COLOURS[chosen.grade], outlineWidth: 3.5 * pixels, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), colours: angle ? "angle" : value("colours"), shading: value("shading") };
     graphics.drawSurfaces(items, view, how);
     if (!angle && isChecked("wireframe") && !moving) for (const item of items) drawWire(item, view, pixels, side === "wrong" && compared === "change" ? before : scene);
     if (!angle) for (const item of items) drawHedgehog(item, view, pixels, compared === "change" ? colours.before : colours[side]);
@@ -701,6 +753,7 @@ function frame(now) {
   try {
     resize();
     intro.tick(now);
+    animation.tick(now);
     if (moving) { moveOn(now); dirty.compute = false; }
     else if (dirty.compute && !computing) compute();
     if (dirty.draw && (moving || computed) && !drawing) {
@@ -740,7 +793,8 @@ function openFile(files, path) {
     return model;
   }, (model) => {
     source = model.source;
-    for (const id of ["fix-facts", "computed-facts"]) byId(id).textContent = "";
+    for (const id of ["fix-facts", "computed-facts", "fixed-list", "stays"]) byId(id).textContent = "";
+    byId("stays-box").hidden = byId("tint-row").hidden = true;
     for (const id of ["fixed-files", "computed-files"]) listFiles(id, []);
     setMatrix();
     if (value("sides") === "beside") byId("sides").value = "split";
@@ -983,11 +1037,12 @@ export async function startPage(texts) {
   graphics = makeGraphics(canvas, texts);
   if (!graphics) { fallBack(""); return; }
   await startEngines();
-  thumbs = makeThumbs(graphics, remote, seenSmall, () => !(drawing || computing || picking || measuring || loading || seeking || dirty.compute || dirty.draw || intro.isPlaying()) && computed > 0);
+  thumbs = makeThumbs(graphics, remote, seenSmall, () => !(computing || picking || measuring || loading || seeking || dirty.compute || intro.isPlaying()) && (animation.isPlaying() || !(drawing || dirty.draw)) && computed > 0);
   byId("version").textContent = norma.version;
   sculpture = unpackSculpture(bytesOf(textOf("sculpture")));
   paintLegend(texts);
   fillModels();
+  animation = makeAnimation(() => { dirty.draw = true; }, isCalm);
   intro = makeIntro(() => { dirty.draw = true; });
   wireCanvas();
   wireDivider();

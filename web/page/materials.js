@@ -2,6 +2,7 @@
 import { LoadingManager } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 
+const ENDING = /\.(gltf|glb|vrm|b3dm|i3dm|cmpt)$/i;
 const GLB = 0x46546c67, JSON_CHUNK = 0x4e4f534a;
 const OF_MESHES = ["scene", "scenes", "nodes", "meshes", "skins", "animations", "cameras", "accessors"];
 /* Extensions of meshes alone, which the loader would look for in vain. */
@@ -14,9 +15,16 @@ function glbIn(bytes) {
   return null;
 }
 
+/* What a glTF says of itself, and the GLB that it is, or null. */
+function readJson(bytes) {
+  const glb = glbIn(bytes), length = glb && new DataView(glb.buffer, glb.byteOffset).getUint32(12, true);
+  return { glb, length, json: JSON.parse(new TextDecoder().decode(glb ? glb.subarray(20, 20 + length) : bytes)) };
+}
+export const hasAnimations = (files, path) => { const main = files.find((file) => file.path === path); return Boolean(main && ENDING.test(path) && readJson(main.bytes).json.animations?.length); };
+
 /* The same file without its meshes: { data for the loader, number of materials }. */
 function withoutMeshes(bytes) {
-  const glb = glbIn(bytes), length = glb && new DataView(glb.buffer, glb.byteOffset).getUint32(12, true), text = new TextDecoder().decode(glb ? glb.subarray(20, 20 + length) : bytes), json = JSON.parse(text);
+  const { glb, length, json } = readJson(bytes);
   for (const name of OF_MESHES) delete json[name];
   for (const name of ["extensionsUsed", "extensionsRequired"]) if (json[name]) json[name] = json[name].filter((extension) => !OF_GEOMETRY.test(extension));
   if (json.extensions) for (const name of Object.keys(json.extensions)) if (OF_GEOMETRY.test(name)) delete json.extensions[name];
@@ -33,12 +41,12 @@ function withoutMeshes(bytes) {
 const folderOf = (path) => path.slice(0, path.lastIndexOf("/") + 1);
 const normal = (path) => path.split("/").reduce((parts, part) => (part === ".." ? parts.slice(0, -1) : part === "." ? parts : [...parts, part]), []).join("/");
 
-/* files: [{ path, bytes }]; path: of the one that is shown. Gives { list: of each material its three.js material or null, unread: images that are missing or cannot be read }; null: it has none. */
-export async function readMaterials(files, path) {
+/* files: [{ path, bytes }]; path: of the one that is shown; bare: without its meshes. Gives { gltf as GLTFLoader makes it, its materials where it is bare, missing: images }; null: it is no glTF. */
+export async function loadGltf(files, path, bare) {
   const main = files.find((file) => file.path === path), urls = new Map();
-  if (!main || !/\.(gltf|glb|vrm|b3dm|i3dm|cmpt)$/i.test(path)) return null;
-  const { data, count } = withoutMeshes(main.bytes);
-  if (!count) return null;
+  if (!main || !ENDING.test(path)) return null;
+  const { data, count } = bare ? withoutMeshes(main.bytes) : { data: (glbIn(main.bytes) ?? main.bytes).slice().buffer, count: 0 };
+  if (bare && !count) return null;
   const manager = new LoadingManager(), missing = new Set(), folder = folderOf(path);
   manager.setURLModifier((url) => {
     if (/^(blob|data):/.test(url)) return url;
@@ -54,14 +62,20 @@ export async function readMaterials(files, path) {
   const quiet = console.warn, quietError = console.error;
   console.warn = console.error = () => undefined;      /* the page says itself what is missing */
   try {
-    await loader.parseAsync(data, folder);
+    const gltf = await loader.parseAsync(data, folder);
     for (let i = 0; i < count; i++) materials.push(await parser.getDependency("material", i).catch(() => null));
+    return { gltf, materials, missing };
   } finally {
     console.warn = quiet;
     console.error = quietError;
     for (const url of urls.values()) URL.revokeObjectURL(url);
   }
-  return { list: materials, unread: missing.size };
+}
+
+/* Gives { list: of each material its three.js material or null, unread: images that are missing or cannot be read }; null: it has none. */
+export async function readMaterials(files, path) {
+  const read = await loadGltf(files, path, true);
+  return read && { list: read.materials, unread: read.missing.size };
 }
 
 /* As GLTFLoader dresses a primitive with these attributes. */

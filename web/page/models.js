@@ -1,4 +1,5 @@
 /* What the page asks of models, as calls whose arguments and results may travel to a worker and back. Models go by number. */
+import { changesOf } from "./changes.js";
 import { packTriangles, startEngine } from "./engine.js";
 import { SHAPES } from "./shapes.js";
 
@@ -44,6 +45,17 @@ export async function startModels(modules) {
     giveFiles: (files) => engine.setFiles(files),
     fix: async (path, name, options) => addChanged(await engine.fixFile(path, name, options)),
     computeFile: async (path, name, options) => addChanged(await engine.computeFile(path, name, options)),
+    /* Of each mesh what a changed copy changed; null: it has other meshes. Leaves the normals of both as they are stored. */
+    changes: (one, other) => {
+      const [before, after] = [models.get(one), models.get(other)];
+      if (before.meshes.length !== after.meshes.length) return null;
+      const read = (model, i) => {
+        if (model.meshes[i].stored) model.compute(i, { wanted: "stored", weight: "angle", weld: "exact", crease: 60 });
+        const { world } = model.draws.find(({ mesh }) => mesh === i) ?? { world: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] }, { determinant } = engine.norma.matrixInfo(world);
+        return { positions: model.meshes[i].positions().slice(), normals: model.meshes[i].stored ? model.meshes[i].normals().slice() : null, ball: model.meshes[i].ball, world, determinant, normalMatrix: Array.from(engine.norma.normalMatrix(world)) };
+      };
+      return before.meshes.map((_, i) => changesOf(read(before, i), read(after, i)));
+    },
     free: (number) => {
       models.get(number)?.free();
       models.delete(number);

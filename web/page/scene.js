@@ -22,7 +22,7 @@ function frameOf(model, draws) {
 
 /* Turns what the file calls up to y; the front is where norma render has it. */
 const TURNED = { y: [1, 0, 0, 0, 1, 0, 0, 0, 1], z: [1, 0, 0, 0, 0, -1, 0, 1, 0], x: [0, 1, 0, -1, 0, 0, 0, 0, 1], "-y": [1, 0, 0, 0, -1, 0, 0, 0, -1], "-z": [1, 0, 0, 0, 0, 1, 0, -1, 0], "-x": [0, -1, 0, 1, 0, 0, 0, 0, 1] };
-const turning = (up) => { const m = TURNED[up]; return [m[0], m[1], m[2], 0, m[3], m[4], m[5], 0, m[6], m[7], m[8], 0, 0, 0, 0, 1]; };
+export const turning = (up) => { const m = TURNED[up]; return [m[0], m[1], m[2], 0, m[3], m[4], m[5], 0, m[6], m[7], m[8], 0, 0, 0, 0, 1]; };
 
 /* fixed: the frame of another model, to stand where that does. */
 export function makeScene(graphics, model, up = model.up ?? "y", fixed = null) {

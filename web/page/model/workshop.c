@@ -5,6 +5,7 @@
 #include "../../package/wasm/exports.h"
 #include <math.h>
 #include <norma/check.h>
+#include <string.h>
 
 /* path: of the page's files. NULL: error says why. */
 norma_document *WEB_EXPORT(document_open)(const char *path, norma_document_error *error) {
@@ -38,6 +39,15 @@ int WEB_EXPORT(document_fix)(
         norma_fix_document(document, &options, unsafe, &summary, error);
     numbers[0] = summary.changed;
     return (int)result;
+}
+
+/* Whether a program can fix what a rule finds: a norma_fix. */
+int WEB_EXPORT(rule_fix)(const char *id) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    for (size_t i = 0; i < count; ++i)
+        if (strcmp(rules[i].id, id) == 0) return (int)rules[i].fix;
+    return NORMA_FIX_NONE;
 }
 
 /* crease_deg: NaN: as norma compute does it without --crease. numbers: whether anything changed,
