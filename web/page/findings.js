@@ -19,14 +19,14 @@ function element(tag, text, name) {
   return made;
 }
 
-/* thumb: its picture, or null for a finding that has no part of the model. */
+/* How many faces, normals or edges it counts stands in the message. thumb: its picture, or null for a finding that has no part of the model. */
 function makeButton(finding, number, thumb) {
   const button = element("button", "", finding.grade);
   button.type = "button";
   button.id = `finding-${number}`;
   button.setAttribute("aria-pressed", "false");
   const words = element("span", "");
-  words.append(element("b", finding.grade), ` ${finding.id} ${finding.name}, ${counted(finding.places, "place")}${measured(finding)}`,
+  words.append(element("b", finding.grade), ` ${finding.id} ${finding.name}${measured(finding)}`,
                element("small", finding.label ? `${finding.label}: ${finding.message}` : finding.message));
   button.append(words, ...(thumb ? [thumb] : []));
   return button;

@@ -91,6 +91,9 @@ typedef struct check_run {
     const norma_findings *known; /* of a document that differs little; or NULL */
     check_judge *judge;          /* of a surface that the next group's is the same as; or NULL */
     const check_part *part; /* what is hit has the numbers of this part; NULL: those of the file */
+    /* NULL, or gives the name of a material's normal map, or NULL; from map_names */
+    const char *(*map_name)(void *map_names, size_t material);
+    void *map_names;
     int has_tile_instances; /* what they do to a node no fix can bake */
     size_t next_order;      /* places are numbered as they come */
     check_group *group;     /* the meshes that are looked at together now */

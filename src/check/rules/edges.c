@@ -200,17 +200,17 @@ static void describe_conflicts(
     conflict_kind kind, size_t edges, size_t turned, char message[CHECK_MESSAGE]) {
     if (kind == CONFLICT_TURNED)
         norma_check_message(message,
-            "%z edge%s between faces wound against each other: %z face%s to turn", edges,
-            norma_check_plural(edges), turned, norma_check_plural(turned));
+            "neighbouring faces are wound against each other at %z edge%s: %z face%s to turn",
+            edges, norma_check_plural(edges), turned, norma_check_plural(turned));
     else if (kind == CONFLICT_UNDECIDED)
         norma_check_message(message,
-            "%z edge%s between faces wound against each other; neither volume nor rays show which "
-            "faces to turn",
+            "neighbouring faces are wound against each other at %z edge%s; neither volume nor rays "
+            "show which faces to turn",
             edges, norma_check_plural(edges));
     else
         norma_check_message(message,
-            "%z edge%s between faces wound against each other, where parts touch, or faces lie "
-            "folded over one another: no face there has to be turned",
+            "neighbouring faces are wound against each other at %z edge%s, where parts touch, or "
+            "faces lie folded over one another: no face there has to be turned",
             edges, norma_check_plural(edges));
 }
 
@@ -299,14 +299,14 @@ static norma_result add_many(check_mesh *m, edge_part *sum) {
     norma_check_hits_merge(m->run, &sum->many, &sum->bow_ties);
     if (edges && ties)
         norma_check_message(message,
-            "%z edge%s of more than two faces, and %z %s where parts touch only in a point", edges,
-            norma_check_plural(edges), ties, ties == 1 ? "vertex" : "vertices");
+            "more than two faces meet at %z edge%s, and parts touch only in a point at %z %s",
+            edges, norma_check_plural(edges), ties, ties == 1 ? "vertex" : "vertices");
     else if (edges)
         norma_check_message(message,
-            "%z edge%s of more than two faces; inside and outside are not defined there", edges,
-            norma_check_plural(edges));
+            "more than two faces meet at %z edge%s; inside and outside are not defined there",
+            edges, norma_check_plural(edges));
     else
-        norma_check_message(message, "%z %s where parts touch only in a point", ties,
+        norma_check_message(message, "parts touch only in a point at %z %s", ties,
             ties == 1 ? "vertex" : "vertices");
     norma_severity severity = edges && m->run->profile == NORMA_CHECK_PROFILE_PRINT
                                   ? NORMA_SEVERITY_WARNING

@@ -70,30 +70,37 @@ static void judge_signs(const check_mesh *m, uint8_t *verdicts) {
     }
 }
 
+/* The normal map that is read through the tangents: " \"wood.png\"", or "" where it has no name. */
+static void name_of_map(const check_mesh *m, char text[CHECK_MESSAGE]) {
+    const char *name = m->given->material.normal_map && m->run->map_name
+                           ? m->run->map_name(m->run->map_names, m->given->attributes.material)
+                           : NULL;
+    norma_check_message(text, name ? " \"%s\"" : "", name);
+}
+
 static norma_result add_signs(check_mesh *m, const uint8_t *verdicts, size_t with, size_t against) {
-    char message[CHECK_MESSAGE];
+    char message[CHECK_MESSAGE], map[CHECK_MESSAGE];
     check_hits hits = {0};
     int mixed = with > 0, side = mixed && with < against ? WITH : AGAINST;
     for (size_t v = 0; v < m->mesh.positions.count; v++)
         if (verdicts[v] == side) norma_check_hit(m->run, &hits, 0, norma_check_vertex(v));
+    name_of_map(m, map);
     if (!mixed)
         norma_check_message(message,
-            "%z tangent%s (all whose UVs have an area) %s the opposite of the sign that the UVs "
-            "give; correct if the normal map was made for it",
-            against, norma_check_plural(against), against == 1 ? "has" : "have");
+            "the UVs give the opposite sign for all tangents whose UVs have an area (%z); correct "
+            "if the normal map%s was made for that",
+            against, map);
     else if (side == AGAINST)
         norma_check_message(message,
-            "%z tangent%s %s the opposite of the sign that the UVs give, and %z agree%s with the "
-            "UVs; "
-            "bumps become dents in one of the two groups",
-            against, norma_check_plural(against), against == 1 ? "has" : "have", with,
+            "bumps of the normal map%s become dents in one of two groups: %z tangent%s %s the "
+            "opposite of the sign that the UVs give, and %z agree%s with the UVs",
+            map, against, norma_check_plural(against), against == 1 ? "has" : "have", with,
             with == 1 ? "s" : "");
     else
         norma_check_message(message,
-            "%z tangent%s %s the sign that the UVs give, and %z the opposite; bumps become dents "
-            "in "
-            "one of the two groups",
-            with, norma_check_plural(with), with == 1 ? "has" : "have", against);
+            "bumps of the normal map%s become dents in one of two groups: %z tangent%s %s the sign "
+            "that the UVs give, and %z the opposite",
+            map, with, norma_check_plural(with), with == 1 ? "has" : "have", against);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N804,
             .severity = mixed ? norma_check_tangent_severity(m) : NORMA_SEVERITY_INFO,
@@ -215,6 +222,8 @@ static void judge_tangents(void *context, size_t block, size_t begin, size_t end
 
 static norma_result add_tangent_findings(check_mesh *m, tangent_part *sum) {
     norma_result result = NORMA_OK;
+    char map[CHECK_MESSAGE];
+    name_of_map(m, map);
     if (norma_check_wants(m, RULE_N801) && sum->bad.count)
         result = norma_check_report(m,
             &(check_report){.rule = RULE_N801,
@@ -222,9 +231,8 @@ static norma_result add_tangent_findings(check_mesh *m, tangent_part *sum) {
                 .unit = "length",
                 .hits = &sum->bad},
             "%z tangent%s with a component that is not finite or a length other than 1; normal "
-            "maps "
-            "are read through them",
-            sum->bad.count, norma_check_plural(sum->bad.count));
+            "maps are read through them%s%s",
+            sum->bad.count, norma_check_plural(sum->bad.count), *map ? ":" : "", map);
     if (!result && norma_check_wants(m, RULE_N802) && sum->sign.count)
         result = norma_check_report(m,
             &(check_report){.rule = RULE_N802,
@@ -232,18 +240,21 @@ static norma_result add_tangent_findings(check_mesh *m, tangent_part *sum) {
                 .no_value = 1,
                 .hits = &sum->sign},
             "%z tangent%s with a sign that is neither 1 nor -1; bumps become dents or have the "
-            "wrong height",
-            sum->sign.count, norma_check_plural(sum->sign.count));
+            "wrong height%s%s",
+            sum->sign.count, norma_check_plural(sum->sign.count), *map ? " in the normal map" : "",
+            map);
     if (!result && norma_check_wants(m, RULE_N803) && sum->leaning.count)
         result = norma_check_report(m,
             &(check_report){.rule = RULE_N803,
                 .severity = norma_check_tangent_severity(m),
                 .unit = "deg",
                 .hits = &sum->leaning},
-            "%z tangent%s up to %g degrees off perpendicular to the normal; %s", sum->leaning.count,
-            norma_check_plural(sum->leaning.count), sum->leaning.worst,
-            m->given->material.normal_map ? "a normal map bends light the wrong way"
-                                          : "no normal map uses them here");
+            "%z tangent%s up to %g degrees off perpendicular to the normal; %s%s%s",
+            sum->leaning.count, norma_check_plural(sum->leaning.count), sum->leaning.worst,
+            !m->given->material.normal_map ? "no normal map uses them here"
+            : *map                         ? "the normal map"
+                                           : "a normal map",
+            map, m->given->material.normal_map ? " bends light the wrong way" : "");
     return result;
 }
 

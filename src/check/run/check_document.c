@@ -593,6 +593,11 @@ static void name_meshes(const norma_check_mesh *meshes, size_t count, norma_find
     }
 }
 
+static const char *name_of_normal_map(void *document, size_t material) {
+    norma_texture_info map;
+    return norma_document_normal_map(document, material, &map, NULL) ? NULL : map.name;
+}
+
 norma_document_result norma_check_document(norma_document *document,
     const norma_check_options *options, norma_findings **findings, norma_document_error *error) {
     return norma_check_again(document, NULL, options, findings, error);
@@ -604,6 +609,8 @@ norma_document_result norma_check_again(norma_document *document, const check_kn
     if (!document || !findings) return norma_check_fail(error, NORMA_ERROR_ARGUMENT);
     norma_result begun = norma_check_begin(&d.run, options, norma_document_format(document));
     if (begun) return norma_check_fail(error, begun);
+    d.run.map_name = name_of_normal_map;
+    d.run.map_names = document;
     d.run.known = known ? known->findings : NULL;
     norma_document_result result = check_meshes(&d);
     if (!result) result = check_maps(&d);

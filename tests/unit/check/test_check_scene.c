@@ -463,7 +463,8 @@ static void set_signs(islands *s, int island, float sign) {
 
 /* One texel, (128, 128, 255). */
 #define FLAT_MAP                                                                                   \
-    "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"data:image/png;base64,"                  \
+    "\"textures\":[{\"source\":0}],\"images\":[{\"name\":\"bumps.png\",\"uri\":\"data:image/"      \
+    "png;base64,"                                                                                  \
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAA"                                               \
     "AADElEQVR42mNoaPgPAAODAgA+WCglAAAAAElFTkSuQmCC\"}],"
 
@@ -488,6 +489,32 @@ static norma_findings *check_islands(const islands *s, int snorm8) {
 }
 
 #define PRIMITIVE "/meshes/0/primitives/0"
+
+/* Each names the map that is read through the tangents, and says first what is seen. */
+static void test_tangent_words(void **state) {
+    (void)state;
+    islands s;
+    make_islands(&s);
+    s.tangents[7][0] = 2;
+    expect_message(check_islands(&s, 0),
+        "1 tangent with a component that is not finite or a length other than 1; normal maps are "
+        "read through them: \"bumps.png\"");
+    make_islands(&s);
+    s.tangents[7][3] = 2;
+    expect_message(check_islands(&s, 0),
+        "1 tangent with a sign that is neither 1 nor -1; bumps become dents or have the wrong "
+        "height in the normal map \"bumps.png\"");
+    make_islands(&s);
+    memcpy(s.tangents[17], (const float[4]){0, 0, -1, 1}, sizeof s.tangents[17]);
+    expect_message(check_islands(&s, 0),
+        "1 tangent up to 90 degrees off perpendicular to the normal; the normal map \"bumps.png\" "
+        "bends light the wrong way");
+    make_islands(&s);
+    for (int v = 0; v < 4; v++) s.tangents[v][3] = -s.tangents[v][3];
+    expect_message(check_islands(&s, 0),
+        "bumps of the normal map \"bumps.png\" become dents in one of two groups: 4 tangents have "
+        "the opposite of the sign that the UVs give, and 16 agree with the UVs");
+}
 
 static void test_tangent_lengths(void **state) {
     (void)state;
@@ -939,6 +966,7 @@ int main(void) {
         cmocka_unit_test(test_joints),
         cmocka_unit_test(test_skin_errors),
         cmocka_unit_test(test_turned_skin_errors),
+        cmocka_unit_test(test_tangent_words),
         cmocka_unit_test(test_tangent_lengths),
         cmocka_unit_test(test_tangent_signs_of_none),
         cmocka_unit_test(test_tangent_lean),
