@@ -294,6 +294,17 @@ void cli_progress_start(
     progress->said = progress->began;
 }
 
+/* Stages of work differ in speed: the time that is left is known once the same whole is expected,
+ * to a half, for a second. */
+static int is_steady(cli_progress *progress, double fraction, double elapsed) {
+    const double whole = fraction > 0 ? elapsed / fraction : 0;
+    if (!(whole < 1.5 * progress->whole && 1.5 * whole > progress->whole)) {
+        progress->whole = whole;
+        progress->steady_from = elapsed;
+    }
+    return elapsed - progress->steady_from >= 1;
+}
+
 static void show(cli_progress *progress, double fraction, double elapsed) {
     if (progress_channel >= 0) {
         const ssize_t written = write(progress_channel, &fraction, sizeof fraction);
@@ -312,7 +323,8 @@ static void show(cli_progress *progress, double fraction, double elapsed) {
     fprintf(stderr, ": %3.0f %%", 100 * fraction);
     if (progress->megabytes > 0)
         fprintf(stderr, ", %.1f MB/s", progress->megabytes * fraction / elapsed);
-    if (fraction > 0.01) fprintf(stderr, ", %.0f s left", elapsed * (1 - fraction) / fraction);
+    if (is_steady(progress, fraction, elapsed))
+        fprintf(stderr, ", %.0f s left", elapsed * (1 - fraction) / fraction);
     fputs("\033[K", stderr);
     fflush(stderr);
     line_shown = 1;

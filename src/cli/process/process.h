@@ -59,8 +59,9 @@ int cli_interrupted(void); /* whether a signal waits for what is being written *
 typedef struct cli_progress {
     int enabled;
     struct cli_ticker *ticker;
-    double began, said; /* seconds */
-    double megabytes;   /* of the input; 0: not known */
+    double began, said;        /* seconds */
+    double whole, steady_from; /* how long all will take, and since when that was expected */
+    double megabytes;          /* of the input; 0: not known */
     const char *what, *name;
 } cli_progress;
 void cli_progress_start(
