@@ -80,6 +80,11 @@ def face_normals(
     positions: Any, faces: Faces = ..., *, weld: Weld = ..., fallback: Fallback = ...,
     threads: Optional[int] = ..., out: Optional[Floats] = ..., report: Literal[True],
 ) -> Tuple[Floats, NormalReport]: ...
+@overload
+def face_normals(
+    positions: Any, faces: Faces = ..., *, weld: Weld = ..., fallback: Fallback = ...,
+    threads: Optional[int] = ..., out: Optional[Floats] = ..., report: bool,
+) -> Union[Floats, Tuple[Floats, NormalReport]]: ...
 def face_normals(
     positions: Any,
     faces: Faces = None,
@@ -119,6 +124,12 @@ def vertex_normals(
     fallback: Fallback = ..., threads: Optional[int] = ..., out: Optional[Floats] = ...,
     report: Literal[True],
 ) -> Tuple[Floats, NormalReport]: ...
+@overload
+def vertex_normals(
+    positions: Any, faces: Faces = ..., *, weight: Weight = ..., weld: Weld = ...,
+    fallback: Fallback = ..., threads: Optional[int] = ..., out: Optional[Floats] = ...,
+    report: bool,
+) -> Union[Floats, Tuple[Floats, NormalReport]]: ...
 def vertex_normals(
     positions: Any,
     faces: Faces = None,
@@ -163,6 +174,13 @@ def corner_normals(
     hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
     threads: Optional[int] = ..., out: Optional[Floats] = ..., report: Literal[True],
 ) -> Tuple[Floats, NormalReport]: ...
+@overload
+def corner_normals(
+    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: Weight = ...,
+    weld: Weld = ..., non_manifold: NonManifold = ..., smoothing_groups: Optional[ArrayLike] = ...,
+    hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
+    threads: Optional[int] = ..., out: Optional[Floats] = ..., report: bool,
+) -> Union[Floats, Tuple[Floats, NormalReport]]: ...
 def corner_normals(
     positions: Any,
     faces: Faces = None,
@@ -214,6 +232,13 @@ def split(
     hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
     threads: Optional[int] = ..., report: Literal[True],
 ) -> Tuple[Split, NormalReport]: ...
+@overload
+def split(
+    positions: Any, faces: Faces = ..., *, crease: float = ..., weight: Weight = ...,
+    weld: Weld = ..., non_manifold: NonManifold = ..., smoothing_groups: Optional[ArrayLike] = ...,
+    hard_edges: Optional[ArrayLike] = ..., fallback: Fallback = ...,
+    threads: Optional[int] = ..., report: bool,
+) -> Union[Split, Tuple[Split, NormalReport]]: ...
 def split(
     positions: Any,
     faces: Faces = None,
@@ -294,6 +319,13 @@ def tangents(
     texcoord_faces: Optional[ArrayLike] = ..., threads: Optional[int] = ...,
     out: Optional[Floats] = ..., report: Literal[True],
 ) -> Tuple[Floats, TangentReport]: ...
+@overload
+def tangents(
+    positions: Any, normals: ArrayLike, texcoords: ArrayLike, faces: Faces = ..., *,
+    mode: TangentMode = ..., weight: Weight = ..., normal_faces: Optional[ArrayLike] = ...,
+    texcoord_faces: Optional[ArrayLike] = ..., threads: Optional[int] = ...,
+    out: Optional[Floats] = ..., report: bool,
+) -> Union[Floats, Tuple[Floats, TangentReport]]: ...
 def tangents(
     positions: Any,
     normals: ArrayLike,
@@ -448,6 +480,11 @@ def orient(
     positions: Any, faces: Faces = ..., *, open: Literal["kept", "rays"] = ..., weld: Weld = ...,
     threads: Optional[int] = ..., report: Literal[True],
 ) -> Tuple[Any, OrientReport]: ...
+@overload
+def orient(
+    positions: Any, faces: Faces = ..., *, open: Literal["kept", "rays"] = ..., weld: Weld = ...,
+    threads: Optional[int] = ..., report: bool,
+) -> Any: ...
 def orient(
     positions: Any,
     faces: Faces = None,
@@ -680,6 +717,10 @@ def encode_normals(
 def encode_normals(
     normals: ArrayLike, encoding: Encoding = ..., *, report: Literal[True],
 ) -> Tuple[NDArray[np.uint32], NormalReport]: ...
+@overload
+def encode_normals(
+    normals: ArrayLike, encoding: Encoding = ..., *, report: bool,
+) -> Union[NDArray[np.uint32], Tuple[NDArray[np.uint32], NormalReport]]: ...
 def encode_normals(
     normals: ArrayLike, encoding: Encoding = "oct16", *, report: bool = False
 ) -> Union[NDArray[np.uint32], Tuple[NDArray[np.uint32], NormalReport]]:

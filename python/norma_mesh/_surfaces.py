@@ -211,6 +211,9 @@ def heightmap_normals(z: ArrayLike, spacing: Union[float, Tuple[float, float]] =
 @overload
 def heightmap_normals(z: ArrayLike, spacing: Union[float, Tuple[float, float]] = ..., *, out: Optional[Floats] = ...,
                       report: Literal[True]) -> Tuple[Floats, NormalReport]: ...
+@overload
+def heightmap_normals(z: ArrayLike, spacing: Union[float, Tuple[float, float]] = ..., *, out: Optional[Floats] = ...,
+                      report: bool) -> Union[Floats, Tuple[Floats, NormalReport]]: ...
 def heightmap_normals(
     z: ArrayLike,
     spacing: Union[float, Tuple[float, float]] = 1.0,

@@ -44,6 +44,10 @@ class ClosestPoints(unittest.TestCase):
         outside = (points[:, 0] < 0) | (points[:, 0] > 10)
         found = norma.closest(points[outside], wedge, faces)
         self.assertEqual(set(found.sides.tolist()), {1})
+        roof = np.array([[0, 0, -9], [0, 0, 9], [10, 1, -9], [10, 1, 9], [10, -1, -9], [10, -1, 9]])  # sharp along z
+        faces = norma.orient(roof, [[0, 1, 3, 2], [0, 4, 5, 1], [2, 3, 5, 4], [0, 2, 4], [1, 5, 3]])
+        points = rng.uniform(-1, 1, (500, 3)) * [0, 2, 8] - [0.5, 0, 0]
+        self.assertEqual(set(norma.closest(points, roof, faces).sides.tolist()), {1})
 
     def test_random_triangles_by_brute_force(self):
         rng = np.random.default_rng(5)

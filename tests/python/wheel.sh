@@ -31,6 +31,7 @@ check "pip installs it into a bare environment" "$bare/bin/python" -c 'import no
 check "norma is on the path" "$bare/bin/norma" --version
 if command -v mypy >/dev/null; then
     check "its types pass mypy in strict mode" mypy --strict --cache-dir "$scratch/mypy" --python-executable "$bare/bin/python" python/norma_mesh
+    check "its types are those that users expect" mypy --strict --cache-dir "$scratch/mypy" --python-executable "$bare/bin/python" tests/python/typed.py
 else
     skip "mypy is not installed"
 fi
