@@ -5,6 +5,7 @@ import { cpus, loadavg } from "node:os";
 import { basename, dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { deflateSync } from "node:zlib";
+import { seamsOf } from "../../web/page/seams.js";
 import { changesOf } from "../../web/page/changes.js";
 import { findChrome, launch } from "./chrome.mjs";
 import { findFirefox, launchFirefox } from "./firefox.mjs";
@@ -818,6 +819,23 @@ await attempt("what a copy changed: a face gone, a normal, a face turned, and no
   expect(seen.join("; ") === "1 0 0 0; 0 0 0 1; 0 0 1 0; 0 0 0 0", seen.join("; "));
 });
 
+await attempt("seams of texture coordinates: the edge at which a square is cut, none where both sides agree", async () => {
+  const square = [0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0], whole = [0, 0, 1, 0, 1, 1, 0, 0, 1, 1, 0, 1], cut = whole.map((x, i) => (i < 6 ? x / 2 : x)), ends = ({ from, to, count }) => [count, [...from].join(), [...to].join()].sort().join(" ");
+  expect(seamsOf(Float32Array.from(square), Float32Array.from(whole)).count === 0, "a seam where there is none");
+  const seen = ends(seamsOf(Float32Array.from(square), Float32Array.from(cut)));
+  expect(seen === "0,0,0 1 1,1,0", seen);
+  const parts = [square, cut].map((list) => Buffer.from(Float32Array.from(list).buffer)), accessor = (bufferView, type) => ({ bufferView, count: 6, type, componentType: 5126, ...(type === "VEC3" ? { min: [0, 0, 0], max: [1, 1, 0] } : {}) }), cutPage = await visit(home);
+  await dropText(cutPage, "cut.gltf", JSON.stringify({ asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0, TEXCOORD_0: 1 } }] }], accessors: [accessor(0, "VEC3"), accessor(1, "VEC2")],
+    bufferViews: [{ buffer: 0, byteLength: 72 }, { buffer: 0, byteOffset: 72, byteLength: 48 }], buffers: [{ byteLength: 120, uri: `data:application/octet-stream;base64,${Buffer.concat(parts).toString("base64")}` }] }));
+  await cutPage.click("reset-view");
+  const before = await cutPage.picture();
+  await cutPage.click("seams");
+  const isSeam = ([r, g, b]) => r > 150 && b > 90 && g < 110 && r > g + 60, drawn = countPixels(await cutPage.picture("seams"), STAGE, isSeam);
+  expect(drawn > 150 && countPixels(before, STAGE, isSeam) === 0, `${drawn} pixels of a seam`);
+  expect(cutPage.said.length === 0, cutPage.said.join("\n"));
+  await cutPage.close();
+});
+
 /* A red square whose morph target and node move it: at rest from x = -1 to 1; after a second its upper edge is 2 higher; after two it is wholly to the right of what it was. */
 function animatedModel() {
   const floats = [[-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], [0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 2, 0], [0, 1, 2], [0, 1, 1], [0, 0, 0, 0, 0, 0, 3, 0, 0]], parts = [...floats.map((list) => Buffer.from(Float32Array.from(list).buffer)), Buffer.from(Uint16Array.of(0, 1, 2, 0, 2, 3).buffer)], bounds = { min: [-9, -9, -9], max: [9, 9, 9] };
@@ -875,6 +893,10 @@ await attempt("findings are listed with pictures, worst first; a finding about a
   expect(reds > 150 && inks > reds, `${reds} red pixels of ${inks} that are drawn`);
   expect(looked.said.length === 0, looked.said.join("\n"));
   await looked.picture("findings-with-pictures");
+  const isSeen = () => looked.evaluate("document.getElementById('worst').checkVisibility()");
+  expect(!(await isSeen()), "the lesson's number beside a file");
+  await looked.set("scale-x", 2);
+  expect(await isSeen(), "no number where M is wrong for normals");
   await looked.close();
   const whole = await visit(home, { size: [1000, 700] });
   await dropText(whole, "mirrored.gltf", JSON.stringify({ ...JSON.parse(artistsModel()), nodes: [{ mesh: 0 }, { mesh: 1, translation: [4, 0, 0], scale: [-1, 1, 1] }] }));

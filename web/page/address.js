@@ -1,7 +1,7 @@
 /* What is shown, in the address behind the #: the controls that differ from how they stand at first, and the camera. So that a link shows the same again. */
 import { byId, RANGES, spell } from "./controls.js";
 
-const KEPT = ["model", "scale-x", "scale-y", "scale-z", "shear", "turn", "move", "mirror", "sides", "split", "source", "crease", "weight", "weld", "shading", "colours", "hedgehog", "line-length", "line-density", "wireframe", "textures", "normal-maps", "up"];
+const KEPT = ["model", "scale-x", "scale-y", "scale-z", "shear", "turn", "move", "mirror", "sides", "split", "source", "crease", "weight", "weld", "shading", "colours", "hedgehog", "line-length", "line-density", "wireframe", "seams", "textures", "normal-maps", "up"];
 const CAMERA = ["azimuth", "elevation", "distance"], poseOf = (camera) => [...CAMERA.map((name) => camera[name]), ...camera.centre].map((x) => Number(x.toFixed(3)));
 const PAUSE = 300;
 

@@ -8,7 +8,7 @@ const NONE = -1;
 /* The cosine of a hundredth of a degree. */
 const SAME = Math.cos((0.01 * Math.PI) / 180);
 
-const mix = (a, b) => { let h = Math.imul(a ^ (b + 0x9e3779b9 + (a << 6) + (a >>> 2)), 0x85ebca6b); h ^= h >>> 13; h = Math.imul(h, 0xc2b2ae35); return h ^ (h >>> 16); };
+export const mix = (a, b) => { let h = Math.imul(a ^ (b + 0x9e3779b9 + (a << 6) + (a >>> 2)), 0x85ebca6b); h ^= h >>> 13; h = Math.imul(h, 0xc2b2ae35); return h ^ (h >>> 16); };
 
 /* A number for the position of each corner. step 0: of its bits. Otherwise of where it lies in the world, to a step of the other's size, the grid being shifted by a part of it: positions that were
  * written anew are a little elsewhere. */

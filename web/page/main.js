@@ -565,20 +565,21 @@ function faceLinesOf(item) {
   return lines[item.mesh];
 }
 
-/* Edges come from the worker, once. */
-function drawWire(item, view, pixels, shown) {
-  const { wires } = shown;
-  if (wires[item.mesh] === undefined) {
-    wires[item.mesh] = null;
-    remote.wire(shown.model.number, item.mesh).then(async ({ from, to, count }) => {
+const EDGES = { wire: { colour: [0.02, 0.02, 0.02, 0.75], pixels: 1.1 }, seams: { colour: [0.9, 0.1, 0.55, 1], pixels: 2.4 } };
+/* Edges, or those at which texture coordinates are cut, come from the worker, once. */
+function drawEdges(kind, item, view, pixels, shown) {
+  const lines = (shown.edges[kind] ??= []), { colour, pixels: width } = EDGES[kind];
+  if (lines[item.mesh] === undefined) {
+    lines[item.mesh] = null;
+    remote[kind](shown.model.number, item.mesh).then(async ({ from, to, count }) => {
       const made = { from: graphics.reserve(from.byteLength), to: graphics.reserve(to.byteLength), count };
       await graphics.fillSlowly(made.from, from);
       await graphics.fillSlowly(made.to, to);
-      wires[item.mesh] = made;
+      lines[item.mesh] = made;
       dirty.draw = true;
     }, (error) => notice(error.message));
   }
-  if (wires[item.mesh]) graphics.drawWire(item, view, wires[item.mesh], 1.1 * pixels, [0.02, 0.02, 0.02, 0.75]);
+  if (lines[item.mesh]?.count) graphics.drawWire(item, view, lines[item.mesh], width * pixels, colour);
 }
 
 function drawHedgehog(item, view, pixels, colour) {
@@ -608,7 +609,7 @@ function draw() {
     const angle = side === "angle", posed = compared || chosen || moving || value("colours") !== "lit" ? null : animation.root(multiply(multiply(fitOf(user), user), multiply(scene.frame, turning(scene.up))));
     const items = posed ? [] : sideItems(angle ? "right" : side, user, compared), how = { posed, ...look, tinted: compared === "change" && isChecked("tint"), outlineColour: chosen && PIN_COLOURS[chosen.grade], outlineWidth: 3.5 * pixels, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), colours: angle ? "angle" : value("colours"), shading: value("shading") };
     graphics.drawSurfaces(items, view, how);
-    if (!angle && isChecked("wireframe") && !moving) for (const item of items) drawWire(item, view, pixels, side === "wrong" && compared === "change" ? before : scene);
+    for (const [kind, box] of [["wire", "wireframe"], ["seams", "seams"]]) if (!angle && isChecked(box) && !moving) for (const item of items) drawEdges(kind, item, view, pixels, side === "wrong" && compared === "change" ? before : scene);
     if (!angle) for (const item of items) drawHedgehog(item, view, pixels, compared === "change" ? colours.before : colours[side]);
     if (!moving) drawChosen(view, pixels);
     if (found && !chosen && compared && compared !== "change" && !angle && !intro.isShown()) drawFound(view, pixels, colours);
@@ -694,6 +695,8 @@ function say(text) {
 }
 
 function showReadouts(info, user, compared) {
+  /* Of a file that is at rest, there is nothing of the lesson. */
+  byId("worst-box").hidden = byId("under-box").hidden = Boolean(scene.model?.format) && compared !== "matrix";
   if (moving) {
     pickMoving();
     byId("worst").textContent = degrees(moving.worst());
@@ -743,7 +746,7 @@ function resize() {
 
 /* Whether something is still to come, for those who wait. */
 function showBusy() {
-  const busy = calls > 0 || drawing || computing || picking || measuring || loading > 0 || seeking > 0 || dirty.compute || dirty.draw ? "1" : "";
+  const busy = calls > 0 || computing || picking || measuring || loading > 0 || seeking > 0 || dirty.compute || (!animation.isPlaying() && (drawing || dirty.draw)) ? "1" : "";
   if (document.body.dataset.busy !== busy) document.body.dataset.busy = busy;
 }
 

@@ -1,6 +1,7 @@
 /* What the page asks of models, as calls whose arguments and results may travel to a worker and back. Models go by number. */
 import { changesOf } from "./changes.js";
 import { packTriangles, startEngine } from "./engine.js";
+import { seamsOf } from "./seams.js";
 import { SHAPES } from "./shapes.js";
 
 /* What a page knows of a model; its arrays follow by themselves. */
@@ -100,6 +101,10 @@ export async function startModels(modules) {
         count++;
       }
       return { from: from.slice(0, 3 * count), to: to.slice(0, 3 * count), count };
+    },
+    seams: (number, index) => {
+      const mesh = models.get(number).meshes[index];
+      return mesh.hasTexcoords[0] ? seamsOf(mesh.positions().slice(), mesh.texcoords(0).slice()) : { from: new Float32Array(), to: new Float32Array(), count: 0 };
     },
     /* Middles and normals of faces, and how long their lines are. */
     faceLines: (number, index) => {

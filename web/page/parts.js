@@ -43,6 +43,7 @@ export function showPart({ hidden }, number) {
 export function showMaterialControls(model, materials = null) {
   const meshes = model?.meshes ?? [], has = (name) => meshes.some((mesh) => mesh[name]);
   byId("textures-row").hidden = !materials && !has("hasColours");
+  byId("seams-row").hidden = !meshes.some(({ hasTexcoords }) => hasTexcoords[0]);
   byId("normal-maps-row").hidden = !materials?.some((material) => material?.normalMap);
   byId("up-row").hidden = !model;
   byId("colours").querySelector("[value=tangents]").disabled = !meshes.some(({ hasTangents, hasTexcoords }) => hasTangents || hasTexcoords.some(Boolean));

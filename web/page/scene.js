@@ -28,7 +28,7 @@ export const turning = (up) => { const m = TURNED[up]; return [m[0], m[1], m[2],
 export function makeScene(graphics, model, up = model.up ?? "y", fixed = null) {
   const surfaces = model.arrays.map((arrays) => graphics.makeSurface(arrays));
   model.arrays = null;
-  const scene = { model, surfaces, faces: [], wires: [], hidden: new Set(), free: () => { surfaces.forEach((surface) => surface.free()); scene.freeMaterials?.(); } };
+  const scene = { model, surfaces, faces: [], edges: {}, hidden: new Set(), free: () => { surfaces.forEach((surface) => surface.free()); scene.freeMaterials?.(); } };
   /* Where everything stands, with this axis up. */
   scene.place = (axis, frame = null) => {
     const turned = model.draws.map(({ mesh, world }) => ({ mesh, world: multiply(turning(axis), world) }));
