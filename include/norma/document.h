@@ -902,6 +902,15 @@ NORMA_API const char *norma_save_temporary(const norma_saving *saving);
  *   error    written on failure; or NULL */
 NORMA_API norma_document_result norma_save_end(norma_saving *saving, norma_document_error *error);
 
+/* Flushes several files and puts all of them in place, or none. Frees all in any case, except if
+ * one is NULL.
+ *
+ *   savings   of norma_save_begin, for different paths
+ *   count     of them
+ *   error     written on failure; or NULL */
+NORMA_API norma_document_result norma_save_end_together(
+    norma_saving **savings, size_t count, norma_document_error *error);
+
 /* Frees saving and leaves the path as it was. NULL is fine. */
 NORMA_API void norma_save_abandon(norma_saving *saving);
 

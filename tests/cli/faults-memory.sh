@@ -101,5 +101,23 @@ while IFS= read -r line; do
     esac
 done <"$scratch/verdicts"
 [ "$(grep -cE '^(ok|not ok) ' "$scratch/verdicts")" -ge "$(cat "$scratch/cases" "$scratch/cases-on" | wc -l)" ] || fail "every case gave a verdict" "$(cat "$scratch/errors")"
+# The acid scenes take so many allocations that only some fail: all scenes are there then, or none.
+if [ -z "${1:-}" ] && "$NORMA" acid -o "$scratch/all" --quiet 2>/dev/null; then
+    bad='' reached=0 refused=0
+    for ((n = 1; ; n = n + n / 3 + 1)); do
+        rm -rf "$scratch/acid" "$scratch/hit"
+        status=0
+        FAULT_ALLOCATION=$n LD_PRELOAD=$fast/fail.so "$NORMA" acid -o "$scratch/acid" --quiet 199>"$scratch/hit" 2>"$scratch/said" || status=$?
+        [ -s "$scratch/hit" ] || break
+        reached=$((reached + 1))
+        case $status in
+        0) diff -r "$scratch/all" "$scratch/acid" >/dev/null || bad="$bad; allocation $n: not all scenes are there" ;;
+        3) refused=$((refused + 1)); grep -qi memory "$scratch/said" && [ ! -e "$scratch/acid" ] || bad="$bad; allocation $n: $(cat "$scratch/said"), $(find "$scratch/acid" -type f 2>/dev/null | wc -l) files are left" ;;
+        *) bad="$bad; allocation $n: status $status" ;;
+        esac
+    done
+    if [ -z "$bad" ] && [ $refused -gt 10 ]; then pass "acid -o: $reached failed allocations"; else fail "acid -o: all scenes or none" "$refused of $reached refused$bad"; fi
+    total=$((total + reached))
+fi
 echo "# $total failed allocations"
 finish

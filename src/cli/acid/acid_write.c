@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* ---- acid.json */
 
@@ -101,79 +102,119 @@ void acid_write_layout(FILE *out, const acid_grid *grid) {
 
 /* ---- files */
 
-static int make_folder(const char *path) {
+static int make_folder(const char *path, int *made) {
     struct stat found;
-    if (mkdir(path, 0777) == 0) return CLI_OK;
+    *made = mkdir(path, 0777) == 0;
+    if (*made) return CLI_OK;
     const int error = errno;
     if (error == EEXIST && stat(path, &found) == 0 && S_ISDIR(found.st_mode)) return CLI_OK;
     cli_error("%s: the folder cannot be made: %s", path, strerror(error));
     return CLI_FILE;
 }
 
-/* Begins DIR/name. *path: the caller's to free once the output has ended. */
-static int begin_in_folder(
-    const acid_work *work, const char *name, cli_output *output, char **path) {
-    *path = cli_join(work->output, name);
-    return *path ? cli_output_begin(output, *path, work->files.guard) : cli_out_of_memory();
+/* A file that is to be written, made as a whole before the first one is begun. */
+typedef struct made_file {
+    char *path;
+    growing_bytes bytes;
+} made_file;
+
+typedef struct made_files {
+    const acid_work *work;
+    made_file *list;
+    size_t count;
+} made_files;
+
+/* The next file, DIR/name; NULL: out of memory. */
+static made_file *begin_made(made_files *files, const char *name) {
+    made_file *file = &files->list[files->count++];
+    file->path = cli_join(files->work->output, name);
+    return file->path ? file : NULL;
 }
 
-static int write_one_scene(const acid_work *work, const acid_grid *grid, const char *name) {
-    growing_bytes glb = {0};
-    cli_output output;
-    char *path = NULL;
-    const image_result result = acid_write_scene(grid, &glb);
-    int status = CLI_OK;
-    if (result == IMAGE_MEMORY)
-        status = cli_out_of_memory();
-    else if (result) {
-        cli_error("normal maps cannot be written: %s", acid_picture_text(result));
-        status = CLI_FILE;
-    }
-    if (!status) status = begin_in_folder(work, name, &output, &path);
-    if (!status) {
-        fwrite(glb.data, 1, glb.size, output.out);
-        status = cli_output_end(&output);
-    }
-    free(path);
-    free(glb.data);
-    return status;
+static int make_glb_file(made_files *files, const acid_grid *grid, const char *name) {
+    made_file *file = begin_made(files, name);
+    const image_result result = file ? acid_write_scene(grid, &file->bytes) : IMAGE_MEMORY;
+    if (!result) return CLI_OK;
+    if (result == IMAGE_MEMORY) return cli_out_of_memory();
+    cli_error("normal maps cannot be written: %s", acid_picture_text(result));
+    return CLI_FILE;
 }
 
-static int write_alone(const acid_work *work, size_t index) {
+static int make_alone(made_files *files, size_t index) {
     const acid_grid grid = acid_grid_of_one(index);
     char name[64];
     snprintf(name, sizeof name, "cells/%s.glb", acid_cells[index].id);
-    return write_one_scene(work, &grid, name);
+    return make_glb_file(files, &grid, name);
 }
 
-static int write_text(const acid_work *work, const acid_grid *grid, const char *name,
+static int make_text_file(made_files *files, const acid_grid *grid, const char *name,
     void (*write)(FILE *out, const acid_grid *grid)) {
-    cli_output output;
-    char *path = NULL;
-    int status = begin_in_folder(work, name, &output, &path);
-    if (!status) {
-        write(output.out, grid);
-        status = cli_output_end(&output);
-    }
-    free(path);
+    cli_memory_stream stream;
+    made_file *file = begin_made(files, name);
+    if (!file || !cli_memory_open(&stream)) return cli_out_of_memory();
+    write(stream.out, grid);
+    if (!cli_memory_close(&stream)) return cli_out_of_memory();
+    file->bytes = (growing_bytes){.data = stream.text, .size = stream.size};
+    return CLI_OK;
+}
+
+static int make_all(made_files *files) {
+    const acid_grid grid = acid_grid_of_all();
+    int status = make_glb_file(files, &grid, "norma-acid.glb");
+    if (!status) status = make_text_file(files, &grid, "acid.json", acid_write_layout);
+    if (!status) status = make_text_file(files, &grid, "index.html", acid_write_page);
+    for (size_t i = 0; i < acid_cell_count && !status; ++i) status = make_alone(files, i);
     return status;
 }
 
-static int make_folders_of(const acid_work *work) {
-    int status = make_folder(work->output);
-    char *cells = status ? NULL : cli_join(work->output, "cells");
-    if (!status) status = cells ? make_folder(cells) : cli_out_of_memory();
+/* All of them or none. A signal waits so long: it would find names of temporary files. */
+static int commit_made(const made_files *files) {
+    norma_document_error error;
+    norma_saving **savings = calloc(files->count, sizeof *savings);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!savings) return cli_out_of_memory();
+    for (size_t i = 0; i < files->count && !result; ++i) {
+        const made_file *file = &files->list[i];
+        result = norma_save_begin(file->path, &savings[i], &error);
+        if (!result)
+            result = norma_save_piece(savings[i], file->bytes.data, file->bytes.size, &error);
+    }
+    if (!result)
+        result = norma_save_end_together(savings, files->count, &error);
+    else
+        for (size_t i = 0; i < files->count; ++i) norma_save_abandon(savings[i]);
+    free(savings);
+    if (result) cli_print_error(&error);
+    return result ? CLI_FILE : CLI_OK;
+}
+
+static int write_made(const made_files *files) {
+    const char *folder = files->work->output;
+    char *cells = cli_join(folder, "cells");
+    int made = 0, made_cells = 0, status = CLI_OK;
+    if (!cells) return cli_out_of_memory();
+    for (size_t i = 0; i < files->count && !status; ++i)
+        status = cli_guard_output(files->work->files.guard, files->list[i].path, NULL);
+    if (!status) status = make_folder(folder, &made);
+    if (!status) status = make_folder(cells, &made_cells);
+    cli_writing_begin();
+    if (!status) status = commit_made(files);
+    if (status && made_cells) rmdir(cells);
+    if (status && made) rmdir(folder);
+    cli_writing_end();
     free(cells);
     return status;
 }
 
 int acid_write_scenes(const acid_work *work) {
-    const acid_grid grid = acid_grid_of_all();
-    int status = make_folders_of(work);
-    if (!status) status = write_one_scene(work, &grid, "norma-acid.glb");
-    for (size_t i = 0; i < acid_cell_count && !status; ++i) status = write_alone(work, i);
-    if (!status) status = write_text(work, &grid, "acid.json", acid_write_layout);
-    if (!status) status = write_text(work, &grid, "index.html", acid_write_page);
+    made_files files = {.work = work, .list = calloc(acid_cell_count + 3, sizeof *files.list)};
+    int status = files.list ? make_all(&files) : cli_out_of_memory();
+    if (!status) status = write_made(&files);
+    for (size_t i = 0; i < files.count; ++i) {
+        free(files.list[i].path);
+        free(files.list[i].bytes.data);
+    }
+    free(files.list);
     if (!status && !work->common.quiet)
         fprintf(stderr, "%s: norma-acid.glb, %zu files in cells, acid.json, index.html\n",
             work->output, acid_cell_count);

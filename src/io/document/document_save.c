@@ -50,16 +50,34 @@ const char *norma_save_temporary(const norma_saving *saving) {
     return saving ? norma_file_writer_temporary(saving->writer) : NULL;
 }
 
-norma_document_result norma_save_end(norma_saving *saving, norma_document_error *error) {
+norma_document_result norma_save_end_together(
+    norma_saving **savings, size_t count, norma_document_error *error) {
+    size_t at = 0;
     norma_document_clear(error);
-    if (!saving)
-        return norma_document_fail(
-            NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no file was given");
-    const int failed = norma_file_writer_commit(saving->writer);
+    for (size_t i = 0; i < count; ++i)
+        if (!savings || !savings[i])
+            return norma_document_fail(
+                NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "no file was given");
+    file_writer **writers = norma_io_allocate(count, sizeof *writers);
+    for (size_t i = 0; i < count && writers; ++i) {
+        writers[i] = savings[i]->writer;
+        if (count > 1) norma_file_writer_batch(writers[i], 1);
+    }
+    const int failed = !writers ? ENOMEM
+                       : count  ? norma_file_writers_commit(writers, count, &at)
+                                : 0;
     const norma_document_result result =
-        failed ? fail_save_bytes(saving->path, error, failed) : NORMA_DOCUMENT_OK;
-    free(saving);
+        failed ? fail_save_bytes(savings[at]->path, error, failed) : NORMA_DOCUMENT_OK;
+    for (size_t i = 0; i < count; ++i) {
+        if (!writers) norma_file_writer_abandon(savings[i]->writer);
+        free(savings[i]);
+    }
+    free(writers);
     return result;
+}
+
+norma_document_result norma_save_end(norma_saving *saving, norma_document_error *error) {
+    return norma_save_end_together(&saving, 1, error);
 }
 
 void norma_save_abandon(norma_saving *saving) {

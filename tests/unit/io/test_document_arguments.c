@@ -212,6 +212,9 @@ static void test_saving_bytes(void **state) {
         "no path or no place for the result was given");
     refused(norma_save_piece(NULL, "a", 1, e), "no file or no bytes were given");
     refused(norma_save_end(NULL, e), "no file was given");
+    refused(norma_save_end_together((norma_saving *[2]){NULL, NULL}, 2, e), "no file was given");
+    refused(norma_save_end_together(NULL, 1, e), "no file was given");
+    assert_int_equal(norma_save_end_together(NULL, 0, NULL), NORMA_DOCUMENT_OK);
     norma_save_abandon(NULL);
     assert_null(norma_save_temporary(NULL));
     assert_int_equal(

@@ -12,6 +12,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/stat.h>
 #include <string.h>
 #include <unistd.h>
 #include "io/format/format.h"
@@ -525,6 +526,31 @@ static void pieces_are_in_place_at_the_end(void **state) {
     free(all);
 }
 
+/* Two files; in the second round the second path has become a folder, so that neither is replaced.
+ */
+static void several_are_in_place_together(void **state) {
+    const place *at = *state;
+    char other[4096];
+    norma_document_error error;
+    snprintf(other, sizeof other, "%s/other", at->folder);
+    for (int fails = 0; fails < 2; ++fails) {
+        norma_saving *both[2];
+        const char *const text = fails ? "newer" : "new";
+        assert_int_equal(norma_save_begin(at->target, &both[0], &error), NORMA_DOCUMENT_OK);
+        assert_int_equal(norma_save_begin(other, &both[1], &error), NORMA_DOCUMENT_OK);
+        for (int i = 0; i < 2; ++i)
+            assert_int_equal(
+                norma_save_piece(both[i], text, strlen(text), &error), NORMA_DOCUMENT_OK);
+        if (fails) assert_int_equal(unlink(other) || mkdir(other, 0777), 0);
+        assert_int_equal(norma_save_end_together(both, 2, &error),
+            fails ? NORMA_DOCUMENT_ERROR_FILE : NORMA_DOCUMENT_OK);
+        assert_holds(at->target, "new");
+        if (!fails) assert_holds(other, "new");
+    }
+    assert_non_null(strstr(error.message, "other: cannot be written"));
+    assert_int_equal(rmdir(other), 0);
+}
+
 #define TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
 
 int main(void) {
@@ -548,6 +574,7 @@ int main(void) {
         TEST(reports_add_up),
         TEST(sizes_are_checked),
         TEST(pieces_are_in_place_at_the_end),
+        TEST(several_are_in_place_together),
     };
     return cmocka_run_group_tests_name("documents, whatever their format", tests, NULL, NULL);
 }
