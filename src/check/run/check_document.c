@@ -612,7 +612,9 @@ norma_document_result norma_check_again(norma_document *document, const check_kn
     d.run.map_name = name_of_normal_map;
     d.run.map_names = document;
     d.run.known = known ? known->findings : NULL;
-    norma_document_result result = check_meshes(&d);
+    d.run.is_trial = known && known->document != document;
+    norma_document_result result = norma_document_ready(document, error);
+    if (!result) result = check_meshes(&d);
     if (!result) result = check_maps(&d);
     if (!result) result = check_nodes(&d);
     if (!result && d.mesh_count == 0) raise_unread(&d);

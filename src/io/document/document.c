@@ -1,4 +1,5 @@
 /* document.c: what a document tells of its meshes and nodes, and the changes that it takes. */
+#include "io/format/for_fixes.h"
 #include "io/format/format.h"
 #include "core/call/call.h"
 #include <errno.h>

@@ -1,4 +1,5 @@
 /* scene.c: the public functions about what else belongs to a surface. */
+#include "io/format/for_fixes.h"
 #include "io/format/format.h"
 #include <stdlib.h>
 #include <string.h>

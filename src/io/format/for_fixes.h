@@ -1,8 +1,13 @@
 /* for_fixes.h: what norma check uses of documents besides their public functions: notes, the green
- * channel of normal maps turned (N812), a copy to try changes on, the instances of a tile. */
+ * channel of normal maps turned (N812), a copy to try changes on, the instances of a tile, changes
+ * that show. */
 #ifndef NORMA_IO_FOR_FIXES_H
 #define NORMA_IO_FOR_FIXES_H
 #include <norma/document.h>
+
+/* Usable, and nothing waits to be written: what cannot be is an error here, with its words, which
+ * functions that only ask have none for. */
+norma_document_result norma_document_ready(norma_document *document, norma_document_error *error);
 
 /* Adds a note; 0 where memory is out (the note is then lost, nothing else). */
 #if defined(__GNUC__)

@@ -239,8 +239,6 @@ int norma_document_changed(const norma_document *document, norma_document_error 
 /* Before it is asked: what a change has made of it shows, unless it cannot be read anew; then it
  * answers as it was. Whether there is a document. */
 int norma_document_up_to_date(const norma_document *document);
-norma_document_result norma_document_ready(norma_document *document,
-    norma_document_error *error); /* usable, and nothing waits to be written */
 
 /* Of the image of this number the bytes that it will have; NULL: those of its file. */
 const given_image *norma_document_given_image(const norma_document *document, size_t number);
