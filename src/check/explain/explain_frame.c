@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 static const double FRAME_NEAR_RAD = 0.017453292519943295; /* 1 degree */
-enum { ROUNDS = 10 };
+enum { ROUNDS = 10, FEW_PAIRS = 128 };
 
 typedef double matrix3[3][3];
 
@@ -155,21 +155,37 @@ static int number_is_less(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static double median_of(frame_search *s) {
+static double quantile_of(frame_search *s, double share) {
     qsort(s->angles, s->count, sizeof *s->angles, number_is_less);
-    return s->angles[(s->count - 1) / 2];
+    return s->angles[(size_t)((double)(s->count - 1) * share)];
+}
+
+static void fit_in_rounds(frame_search *s, explain_frame *frame) {
+    if (frame->kind != EXPLAIN_FRAME_REVERSED) fit(s, NULL, frame);
+    measure_pairs(s, frame);
+    for (int i = 0; i < ROUNDS && frame->kind != EXPLAIN_FRAME_REVERSED; i++) {
+        fit(s, s->angles, frame);
+        measure_pairs(s, frame);
+    }
+}
+
+/* Of many pairs a few first: where less than three tenths of them are near, half of all are not. */
+static int may_hold(const frame_search *s, explain_frame frame) {
+    frame_pair few[FEW_PAIRS];
+    double angles[FEW_PAIRS];
+    frame_search part = {.pairs = few, .angles = angles, .count = FEW_PAIRS};
+    if (s->count < 2 * (size_t)FEW_PAIRS) return 1;
+    for (size_t i = 0; i < FEW_PAIRS; i++) few[i] = s->pairs[i * s->count / FEW_PAIRS];
+    fit_in_rounds(&part, &frame);
+    return quantile_of(&part, .3) < 2 * FRAME_NEAR_RAD;
 }
 
 static void try_kind(frame_search *s, const explain_trial *trial, explain_frame_kind kind) {
     explain_frame frame = {.kind = kind, .trial = *trial, .turn = {1, 0, 0, 0}};
     if (s->best->kind && s->best->kind < kind) return; /* in this order */
-    if (kind != EXPLAIN_FRAME_REVERSED) fit(s, NULL, &frame);
-    measure_pairs(s, &frame);
-    for (int i = 0; i < ROUNDS && kind != EXPLAIN_FRAME_REVERSED; i++) {
-        fit(s, s->angles, &frame);
-        measure_pairs(s, &frame);
-    }
-    frame.median_rad = median_of(s);
+    if (!may_hold(s, frame)) return;
+    fit_in_rounds(s, &frame);
+    frame.median_rad = quantile_of(s, .5);
     if (frame.median_rad >= FRAME_NEAR_RAD ||
         (s->best->kind == kind && frame.median_rad >= s->best->median_rad - 1e-6))
         return;

@@ -367,13 +367,13 @@ static norma_result add_frame(check_mesh *m, const explain_frame *frame) {
 }
 
 norma_result norma_check_frame(check_mesh *m) {
-    explain_frame frame;
+    explain_frame frame = {.kind = EXPLAIN_FRAME_NONE};
     int holds = 0;
     if (!norma_check_wants(m, RULE_N206) || !m->mesh.face_count) return NORMA_OK;
     norma_result result = norma_check_is_of_another_frame(m, &holds);
     if (result || !holds) return result;
-    result = norma_check_around(m);
-    if (!result)
+    if (!m->run->is_trial) result = norma_check_around(m);
+    if (!m->run->is_trial && !result)
         result = norma_explain_find_frame(
             &m->run->call, &m->given->data, &m->mesh, &m->topology, &frame);
     return result ? result : add_frame(m, &frame);
