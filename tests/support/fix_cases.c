@@ -32,7 +32,7 @@ static void judge_alone(const broken_file *b) {
         memset(mask, 0, sizeof mask);
         mask[i] = 1;
         options.rules = mask;
-        judge_fix(rule[i].id, b->file, &options, b->unsafe);
+        judge_fix(rule[i].id, b->file, &options, b->unsafe, NULL);
     }
 }
 
@@ -48,7 +48,7 @@ int main(int count, char **words) {
         broken_file_make(seed, &b);
         if (keeps) keep(seed, &b);
         snprintf(name, sizeof name, "seed %llu", seed);
-        const fix_verdict v = judge_fix(name, b.file, &b.options, b.unsafe);
+        const fix_verdict v = judge_fix(name, b.file, &b.options, b.unsafe, NULL);
         if (keeps) judge_alone(&b);
         wrong += v.wrong != 0;
         changed += v.changed != 0;

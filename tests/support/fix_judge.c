@@ -54,6 +54,7 @@ typedef struct surface {
 typedef struct judging {
     const char *name;
     surface before, after;
+    int moved; /* nodes place meshes otherwise than before (baked) */
     size_t wrong;
 } judging;
 
@@ -256,21 +257,51 @@ static void free_surface(surface *s) {
     free(s->closed);
 }
 
-/* ---- which is which: fixes may move positions by a millionth of the mesh */
+/* ---- which is which: fixes may move positions by a millionth of the mesh, and bake nodes */
 
-static int is_near(const judging *j, size_t before, size_t after) {
-    const vec d = minus(j->before.positions[before], j->after.positions[after]);
-    return length(d) <= 4e-6 * j->before.size;
+static vec placed(const double world[16], vec p) {
+    vec q;
+    for (int k = 0; k < 3; ++k)
+        q.x[k] = world[k] * p.x[0] + world[4 + k] * p.x[1] + world[8 + k] * p.x[2] + world[12 + k];
+    return q;
+}
+
+static int are_placed_alike(const surface *a, const surface *b) {
+    return a->placement_count == b->placement_count &&
+           !memcmp(a->placements, b->placements, a->placement_count * sizeof *a->placements);
+}
+
+/* Whether two positions, as they are placed, are one. */
+static int is_near_placed(
+    const judging *j, const placement *from, size_t before, const placement *to, size_t after) {
+    const vec p = placed(from->world, j->before.positions[before]),
+              q = placed(to->world, j->after.positions[after]);
+    double scale = 0;
+    for (int c = 0; c < 12; ++c) scale = fmax(scale, fabs(from->world[c]));
+    return length(minus(p, q)) <= 4e-6 * scale * j->before.size + 1e-6 * length(p);
+}
+
+/* f: of before, g: of after; positions of theirs. */
+static int is_near(const judging *j, const face *f, size_t before, const face *g, size_t after) {
+    if (!j->moved)
+        return f->mesh == g->mesh && length(minus(j->before.positions[before],
+                                         j->after.positions[after])) <= 4e-6 * j->before.size;
+    for (size_t b = 0; b < j->before.placement_count; ++b)
+        for (size_t a = 0; a < j->after.placement_count; ++a)
+            if (j->before.placements[b].mesh == f->mesh && j->after.placements[a].mesh == g->mesh &&
+                is_near_placed(j, &j->before.placements[b], before, &j->after.placements[a], after))
+                return 1;
+    return 0;
 }
 
 /* ---- edges */
 
-static int was_closed(const judging *j, size_t position, size_t mesh) {
+static int was_closed(const judging *j, size_t position, const face *now) {
     int found = 0;
     for (size_t i = 0; i < j->before.edge_count; ++i) {
         const edge *e = &j->before.edges[i];
         const face *f = &j->before.faces[e->face];
-        if (f->mesh != mesh || (!is_near(j, e->from, position) && !is_near(j, e->to, position)))
+        if (!is_near(j, f, e->from, now, position) && !is_near(j, f, e->to, now, position))
             continue;
         if (!j->before.closed[f->component]) return 0;
         found = 1;
@@ -279,12 +310,13 @@ static int was_closed(const judging *j, size_t position, size_t mesh) {
 }
 
 static size_t faces_before(const judging *j, const edge *now) {
+    const face *g = &j->after.faces[now->face];
     size_t most = 0, same_way;
     for (size_t i = 0; i < j->before.edge_count; ++i) {
         const edge *e = &j->before.edges[i];
-        if (j->before.faces[e->face].mesh != j->after.faces[now->face].mesh ||
-            !((is_near(j, e->from, now->from) && is_near(j, e->to, now->to)) ||
-                (is_near(j, e->from, now->to) && is_near(j, e->to, now->from))))
+        const face *f = &j->before.faces[e->face];
+        if (!((is_near(j, f, e->from, g, now->from) && is_near(j, f, e->to, g, now->to)) ||
+                (is_near(j, f, e->from, g, now->to) && is_near(j, f, e->to, g, now->from))))
             continue;
         const size_t here = along(&j->before, e, &same_way);
         most = here > most ? here : most;
@@ -296,9 +328,10 @@ static void judge_edges(judging *j) {
     for (size_t i = 0; i < j->after.edge_count; ++i) {
         size_t same_way;
         const edge *e = &j->after.edges[i];
-        const size_t mesh = j->after.faces[e->face].mesh, both = along(&j->after, e, &same_way);
+        const face *f = &j->after.faces[e->face];
+        const size_t both = along(&j->after, e, &same_way);
         const vec p = j->after.positions[e->from];
-        if (both == 1 && was_closed(j, e->from, mesh) && was_closed(j, e->to, mesh))
+        if (both == 1 && was_closed(j, e->from, f) && was_closed(j, e->to, f))
             accuse(j, "an edge of face %zu at (%g %g %g) is open, in what was closed", e->face,
                 p.x[0], p.x[1], p.x[2]);
         if (both > 2 && faces_before(j, e) <= 2)
@@ -318,27 +351,16 @@ static int opposes(const face *f) {
     return 1;
 }
 
-static vec placed(const double world[16], vec p) {
-    vec q;
-    for (int k = 0; k < 3; ++k)
-        q.x[k] = world[k] * p.x[0] + world[4 + k] * p.x[1] + world[8 + k] * p.x[2] + world[12 + k];
-    return q;
-}
-
 /* Whether the corners of now, as they are placed, are among those of was. */
 static int is_image(const judging *j, const placement *from, const face *was, const placement *to,
     const face *now) {
     size_t found = 0;
     for (size_t i = 0; i < now->count; ++i)
-        for (size_t k = 0; k < was->count; ++k) {
-            const vec p = placed(from->world, j->before.positions[was->corners[k]]),
-                      q = placed(to->world, j->after.positions[now->corners[i]]);
-            double scale = 0;
-            for (int c = 0; c < 12; ++c) scale = fmax(scale, fabs(from->world[c]));
-            if (length(minus(p, q)) > 4e-6 * scale * j->before.size + 1e-6 * length(p)) continue;
-            ++found;
-            break;
-        }
+        for (size_t k = 0; k < was->count; ++k)
+            if (is_near_placed(j, from, was->corners[k], to, now->corners[i])) {
+                ++found;
+                break;
+            }
     return found == now->count;
 }
 
@@ -415,31 +437,41 @@ static double front_leaves(const surface *s, const face *f) {
            (double)RAYS;
 }
 
-static int is_turned(const judging *j, const face *f, const face *g) {
-    if (f->mesh != g->mesh || f->count != g->count || f->count < 3) return 0;
-    for (size_t from = 0; from < g->count; ++from) {
-        size_t same = 0;
-        while (same < f->count &&
-               is_near(j, f->corners[same], g->corners[(from + g->count - same) % g->count]))
-            ++same;
-        if (same == f->count) return 1;
+static int is_mirrored(const surface *s, const face *f) {
+    for (size_t i = 0; i < s->placement_count; ++i) {
+        const double *w = s->placements[i].world;
+        const vec x = {{w[0], w[1], w[2]}}, y = {{w[4], w[5], w[6]}}, z = {{w[8], w[9], w[10]}};
+        if (s->placements[i].mesh == f->mesh) return dot(x, cross(y, z)) < 0;
     }
     return 0;
 }
 
-static int is_there(const judging *j, const face *f) {
-    for (size_t g = 0; g < j->after.face_count; ++g) {
-        const face *o = &j->after.faces[g];
-        for (size_t from = 0; from < o->count && o->count == f->count && o->mesh == f->mesh;
-             ++from) {
+static int is_same_position(
+    const judging *j, const surface *s, const face *f, size_t a, const face *g, size_t b) {
+    return s == &j->after ? is_near(j, f, a, g, b)
+                          : f->mesh == g->mesh &&
+                                length(minus(s->positions[a], s->positions[b])) <= 4e-6 * s->size;
+}
+
+/* How many faces of s, before or after, have the corners of f, a face before, in its order or
+ * turned. */
+static size_t count_faces(const judging *j, const surface *s, const face *f, int turned) {
+    size_t faces = 0;
+    for (size_t i = 0; i < s->face_count && f->count >= 3; ++i) {
+        const face *g = &s->faces[i];
+        const int back = turned ^ (is_mirrored(&j->before, f) != is_mirrored(s, g));
+        int found = 0;
+        for (size_t from = 0; from < g->count && g->count == f->count && !found; ++from) {
             size_t same = 0;
             while (same < f->count &&
-                   is_near(j, f->corners[same], o->corners[(from + same) % o->count]))
+                   is_same_position(j, s, f, f->corners[same], g,
+                       g->corners[(back ? from + g->count - same : from + same) % g->count]))
                 ++same;
-            if (same == f->count) return 1;
+            found = same == f->count;
         }
+        faces += (size_t)found;
     }
-    return 0;
+    return faces;
 }
 
 /* A surface that was turned: its faces together must not have been right by most rays. */
@@ -449,11 +481,9 @@ static void judge_turned(judging *j) {
         size_t turned = SIZE_MAX, looked_at = 0;
         for (size_t f = 0; f < j->before.face_count && looked_at < MOST_TURNED; ++f) {
             const face *here = &j->before.faces[f];
-            if (here->component != c || is_there(j, here)) continue;
-            int found = 0;
-            for (size_t g = 0; g < j->after.face_count && !found; ++g)
-                found = is_turned(j, here, &j->after.faces[g]);
-            if (!found) continue;
+            if (here->component != c || count_faces(j, &j->after, here, 0) ||
+                count_faces(j, &j->after, here, 1) <= count_faces(j, &j->before, here, 1))
+                continue;
             turned = f;
             ++looked_at;
             all += length(here->area);
@@ -543,6 +573,7 @@ static void judge_output(
     else {
         read_surface(&j->before, before);
         read_surface(&j->after, after);
+        j->moved = !are_placed_alike(&j->before, &j->after);
         judge_rules(j, before, after, options);
         if (!j->before.left_out && !j->after.left_out) {
             judge_edges(j);
@@ -564,8 +595,8 @@ static int may_happen(const norma_document_error *error) {
            error->result == NORMA_DOCUMENT_ERROR_MEMORY;
 }
 
-fix_verdict judge_fix(
-    const char *name, fix_file file, const norma_check_options *options, int unsafe) {
+fix_verdict judge_fix(const char *name, fix_file file, const norma_check_options *options,
+    int unsafe, void (*fixed)(void)) {
     judging j = {.name = name};
     output out = {0};
     norma_fix_summary summary = {0};
@@ -575,7 +606,9 @@ fix_verdict judge_fix(
     if (norma_fix_document(document, options, unsafe, &summary, &error)) {
         if (!may_happen(&error)) accuse(&j, "not fixed: %s", error.message);
     } else if (summary.changed) {
-        if (!norma_document_write(document, put, &out, &error))
+        const norma_document_result written = norma_document_write(document, put, &out, &error);
+        if (fixed) fixed();
+        if (!written)
             judge_output(&j, file, &out, options);
         else if (!may_happen(&error))
             accuse(&j, "not written: %s", error.message);

@@ -16,7 +16,8 @@ typedef struct fix_verdict {
     size_t wrong; /* what it may never do; each is printed */
 } fix_verdict;
 
-/* Fixes a file in memory as options say, and judges what is written. */
-fix_verdict judge_fix(
-    const char *name, fix_file file, const norma_check_options *options, int unsafe);
+/* Fixes a file in memory as options say, calls fixed (or NULL) where it was changed, and judges
+ * what is written. */
+fix_verdict judge_fix(const char *name, fix_file file, const norma_check_options *options,
+    int unsafe, void (*fixed)(void));
 #endif

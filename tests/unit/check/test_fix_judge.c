@@ -15,7 +15,7 @@ static void made_files(void **state) {
         broken_file broken;
         snprintf(name, sizeof name, "seed %llu", (unsigned long long)seed);
         broken_file_make(seed, &broken);
-        const fix_verdict v = judge_fix(name, broken.file, &broken.options, broken.unsafe);
+        const fix_verdict v = judge_fix(name, broken.file, &broken.options, broken.unsafe, NULL);
         wrong += v.wrong != 0;
         changed += v.changed != 0;
         broken_file_free(&broken);
@@ -54,7 +54,7 @@ static void judge_file(void *user, const char *path, const char *name) {
         broken_file b;
         broken_file_options(&state, &b);
         const fix_verdict v =
-            judge_fix(name, (fix_file){bytes, size, format}, &b.options, b.unsafe);
+            judge_fix(name, (fix_file){bytes, size, format}, &b.options, b.unsafe, NULL);
         run->changed += v.changed != 0;
         run->wrong += v.wrong != 0;
     }
