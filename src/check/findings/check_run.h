@@ -89,8 +89,8 @@ typedef struct check_run {
     core_call call;                  /* memory, threads, progress */
     norma_findings *findings;
     const norma_findings *known; /* of a document that differs little; or NULL */
-    int is_trial;           /* of a fix: its findings are counted, and their words read by nobody */
-    check_judge *judge;     /* of a surface that the next group's is the same as; or NULL */
+    int is_trial;                /* of a fix: see check_known */
+    check_judge *judge;          /* of a surface that the next group's is the same as; or NULL */
     const check_part *part; /* what is hit has the numbers of this part; NULL: those of the file */
     /* NULL, or gives the name of a material's normal map, or NULL; from map_names */
     const char *(*map_name)(void *map_names, size_t material);

@@ -108,7 +108,7 @@ static void end_fixing(fixing *f) {
 
 /* Every element that any rule finds, once: plans are made of it, and trials compared with it. */
 static norma_document_result look_once(fixing *f) {
-    const check_known known = {f->document, f->given, f->again, f->request.judges};
+    const check_known known = {f->document, f->given, f->again, f->request.judges, 0};
     if (f->before.findings) return NORMA_DOCUMENT_OK;
     f->checks++;
     return norma_fix_find(f->document, &f->request, f->request.reads_maps, f->given ? &known : NULL,
@@ -137,7 +137,7 @@ static norma_document_result try_request(
         norma_fix_plan_free(&plan);
         return result;
     }
-    const check_known known = {f->document, f->before.findings, NULL, f->request.judges};
+    const check_known known = {f->document, f->before.findings, NULL, f->request.judges, 1};
     result = norma_fix_try(&known, &f->request, &plan, trial, f->error);
     f->checks += trial->count;
     if (!result) *is_worse = norma_fix_find_worse(&f->before, &trial->after, harmful->by);

@@ -612,7 +612,7 @@ norma_document_result norma_check_again(norma_document *document, const check_kn
     d.run.map_name = name_of_normal_map;
     d.run.map_names = document;
     d.run.known = known ? known->findings : NULL;
-    d.run.is_trial = known && known->document != document;
+    d.run.is_trial = known && known->is_trial;
     norma_document_result result = norma_document_ready(document, error);
     if (!result) result = check_meshes(&d);
     if (!result) result = check_maps(&d);

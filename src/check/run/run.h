@@ -25,6 +25,7 @@ typedef struct check_known {
     const norma_findings *findings;
     const uint8_t *again; /* NULL: none */
     check_judge *judges;  /* NULL, or for each mesh of the document that of the group it begins */
+    int is_trial;         /* of a fix: findings are counted, and their words read by nobody */
 } check_known;
 norma_document_result norma_check_again(norma_document *document, const check_known *known,
     const norma_check_options *options, norma_findings **findings, norma_document_error *error);

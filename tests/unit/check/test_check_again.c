@@ -63,7 +63,7 @@ static size_t judge_again(
     check_judge *judges = calloc(meshes + 1, sizeof *judges);
     norma_findings *was = all_of(before, NULL, profile), *is = all_of(after, NULL, profile);
     memset(all, 1, sizeof all);
-    const check_known same = {before, was, all, judges}, known = {before, was, NULL, judges};
+    const check_known same = {before, was, all, judges, 0}, known = {before, was, NULL, judges, 0};
     norma_findings *again[] = {all_of(before, &same, profile), all_of(after, &known, profile),
         all_of(before, &same, profile)};
     const size_t differ = count_differences(was, again[0], seed) +
