@@ -170,7 +170,7 @@ static void fit_in_rounds(frame_search *s, explain_frame *frame) {
 }
 
 /* Of many pairs a few first: where less than three tenths of them are near, half of all are not. */
-static int may_hold(const frame_search *s, explain_frame frame) {
+static int may_be_turned(const frame_search *s, explain_frame frame) {
     frame_pair few[FEW_PAIRS];
     double angles[FEW_PAIRS];
     frame_search part = {.pairs = few, .angles = angles, .count = FEW_PAIRS};
@@ -183,7 +183,7 @@ static int may_hold(const frame_search *s, explain_frame frame) {
 static void try_kind(frame_search *s, const explain_trial *trial, explain_frame_kind kind) {
     explain_frame frame = {.kind = kind, .trial = *trial, .turn = {1, 0, 0, 0}};
     if (s->best->kind && s->best->kind < kind) return; /* in this order */
-    if (!may_hold(s, frame)) return;
+    if (!may_be_turned(s, frame)) return;
     fit_in_rounds(s, &frame);
     frame.median_rad = quantile_of(s, .5);
     if (frame.median_rad >= FRAME_NEAR_RAD ||
