@@ -532,6 +532,10 @@ NORMA_API int norma_is_tileset(const char *path);
 NORMA_API norma_document_result norma_tileset_visit_tiles(
     const char *path, norma_visit_file *visit, void *user, norma_document_error *error);
 
+/* Whether a tile below the tileset's root, or a tileset that it names, has a transform: then equal
+ * positions in two tiles need not lie at one place. 0 also where the tileset cannot be read. */
+NORMA_API int norma_tileset_moves_tiles(const char *path);
+
 /* ---- computing normals */
 
 typedef enum norma_shading {

@@ -53,6 +53,14 @@ int compute_check_together(const cli_subcommand *command, const compute_work *wo
     return CLI_OK;
 }
 
+int compute_refuse_moved(const cli_inputs *inputs) {
+    if (inputs->moved)
+        cli_error("%s: its tiles have transforms, which are not applied, so seams would be sought "
+                  "at wrong places; expected tiles in one frame",
+            inputs->moved);
+    return inputs->moved != NULL;
+}
+
 /* ---- the run */
 
 typedef struct joint_file {
@@ -224,6 +232,7 @@ static int run_all(joint_run *run, compute_work *work) {
 
 int compute_all_together(const cli_all_files *all, const cli_changer *changer) {
     joint_run run = {.all = all, .count = all->files->inputs.count, .work = changer->work};
+    if (compute_refuse_moved(&all->files->inputs)) return CLI_FILE;
     const int status = make_run(&run) ? run_all(&run, changer->work) : cli_out_of_memory();
     free_run(&run);
     return status;

@@ -8,6 +8,8 @@ extern const cli_option
     compute_together_options[]; /* --together --lock --levels; of compute_work */
 extern const size_t compute_together_option_count;
 
+/* Says that the tiles of a tileset do not share one frame; 0: they do. */
+int compute_refuse_moved(const cli_inputs *inputs);
 /* A status. */
 int compute_check_together(const cli_subcommand *command, const compute_work *work);
 /* All files, as cli_changer.all. */

@@ -44,6 +44,7 @@ typedef struct cli_inputs {
     size_t *tails;  /* of each path: from which byte on it is kept below --out-dir */
     size_t *within; /* the same, relative to the folder given; 0 where none was */
     size_t count, capacity;
+    const char *moved; /* a tileset whose tiles have transforms; NULL: none was given */
 } cli_inputs;
 
 typedef struct cli_files {

@@ -622,6 +622,7 @@ static int add_tiles(cli_inputs *inputs, const char *tileset) {
     const size_t before = inputs->count;
     const int failed = norma_tileset_visit_tiles(tileset, add_tile, &list, &error) != 0;
     if (failed) cli_print_error(&error);
+    if (norma_tileset_moves_tiles(tileset)) inputs->moved = tileset;
     const int status = cli_worse(list.status, drop_repeated(inputs, before));
     if (failed || status || inputs->count > before) return failed ? CLI_FILE : status;
     cli_error("%s: names no tile that can be read", tileset);

@@ -1,6 +1,7 @@
 /* seams_command.c: norma seams: one surface in more files than one process should hold, in three
  * steps that any scheduler can run. */
 #include "cli/compute/compute_command.h"
+#include "cli/compute/compute_together.h"
 #include "cli/files/files.h"
 #include "cli/options/options.h"
 #include "cli/process/process.h"
@@ -138,6 +139,7 @@ static int read_seams(const cli_subcommand *command, seams_work *work, int merge
     work->options.temporary_folder = getenv("TMPDIR");
     work->options.max_memory = cli_memory_for_data() / 4;
     int status = merges ? CLI_OK : cli_find_inputs(command, &work->files);
+    if (!status && compute_refuse_moved(&work->files.inputs)) status = CLI_FILE;
     if (!status) status = guard_seams(work, merges);
     return status ? status : write_seams(work, merges);
 }

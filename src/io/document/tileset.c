@@ -12,7 +12,7 @@ typedef struct tileset_walk {
     void *user;
     char **paths; /* of tilesets, each once; those from next on are to be read yet */
     size_t next, count, capacity;
-    int stopped;
+    int stopped, moves; /* moves: a tile has a transform of its own, or a tileset in another */
 } tileset_walk;
 
 static norma_document_result fail_tileset(const char *path, norma_document_error *error,
@@ -67,6 +67,27 @@ static norma_document_result visit_content(
     return result;
 }
 
+static int is_identity(const json *j, uint32_t matrix) {
+    uint32_t element = JSON_NONE;
+    for (int i = 0; norma_json_each(j, matrix, &element); ++i) {
+        double number;
+        if (!norma_json_number(j, element, &number) || number != (i % 5 == 0)) return 0;
+    }
+    return 1;
+}
+
+/* The root of all may be turned: that turns every tile alike. */
+static int has_moved_tile(const tileset_walk *walk, const json *j) {
+    const uint32_t root = walk->next > 1
+                              ? JSON_NONE
+                              : norma_json_member(j, norma_json_member(j, 0, "root"), "transform");
+    for (uint32_t t = 0; t + 1 < j->count; ++t)
+        if (norma_json_equals(j, t, "transform") && norma_json_is(j, t + 1, JSON_ARRAY) &&
+            t + 1 != root && !is_identity(j, t + 1))
+            return 1;
+    return 0;
+}
+
 /* In the order of the text, which is that of the tiles; contents are known by their members, at any
  * depth. */
 static norma_document_result visit_tiles(
@@ -106,24 +127,42 @@ static norma_document_result read_tileset(
              !norma_json_is(&j, norma_json_member(&j, 0, "asset"), JSON_OBJECT))
         result = fail_tileset(path, error, NORMA_DOCUMENT_ERROR_MALFORMED,
             "expected \"asset\" and \"root\", as a tileset of 3D Tiles has them", "");
-    else
+    else {
+        walk->moves |= has_moved_tile(walk, &j);
         result = visit_tiles(walk, path, &j, error);
+    }
     norma_json_free(&j);
     norma_file_close(&bytes);
+    return result;
+}
+
+static norma_document_result walk_tilesets(
+    tileset_walk *walk, const char *path, norma_document_error *error) {
+    norma_document_clear(error);
+    if (!path || !walk->visit)
+        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
+            "no path or no function that receives the files was given");
+    norma_document_result result = add_tileset(walk, path, error);
+    while (!result && !walk->stopped && walk->next < walk->count)
+        result = read_tileset(walk, walk->paths[walk->next++], error);
+    for (size_t i = 0; i < walk->count; ++i) free(walk->paths[i]);
+    free(walk->paths);
     return result;
 }
 
 norma_document_result norma_tileset_visit_tiles(
     const char *path, norma_visit_file *visit, void *user, norma_document_error *error) {
     tileset_walk walk = {.visit = visit, .user = user};
-    norma_document_clear(error);
-    if (!path || !visit)
-        return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
-            "no path or no function that receives the files was given");
-    norma_document_result result = add_tileset(&walk, path, error);
-    while (!result && !walk.stopped && walk.next < walk.count)
-        result = read_tileset(&walk, walk.paths[walk.next++], error);
-    for (size_t i = 0; i < walk.count; ++i) free(walk.paths[i]);
-    free(walk.paths);
-    return result;
+    return walk_tilesets(&walk, path, error);
+}
+
+static int pass_by(void *user, const char *path) {
+    (void)user;
+    (void)path;
+    return 0;
+}
+
+int norma_tileset_moves_tiles(const char *path) {
+    tileset_walk walk = {.visit = pass_by};
+    return walk_tilesets(&walk, path, NULL) == NORMA_DOCUMENT_OK && walk.moves;
 }

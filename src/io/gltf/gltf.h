@@ -183,7 +183,9 @@ typedef struct gltf_tile {
     const unsigned char *up, *right, *scale, *scales; /* an element for each; NULL: none */
     int has_octahedral;                               /* up and right: two numbers of 16 bits */
     const char *not_read;                             /* why not; NULL: they were */
-    uint32_t depth;                                   /* of them; 0: the file is the GLB */
+    double center[3]; /* RTC_CENTER: where the origin of its positions lies */
+    int is_elsewhere; /* where its instances say, or a center that is not three numbers */
+    uint32_t depth;   /* of them; 0: the file is the GLB */
 } gltf_tile;
 
 typedef struct gltf {
@@ -245,6 +247,9 @@ norma_document_result norma_gltf_read_nodes(gltf *g, norma_document_error *error
 /* nodes.c: how an i3dm turns and scales its instances (tile.not_read, if that is not in the file).
  */
 norma_document_result norma_gltf_read_tile_instances(gltf *g, norma_document_error *error);
+/* Where the origin of the document's positions lies, by what is not in its nodes: RTC_CENTER of a
+ * tile, CESIUM_RTC. 0: at no one place. */
+int norma_gltf_read_frame(const gltf *g, double center[3]);
 norma_document_result norma_gltf_load_buffer(gltf *g, uint32_t buffer, norma_document_error *error);
 int norma_gltf_view_overruns(const gltf *g, uint32_t view); /* its end lies beyond its buffer's */
 norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t view, const unsigned char **bytes,

@@ -352,23 +352,45 @@ static int find_tile_arrays(const tile_table *table, gltf_tile *tile) {
     return 1;
 }
 
+/* An array of three numbers. 0: it is something else. */
+static int read_center(const json *j, uint32_t numbers, double center[3]) {
+    uint32_t element = JSON_NONE;
+    int count = 0;
+    while (count < 3 && norma_json_each(j, numbers, &element) &&
+           norma_json_number(j, element, &center[count]))
+        ++count;
+    return numbers == JSON_NONE || count == 3;
+}
+
+int norma_gltf_read_frame(const gltf *g, double center[3]) {
+    const json *j = &g->json;
+    const uint32_t rtc = norma_json_member(j, norma_json_member(j, 0, "extensions"), "CESIUM_RTC");
+    memcpy(center, g->tile.center, sizeof g->tile.center);
+    return !g->tile.is_elsewhere && read_center(j, norma_json_member(j, rtc, "center"), center);
+}
+
 norma_document_result norma_gltf_read_tile_instances(gltf *g, norma_document_error *error) {
     gltf_tile *tile = &g->tile;
     if (!tile->depth) return NORMA_DOCUMENT_OK;
     const unsigned char *header = g->document->source.data + tile->headers[tile->depth - 1];
-    if (memcmp(header, "i3dm", 4) != 0) return NORMA_DOCUMENT_OK;
+    const int has_instances = memcmp(header, "i3dm", 4) == 0;
+    const unsigned char *at = header + (has_instances ? 32 : 28);
     const size_t text = norma_gltf_u32(header + 12);
     json j = {0};
     json_error wrong = {0};
     uint64_t count = 0;
-    const int is_json = norma_json_parse((const char *)header + 32, text, NULL, &j, &wrong);
-    tile_table table = {&j, header + 32 + text, norma_gltf_u32(header + 16), 0};
+    const int is_json = norma_json_parse((const char *)at, text, NULL, &j, &wrong);
+    tile_table table = {&j, at + text, norma_gltf_u32(header + 16), 0};
     int is_good =
         is_json && norma_json_uint(&j, norma_json_member(&j, 0, "INSTANCES_LENGTH"), &count);
     table.count = (size_t)count;
-    is_good = is_good && find_tile_arrays(&table, tile);
+    is_good = is_good && has_instances && find_tile_arrays(&table, tile);
+    tile->is_elsewhere =
+        has_instances ||
+        (is_json && !read_center(&j, norma_json_member(&j, 0, "RTC_CENTER"), tile->center));
     norma_json_free(&j);
     if (!is_json && !wrong.expected) return norma_document_fail_memory(g->document, error);
+    if (!has_instances) return NORMA_DOCUMENT_OK;
     if (!is_good)
         tile->not_read = "the tile's instances, as its feature table does not have an element for "
                          "each of INSTANCES_LENGTH in POSITION and the like";

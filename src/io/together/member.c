@@ -332,8 +332,28 @@ static norma_document_result find_locked(
 
 /* ---- opening */
 
-norma_document_result norma_member_open(const norma_together_file *file, size_t number,
-    const norma_together_options *options, member *m, norma_document_error *error) {
+/* What moves a tile and is not in its nodes is not applied: then all must have the same, and none
+ * where others' votes come from files. */
+static norma_document_result check_frame(
+    together_run *run, const norma_document *document, norma_document_error *error) {
+    const int is_gltf = norma_file_format_is_gltf(document->format);
+    double center[3] = {0};
+    const int is_known = !is_gltf || norma_gltf_read_frame(norma_gltf_of(document), center);
+    if (run->number == 0 && !run->seams && !run->tile.marks)
+        memcpy(run->center, center, sizeof center);
+    if (is_known && center[0] == run->center[0] && center[1] == run->center[1] &&
+        center[2] == run->center[2])
+        return NORMA_DOCUMENT_OK;
+    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+        "the RTC_CENTER or the instances of %s are not applied, so seams would be sought at wrong "
+        "places; expected tiles in one frame",
+        run->number ? "this tile or of another" : "this tile");
+}
+
+norma_document_result norma_member_open(together_run *run, member *m) {
+    const norma_together_file *file = &run->files[run->number];
+    const norma_together_options *options = &run->options;
+    norma_document_error *error = run->error;
     const norma_document_options opening = {
         .struct_size = sizeof opening, .format = file->format, .threads = options->threads};
     *m = (member){0};
@@ -345,7 +365,9 @@ norma_document_result norma_member_open(const norma_together_file *file, size_t 
     if (m->document->format == NORMA_FILE_3MF)
         return norma_document_fail(m->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "a 3MF has no normals; expected OBJ, PLY or glTF");
-    m->level = (uint32_t)number;
+    result = check_frame(run, m->document, error);
+    if (result) return result;
+    m->level = (uint32_t)run->number;
     m->has_level = options->levels || level_of_name(file->input, 1, &m->level);
     if (norma_file_format_is_gltf(m->document->format) &&
         !(m->node_levels = levels_of_nodes(m->document)))

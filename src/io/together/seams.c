@@ -440,7 +440,7 @@ static norma_document_result take_tile(seams_votes *v, size_t number, uint64_t m
     run->tile = (surface_tile){.marks = 1, .everywhere = v->options->everywhere};
     run->votes = norma_spill_open(run->folder, sizeof(position_votes));
     if (!run->votes) return norma_document_fail_memory(NULL, run->error);
-    norma_document_result result = norma_member_open(file, number, &run->options, &m, run->error);
+    norma_document_result result = norma_member_open(run, &m);
     if (!result) result = norma_together_take_votes(run, &m);
     norma_member_close(&m);
     const int failed = result ? 0 : norma_together_join(run->votes, NULL, memory, keep_border, v);

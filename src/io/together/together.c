@@ -604,8 +604,7 @@ static norma_document_result each_file(
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (run->number = 0; run->number < run->count && !result; ++run->number) {
         member m;
-        result =
-            norma_member_open(&run->files[run->number], run->number, &run->options, &m, run->error);
+        result = norma_member_open(run, &m);
         if (!result) result = visit(run, &m);
         norma_member_close(&m);
         if (!result && norma_together_tell(run, 1))

@@ -60,9 +60,6 @@ typedef struct member {
         *locked; /* of each mesh (glTF), of each face (OBJ), of the whole (PLY); NULL: nothing */
 } member;
 
-/* Opens a file and finds out what stands above. Close it in any case. */
-norma_document_result norma_member_open(const norma_together_file *file, size_t number,
-    const norma_together_options *options, member *m, norma_document_error *error);
 void norma_member_close(member *m);
 
 /* Calls visit for each surface. */
@@ -169,6 +166,7 @@ typedef struct together_run {
     surface_tile tile;
     creases *creases;   /* NULL: normals are smooth */
     size_t *degenerate; /* faces of each file */
+    double center[3];   /* where the origin of all files' positions lies, which is not applied */
     const char *folder; /* of temporary files */
     char *own_folder;
     companion_writers writers; /* of all outputs, complete, waiting to be put in place */
@@ -176,6 +174,8 @@ typedef struct together_run {
 } together_run;
 
 /* member.c */
+/* Opens the file at hand and finds out what a member tells. Close it in any case. */
+norma_document_result norma_member_open(together_run *run, member *m);
 char *norma_together_folder_of(const char *path); /* to be freed; NULL: out of memory */
 /* Whether positions are rounded to floats: one of the files is a glTF. */
 int norma_together_rounds(const norma_together_file *files, size_t count);
