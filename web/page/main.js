@@ -358,12 +358,13 @@ async function change(facts, links, ask, words, then = () => undefined) {
     byId(facts).textContent = words(result);
     const first = before ?? scene;
     if (result.changed) {
-      const changes = await remote.changes(first.model.number, result.model.number);
+      const changes = await remote.changes(first.model.number, result.model.number).catch(() => null); /* then nothing is tinted */
       if (mine !== opening) { remote.free(result.model.number); return; }
       if (value("colours") === "findings") byId("colours").value = "lit";
       showModel(result.model, { changed: true, files: before?.files ?? scene.files });
       listFiles(links, result.files);
       await uploadTint(changes);
+      if (mine !== opening) return;
       then(result, changes, first);
       await goToChange(wasChosen, changes);
       sweep();
@@ -375,9 +376,11 @@ async function change(facts, links, ask, words, then = () => undefined) {
 
 /* What was changed, in colour on both sides. */
 async function uploadTint(changes) {
+  const mine = opening;
   byId("tint-row").hidden = !changes;
   for (const [shown, name] of [[before, "before"], [scene, "after"]])
     for (const [i, one] of (changes ?? []).entries()) {
+      if (mine !== opening) return;
       shown.surfaces[i].tint ??= graphics.reserve(one.marks[name].byteLength);
       await graphics.fillSlowly(shown.surfaces[i].tint, one.marks[name]);
     }

@@ -249,7 +249,10 @@ typedef struct document_check {
     norma_node_info *nodes;
     norma_skin_info *skins;
     size_t mesh_count, skin_count, next_unread;
+    size_t multiplied; /* nodes whose instances are those in a tile, all together */
 } document_check;
+
+enum { MOST_PLACED = 1 << 22 };
 
 norma_document_result norma_check_fail(norma_document_error *error, norma_result result) {
     norma_document_result as = result == NORMA_CANCELLED        ? NORMA_DOCUMENT_CANCELLED
@@ -485,9 +488,9 @@ static norma_result instance_world(void *context, size_t index, size_t instance,
     double matrix[16];
     const size_t in_tile = norma_document_tile_instance(d->document, SIZE_MAX, matrix),
                  all = d->nodes[index].instances,
-                 own = in_tile && all > in_tile ? all / in_tile
-                       : in_tile                ? 1
-                                                : all;
+                 own = index >= d->multiplied ? all
+                       : all > in_tile        ? all / in_tile
+                                              : 1;
     const norma_document_result result =
         norma_document_instance_world(d->document, index, instance % own, world, d->error);
     if (!result && in_tile) {
@@ -534,8 +537,30 @@ static norma_document_result read_skins(document_check *d) {
     return result;
 }
 
+/* A node is drawn in each instance of a tile, as often as it has instances itself: a few bytes of
+ * both would stand for any number. left: of MOST_PLACED; where they do not reach, this node and
+ * those after it are judged in the tile's first instance. */
+static norma_document_result multiply_instances(document_check *d, size_t node, size_t *left) {
+    double matrix[16];
+    norma_node_info *info = &d->nodes[node];
+    const size_t in_tile = norma_document_tile_instance(d->document, SIZE_MAX, matrix);
+    d->run.has_tile_instances = in_tile > 0;
+    if (!in_tile || d->multiplied < node) return NORMA_DOCUMENT_OK;
+    if (info->instances > *left / in_tile) {
+        char label[CHECK_MESSAGE];
+        norma_check_message(label, "node %z", info->node);
+        return tell_place_unread(d, info->where, label,
+            "this node and those after it in all but the tile's first instance, as there are too "
+            "many together with their own");
+    }
+    d->multiplied++;
+    info->instances *= in_tile;
+    *left -= info->instances;
+    return NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result check_nodes(document_check *d) {
-    size_t count = norma_document_node_count(d->document);
+    size_t count = norma_document_node_count(d->document), left = MOST_PLACED;
     norma_document_result result = NORMA_DOCUMENT_OK;
     d->nodes = calloc(count + 1, sizeof *d->nodes);
     if (!d->nodes) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
@@ -546,10 +571,7 @@ static norma_document_result check_nodes(document_check *d) {
             (void)norma_document_instance_world(d->document, i, 0, world, d->error);
         if (result == NORMA_DOCUMENT_ERROR_MEMORY)
             result = norma_check_fail(d->error, NORMA_ERROR_MEMORY);
-        const size_t in_tile = norma_document_tile_instance(d->document, SIZE_MAX, world);
-        d->run.has_tile_instances = in_tile > 0;
-        if (in_tile && d->nodes[i].instances <= SIZE_MAX / in_tile)
-            d->nodes[i].instances *= in_tile;
+        if (!result) result = multiply_instances(d, i, &left);
     }
     if (!result) result = read_skins(d);
     const norma_check_scene scene = {.meshes = d->meshes,

@@ -244,8 +244,8 @@ static norma_document_result find_influences(gltf *g, const gltf_primitive *p,
 
 /* Viewers divide a vertex's weights by their sum, which need not be 1, and let one without weights
  * follow its first joint. A joint that weighs nothing need not exist. */
-static void share_weights(uint16_t *joints, float *weights, size_t count) {
-    const uint16_t first = joints[0];
+static void share_weights(uint16_t *joints, float *weights, size_t count, size_t joint_count) {
+    const uint16_t first = joints[0] < joint_count ? joints[0] : 0;
     double sum = 0;
     for (size_t k = 0; k < count; ++k) {
         if (!isfinite(weights[k])) weights[k] = 0;
@@ -279,7 +279,7 @@ norma_document_result norma_gltf_read_influences(
             norma_gltf_floats(&sets[set].weights, i, weights + i * width + 4 * set);
             for (size_t k = 0; k < 4; ++k) joints[i * width + 4 * set + k] = (uint16_t)numbers[k];
         }
-        share_weights(joints + i * width, weights + i * width, width);
+        share_weights(joints + i * width, weights + i * width, width, skin->joint_count);
     }
     return NORMA_DOCUMENT_OK;
 }

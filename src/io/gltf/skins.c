@@ -497,6 +497,10 @@ static norma_document_result measure_primitive(
         blended = norma_skin_normals(&skin, normals, NULL, moved + 3 * count, count, NULL);
     if (!blended) measure_angles(p, primitive, moved, moved + 3 * count, count);
     if (blended == NORMA_ERROR_MEMORY) result = fail_skin(p, error);
+    if (blended == NORMA_ERROR_INDEX)
+        result = norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
+            g->primitives[primitive].where, "a vertex names a joint that its skin, of %zu, lacks",
+            p->joint_count);
     free(moved);
     norma_gltf_free_influences(&skin);
     return result;

@@ -149,6 +149,7 @@ static void guard(mpi_job *job) {
     posix_spawn_file_actions_destroy(&actions);
     close(ends[0]);
     job->guarded = ends[1];
+    if (!job->guard) close(ends[1]);
 }
 
 static void dismiss_guard(mpi_job *job) {
