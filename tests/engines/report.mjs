@@ -44,12 +44,14 @@ const sorted = Object.fromEntries(Object.keys(verdicts).sort().map((name) => [na
 writeFileSync(join(here, "verdicts.json"), `${JSON.stringify(sorted, null, 2)}\n`);
 
 const shown = Object.entries(sorted).filter(([, { cells }]) => cells), ids = Object.keys(shown[0][1].cells);
+const others = shown.filter(([name]) => name !== "norma").length, count = others === 12 ? "twelve" : others;
 const short = { pass: "ok", fail: "**fail**", missing: "**missing**", unclear: "unclear", skipped: "skipped" };
 const lines = [
   "# Engines", "",
-  "What engines make of `norma-acid.glb` (see [acid.md](acid.md)), each with its own glTF loader and its default material, headless and in",
-  "software. `make engines` installs them, draws the scene, has `norma acid --judge` read the pictures, and writes this page;",
-  "`tests/engines` has a harness of at most 60 lines for each. Every failure was looked for in the engine's source, which is named below.", "",
+  `How ${count} engines, and \`norma render\`, draw \`norma-acid.glb\` (see [acid.md](acid.md)), each with its own glTF loader and its default`,
+  "material, headless and in software. `make engines` installs them, draws the scene, has `norma acid --judge` read the pictures, and writes",
+  "this page; `tests/engines` has a harness of at most 60 lines for each. For each cell that does not pass, the text below names the file or",
+  "function in the engine's source that causes it.", "",
   "| Engine | Date | pass | fail | missing | unclear | skipped |", "|---|---|---|---|---|---|---|",
   ...shown.map(([name, { engine, date, summary: s }]) => `| [${engine}](#${name}) | ${date} | ${s.pass} | ${s.fail} | ${s.missing} | ${s.unclear} | ${s.skipped} |`), "",
   "## Cells", "",

@@ -1,6 +1,6 @@
 #!/bin/bash
 # F3D with the glTF reader and renderer of VTK, and the scene's own camera.   f3d.sh SCENE.glb SHOT.png
-# KHR_mesh_quantization ends it by a segmentation fault (it does not handle normals of bytes), so that node is taken out.
+# KHR_mesh_quantization ends it by a segmentation fault (it leaves positions of bytes unread), so that node is taken out.
 set -eu
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
