@@ -252,7 +252,7 @@ typedef struct document_check {
     size_t multiplied; /* nodes whose instances are those in a tile, all together */
 } document_check;
 
-enum { MOST_PLACED = 1 << 22 };
+enum { MOST_PLACED = 1 << 18 };
 
 norma_document_result norma_check_fail(norma_document_error *error, norma_result result) {
     norma_document_result as = result == NORMA_CANCELLED        ? NORMA_DOCUMENT_CANCELLED
@@ -538,8 +538,8 @@ static norma_document_result read_skins(document_check *d) {
 }
 
 /* A node is drawn in each instance of a tile, as often as it has instances itself: a few bytes of
- * both would stand for any number. left: of MOST_PLACED; where they do not reach, this node and
- * those after it are judged in the tile's first instance. */
+ * both would stand for any number. left: of MOST_PLACED, or of four times the tile's; where they do
+ * not reach, this node and those after it are judged in the tile's first instance. */
 static norma_document_result multiply_instances(document_check *d, size_t node, size_t *left) {
     double matrix[16];
     norma_node_info *info = &d->nodes[node];
@@ -560,7 +560,10 @@ static norma_document_result multiply_instances(document_check *d, size_t node, 
 }
 
 static norma_document_result check_nodes(document_check *d) {
-    size_t count = norma_document_node_count(d->document), left = MOST_PLACED;
+    double unused[16];
+    const size_t in_tile = norma_document_tile_instance(d->document, SIZE_MAX, unused);
+    size_t count = norma_document_node_count(d->document),
+           left = in_tile < MOST_PLACED / 4 ? MOST_PLACED : 4 * in_tile;
     norma_document_result result = NORMA_DOCUMENT_OK;
     d->nodes = calloc(count + 1, sizeof *d->nodes);
     if (!d->nodes) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
