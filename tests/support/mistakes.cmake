@@ -94,42 +94,61 @@ norma_mistake(src/render/shaders/light.glsl [==[        float facing = dot(norma
 # ---- morph targets, skins, meshes without normals
 
 norma_mistake(src/io/gltf/drawn_mesh.c [==[    for (size_t i = 0; i < 3 * count && !result; ++i) m->normals[i] += (float)weight * moves[i];]==] [==[    for (size_t i = 0; i < 3 * count && !result && !is_mistaken("normals-not-morphed"); ++i) m->normals[i] += (float)weight * moves[i];]==])
-norma_mistake(src/io/gltf/drawn_mesh.c [==[    if (vertex < m->normal_count) move_direction(m->normals + 3 * vertex, cofactors, 3);]==] [==[    if (is_mistaken("strongest-joint")) (void)norma_gltf_normal_matrix(m->joints + 16 * (size_t)strongest, cofactors);
-    if (vertex < m->normal_count && is_mistaken("model-matrix"))
-        move_direction(m->normals + 3 * vertex, matrix, 4);
-    else if (vertex < m->normal_count && is_mistaken("node-not-cancelled")) { /* relative to the node by plain matrices, then by its normal matrix */
-        double inverse[16], own[9];
-        (void)norma_gltf_matrix_invert(m->node->world, inverse);
-        (void)norma_gltf_normal_matrix(m->node->world, own);
-        move_direction(m->normals + 3 * vertex, matrix, 4);
-        move_direction(m->normals + 3 * vertex, inverse, 4);
-        move_direction(m->normals + 3 * vertex, own, 3);
-    } else if (vertex < m->normal_count)
-        move_direction(m->normals + 3 * vertex, cofactors, 3);
-    if (vertex < m->normal_count && is_mistaken("node-applied")) {
-        (void)norma_gltf_normal_matrix(m->node->world, cofactors);
-        move_direction(m->normals + 3 * vertex, cofactors, 3);
-    }
-    if (vertex < m->tangent_count && is_mistaken("tangent-by-normal-matrix")) {
-        float kept[3];
-        memcpy(kept, m->tangents + 4 * vertex, sizeof kept);
-        move_direction(kept, cofactors, 3);
-        memcpy(m->tangents + 4 * vertex, kept, sizeof kept);
-        return determinant < 0;
-    }]==])
-norma_mistake(src/io/gltf/drawn_mesh.c [==[/* Whether the matrix mirrors. */]==] [==[static uint32_t strongest;
-static void find_strongest(const influences *set, size_t vertex) {
-    uint32_t joints[4];
-    float weights[4];
-    norma_gltf_uints(&set->joints, vertex, joints);
-    norma_gltf_floats(&set->weights, vertex, weights);
-    int most = 0;
-    for (int k = 1; k < 4; ++k) most = weights[k] > weights[most] ? k : most;
-    strongest = joints[most];
+norma_mistake(src/io/gltf/drawn_mesh.c [==[static norma_result move_by_skin(mover *m, norma_skin skin, float *signs) {]==] [==[/* step: of columns; 0: by the normal matrix of four by four. */
+static void move_wrongly(float *floats, const double *m, int step) {
+    double cofactors[9], v[3] = {0}, sum = 0;
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) {
+            const int c1 = (c + 1) % 3, c2 = (c + 2) % 3, r1 = (r + 1) % 3, r2 = (r + 2) % 3;
+            cofactors[3 * c + r] = m[4 * c1 + r1] * m[4 * c2 + r2] - m[4 * c1 + r2] * m[4 * c2 + r1];
+        }
+    const double sign = m[0] * cofactors[0] + m[1] * cofactors[1] + m[2] * cofactors[2] < 0 ? -1 : 1;
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c)
+            v[r] += (double)floats[c] * (step ? m[step * c + r] : sign * cofactors[3 * c + r]);
+    for (int r = 0; r < 3; ++r) sum += v[r] * v[r];
+    for (int r = 0; r < 3; ++r) floats[r] = (float)(sum > 0 ? v[r] / sqrt(sum) : 0);
 }
-/* Whether the matrix mirrors. */]==])
-norma_mistake(src/io/gltf/drawn_mesh.c [==[        if (!result) see(user, i, matrix);]==] [==[        if (!result) find_strongest(sets, i);
-        if (!result) see(user, i, matrix);]==])
+static void blend_of(const norma_skin *s, size_t vertex, int strongest, double matrix[16]) {
+    const uint16_t *joints = (const uint16_t *)s->joints + vertex * s->influences;
+    const float *weights = s->weights + vertex * s->influences;
+    size_t most = 0;
+    for (size_t k = 1; k < s->influences; ++k) most = weights[k] > weights[most] ? k : most;
+    for (int i = 0; i < 16; ++i) matrix[i] = 0;
+    for (size_t k = 0; k < s->influences; ++k)
+        for (int i = 0; i < 16 && (!strongest || k == most); ++i)
+            matrix[i] += (strongest ? 1 : (double)weights[k]) * (double)s->matrices[16 * joints[k] + i];
+}
+/* given: normals, then tangents, as they were. */
+static void mistake_directions(mover *m, const norma_skin *skin, const float *given) {
+    double matrix[16], inverse[16];
+    for (size_t v = 0; v < m->normal_count; ++v) {
+        float *n = m->normals + 3 * v;
+        blend_of(skin, v, is_mistaken("strongest-joint"), matrix);
+        if (is_mistaken("strongest-joint") || is_mistaken("model-matrix") || is_mistaken("node-not-cancelled"))
+            memcpy(n, given + 3 * v, 3 * sizeof *n);
+        if (is_mistaken("strongest-joint")) move_wrongly(n, matrix, 0);
+        if (is_mistaken("model-matrix") || is_mistaken("node-not-cancelled")) move_wrongly(n, matrix, 4);
+        if (is_mistaken("node-not-cancelled")) { /* relative to the node by plain matrices, then by its normal matrix */
+            (void)norma_gltf_matrix_invert(m->node->world, inverse);
+            move_wrongly(n, inverse, 4);
+        }
+        if (is_mistaken("node-not-cancelled") || is_mistaken("node-applied")) move_wrongly(n, m->node->world, 0);
+    }
+    for (size_t v = 0; v < m->tangent_count && is_mistaken("tangent-by-normal-matrix"); ++v) {
+        blend_of(skin, v, 0, matrix);
+        memcpy(m->tangents + 4 * v, given + 3 * m->normal_count + 4 * v, 4 * sizeof *given);
+        move_wrongly(m->tangents + 4 * v, matrix, 0);
+    }
+}
+static norma_result move_by_skin(mover *m, norma_skin skin, float *signs) {
+    float *given = malloc((3 * m->normal_count + 4 * m->tangent_count + 1) * sizeof *given);
+    if (!given) return NORMA_ERROR_MEMORY;
+    if (m->normal_count) memcpy(given, m->normals, 3 * m->normal_count * sizeof *given);
+    if (m->tangent_count) memcpy(given + 3 * m->normal_count, m->tangents, 4 * m->tangent_count * sizeof *given);]==])
+norma_mistake(src/io/gltf/drawn_mesh.c [==[    if (!result && mirrored) turn_vertices(m);]==] [==[    if (!result) mistake_directions(m, &skin, given);
+    free(given);
+    if (!result && mirrored) turn_vertices(m);]==])
 norma_mistake(src/cli/render/render_scene.c [==[    const double flat = -1, all]==] [==[    const double flat = is_mistaken("smoothed") ? 3.14 : -1, all]==])
 
 # ---- normal maps
