@@ -62,6 +62,8 @@ cases() {
     echo "compare|$NORMA compare roof.gltf cube.obj --threads 1"
     echo "compare --json|$NORMA compare cube.obj cube.obj --json --threads 1"
     [ ! -e "$fast/from/known/shot.png" ] || for form in "-o marked.png" --json --tap; do echo "acid --judge $form|$NORMA acid --judge known/shot.png --scene known/acid.json $form"; done
+    echo "seams votes|$NORMA seams votes known/borders.obj roof.ply -o out.votes --threads 1"
+    echo "seams merge|$NORMA seams merge known/a.votes known/b.votes -o out.votes --threads 1"
     echo "matrix|$NORMA matrix --scale 2,0.5,1 --rotate 0,1,0,30"
     echo "explain|$NORMA explain N501"
     [ -z "$has_renderer" ] || echo "render|$NORMA render cube.obj -o picture.png --size 16x16 --renderer software --threads 1"
@@ -87,6 +89,9 @@ mkdir "$fast/from/known"
     "$NORMA" check cube.obj roof.ply --shard 1/2 -o known/a.json && "$NORMA" check cube.obj roof.ply --shard 2/2 -o known/b.json)
 echo '{"profile": "pr\u0069nt", "overrides": [{"files": ["a*", "*"], "ignore": ["N1"]}]}' >"$fast/from/known/config.json"
 [ ! -x "$tree/tests/acid_screens" ] || (cd "$fast/from/known" && "$tree/tests/acid_screens" layout acid.json && "$tree/tests/acid_screens" shot 1 shot.png >/dev/null)
+# More borders than one block of votes has records.
+awk 'BEGIN { for (i = 0; i < 100; i++) printf "v %d 0 0\nv %d 1 0\nv %d 0 1\nf %d %d %d\n", i, i, i, 3 * i + 1, 3 * i + 2, 3 * i + 3 }' >"$fast/from/known/borders.obj"
+(cd "$fast/from" && "$NORMA" seams votes known/borders.obj -o known/a.votes --quiet && "$NORMA" seams votes roof.ply -o known/b.votes --quiet)
 chmod u+w "$fast/from"/*
 cases | grep -E -- "${1:-.}" >"$scratch/cases"
 FAULT_PLACE=$fast xargs -P "${JOBS:-$(nproc)}" -d '\n' -n 1 bash "$0" --one <"$scratch/cases" >"$scratch/verdicts" 2>"$scratch/errors"

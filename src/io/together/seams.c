@@ -175,11 +175,11 @@ static norma_document_result end_seams(
     seams_writing *w, norma_document_result result, norma_document_error *error) {
     if (!result) {
         put_votes_block(w);
-        const uint64_t rest = sum_of_rest(&w->head, w->table.data, w->sums.data);
+        if (w->sums.failed) w->failed = ENOMEM; /* and they are too few to be hashed */
+        const uint64_t rest = w->failed ? 0 : sum_of_rest(&w->head, w->table.data, w->sums.data);
         put_in_seams(w, w->sums.data, w->sums.size);
         put_in_seams(w, &rest, sizeof rest);
         if (!w->failed) w->failed = norma_file_writer_patch(w->writer, 0, &w->head, sizeof w->head);
-        if (w->sums.failed) w->failed = ENOMEM;
         if (!w->failed) {
             w->failed = norma_file_writer_commit(w->writer);
             w->writer = NULL;
