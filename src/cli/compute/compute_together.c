@@ -1,5 +1,5 @@
 /* compute_together.c: normals of one surface that lies in many files: all are read, then all are
- * written, or none. */
+ * written, or none; or, by votes of all, one after the other. */
 #include "cli/compute/compute_together.h"
 #include "cli/files/files.h"
 #include "cli/options/options.h"
@@ -73,8 +73,8 @@ typedef struct joint_file {
 typedef struct joint_run {
     const cli_all_files *all;
     norma_together_file *files;
-    joint_file *own;    /* what each of them points to */
-    size_t count, done; /* done: files of the calls before */
+    joint_file *own;             /* what each of them points to */
+    size_t count, done, at_once; /* done: files of the calls before */
     const compute_work *work;
     size_t *lock_matches;                  /* of each --lock: names that match it */
     char (*nearest)[CLI_LONGEST_WORD + 1]; /* to each, of the names that do not */
@@ -113,8 +113,10 @@ static int check_names(const joint_run *run) {
     for (size_t i = 0; i < run->count; ++i)
         if (strcmp(run->files[i].input, "-") == 0 || strcmp(run->files[i].output, "-") == 0)
             return cli_usage(run->all->command,
-                "--together reads its files twice and writes them all at once; standard input and "
-                "output cannot be among them");
+                run->work->votes
+                    ? "standard input and output cannot be among the files"
+                    : "--together reads its files twice and writes them all at once; standard "
+                      "input and output cannot be among them");
     return CLI_OK;
 }
 
@@ -159,12 +161,20 @@ static void note_done(void *user, size_t file, const norma_document *document) {
         cli_print_notes(run->files[file].input, document);
 }
 
-static norma_document_result compute_files(
+/* Of the files that are computed at once, as a share of all. */
+static int report_share(void *user, double fraction) {
+    joint_run *run = user;
+    return cli_progress_report(
+        &run->progress, ((double)run->done + fraction * (double)run->at_once) / (double)run->count);
+}
+
+/* Those from run->done on. */
+static norma_document_result compute_some(
     joint_run *run, compute_work *work, norma_document_error *error) {
     norma_compute_options options = work->options;
     const uint64_t allowed = cli_memory_for_data();
-    options.progress = cli_progress_report;
-    options.progress_user = &run->progress;
+    options.progress = report_share;
+    options.progress_user = run;
     const norma_together_options together = {.struct_size = sizeof together,
         .lock = work->locks,
         .lock_count = work->lock_count,
@@ -178,19 +188,52 @@ static norma_document_result compute_files(
         .weight = &work->options.weight,
         .file_done = note_done,
         .file_done_user = run};
+    return norma_together_compute(run->files + run->done, run->at_once, &together, &options, error);
+}
+
+static void report_file(const joint_run *run, compute_work *work, size_t file) {
+    const norma_file_format format = run->files[file].format;
+    const joint_file *own = &run->own[file];
+    work->summary = own->summary;
+    work->format = format ? format : norma_file_format_of_path(run->files[file].input);
+    cli_report_grown(run->all, run->files[file].input, own->output, own->before, (double)own->size);
+}
+
+/* Files that were computed at once have one error: then none of them was written. */
+static void report_some(joint_run *run, compute_work *work, norma_document_error *error) {
+    cli_progress_hide(&run->progress);
+    if (error->result) {
+        cli_name_error(error, run->at_once == 1 ? run->files[run->done].input : "");
+        cli_print_error(error);
+    } else
+        report_locks(run);
+    for (size_t i = run->done; i < run->done + run->at_once; ++i)
+        if (!error->result)
+            report_file(run, work, i);
+        else if (run->all->common->json)
+            cli_report_changed(run->all, run->files[i].input, NULL, error);
+}
+
+/* All files at once, or by votes one after the other: then one that fails does not stop the others.
+ * The worst status. */
+static int compute_files(joint_run *run, compute_work *work) {
     double megabytes = 0;
+    int status = CLI_OK;
     for (size_t i = 0; i < run->count; ++i) megabytes += cli_megabytes(run->files[i].input);
     cli_progress_start(
         &run->progress, "computing", "all files", run->all->common->quiet, megabytes);
-    cli_writing_begin();
-    const size_t at_once = work->votes ? 1 : run->count;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (; run->done < run->count && !result; run->done += at_once)
-        result =
-            norma_together_compute(run->files + run->done, at_once, &together, &options, error);
+    run->at_once = work->votes ? 1 : run->count;
+    for (; run->done < run->count && !cli_interrupted(); run->done += run->at_once) {
+        norma_document_error error = {0};
+        cli_writing_begin();
+        error.result = compute_some(run, work, &error);
+        if (cli_interrupted()) cli_progress_stop(&run->progress);
+        if (!error.result || !cli_interrupted()) report_some(run, work, &error);
+        cli_writing_end(); /* ends the process if it was interrupted */
+        status = cli_worse(status, cli_status_of(error.result));
+    }
     cli_progress_stop(&run->progress);
-    cli_writing_end();
-    return result;
+    return status;
 }
 
 static int make_folders(const joint_run *run) {
@@ -200,34 +243,10 @@ static int make_folders(const joint_run *run) {
     return status;
 }
 
-/* An error of one file, of which none was written. */
-static void report_failure(const joint_run *run, norma_document_error *error) {
-    cli_print_error(error);
-    for (size_t i = 0; run->all->common->json && i < run->count; ++i)
-        cli_report_changed(run->all, run->files[i].input, NULL, error);
-}
-
 static int run_all(joint_run *run, compute_work *work) {
-    norma_document_error error = {0};
     int status = check_names(run);
     if (!status) status = make_folders(run);
-    if (status) return status;
-    error.result = compute_files(run, work, &error);
-    if (error.result) {
-        cli_name_error(&error, "");
-        report_failure(run, &error);
-        return cli_status_of(error.result);
-    }
-    report_locks(run);
-    for (size_t i = 0; i < run->count; ++i) {
-        const norma_file_format format = run->files[i].format;
-        const joint_file *own = &run->own[i];
-        work->summary = own->summary;
-        work->format = format ? format : norma_file_format_of_path(run->files[i].input);
-        cli_report_grown(
-            run->all, run->files[i].input, own->output, own->before, (double)own->size);
-    }
-    return CLI_OK;
+    return status ? status : compute_files(run, work);
 }
 
 int compute_all_together(const cli_all_files *all, const cli_changer *changer) {
