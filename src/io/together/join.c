@@ -309,7 +309,8 @@ void norma_together_add_votes(position_votes *to, const position_votes *votes) {
             *to = *votes;
         else if (votes->rank == to->rank)
             norma_core_open_sum_join(&to->sum, &votes->sum);
-    }
+    } else if (!to->sum.votes && votes->rank < to->rank)
+        to->rank = votes->rank; /* decides nothing, but bytes do not depend on the order */
     to->voters = voters & INT32_MAX;
     to->border = border & 1;
 }
