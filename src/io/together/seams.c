@@ -59,6 +59,8 @@ static norma_document_result fail_votes_file(
     return norma_document_fail_file(path, error, "cannot be read", failed);
 }
 
+static const char NO_VOTES[] =
+    "is not a file of votes; expected a file that norma seams votes or merge wrote";
 static const char DAMAGED[] = "damaged votes: a checksum does not match; make the file again";
 
 /* ---- order */
@@ -87,7 +89,7 @@ static int has_bounded_digits(const open_sum *sum) {
 
 /* A record that this program may have written, after the one before. */
 static int is_sound(const position_votes *record, const position_votes *before) {
-    return norma_core_finite(record->at) && has_bounded_digits(&record->sum) &&
+    return norma_core_finite(record->at) && has_bounded_digits(&record->sum) && record->rank >= 1 &&
            record->sum.top >= LEAST_PLACE && record->sum.top <= MOST_PLACE &&
            (!before || order_of_positions(before->at, record->at) < 0);
 }
@@ -204,10 +206,14 @@ void norma_seams_close(seams *s) {
     free(s);
 }
 
+/* Whether a weight is one that votes have. */
+static int is_summed(uint32_t weight) {
+    return weight <= NORMA_WEIGHT_ANGLE_LENGTHS && weight != NORMA_WEIGHT_VISIBLE;
+}
+
 static const char *wrong_head(const seams_head *head, uint64_t size) {
     const uint64_t blocks = head->records / IN_BLOCK + (head->records % IN_BLOCK != 0);
-    if (memcmp(head->magic, MAGIC, sizeof MAGIC) != 0)
-        return "no votes of norma seams: expected a file that norma seams votes or merge wrote";
+    if (memcmp(head->magic, MAGIC, sizeof MAGIC) != 0) return NO_VOTES;
     if (head->order != BYTE_ORDER_MARK || head->version != VERSION ||
         head->record != sizeof(position_votes))
         return "votes of another version of norma seams, or of a machine of another byte order";
@@ -215,8 +221,8 @@ static const char *wrong_head(const seams_head *head, uint64_t size) {
         head->records > size / sizeof(position_votes) ||
         size != sizeof *head + head->tile_bytes + head->records * sizeof(position_votes) +
                     (blocks + 1) * sizeof(uint64_t))
-        return "truncated or damaged votes: the file has not the size that its head states";
-    return head->weight > NORMA_WEIGHT_ANGLE_LENGTHS ? DAMAGED : NULL;
+        return "truncated or damaged votes: does not have the size stated in its header";
+    return is_summed(head->weight) ? NULL : DAMAGED;
 }
 
 static uint64_t first_of_records(const seams *s) { return sizeof s->head + s->head.tile_bytes; }
@@ -243,8 +249,7 @@ static norma_document_result read_table_and_sums(
 static norma_document_result read_all_but_records(
     seams *s, const file_window *window, norma_document_error *error) {
     const uint64_t size = norma_window_stamp(window)->size;
-    if (size < sizeof s->head)
-        return fail_seams(s->path, error, "no votes of norma seams: too short for a head");
+    if (size < sizeof s->head) return fail_seams(s->path, error, NO_VOTES);
     const int failed = norma_window_read(window, 0, &s->head, sizeof s->head);
     if (failed) return fail_votes_file(s->path, error, failed);
     const char *wrong = wrong_head(&s->head, size);
@@ -509,8 +514,9 @@ norma_document_result norma_seams_votes(const char *const *tiles, size_t count, 
     copy_seams_options(&options, given, error);
     seams_votes v = {.options = &options};
     const char *bad = bad_tile_list(tiles, count, output);
-    if (!bad && options.weight == NORMA_WEIGHT_VISIBLE)
-        bad = "the weight visible is not summed over faces; expected another weight";
+    if (!bad && !is_summed((uint32_t)options.weight))
+        bad = "the weight is not summed over faces; expected angle, area, uniform, max, angle_area "
+              "or angle_lengths";
     if (bad)
         return norma_document_fail(NULL, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL, "%s", bad);
     norma_together_file *files = norma_io_allocate(count, sizeof *files);

@@ -4,6 +4,7 @@
 #include "check.h"
 #include "document_bytes.h"
 #include "gltf_asset.h"
+#include <norma/large.h>
 
 #define ARGUMENT NORMA_DOCUMENT_ERROR_ARGUMENT
 static const char TRIANGLE[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -294,6 +295,20 @@ static void test_instances(void **state) {
     asset_free(&asset);
 }
 
+/* Votes are sums, and what is no weight at all is not one. */
+static void votes_need_a_sum(void **state) {
+    static const int NOT_SUMMED[] = {NORMA_WEIGHT_VISIBLE, NORMA_WEIGHT_ANGLE_LENGTHS + 1, 99};
+    const char *tile = "/nowhere/tile.obj";
+    (void)state;
+    for (size_t i = 0; i < sizeof NOT_SUMMED / sizeof *NOT_SUMMED; ++i) {
+        const norma_seams_options options = {
+            .struct_size = sizeof options, .weight = (norma_weight)NOT_SUMMED[i]};
+        refused(norma_seams_votes(&tile, 1, "/nowhere/a.votes", &options, NULL, e),
+            "the weight is not summed over faces; expected angle, area, uniform, max, angle_area "
+            "or angle_lengths");
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_opening),
@@ -304,6 +319,7 @@ int main(void) {
         cmocka_unit_test(test_instances),
         cmocka_unit_test(test_saving_bytes),
         cmocka_unit_test(test_a_name_longer_than_a_message),
+        cmocka_unit_test(votes_need_a_sum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
