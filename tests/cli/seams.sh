@@ -145,15 +145,54 @@ status=0
 for tile in tiles/t008-*.ply; do "$norma" seams apply "$tile" --votes damaged.votes -o "applied-$(basename "$tile")" >/dev/null 2>said || status=$?; done
 check "and where apply reads it" bash -c "[ $status = 3 ] && grep -q damaged.votes said"
 
+printf 'no votes' >other.votes
+refuse "another file" "other.votes: is not a file of votes; expected a file that norma seams votes or merge wrote" no.votes "$norma" seams merge other.votes all.votes -o no.votes
+head -c 1000 all.votes >short.votes
+refuse "a truncated file" "short.votes: truncated or damaged votes: does not have the size stated in its header" no.votes "$norma" seams merge short.votes -o no.votes
+
 # ---- killed
-"$norma" seams votes tiles -o killed.votes --quiet &
-killed=$!
-sleep 0.02
-kill -9 $killed 2>/dev/null
-wait $killed 2>/dev/null
-check "a killed job leaves all of its votes or none" bash -c '[ ! -e killed.votes ] || cmp killed.votes all.votes'
-"$norma" seams votes tiles -o killed.votes --quiet
-check "and can be run again" cmp killed.votes all.votes
+# Kills a command while it has a file open that is new in this folder. 0: so it was, and left no output; 1: it left a part of one; 77: it was never seen so.
+cat >kill_writing.py <<'END'
+import os, subprocess, sys, time
+output, whole, command = sys.argv[1], open(sys.argv[2], "rb").read(), sys.argv[3:]
+folder = os.getcwd()
+def writes(process, before):
+    try:
+        files = [os.readlink("/proc/%d/fd/%s" % (process.pid, fd)) for fd in os.listdir("/proc/%d/fd" % process.pid)]
+    except OSError:
+        return False
+    return any(os.path.dirname(file) == folder and os.path.basename(file) not in before for file in files)
+for delay in [i * i * 1e-5 for i in range(30)]:
+    before = os.listdir()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    seen = False
+    while not seen and process.poll() is None:
+        seen = writes(process, before)
+    time.sleep(delay if seen else 0)
+    process.kill()
+    killed = process.wait() == -9
+    if os.path.exists(output):
+        if open(output, "rb").read() != whole:
+            sys.exit("%s is there, but not whole" % output)
+        os.remove(output)
+    elif seen and killed:
+        sys.exit(0)
+sys.exit(77)
+END
+for step in votes merge; do
+    inputs=(tiles)
+    [ $step = votes ] || inputs=(votes/*.votes)
+    status=0
+    python3 kill_writing.py killed.votes all.votes "$norma" seams $step "${inputs[@]}" -o killed.votes >said 2>&1 || status=$?
+    case $status in
+    0) pass "$step: killed while it writes, it leaves nothing" ;;
+    77) skip "$step: it was never killed while it had a temporary file (no /proc, or too fast)" ;;
+    *) fail "$step: killed while it writes, it leaves nothing" "$(cat said)" ;;
+    esac
+    "$norma" seams $step "${inputs[@]}" -o killed.votes --quiet
+    check "$step: and can be run again" cmp killed.votes all.votes
+    rm -f killed.votes
+done
 
 # ---- memory of a step does not grow with the number of tiles
 cat >peak.py <<'END'
@@ -163,9 +202,29 @@ _, status, usage = os.wait4(process.pid, 0)
 print(usage.ru_maxrss)
 sys.exit(status != 0)
 END
-few=$(python3 peak.py "$norma" seams apply tiles/t001-001.ply --votes small.votes -o few.ply --quiet --threads 1)
-many=$(python3 peak.py "$norma" seams apply tiles/t001-001.ply --votes all.votes -o many.ply --quiet --threads 1)
+few=$(python3 peak.py "$norma" seams apply tiles/t001-001.ply --votes small.votes -o few.ply --quiet --threads 1) || fail "apply with 16 tiles" "its status is not 0"
+many=$(python3 peak.py "$norma" seams apply tiles/t001-001.ply --votes all.votes -o many.ply --quiet --threads 1) || fail "apply with 256 tiles" "its status is not 0"
 check "apply: $many KiB with 256 tiles, $few with 16" test "$many" -lt $((few + 2048))
+
+# ---- tiles that fail do not stop the others, and each is reported as what it is
+for way in "" --json; do
+    rm -rf some
+    status=0
+    errors=0
+    [ -z "$way" ] || errors=1
+    "$norma" seams apply deal0.ply copy.ply deal1.ply --votes area.votes --out-dir some $way >said 2>said.errors || status=$?
+    check "apply${way:+ }$way: one of three is refused, and only it is reported so" bash -c "[ $status = 3 ] && [ ! -e some/copy.ply ] && cmp some/deal0.ply seams-area/deal0.ply && cmp some/deal1.ply seams-area/deal1.ply &&
+        [ \$(grep -c 'copy.ply: is not among' said.errors) = 1 ] && ! grep -q 'deal[01]' said.errors && [ \$(grep -c 'some/deal[01].ply' said) = 2 ] && [ \$(grep -c '\"error\"' said) = $errors ]"
+done
+
+# ---- levels whose faces at a border have no area: no vote, and yet the same bytes in any order
+for level in 0 1; do
+    printf 'v 0 0 0\nv %d 0 0\nv %d 0 0\nf 1 2 3\n' $((level + 1)) $((level + 3)) >"flat_LOD$level.obj"
+    "$norma" seams votes "flat_LOD$level.obj" -o "flat$level.votes" --quiet
+done
+"$norma" seams merge flat0.votes flat1.votes -o forth.votes --quiet
+"$norma" seams merge flat1.votes flat0.votes -o back.votes --quiet
+check "levels without votes: the same bytes in any order" cmp forth.votes back.votes
 
 # ---- usage
 expect() {
@@ -178,6 +237,8 @@ expect 2 "no step" "expected votes, merge or apply" "$norma" seams
 expect 2 "an unknown step" "unknown step 'vote'" "$norma" seams vote
 expect 2 "no output" "expected -o FILE" "$norma" seams votes deal0.ply
 expect 2 "no votes given" "apply needs --votes" "$norma" seams apply deal0.ply -o no.ply
+expect 2 "apply of standard input" "standard input and output cannot be among the files" "$norma" seams apply - --input-format ply --votes area.votes -o no.ply
+check "which does not speak of --together" bash -c '! grep -q -- --together said'
 expect 2 "visible" "summed over faces" "$norma" seams votes deal0.ply --weight visible -o no.votes
 expect 2 "an STL" "facet normals only" "$norma" seams votes "$root/assets/"*.stl -o no.votes
 expect 0 "help" "norma seams votes|merge|apply" "$norma" help seams
