@@ -969,11 +969,14 @@ typedef struct norma_closest {
  *   mesh       any faces; polygons are cut into triangles
  *   points     in the coordinates of the mesh
  *   options    uses threads, parallel_for, allocator and progress; may be NULL
- *   found      written: one for each point; none if the point is not finite, or if the mesh has no
- *              triangle with an area
+ *   found      written: one for each point; none if the mesh has no triangle with an area, or if
+ *              the point is not finite, is further away than DBL_MAX, or has a coordinate beyond
+ *              2^300 (beyond 2^300 times the largest of the mesh where that is not within 2^-200
+ *              to 2^200)
  *   capacity   results that fit
  *
- * Errors: those of norma_face_normals. Cost: O((faces + points) log faces).
+ * Errors: those of norma_face_normals. Cost: O((faces + points) log faces); O(faces) for a point
+ * that many triangles are equally far from, as one so far away that doubles do not tell them apart.
  * Source: Ericson 2005 (Real-Time Collision Detection, 5.1.5). */
 NORMA_API norma_result norma_closest_points(const norma_mesh *mesh, norma_vec3_view points,
     const norma_options *options, norma_closest *found, size_t capacity);

@@ -3,6 +3,8 @@
 
 enum { CLOSEST_AT_ONCE = 1024 };
 
+static const double MOST_SCALED = 0x1p300; /* its square times an area's fits a double */
+
 typedef struct closest_points {
     core_call call;
     core_mesh mesh;
@@ -11,12 +13,19 @@ typedef struct closest_points {
     norma_closest *found;
 } closest_points;
 
+static int is_near_enough(const double scaled[3]) {
+    for (int k = 0; k < 3; k++)
+        if (!(fabs(scaled[k]) <= MOST_SCALED)) return 0;
+    return 1;
+}
+
 static void find_closest(const closest_points *c, size_t index, size_t *nearest) {
-    norma_closest found = {.distance = -1, .face = UINT32_MAX};
+    static const norma_closest none = {.distance = -1, .face = UINT32_MAX};
+    norma_closest found = none;
     double point[3], weights[2];
     norma_view_read(&c->points, index, point);
     for (int k = 0; k < 3; k++) point[k] *= c->mesh.scale;
-    if (c->tree.count && norma_core_finite(point)) {
+    if (c->tree.count && is_near_enough(point)) {
         norma_core_triangle_tree_nearest(&c->tree, point, nearest);
         const core_triangle *t = &c->tree.triangles[*nearest];
         found.distance = sqrt(norma_core_nearest_in_triangle(t, point, weights)) / c->mesh.scale;
@@ -29,7 +38,7 @@ static void find_closest(const closest_points *c, size_t index, size_t *nearest)
         found.weights[0] = 1 - weights[0] - weights[1];
         memcpy(&found.weights[1], weights, sizeof weights);
     }
-    c->found[index] = found;
+    c->found[index] = isfinite(found.distance) ? found : none;
 }
 
 static void find_closest_points(void *context, size_t chunk) {

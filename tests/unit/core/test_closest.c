@@ -1,6 +1,7 @@
 /* test_closest.c: nearest points of a cube, whose distances have a closed form: those outside are
  * as far as the box, those inside as far as the nearest side. */
 #include "check.h"
+#include <float.h>
 
 static const float CUBE[8][3] = {{-1, -1, -1}, {-1, -1, 1}, {-1, 1, -1}, {-1, 1, 1}, {1, -1, -1},
     {1, -1, 1}, {1, 1, -1}, {1, 1, 1}};
@@ -73,10 +74,43 @@ static void nothing_is_closest(void **state) {
     assert_int_equal(norma_closest_points(NULL, points, NULL, found, 2), NORMA_ERROR_ARGUMENT);
 }
 
+/* Coordinates whose squares a double cannot hold: none, or what the closed form says. */
+static void far_points(void **state) {
+    enum { COUNT = 9 };
+    static const double FAR[COUNT] = {1e10, 1e60, 1e90, 3e90, 1e100, 1e154, 1e200, 1e300, DBL_MAX};
+    const norma_mesh mesh = cube_of_quads();
+    double points[2 * COUNT][3], vast[8][3];
+    norma_closest found[2 * COUNT];
+    (void)state;
+    for (int i = 0; i < 2 * COUNT; i++)
+        for (int k = 0; k < 3; k++) points[i][k] = k == 0 || i >= COUNT ? FAR[i % COUNT] : 0;
+    const norma_vec3_view far_away = {points, 2 * COUNT, 0, NORMA_FORMAT_DOUBLE};
+    assert_ok(norma_closest_points(&mesh, far_away, NULL, found, 2 * COUNT));
+    for (int i = 0; i < 2 * COUNT; i++) {
+        const double far = FAR[i % COUNT] * (i < COUNT ? 1 : sqrt(3));
+        const int none = FAR[i % COUNT] > 0x1p300;
+        assert_true(none ? found[i].face == UINT32_MAX && found[i].distance == -1
+                         : fabs(found[i].distance / far - 1) < 1e-9);
+        for (int k = 0; k < 3; k++)
+            assert_true(isfinite(found[i].weights[k]) && fabs(found[i].point[k]) <= 1);
+    }
+    norma_mesh great =
+        mesh; /* DBL_MAX is near it; the distance to its other side is not a double */
+    for (int i = 0; i < 8; i++)
+        for (int k = 0; k < 3; k++) vast[i][k] = (double)CUBE[i][k] * 1e300 - (k ? 0 : 1e308);
+    great.positions = (norma_vec3_view){vast, 8, 0, NORMA_FORMAT_DOUBLE};
+    const double ends[2][3] = {{-DBL_MAX, 0, 0}, {DBL_MAX, 0, 0}};
+    assert_ok(norma_closest_points(
+        &great, (norma_vec3_view){ends, 2, 0, NORMA_FORMAT_DOUBLE}, NULL, found, 2));
+    assert_true(fabs(found[0].distance / (DBL_MAX - 1e308 - 1e300) - 1) < 1e-9);
+    assert_true(found[1].face == UINT32_MAX && found[1].distance == -1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closest_in_a_cube),
         cmocka_unit_test(nothing_is_closest),
+        cmocka_unit_test(far_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
