@@ -919,8 +919,9 @@ typedef struct norma_compare_sample {
  * not finite) has that of its triangle. Errors: those of norma_face_normals for both meshes;
  * NORMA_ERROR_ARGUMENT also if a surface has corners but no normals; NORMA_ERROR_INDEX also if a
  * corner refers to a normal that does not exist; NORMA_ERROR_OVERFLOW also if the search would open
- * more than 2000 boxes of triangles for each point, as where all triangles are equally far from all
- * points. Cost: O(n log n); O(n) if the faces are the same.
+ * more boxes of triangles than 2^22 and 2000 for each point of other and each triangle of base, as
+ * where all triangles are equally far from all points. Cost: O(n log n); O(n) if the faces are
+ * the same.
  * Source: nearest points by Ericson 2005 (Real-Time Collision Detection, 5.1.5). */
 NORMA_API norma_result norma_compare(const norma_surface *base, const norma_surface *other,
     const norma_options *options, norma_compare_sample *samples, size_t capacity, int *same_faces);
