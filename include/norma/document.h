@@ -907,7 +907,8 @@ NORMA_API const char *norma_save_temporary(const norma_saving *saving);
 NORMA_API norma_document_result norma_save_end(norma_saving *saving, norma_document_error *error);
 
 /* Flushes several files and puts all of them in place, or none. Frees all in any case, except if
- * one is NULL.
+ * one is NULL. If one cannot be put in place, files that were replaced before it come back only on
+ * file systems that have links, and not on Windows; elsewhere their new contents stay.
  *
  *   savings   of norma_save_begin, for different paths
  *   count     of them

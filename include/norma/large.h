@@ -205,7 +205,7 @@ NORMA_API norma_document_result norma_seams_votes(const char *const *tiles, size
  *   summary   written; or NULL
  *   error     written on failure; or NULL
  *
- * Memory: 17 KB for each file, and the names of all tiles.
+ * Memory: 17 KB and 0.05 % of its size for each file, and the names of all tiles.
  * Errors: NORMA_DOCUMENT_ERROR_REFUSED if a tile is in two of the files, if these were made with
  * different options, or if there are not options->tiles; NORMA_DOCUMENT_ERROR_MALFORMED for a
  * file that is damaged, as its checksums show. */
