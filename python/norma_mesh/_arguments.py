@@ -329,12 +329,16 @@ def _padded(cells: Array) -> Faces:
     if cells.size == 0:
         return np.empty((0, 3), np.uint32)
     width = int(cells[0])
-    if cells.size % (width + 1) == 0 and (cells[:: width + 1] == width).all():
+    if width >= 3 and cells.size % (width + 1) == 0 and (cells[:: width + 1] == width).all():
         return cells.reshape(-1, width + 1)[:, 1:]
     polygons, at = [], 0
     while at < cells.size:
-        polygons.append(cells[at + 1 : at + 1 + int(cells[at])])
-        at += int(cells[at]) + 1
+        count = int(cells[at])
+        if count < 3 or at + 1 + count > cells.size:
+            raise ValueError(f"faces[{at}] is {count}; the number of a face's corners is needed there: 3 or more, "
+                             f"and not more than the {cells.size - at - 1} indices after it")
+        polygons.append(cells[at + 1 : at + 1 + count])
+        at += 1 + count
     return polygons
 
 
@@ -381,7 +385,7 @@ def parts_of(whole: Any) -> Tuple[Any, Faces]:
         faces = _cell_blocks(faces)
     elif faces is not None and not isinstance(faces, (tuple, list)):
         faces = as_array("faces", faces)
-        faces = _padded(faces) if faces.ndim == 1 else faces
+        faces = _padded(integers("faces", faces)) if faces.ndim == 1 else faces
     return as_array("positions", positions), faces
 
 

@@ -342,6 +342,14 @@ class OtherLibraries(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "^positions: faces .* are needed, not tetra"):
             norma.vertex_normals(named(points=points, cells=[named(type="tetra", data=[[0, 1, 2, 3]])]))
 
+    def test_lists_of_cells_that_do_not_add_up(self):
+        for cells, at, count in (([0, 1, 2, -1, 0, 2, 3, -1], 0, 0), ([3, 0, 1, 2, -1, 0, 2, 3], 4, -1), ([-1, 0, 1, 2], 0, -1),
+                                 ([3, 0, 1, 2, 4, 0, 2, 3], 4, 4), ([3, 0, 1, 2, 2, 0, 2], 4, 2), ([1, 0, 1, 2], 0, 1), ([2**62, 0, 1, 2], 0, 2**62)):
+            with self.assertRaisesRegex(ValueError, rf"^faces\[{at}\] is {count}; the number of a face's corners"):
+                norma.vertex_normals(types.SimpleNamespace(points=self.POINTS, faces=np.array(cells)))
+        with self.assertRaisesRegex(TypeError, "^faces: integers are needed"):
+            norma.vertex_normals(types.SimpleNamespace(points=self.POINTS, faces=np.array([3.0, 0, 1, 2])))
+
     def test_a_mesh_of_a_file(self):
         mesh = norma.open("assets/goathead.obj").meshes[0]
         self.assertTrue(np.array_equal(norma.vertex_normals(mesh), norma.vertex_normals(mesh.positions, mesh.faces)))
