@@ -15,6 +15,7 @@ from ._arguments import (
     NON_MANIFOLD,
     WEIGHTS,
     Array,
+    Floats,
     NonManifold,
     Profile,
     TangentMode,
@@ -142,7 +143,7 @@ class FileMesh:
         """The stored normal of each corner, (corners, 3); NaN: none. None if the file has no normals."""
         if self.normals is None:
             return None
-        corners = self.faces[0] if isinstance(self.faces, tuple) else self.faces.ravel()
+        corners = _corner_list(self)
         if self.stored == "facet":
             return np.repeat(self.normals, 3, axis=0)
         own = corners if self.normal_faces is None else self.normal_faces
@@ -416,13 +417,17 @@ class Document:
             infos = _norma.document_meshes(self._document)[1]
             if not 0 <= mesh < len(infos):
                 raise IndexError(f"mesh: {mesh} is not the number of a mesh; there are {len(infos)}")
-            if self.format not in ("obj", "stl") and infos[mesh][4] == 0 and infos[mesh][7] is None:
+            found = self._mesh(mesh, infos[mesh])
+            bare = found.stored == "none" and self.format not in ("obj", "stl")
+            unit = _unit(found, normals, "vertex" if bare else found.stored, self.format)
+            if bare:
                 chosen = np.arange(len(infos)) == mesh
                 settings = (2, 0.0, 0, 1, 0.0, 0, 0, 0, False, thread_count(None), 1, _address(chosen) if self.format != "ply" else 0)
                 answer = _norma.document_compute(self._document, settings)
                 if len(answer) == 2:
                     raise_document(answer)
-            given, marks, sources, corners = _placed(self._mesh(mesh, _norma.document_meshes(self._document)[1][mesh]), normals, self.format)
+                found = self._mesh(mesh, _norma.document_meshes(self._document)[1][mesh])
+            given, marks, sources, corners = _placed(found, unit, self.format)
             answer = _norma.document_set_normals(
                 self._document, mesh, _address(given), _address(marks), 0 if sources is None else _address(sources),
                 0 if sources is None else len(sources), 0 if corners is None else _address(corners))
@@ -463,27 +468,38 @@ def _address(array: Array) -> int:
     return int(array.__array_interface__["data"][0])
 
 
-def _placed(m: FileMesh, values: ArrayLike, format: str) -> Tuple[Array, Array, Optional[Array], Optional[Array]]:
-    """Normals as the file stores them: (normals, marks, source vertices, corners)."""
+def _corner_list(m: FileMesh) -> Array:
+    return m.faces[0] if isinstance(m.faces, tuple) else m.faces.ravel()
+
+
+def _unit(m: FileMesh, values: ArrayLike, stored: str, format: str) -> Floats:
+    """Unit vectors in a number that a mesh with normals stored like this takes; nothing is changed before."""
     given = np.array(vectors("normals", values)[0], np.float64)
     length = np.sqrt((given * given).sum(1))
     wrong = np.flatnonzero(~((length > 0) & np.isfinite(length)))
     if wrong.size:
         raise ValueError(f"normals[{wrong[0]}]: a vector with a length is needed, not {tuple(given[wrong[0]].tolist())}")
-    unit = (given / length[:, None]).astype(np.float32)
-    corners = m.faces[0] if isinstance(m.faces, tuple) else m.faces.ravel()
-    if m.normals is None:
+    if m.normals is None and stored != "vertex":
         raise ValueError(f"normals: this {format} file stores none yet; compute() makes places for them, norma.write() new files")
-    stored, points = len(m.normals), len(m.positions)
-    place = None if m.stored in ("vertex", "facet") else m.normal_faces
-    if len(unit) == (points if m.stored == "vertex" else stored):
+    own = 0 if m.normals is None else len(m.normals)
+    points, corners = len(m.positions), len(_corner_list(m))
+    if len(given) not in {"facet": (own,), "corner": (own, points, corners)}.get(stored, (points, corners)):
+        counts = f"{own} normals" if stored == "facet" else f"one for each of {points} positions or {corners} corners"
+        raise ValueError(f"normals: {counts} are needed, not {len(given)}")
+    unit: Floats = (given / length[:, None]).astype(np.float32)
+    return unit
+
+
+def _placed(m: FileMesh, unit: Floats, format: str) -> Tuple[Array, Array, Optional[Array], Optional[Array]]:
+    """Unit vectors as the file stores them: (normals, marks, source vertices, corners)."""
+    corners = _corner_list(m)
+    stored = 0 if m.normals is None else len(m.normals)
+    if len(unit) == (len(m.positions) if m.stored == "vertex" else stored):
         return unit, np.ones(len(unit), np.uint8), None, None
-    if m.stored == "facet" or len(unit) not in (points, len(corners)):
-        counts = f"{stored} normals" if m.stored == "facet" else f"one for each of {points} positions or {len(corners)} corners"
-        raise ValueError(f"normals: {counts} are needed, not {len(unit)}")
     if m.stored == "vertex":
         indices, first = index_corners(corners, unit)
         return unit[first], np.ones(len(first), np.uint8), corners[first], indices
+    place = m.normal_faces
     assert place is not None
     unit = unit if len(unit) == len(corners) else unit[corners]
     result, marks = np.zeros((stored, 3), np.float32), np.zeros(stored, np.uint8)

@@ -154,6 +154,16 @@ class Documents(unittest.TestCase):
         with self.assertRaisesRegex(AttributeError, "^positions: of a file's mesh, only normals"):
             obj.meshes[0].positions = CUBE
 
+    def test_normals_that_are_refused_change_nothing(self):
+        for format, named in (("glb", {}), ("ply", {}), ("obj", {}), ("glb", {"normals": CUBE + 1}), ("ply", {"normals": CUBE + 1}),
+                              ("obj", {"normals": CUBE + 1}), ("stl", {})):
+            document = written(format, CUBE, TRIANGLES, **named)
+            before = document.to_bytes()
+            for wrong in (np.ones((5, 3)), np.zeros((8, 3)), np.full((36, 3), np.nan), np.ones((8, 2)), "no numbers"):
+                with self.assertRaisesRegex(ValueError, "^normals"):
+                    document.set_normals(0, wrong)
+                self.assertEqual(document.to_bytes(), before, format)
+
     def test_one_primitive_of_a_gltf_without_normals_gets_them(self):
         file = io.BytesIO()
         norma.write(file, CUBE, TRIANGLES, format="glb")
