@@ -63,6 +63,17 @@ class _Surface:
         return {name: array[first] for name, array in each.items()}
 
 
+def _floats(name: str, array: NDArray[Any], format: str) -> NDArray[np.float32]:
+    """Numbers for a format that holds floats; those beyond them would become infinities."""
+    with np.errstate(over="ignore"):
+        floats = array.astype(np.float32, copy=False)
+    bad = np.flatnonzero(~np.isfinite(floats).all(1))
+    if bad.size:
+        raise ValueError(f"{name}[{bad[0]}]: {format} holds floats of 32 bits here; finite numbers up to 3.4e38 are needed, "
+                         f"not {tuple(array[bad[0]].tolist())}")
+    return floats
+
+
 def _lines(word: str, array: NDArray[Any]) -> str:
     number = "%.9g" if array.dtype.itemsize <= 4 else "%.17g"
     return f"{word} {' '.join([number] * array.shape[1])}\n" * len(array) % tuple(array.ravel().tolist())
@@ -86,7 +97,7 @@ def _obj(s: _Surface, attributes: Dict[str, NDArray[Any]]) -> bytes:
 
 
 def _ply(s: _Surface, attributes: Dict[str, NDArray[Any]]) -> bytes:
-    attributes = s.split(attributes)
+    attributes = s.split({name: _floats(name, array, "ply") for name, array in attributes.items()})
     kind = "f4" if s.positions.dtype.itemsize <= 4 else "f8"
     fields = [(axis, "<" + kind) for axis in "xyz"]
     fields += [(axis, "<f4") for axis in ("nx", "ny", "nz") * ("normals" in attributes)]
@@ -113,21 +124,19 @@ def _ply(s: _Surface, attributes: Dict[str, NDArray[Any]]) -> bytes:
 
 def _stl(s: _Surface, attributes: Dict[str, NDArray[Any]]) -> bytes:
     rows = np.zeros(s.count, [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    rows["corners"] = s.positions[s.corners].reshape(-1, 3, 3)
-    rows["normal"] = attributes["normals"]
+    rows["corners"] = _floats("positions", s.positions, "stl")[s.corners].reshape(-1, 3, 3)
+    rows["normal"] = _floats("normals", attributes["normals"], "stl")
     return b"norma".ljust(80, b"\0") + struct.pack("<I", s.count) + rows.tobytes()
 
 
 def _glb(s: _Surface, attributes: Dict[str, NDArray[Any]]) -> bytes:
-    attributes = s.split(attributes)
-    with np.errstate(over="ignore"):
-        positions = s.positions.astype(np.float32)
-    if not np.isfinite(positions).all():
-        raise ValueError("positions: glb holds floats; these numbers are too large")
+    s.positions = _floats("positions", s.positions, "glb")
+    attributes = s.split({name: _floats(name, array, "glb") for name, array in attributes.items()})
+    positions = s.positions
     names = {"normals": "NORMAL", "tangents": "TANGENT", "texcoords": "TEXCOORD_0"}
     small = len(positions) < 65536  # 65535 restarts strips
     arrays: List[Tuple[Optional[str], NDArray[Any]]] = [(None, s.corners.astype(np.uint16 if small else np.uint32)), ("POSITION", positions)]
-    arrays += [(names[name], array.astype(np.float32)) for name, array in attributes.items()]
+    arrays += [(names[name], array) for name, array in attributes.items()]
     views: List[Dict[str, Any]] = []
     accessors: List[Dict[str, Any]] = []
     body = b""

@@ -106,6 +106,7 @@ class Writing(unittest.TestCase):
                 (ValueError, r"^texcoords: stl holds none", (CUBE, TRIANGLES), {"texcoords": CUBE[:, :2]}),
                 (IndexError, r"^faces: index 9 of corner 2", (CUBE, [[0, 1, 9]]), {}),
                 (ValueError, r"^positions\[0\]: finite", (CUBE * np.nan, TRIANGLES), {}),
+                (ValueError, r"^normals\[0\]: stl holds floats.* finite", (CUBE, TRIANGLES), {"normals": np.full((12, 3), np.nan)}),
             ):
                 with self.assertRaisesRegex(error, words):
                     norma.write(path, *arguments, **named)
@@ -120,6 +121,23 @@ class Writing(unittest.TestCase):
             norma.write(io.BytesIO(), CUBE, QUADS, tangents=np.zeros((8, 4)), format="ply")
         with self.assertRaisesRegex(ValueError, r"^normals: one for each of 8 positions or 24 corners is needed, not 5"):
             norma.write(io.BytesIO(), CUBE, QUADS, normals=np.ones((5, 3)), format="ply")
+
+
+    def test_numbers_beyond_floats_are_refused_where_floats_are_held(self):
+        rows, most = CUBE + 1, float(np.finfo(np.float32).max)
+        for number in 1e39, -1e300, most * (1 + 2**-24):
+            for format, names in (("stl", ("positions", "normals")), ("glb", ("positions", "normals", "texcoords", "tangents")), ("ply", ("normals", "texcoords"))):
+                for name in names:
+                    given = {"positions": CUBE.copy(), name: np.ones((12 if (format, name) == ("stl", "normals") else 8, {"texcoords": 2, "tangents": 4}.get(name, 3)))}
+                    given[name][5, 1] = number
+                    with self.assertRaisesRegex(ValueError, rf"^{name}\[5\]: {format} holds floats of 32 bits here"):
+                        norma.write(io.BytesIO(), given.pop("positions"), TRIANGLES, format=format, **given)
+        rows[5, 1] = 1e39
+        for format in "ply", "obj":  # hold doubles
+            self.assertEqual(written(format, rows, TRIANGLES).meshes[0].positions[5, 1], 1e39, format)
+        rows[5, 1] = most
+        for format in "ply", "glb":
+            self.assertEqual(written(format, CUBE, TRIANGLES, normals=rows).meshes[0].normals[5, 1], most, format)
 
 
 class Documents(unittest.TestCase):
