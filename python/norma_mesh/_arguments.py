@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import operator
+import re
 from typing import Any, Literal, NamedTuple, NoReturn, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -40,6 +41,8 @@ _FLOATS = {np.dtype(np.float32): 0, np.dtype(np.float64): 1}
 _FLOAT32 = np.dtype(np.float32)
 _UINT32 = np.dtype(np.uint32)
 _PACKED_INDICES = {np.dtype(t): np.dtype(t).itemsize for t in (np.uint32, np.int32, np.uint16, np.uint8)}
+_FLAT = re.compile(r"triangle|quad|polygon\d*")  #: meshio's types of cells that are faces
+_NO_FACES = re.compile("(VTK_LAGRANGE_)?(vertex|line|curve|tetra|hexa|wedge|pyramid|penta_prism|polyhedron)", re.IGNORECASE)
 _NAMES = {
     "mesh->positions": "positions",
     "mesh->corners": "faces",
@@ -343,12 +346,12 @@ def _padded(cells: Array) -> Faces:
 
 
 def _cell_blocks(blocks: Any) -> Faces:
-    """The faces of meshio's cells: blocks of one type each; lines and vertices are no faces."""
-    parts = [np.asarray(block.data) for block in blocks if block.type in ("triangle", "quad", "polygon") or block.type.startswith("polygon")]
-    solids = sorted({block.type for block in blocks} - {"vertex", "line", "triangle", "quad", "polygon"})
-    if not parts:
-        found = ", ".join(solids) or "points or lines"
-        raise TypeError(f"positions: faces (triangle, quad, polygon) are needed, not {found}")
+    """The faces of meshio's cells: blocks of one type each; solids, lines and vertices are no faces."""
+    parts = [np.asarray(block.data) for block in blocks if _FLAT.fullmatch(block.type)]
+    others = {block.type for block in blocks if not _FLAT.fullmatch(block.type)}
+    curved = {type for type in others if not _NO_FACES.match(type)}  # a surface with holes, were they left out
+    if curved or not parts:
+        raise TypeError(f"positions: faces (triangle, quad, polygon) are needed, not {', '.join(sorted(curved or others))}")
     if len(parts) == 1:
         return parts[0]
     corners = np.concatenate([part.reshape(-1) for part in parts])

@@ -341,6 +341,11 @@ class OtherLibraries(unittest.TestCase):
                 norma.vertex_normals(whole)
         with self.assertRaisesRegex(TypeError, "^positions: faces .* are needed, not tetra"):
             norma.vertex_normals(named(points=points, cells=[named(type="tetra", data=[[0, 1, 2, 3]])]))
+        for type_ in "vertex", "line3", "tetra", "tetra10", "hexahedron20", "VTK_LAGRANGE_CURVE", "VTK_LAGRANGE_WEDGE":
+            self.same(named(points=points, cells=[named(type=type_, data=[[0, 1, 2, 3]]), named(type="triangle", data=faces)]))
+        for type_ in "triangle6", "quad8", "quad9", "VTK_LAGRANGE_TRIANGLE", "VTK_LAGRANGE_QUADRILATERAL":
+            with self.assertRaisesRegex(TypeError, rf"^positions: faces .* are needed, not {type_}$"):
+                norma.vertex_normals(named(points=points, cells=[named(type="tetra", data=[[0, 1, 2, 3]]), named(type="triangle", data=faces), named(type=type_, data=[[0] * 9])]))
 
     def test_lists_of_cells_that_do_not_add_up(self):
         for cells, at, count in (([0, 1, 2, -1, 0, 2, 3, -1], 0, 0), ([3, 0, 1, 2, -1, 0, 2, 3], 4, -1), ([-1, 0, 1, 2], 0, -1),
@@ -359,6 +364,14 @@ class OtherLibraries(unittest.TestCase):
             import meshio
         except ImportError:
             self.skipTest("meshio is not installed")
+        from meshio._mesh import topological_dimension
+        for type_, dimension in topological_dimension.items():  # every type that meshio knows
+            if type_ not in ("triangle", "quad", "polygon"):
+                whole = types.SimpleNamespace(points=self.POINTS, cells=[types.SimpleNamespace(type=type_, data=[[0, 1, 2, 3]]), *meshio.Mesh(self.POINTS, [("triangle", self.TRIANGLES)]).cells])
+                if dimension != 2:
+                    self.same(whole)
+                else:
+                    self.assertRaisesRegex(TypeError, f"are needed, not {type_}$", norma.vertex_normals, whole)
         self.same(meshio.Mesh(self.POINTS, [("triangle", self.TRIANGLES)]))
         self.same(meshio.Mesh(self.POINTS, [("quad", [[0, 1, 2, 3]]), ("triangle", [[0, 1, 2]])]), [[0, 1, 2, 3], [0, 1, 2]])
 
