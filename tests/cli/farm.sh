@@ -3,17 +3,18 @@
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 cd "$scratch" || exit 1
-mkdir -p bin models/sub
+mkdir -p bin "my models/sub"
 ln -s "$(realpath "${NORMA_BIN:-$tree/bin/norma}")" bin/norma
 export PATH=$scratch/bin:$PATH
 farm=$root/examples/farm files=$root/tests/cli/golden/files
-for i in $(seq 30); do cp "$files/cube.obj" "models/sub/cube$i.obj"; cp "$files/roof.ply" "models/roof$i.ply"; done
-cp "$files/malformed.obj" models/broken.obj
-for i in 1 2 3; do printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nf 1//1 2//1 3//1\n' >"models/zero$i.obj"; done
-norma check models --format json -o whole.json --quiet
+for i in $(seq 30); do cp "$files/cube.obj" "my models/sub/cube$i.obj"; cp "$files/roof.ply" "my models/roof$i.ply"; done
+cp "$files/malformed.obj" "my models/broken.obj"
+for i in 1 2 3; do printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nf 1//1 2//1 3//1\n' >"my models/zero$i.obj"; done
+norma check "my models" --format json -o whole.json --quiet
 whole=$?
-python3 "$root/tests/cli/seams_tiles.py" tiles 12 8 tiles
-norma compute tiles --together --out-dir together --quiet
+python3 "$root/tests/cli/seams_tiles.py" tiles 12 8 "my tiles"
+mv "my tiles/$(ls "my tiles" | head -n 1)" "my tiles/a  tile.ply" # two spaces: a second shell would make them one
+norma compute "my tiles" --together --out-dir together --quiet
 
 # engine NAME COMMAND: whether it is there.
 engine() { "${@:2}" >/dev/null 2>&1 || { skip "$1 is not installed (make farms)"; return 1; }; }
@@ -25,9 +26,9 @@ check "one run finds what it should: status 3" test $whole = 3
 
 # ---- GNU parallel
 if engine "GNU parallel" bash -c 'parallel --version | grep -q GNU'; then
-    "$farm/parallel/check.sh" models 7 parallel.json
+    "$farm/parallel/check.sh" "my models" 7 parallel.json
     same_report "GNU parallel" $? parallel.json
-    check "GNU parallel: tiles" "$farm/parallel/seams.sh" tiles parallel
+    check "GNU parallel: tiles" "$farm/parallel/seams.sh" "my tiles" parallel
     check "GNU parallel: the bits of one --together" diff -rq together parallel
     # The first process of each job is killed: parallel starts it again.
     mkdir killing
@@ -37,7 +38,7 @@ if engine "GNU parallel" bash -c 'parallel --version | grep -q GNU'; then
 exec "$scratch/bin/norma" "\$@"
 END
     chmod +x killing/norma
-    check "GNU parallel: each job killed once" env "PATH=$scratch/killing:$PATH" "$farm/parallel/seams.sh" tiles killed
+    check "GNU parallel: each job killed once" env "PATH=$scratch/killing:$PATH" "$farm/parallel/seams.sh" "my tiles" killed
     check "GNU parallel: the bits of one --together, all the same" diff -rq together killed
     check "jobs were killed" bash -c '[ "$(ls -d killing/once-* | wc -l)" -gt 10 ]'
 fi
@@ -45,8 +46,8 @@ fi
 # ---- Snakemake
 if engine Snakemake snakemake --version; then
     mkdir snake
-    check "Snakemake runs" snakemake --snakefile "$farm/snakemake/Snakefile" --directory snake --cores 2 --retries 2 --quiet rules --config "models=$scratch/models" "tiles=$scratch/tiles" parts=5
-    norma check "$scratch/models" --format json -o absolute.json --quiet
+    check "Snakemake runs" snakemake --snakefile "$farm/snakemake/Snakefile" --directory snake --cores 2 --retries 2 --quiet rules --config "models=$scratch/my models" "tiles=$scratch/my tiles" parts=5
+    norma check "$scratch/my models" --format json -o absolute.json --quiet
     check "Snakemake: the report of one run" cmp absolute.json snake/report.json
     check "Snakemake: the bits of one --together" diff -rq together snake/seamless
 fi
@@ -55,7 +56,7 @@ fi
 python=/usr/bin/python3
 if engine "Dask (distributed)" $python -c 'import distributed'; then
     export PYTHONPATH=$farm/dask PYTHONDONTWRITEBYTECODE=1
-    $python "$farm/dask/norma_dask.py" check models dask.json >dask.log 2>&1
+    $python "$farm/dask/norma_dask.py" check "my models" dask.json >dask.log 2>&1
     same_report Dask $? dask.json
     cat >killing_dask.py <<'END'
 import os, random, signal, sys, threading, time
@@ -81,7 +82,7 @@ if __name__ == "__main__":
         thread.start()
         rounds = 0
         while rounds < 1 or len(killed) < 2:  # on a fast machine, the work must not end before
-            done = norma_dask.seams(client, "tiles", "dask", in_job=4, fan=4)
+            done = norma_dask.seams(client, "my tiles", "dask", in_job=4, fan=4)
             rounds += 1
         ended.set()
         thread.join()
@@ -130,7 +131,7 @@ END
     daemon=$!
     for _ in $(seq 60); do sinfo -h -o %T 2>/dev/null | grep -q idle && break; sleep 0.5; done
     if check "Slurm's node is idle" bash -c 'sinfo -h -o %T | grep -q idle' && sinfo -h -o %T 2>/dev/null | grep -q idle; then
-        "$farm/slurm/submit.sh" models 5 slurm.json >slurm.log 2>&1
+        "$farm/slurm/submit.sh" "my models" 5 slurm.json >slurm.log 2>&1
         same_report Slurm $? slurm.json
     fi
     kill $daemon $controller 2>/dev/null
