@@ -15,6 +15,8 @@ whole=$?
 python3 "$root/tests/cli/seams_tiles.py" tiles 12 8 "my tiles"
 mv "my tiles/$(ls "my tiles" | head -n 1)" "my tiles/a  tile.ply" # two spaces: a second shell would make them one
 norma compute "my tiles" --together --out-dir together --quiet
+mkdir "my tiles/below" # outputs keep base names, so recipes leave folders below alone
+printf 'ply\nno tile' | tee "my tiles/below/t001-000.ply" >"my tiles/below/other.ply"
 
 # engine NAME COMMAND: whether it is there.
 engine() { "${@:2}" >/dev/null 2>&1 || { skip "$1 is not installed (make farms)"; return 1; }; }

@@ -6,7 +6,7 @@ tiles=$1 out=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$out"
-find "$tiles" -name '*.ply' | sort >"$work/tiles"
+find "$tiles" -maxdepth 1 -name '*.ply' | sort >"$work/tiles"
 parallel -q --retries 3 -N 20 norma seams votes {} --threads 1 --quiet -o "$work/{#}.votes" <"$work/tiles"
 norma seams merge "$work"/*.votes --tiles "$(wc -l <"$work/tiles")" --quiet -o "$work/all"
 parallel -q --retries 3 -N 20 norma seams apply {} --votes "$work/all" --threads 1 --quiet --out-dir "$out" <"$work/tiles"
