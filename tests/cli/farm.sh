@@ -93,6 +93,9 @@ if __name__ == "__main__":
 END
     check "Dask: workers are killed, and all tiles are done" $python killing_dask.py
     check "Dask: the bits of one --together" diff -rq together dask
+    mkdir empty
+    check "Dask: a folder without tiles is an error" bash -c "! $python '$farm/dask/norma_dask.py' seams empty none 2>said && grep -qx 'empty: holds no PLY file' said && [ ! -e none ]"
+    check "Dask: a tile that cannot be read is an error" bash -c "! $python '$farm/dask/norma_dask.py' seams 'my tiles/below' none 2>said && grep -q 'norma seams votes: status' said"
     check "Dask: nothing else is left" bash -c '! ls -d tmp* 2>/dev/null'
 fi
 

@@ -31,10 +31,11 @@ def check_part(models, i, count, report):
 def check(client, models, report, parts=16):
     """The exit status is that of one run over all files; the report has its bytes."""
     work = tempfile.mkdtemp(dir=os.path.dirname(os.path.abspath(report)))
-    jobs = [client.submit(check_part, models, i, parts, "%s/%d.json" % (work, i), retries=RETRIES, pure=False) for i in range(1, parts + 1)]
-    status = subprocess.run(["norma", "report", "--merge", *client.gather(jobs), "-o", report]).returncode
-    shutil.rmtree(work)
-    return status
+    try:
+        jobs = [client.submit(check_part, models, i, parts, "%s/%d.json" % (work, i), retries=RETRIES, pure=False) for i in range(1, parts + 1)]
+        return subprocess.run(["norma", "report", "--merge", *client.gather(jobs), "-o", report]).returncode
+    finally:  # other jobs may still write there after one that failed
+        shutil.rmtree(work, ignore_errors=True)
 
 
 def votes(tiles, output):
@@ -55,19 +56,22 @@ def apply(tiles, all_votes, out):
 def seams(client, tiles, out, in_job=20, fan=16):
     """One normal at the seams of all PLY tiles of a folder: votes, a tree of merges, apply."""
     names = sorted(glob.glob(os.path.join(tiles, "*.ply")))
+    if not names:
+        raise FileNotFoundError("%s: holds no PLY file" % tiles)
     groups = [names[i:i + in_job] for i in range(0, len(names), in_job)]
     os.makedirs(out, exist_ok=True)
     work = tempfile.mkdtemp(dir=os.path.dirname(os.path.abspath(out)))
-    level = [client.submit(votes, g, "%s/0-%d" % (work, i), retries=RETRIES, pure=False) for i, g in enumerate(groups)]
-    depth = 0
-    while len(level) > 1:
-        depth += 1
-        last = len(level) <= fan
-        level = [client.submit(merge, level[i:i + fan], "%s/%d-%d" % (work, depth, i), len(names) if last else None, retries=RETRIES, pure=False)
-                 for i in range(0, len(level), fan)]
-    done = sum(client.gather([client.submit(apply, g, level[0], out, retries=RETRIES, pure=False) for g in groups]))
-    shutil.rmtree(work)
-    return done
+    try:
+        level = [client.submit(votes, g, "%s/0-%d" % (work, i), retries=RETRIES, pure=False) for i, g in enumerate(groups)]
+        depth = 0
+        while len(level) > 1:
+            depth += 1
+            last = len(level) <= fan
+            level = [client.submit(merge, level[i:i + fan], "%s/%d-%d" % (work, depth, i), len(names) if last else None, retries=RETRIES, pure=False)
+                     for i in range(0, len(level), fan)]
+        return sum(client.gather([client.submit(apply, g, level[0], out, retries=RETRIES, pure=False) for g in groups]))
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
 
 
 def main(what, folder, output, *scheduler):
@@ -78,7 +82,10 @@ def main(what, folder, output, *scheduler):
     with Client(*scheduler or [None]) as client:
         if what == "check":
             return check(client, folder, output)
-        print("%d tiles" % seams(client, folder, output))
+        try:
+            print("%d tiles" % seams(client, folder, output))
+        except (FileNotFoundError, RuntimeError) as problem:  # no tile; what the tool said
+            return str(problem)
         return 0
 
 
