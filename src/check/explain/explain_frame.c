@@ -176,9 +176,9 @@ static int may_be_turned(const frame_search *s, explain_frame frame) {
     double angles[FEW_PAIRS];
     frame_search part = {.pairs = few, .angles = angles, .count = FEW_PAIRS};
     if (s->count < 2 * (size_t)FEW_PAIRS) return 1;
-    for (size_t i = 0; i < FEW_PAIRS; i++) { /* not in step with parts that are alike */
-        const size_t begin = i * s->count / FEW_PAIRS, end = (i + 1) * s->count / FEW_PAIRS;
-        few[i] = s->pairs[begin + (size_t)norma_core_hash(&i, sizeof i) % (end - begin)];
+    for (uint64_t i = 0; i < FEW_PAIRS; i++) { /* not in step with parts that are alike */
+        const uint64_t begin = i * s->count / FEW_PAIRS, end = (i + 1) * s->count / FEW_PAIRS;
+        few[i] = s->pairs[begin + norma_core_hash(&i, sizeof i) % (end - begin)];
     }
     fit_in_rounds(&part, &frame);
     return quantile_of(&part, .3) < 2 * FRAME_NEAR_RAD;

@@ -540,11 +540,9 @@ static norma_document_result read_skins(document_check *d) {
 /* A node is drawn in each instance of a tile, as often as it has instances itself: a few bytes of
  * both would stand for any number. left: of MOST_PLACED, or of four times the tile's; where they do
  * not reach, this node and those after it are judged in the tile's first instance. */
-static norma_document_result multiply_instances(document_check *d, size_t node, size_t *left) {
-    double matrix[16];
+static norma_document_result multiply_instances(
+    document_check *d, size_t node, size_t in_tile, size_t *left) {
     norma_node_info *info = &d->nodes[node];
-    const size_t in_tile = norma_document_tile_instance(d->document, SIZE_MAX, matrix);
-    d->run.has_tile_instances = in_tile > 0;
     if (!in_tile || d->multiplied < node) return NORMA_DOCUMENT_OK;
     if (info->instances > *left / in_tile) {
         char label[CHECK_MESSAGE];
@@ -565,6 +563,7 @@ static norma_document_result check_nodes(document_check *d) {
     size_t count = norma_document_node_count(d->document),
            left = in_tile < MOST_PLACED / 4 ? MOST_PLACED : 4 * in_tile;
     norma_document_result result = NORMA_DOCUMENT_OK;
+    d->run.has_tile_instances = in_tile > 0;
     d->nodes = calloc(count + 1, sizeof *d->nodes);
     if (!d->nodes) return norma_check_fail(d->error, NORMA_ERROR_MEMORY);
     for (size_t i = 0; i < count && !result; i++) {
@@ -574,7 +573,7 @@ static norma_document_result check_nodes(document_check *d) {
             (void)norma_document_instance_world(d->document, i, 0, world, d->error);
         if (result == NORMA_DOCUMENT_ERROR_MEMORY)
             result = norma_check_fail(d->error, NORMA_ERROR_MEMORY);
-        if (!result) result = multiply_instances(d, i, &left);
+        if (!result) result = multiply_instances(d, i, in_tile, &left);
     }
     if (!result) result = read_skins(d);
     const norma_check_scene scene = {.meshes = d->meshes,
