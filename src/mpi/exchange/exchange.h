@@ -17,6 +17,8 @@ typedef struct mpi_call {
 norma_result norma_mpi_begin(mpi_call *call, MPI_Comm comm, core_call *core);
 void norma_mpi_end(mpi_call *call);
 
+/* Collective: all ranks' numbers become one, in place. */
+void norma_mpi_reduce(const mpi_call *call, void *all, int count, MPI_Datatype type, MPI_Op op);
 /* Collective: the gravest of all ranks' results, on every rank. */
 norma_result norma_mpi_agree(const mpi_call *call, norma_result mine);
 /* The same, and each rank's progress is told: one that cancels cancels all. */

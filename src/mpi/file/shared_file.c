@@ -55,8 +55,8 @@ int norma_mpi_fail(mpi_job *job, const char *format, ...) {
 }
 
 int norma_mpi_failed(mpi_job *job, int mine) {
-    int first = mine ? job->call.rank : job->call.ranks, all = 0;
-    MPI_Allreduce(&first, &all, 1, MPI_INT, MPI_MIN, job->call.comm);
+    int all = mine ? job->call.rank : job->call.ranks;
+    norma_mpi_reduce(&job->call, &all, 1, MPI_INT, MPI_MIN);
     if (all == job->call.ranks) return 0;
     MPI_Bcast(job->message, (int)sizeof job->message, MPI_CHAR, all, job->call.comm);
     return 1;

@@ -131,11 +131,11 @@ static norma_result read_groups(
  * released by the caller. NULL on an error. */
 static norma_result mpi_weld_gathered(mpi_call *call, const core_mesh *mesh, uint64_t **groups) {
     mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
-    double mine = mesh->scale, scale = 1;
+    double scale = mesh->scale;
     const size_t count = mesh->positions.count;
     *groups = NULL;
-    if (!count) mine = 0; /* a rank without positions knows no scale */
-    MPI_Allreduce(&mine, &scale, 1, MPI_DOUBLE, MPI_MAX, call->comm);
+    if (!count) scale = 0; /* a rank without positions knows none */
+    norma_mpi_reduce(call, &scale, 1, MPI_DOUBLE, MPI_MAX);
     norma_result result = norma_mpi_exchange(call, list_points(call, mesh, &out), &out, &in);
     if (result == NORMA_OK) {
         norma_result local = weld_points(call, &in, scale, &answers);
@@ -200,11 +200,11 @@ static int same_numbering(const mpi_call *call, const core_mesh *mesh, const uin
 
 static norma_result agree_on_scale(const mpi_call *call, core_mesh *mesh, int *doubles) {
     const int mine = mesh->positions.count && mesh->positions.format == NORMA_FORMAT_DOUBLE;
-    double largest = mine ? norma_core_largest_coordinate(mesh) : 0, all = 0;
+    double largest = mine ? norma_core_largest_coordinate(mesh) : 0;
     *doubles = norma_mpi_largest(call, (uint64_t)mine) != 0;
-    MPI_Allreduce(&largest, &all, 1, MPI_DOUBLE, MPI_MAX, call->comm);
+    norma_mpi_reduce(call, &largest, 1, MPI_DOUBLE, MPI_MAX);
     const int mixed = *doubles && mesh->positions.count && !mine;
-    if (mine) mesh->scale = norma_core_scale_for(all);
+    if (mine) mesh->scale = norma_core_scale_for(largest);
     return norma_mpi_agree(call, mixed ? NORMA_ERROR_ARGUMENT : NORMA_OK);
 }
 
@@ -345,6 +345,10 @@ void norma_mpi_close_part(const mpi_call *call, mpi_part *part) {
 enum { MOST_KEY = 24, LEAST_LOANS = 1024 };
 static const uint64_t MOST_SLOTS = UINT64_C(1) << MPI_HOME_AT; /* an answer has room for it */
 
+typedef struct key_group {
+    uint32_t first, ranks, voters, answer;
+} key_group; /* first: a record with its key */
+
 typedef struct share_work {
     mpi_call *call;
     const mpi_keys *keys;
@@ -393,33 +397,178 @@ int norma_mpi_home_of_number(const mpi_call *call, uint64_t number) {
     return mpi_home_of(call, norma_core_hash(key, sizeof key));
 }
 
-/* ---- sending */
+/* ---- Most positions are nowhere near those of another rank. Space (or the range of numbers) is
+ * cut into cells; each rank marks in a table, at a hash of each cell, those that it has positions
+ * in. The tables of all ranks become one. A position in a cell that one rank alone has marked is
+ * that rank's, and need not go to a home. */
 
-typedef void share_see(
-    share_work *work, size_t v, int home, const unsigned char *key, void *context);
+enum { LEAST_MARKS = 1 << 10, MOST_MARKS = 1 << 26, MARKS_OF_CELL = 16 };
 
-/* The positions of this round. */
-static void for_round(share_work *work, share_see *see, void *context) {
-    unsigned char key[MOST_KEY];
-    for (size_t v = 0; v < work->sharing->count; v++) {
-        if (work->part[v] == MPI_ABSENT) continue;
-        write_key(work->keys, v, key);
-        const uint64_t hash = norma_core_hash(key, work->key_size);
-        if (round_of(work, hash) == work->round)
-            see(work, v, mpi_home_of(work->call, hash), key, context);
+typedef struct cell_marks {
+    uint64_t any, several; /* a bit for each of 64 cells: some rank has it, more than one do */
+} cell_marks;
+
+typedef struct share_cells {
+    double low[3], scale; /* from positions to cells */
+    uint64_t step;        /* from numbers to cells */
+    size_t count;         /* of marks, a power of two */
+    cell_marks *marks;
+} share_cells;
+
+/* As MPI_User_function asks for it. */
+static void join_marks(void *in, void *inout, int *count, MPI_Datatype *type) {
+    const cell_marks *one = in;
+    cell_marks *other = inout;
+    (void)type;
+    for (int i = 0; i < *count; i++) {
+        other[i].several |= one[i].several | (one[i].any & other[i].any);
+        other[i].any |= one[i].any;
     }
 }
 
-static void count_one(
-    share_work *work, size_t v, int home, const unsigned char *key, void *context) {
-    (void)work, (void)v, (void)key;
+static void size_cells(const share_work *work, share_cells *cells) {
+    double ends[6] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, p[3];
+    uint64_t last = 0;
+    const size_t count = work->sharing->count;
+    const uint64_t most = norma_mpi_largest(work->call, count);
+    for (cells->count = LEAST_MARKS; cells->count < most && cells->count < MOST_MARKS;)
+        cells->count *= 2;
+    for (size_t v = 0; v < count; v++) {
+        if (work->part[v] == MPI_ABSENT) continue;
+        if (work->keys->numbers) {
+            if (work->keys->numbers[v] > last) last = work->keys->numbers[v];
+            continue;
+        }
+        norma_core_position(work->keys->mesh, (uint32_t)v, p);
+        for (size_t k = 0; k < 3; k++) {
+            if (-p[k] > ends[k]) ends[k] = -p[k];
+            if (p[k] > ends[3 + k]) ends[3 + k] = p[k];
+        }
+    }
+    const uint64_t of_numbers = cells->count / MARKS_OF_CELL;
+    cells->step = norma_mpi_largest(work->call, last) / of_numbers + 1;
+    norma_mpi_reduce(work->call, ends, 6, MPI_DOUBLE, MPI_MAX);
+    double extent = 0;
+    for (size_t k = 0; k < 3; k++) {
+        cells->low[k] = -ends[k];
+        if (ends[3 + k] + ends[k] > extent) extent = ends[3 + k] + ends[k];
+    }
+    cells->scale = floor(sqrt((double)of_numbers)) / extent;
+    if (!isfinite(cells->scale)) cells->scale = 0;
+}
+
+/* Equal keys have equal cells. */
+static size_t mark_of(const share_work *work, const share_cells *cells, size_t v) {
+    uint64_t cell = 0;
+    if (work->keys->numbers) {
+        cell = work->keys->numbers[v] / cells->step;
+    } else {
+        double p[3];
+        norma_core_position(work->keys->mesh, (uint32_t)v, p);
+        for (size_t k = 0; k < 3; k++)
+            cell = cell << 21 | (uint64_t)((p[k] - cells->low[k]) * cells->scale);
+    }
+    return (size_t)(norma_core_weld_mix(cell * UINT64_C(0x9e3779b97f4a7c15)) & (cells->count - 1));
+}
+
+/* Collective. Opens the marks; with a single rank there are none. */
+static norma_result mark_cells(const share_work *work, share_cells *cells) {
+    const mpi_call *call = work->call;
+    MPI_Datatype type;
+    MPI_Op join;
+    *cells = (share_cells){0};
+    if (!work->lend || call->ranks == 1) return NORMA_OK;
+    size_cells(work, cells);
+    cells->marks = norma_core_allocate(call->core, cells->count / 64, sizeof *cells->marks);
+    const norma_result result = norma_mpi_agree(call, cells->marks ? NORMA_OK : NORMA_ERROR_MEMORY);
+    if (result != NORMA_OK) return result;
+    memset(cells->marks, 0, cells->count / 64 * sizeof *cells->marks);
+    for (size_t v = 0; v < work->sharing->count; v++) {
+        if (work->part[v] == MPI_ABSENT) continue;
+        const size_t mark = mark_of(work, cells, v);
+        cells->marks[mark / 64].any |= UINT64_C(1) << mark % 64;
+    }
+    MPI_Type_contiguous((int)sizeof *cells->marks, MPI_BYTE, &type);
+    MPI_Type_commit(&type);
+    MPI_Op_create(join_marks, 1, &join);
+    norma_mpi_reduce(call, cells->marks, (int)(cells->count / 64), type, join);
+    MPI_Op_free(&join);
+    MPI_Type_free(&type);
+    return NORMA_OK;
+}
+
+static int stays_here(const share_work *work, const share_cells *cells, size_t v) {
+    if (!work->lend) return 0;
+    if (work->call->ranks == 1) return 1;
+    const size_t mark = mark_of(work, cells, v);
+    return !(cells->marks[mark / 64].several >> mark % 64 & 1);
+}
+
+/* ---- sending */
+
+typedef void share_see(share_work *work, size_t v, int home, void *context);
+
+/* sent: positions that go to their homes. A key costs its record where it is sent and where it is
+ * received, and its row in the table. No round where nobody sends any. */
+static uint64_t rounds_for(const share_work *work, size_t budget, uint64_t sent) {
+    const uint64_t each = 2 * (work->key_size + 1) + sizeof(key_group) + 4 * sizeof(uint32_t),
+                   mine = sent ? sent * each / budget + 1 : 0,
+                   rounds = norma_mpi_largest(work->call, mine);
+    return rounds < 0x8000 ? rounds : 0x8000;
+}
+
+static mpi_place place_of_own(share_work *work, size_t v) {
+    const int votes = work->part[v] == MPI_VOTES;
+    return norma_mpi_place(MPI_OWN, 0, votes ? work->sharing->own++ : 0);
+}
+
+/* Until its round has given a position its place, it is nowhere, at its home, with the round
+ * (counted from 1) for a slot: it is hashed once, however many rounds look for theirs. */
+static norma_result plan_rounds(share_work *work, size_t budget) {
+    unsigned char key[MOST_KEY];
+    share_cells cells;
+    uint64_t sent = 0;
+    const norma_result result = mark_cells(work, &cells);
+    for (size_t v = 0; v < work->sharing->count && result == NORMA_OK; v++) {
+        mpi_place place = norma_mpi_place(MPI_NOWHERE, 0, 0);
+        if (work->part[v] != MPI_ABSENT) {
+            const int far = stays_here(work, &cells, v);
+            place = far ? place_of_own(work, v) : norma_mpi_place(MPI_NOWHERE, 0, 1);
+            sent += !far;
+        }
+        work->sharing->places[v] = norma_mpi_keep_place(place);
+    }
+    norma_core_release(work->call->core, cells.marks, cells.count / 64, sizeof *cells.marks);
+    if (result != NORMA_OK) return result;
+    work->rounds = rounds_for(work, budget, sent);
+    for (size_t v = 0; v < work->sharing->count && sent; v++) {
+        const mpi_place place = norma_mpi_place_at(work->sharing, v);
+        if (norma_mpi_kind(place) != MPI_NOWHERE || !norma_mpi_slot(place)) continue;
+        write_key(work->keys, v, key);
+        const uint64_t hash = norma_core_hash(key, work->key_size);
+        work->sharing->places[v] = norma_mpi_keep_place(
+            norma_mpi_place(MPI_NOWHERE, mpi_home_of(work->call, hash), round_of(work, hash) + 1));
+    }
+    return NORMA_OK;
+}
+
+/* The positions of this round. */
+static void for_round(share_work *work, share_see *see, void *context) {
+    for (size_t v = 0; v < work->sharing->count; v++) {
+        const mpi_place place = norma_mpi_place_at(work->sharing, v);
+        if (norma_mpi_kind(place) == MPI_NOWHERE && norma_mpi_slot(place) == work->round + 1)
+            see(work, v, norma_mpi_home(place), context);
+    }
+}
+
+static void count_one(share_work *work, size_t v, int home, void *context) {
+    (void)work, (void)v;
     ((uint64_t *)context)[home]++;
 }
 
-static void send_one(
-    share_work *work, size_t v, int home, const unsigned char *key, void *context) {
+static void send_one(share_work *work, size_t v, int home, void *context) {
     unsigned char *record = norma_mpi_lists_add(context, home);
-    memcpy(record, key, work->key_size);
+    write_key(work->keys, v, record);
     record[work->key_size] = work->part[v];
 }
 
@@ -437,10 +586,6 @@ static norma_result list_keys(share_work *work, mpi_lists *out) {
 }
 
 /* ---- at home */
-
-typedef struct key_group {
-    uint32_t first, ranks, voters, answer;
-} key_group; /* first: a record with its key */
 
 enum { ANSWER_BITS = 30 };
 
@@ -551,24 +696,18 @@ static void lend_sum(mpi_sharing *sharing, mpi_place place, uint64_t sum) {
     sharing->loans[sharing->loan_count++] = (mpi_loan){place, sum};
 }
 
-static void read_one(
-    share_work *work, size_t v, int home, const unsigned char *key, void *context) {
+static void read_one(share_work *work, size_t v, int home, void *context) {
     const share_reader *reader = context;
     mpi_sharing *sharing = work->sharing;
     uint32_t answer;
-    (void)key;
     memcpy(&answer, norma_mpi_record(reader->answers, (size_t)reader->next[home]++), sizeof answer);
     const uint32_t kind = answer >> ANSWER_BITS, slot = answer & ((1U << ANSWER_BITS) - 1);
     if (kind == ANSWER_LENT)
         lend_sum(sharing, norma_mpi_place(MPI_SHARED, home, slot), sharing->own);
-    mpi_place place = norma_mpi_place(MPI_OWN, 0, 0);
-    if (kind == ANSWER_SHARED)
-        place = norma_mpi_place(MPI_SHARED, home, slot);
-    else if (kind == ANSWER_ASKED)
-        place = norma_mpi_place(MPI_ASKED, home, slot);
-    else if (work->part[v] == MPI_VOTES)
-        place = norma_mpi_place(MPI_OWN, 0, sharing->own++);
-    sharing->places[v] = norma_mpi_keep_place(place);
+    sharing->places[v] =
+        norma_mpi_keep_place(kind == ANSWER_SHARED  ? norma_mpi_place(MPI_SHARED, home, slot)
+                             : kind == ANSWER_ASKED ? norma_mpi_place(MPI_ASKED, home, slot)
+                                                    : place_of_own(work, v));
 }
 
 static size_t count_lent(const mpi_call *call, const mpi_lists *answers) {
@@ -630,23 +769,12 @@ static norma_result run_round(share_work *work) {
     return result;
 }
 
-/* A key costs its record where it is sent and where it is received, and its row in the table. */
-static uint64_t rounds_for(const share_work *work, size_t budget) {
-    uint64_t sent = 0;
-    for (size_t v = 0; v < work->sharing->count; v++) sent += work->part[v] != MPI_ABSENT;
-    const uint64_t each = 2 * (work->key_size + 1) + sizeof(key_group) + 4 * sizeof(uint32_t),
-                   rounds = norma_mpi_largest(work->call, sent * each / budget + 1);
-    return rounds < 0x8000 ? rounds : 0x8000;
-}
-
 static norma_result open_sharing(const mpi_call *call, mpi_sharing *sharing) {
     const size_t ranks = (size_t)call->ranks;
     if (call->ranks > MPI_MOST_RANKS) return NORMA_ERROR_OVERFLOW;
     sharing->places = norma_core_allocate(call->core, sharing->count, sizeof *sharing->places);
     sharing->slots = norma_core_allocate(call->core, ranks, sizeof *sharing->slots);
     if (!sharing->places || !sharing->slots) return NORMA_ERROR_MEMORY;
-    for (size_t v = 0; v < sharing->count; v++)
-        sharing->places[v] = norma_mpi_keep_place(norma_mpi_place(MPI_NOWHERE, 0, 0));
     sharing->slots[call->rank] = 0;
     return NORMA_OK;
 }
@@ -661,7 +789,7 @@ norma_result norma_mpi_share(mpi_call *call, const mpi_keys *keys, const uint8_t
         .sharing = sharing};
     *sharing = (mpi_sharing){.count = keys->mesh->positions.count, .own = 1};
     norma_result result = norma_mpi_agree(call, open_sharing(call, sharing));
-    if (result == NORMA_OK) work.rounds = rounds_for(&work, budget);
+    if (result == NORMA_OK) result = plan_rounds(&work, budget);
     for (; work.round < work.rounds && result == NORMA_OK; work.round++) result = run_round(&work);
     if (result == NORMA_OK) {
         const uint64_t mine = sharing->slots[call->rank];

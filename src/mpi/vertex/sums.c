@@ -301,6 +301,8 @@ typedef struct sum_rounds {
     mpi_sums *sums;
     uint64_t round, rounds;
     uint64_t *first, *count; /* of each home: the slots of this round */
+    uint64_t *room;          /* of each home: votes that this rank has for it, in this round */
+    uint8_t *corner_rounds;  /* with several rounds: round_mark the round of each corner, or 0 */
     mpi_lists *out;
 } sum_rounds;
 
@@ -323,9 +325,25 @@ static int is_now(const sum_rounds *r, mpi_place place) {
            norma_mpi_slot(place) - r->first[home] < r->count[home];
 }
 
+/* So that rounds pass over the corners of others without a look at their places. */
+static uint8_t round_mark(uint64_t round) { return (uint8_t)(1 + round % 255); }
+
+static uint64_t round_of_slot(const sum_rounds *r, mpi_place place) {
+    const int home = norma_mpi_home(place);
+    const uint64_t slot = norma_mpi_slot(place);
+    uint64_t round = slot * r->rounds / r->sums->sharing->slots[home];
+    while (round && first_slot(r, home, round) > slot) round--;
+    while (first_slot(r, home, round + 1) <= slot) round++;
+    return round;
+}
+
 static mpi_place place_of_corner(const mpi_sums *sums, size_t corner) {
     const uint32_t v = norma_core_corner(&sums->prepared->mesh, corner);
     return norma_mpi_place_at(sums->sharing, sums->merge ? sums->merge[v] : v);
+}
+
+static int may_be_now(const sum_rounds *r, size_t corner) {
+    return !r->corner_rounds || r->corner_rounds[corner] == round_mark(r->round);
 }
 
 /* The first round adds up what is summed here, too, and counts degenerate faces. */
@@ -334,6 +352,7 @@ static int wants_face(const void *context, size_t f) {
     const core_mesh *mesh = &r->sums->prepared->mesh;
     if (!r->round && r->sums->degenerate) return 1;
     for (size_t c = norma_core_face_begin(mesh, f); c < norma_core_face_end(mesh, f); c++) {
+        if (r->round && !may_be_now(r, c)) continue;
         const mpi_place place = place_of_corner(r->sums, c);
         if (is_now(r, place) || (!r->round && norma_mpi_kind(place) == MPI_OWN)) return 1;
     }
@@ -348,6 +367,7 @@ static void send_vote(const sum_rounds *r, mpi_place place, uint64_t face, const
 static void take_vote(
     void *context, size_t face, size_t corner, double weight, const double normal[3]) {
     const sum_rounds *r = context;
+    if (r->round && !may_be_now(r, corner)) return;
     const mpi_place place = place_of_corner(r->sums, corner);
     if (is_now(r, place)) {
         const double vote[4] = {weight * normal[0], weight * normal[1], weight * normal[2], weight};
@@ -376,51 +396,57 @@ static void send_loans(const sum_rounds *r) {
 
 /* ---- rounds */
 
-typedef int count_filter(const sum_rounds *r, mpi_place place);
-static int mpi_is_shared(const sum_rounds *r, mpi_place place) {
-    (void)r;
-    return norma_mpi_kind(place) == MPI_SHARED;
+/* Of each home, at most: degenerate faces vote for nothing. */
+static void count_votes(const sum_rounds *r, int all) {
+    const mpi_sharing *sharing = r->sums->sharing;
+    memset(r->room, 0, (size_t)r->call->ranks * sizeof *r->room);
+    for (size_t c = 0; c < r->sums->prepared->mesh.corner_count; c++) {
+        if (!all && !may_be_now(r, c)) continue;
+        const mpi_place place = place_of_corner(r->sums, c);
+        if (all ? norma_mpi_kind(place) == MPI_SHARED : is_now(r, place))
+            r->room[norma_mpi_home(place)]++;
+    }
+    for (size_t i = 0; i < sharing->loan_count; i++) {
+        const mpi_place place = sharing->loans[i].place;
+        if (all || is_now(r, place)) r->room[norma_mpi_home(place)]++;
+    }
 }
 
-/* Of each home, at most: degenerate faces vote for nothing. */
-static void count_votes(const sum_rounds *r, count_filter *filter, uint64_t *counts) {
-    const mpi_sharing *sharing = r->sums->sharing;
-    memset(counts, 0, (size_t)r->call->ranks * sizeof *counts);
-    for (size_t c = 0; c < r->sums->prepared->mesh.corner_count; c++) {
+static norma_result note_rounds(sum_rounds *r) {
+    const size_t corners = r->sums->prepared->mesh.corner_count;
+    if (r->rounds == 1) return NORMA_OK;
+    r->corner_rounds = norma_core_allocate(r->call->core, corners, 1);
+    if (!r->corner_rounds) return NORMA_ERROR_MEMORY;
+    for (size_t c = 0; c < corners; c++) {
         const mpi_place place = place_of_corner(r->sums, c);
-        if (filter(r, place)) counts[norma_mpi_home(place)]++;
+        const int shared = norma_mpi_kind(place) == MPI_SHARED;
+        r->corner_rounds[c] = shared ? round_mark(round_of_slot(r, place)) : 0;
     }
-    for (size_t i = 0; i < sharing->loan_count; i++)
-        if (filter(r, sharing->loans[i].place)) counts[norma_mpi_home(sharing->loans[i].place)]++;
+    return NORMA_OK;
 }
 
 /* So many that neither what a rank sends in one nor what it receives is beyond the budget. */
 static norma_result choose_rounds(sum_rounds *r, size_t budget) {
     const size_t ranks = (size_t)r->call->ranks;
     uint64_t *counts = norma_core_allocate(r->call->core, ranks, sizeof *counts), sent = 0;
-    const norma_result result = norma_mpi_agree(r->call, counts ? NORMA_OK : NORMA_ERROR_MEMORY);
+    norma_result result = norma_mpi_agree(r->call, counts ? NORMA_OK : NORMA_ERROR_MEMORY);
     if (result == NORMA_OK) {
         size_t most = budget / (2 * norma_mpi_vote_size(r->sums->numbered));
         if (most < LEAST_VOTES) most = LEAST_VOTES;
-        count_votes(r, mpi_is_shared, counts);
-        for (size_t i = 0; i < ranks; i++) sent += counts[i];
-        MPI_Allreduce(MPI_IN_PLACE, counts, r->call->ranks, MPI_UINT64_T, MPI_SUM, r->call->comm);
+        count_votes(r, 1);
+        for (size_t i = 0; i < ranks; i++) sent += r->room[i];
+        MPI_Allreduce(r->room, counts, r->call->ranks, MPI_UINT64_T, MPI_SUM, r->call->comm);
         if (counts[r->call->rank] > sent) sent = counts[r->call->rank];
         r->rounds = norma_mpi_largest(r->call, sent / most + 1);
     }
     norma_core_release(r->call->core, counts, ranks, sizeof *counts);
-    return result;
+    return result == NORMA_OK ? norma_mpi_agree(r->call, note_rounds(r)) : result;
 }
 
 static norma_result list_votes(sum_rounds *r, mpi_lists *out) {
-    const core_call *core = r->call->core;
-    const size_t ranks = (size_t)r->call->ranks;
-    uint64_t *room = norma_core_allocate(core, ranks, sizeof *room);
-    if (!room) return NORMA_ERROR_MEMORY;
-    count_votes(r, is_now, room);
+    if (r->rounds > 1) count_votes(r, 0);
     const norma_result result =
-        norma_mpi_lists_open(r->call, room, norma_mpi_vote_size(r->sums->numbered), out);
-    norma_core_release(core, room, ranks, sizeof *room);
+        norma_mpi_lists_open(r->call, r->room, norma_mpi_vote_size(r->sums->numbered), out);
     if (result != NORMA_OK) return result;
     const mpi_visit visit = {
         r->sums->prepared, r->sums->faces, wants_face, take_vote, take_degenerate, r};
@@ -463,15 +489,18 @@ norma_result norma_mpi_sum_all(mpi_call *call, size_t budget, mpi_sums *sums) {
     sum_rounds r = {.call = call,
         .sums = sums,
         .first = norma_core_allocate(call->core, ranks, sizeof *r.first),
-        .count = norma_core_allocate(call->core, ranks, sizeof *r.count)};
+        .count = norma_core_allocate(call->core, ranks, sizeof *r.count),
+        .room = norma_core_allocate(call->core, ranks, sizeof *r.room)};
     sums->own = NULL;
     sums->outcomes = NULL;
     norma_result result = open_sums(call, sums);
-    result = norma_mpi_agree(call, r.first && r.count ? result : NORMA_ERROR_MEMORY);
+    result = norma_mpi_agree(call, r.first && r.count && r.room ? result : NORMA_ERROR_MEMORY);
     if (result == NORMA_OK) result = choose_rounds(&r, budget);
     for (; r.round < r.rounds && result == NORMA_OK; r.round++) result = mpi_run_round(&r);
     norma_core_release(call->core, r.first, ranks, sizeof *r.first);
     norma_core_release(call->core, r.count, ranks, sizeof *r.count);
+    norma_core_release(call->core, r.room, ranks, sizeof *r.room);
+    norma_core_release(call->core, r.corner_rounds, sums->prepared->mesh.corner_count, 1);
     if (result != NORMA_OK) norma_mpi_sums_close(call, sums);
     return result;
 }

@@ -70,7 +70,7 @@ void norma_mpi_add_tallies(const mpi_call *call, core_tally *tally) {
         &tally->non_finite, &tally->unreferenced, &tally->cancelled, &tally->degenerate};
     uint64_t sums[4];
     for (size_t i = 0; i < 4; i++) sums[i] = counts[i]->count;
-    MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_UINT64_T, MPI_SUM, call->comm);
+    norma_mpi_reduce(call, sums, 4, MPI_UINT64_T, MPI_SUM);
     for (size_t i = 0; i < 4; i++) {
         if (!sums[i]) continue;
         const uint64_t first =
