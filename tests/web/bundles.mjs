@@ -122,6 +122,13 @@ if (browser) {
   folder("plain", "/node_modules/norma-mesh/index.js", `<!doctype html><meta charset="utf-8"><title>x</title><script type="importmap">{ "imports": { "three": "/node_modules/three/build/three.module.js", "norma-mesh": "/node_modules/norma-mesh/index.js", "norma-mesh/three": "/node_modules/norma-mesh/three.js" } }</script><script type="module" src="start.js"></script>`);
   const server = await serve(here);
   await runs("without a bundler, by an import map", `${server.address}/plain/index.html`);
+  await attempt("the README's page without a bundler", async () => {
+    const [, snippet] = readFileSync(join(installed, "README.md"), "utf8").match(/^```html\n(.*?)^```$/ms);
+    writeFileSync(join(here, "snippet.html"), `<!doctype html><meta charset="utf-8"><title>x</title>${snippet}`);
+    const tab = await browser.open(`${server.address}/snippet.html`), title = await tab.until('document.title !== "x" && document.title', 20).catch(() => tab.said.join("; "));
+    await tab.close();
+    if (title !== "0 0 1 0 0 1 0 0 1") throw new Error(title);
+  });
   server.close();
 }
 await browser?.close();

@@ -76,6 +76,7 @@ elif [ -d "$modules/draco3dgltf" ] && [ -d "$modules/@gltf-transform" ]; then
 else
     skip "compressed glTF (draco3d is not installed: scripts/install-deps.sh)"
 fi
+if [ -d "$modules/react" ]; then relay adapters beside node adapters.mjs; else skip "Babylon.js, PlayCanvas, React (not installed: scripts/install-deps.sh)"; fi
 if [ -d "$modules/three" ]; then relay bundles beside node bundles.mjs; else skip "bundles (three.js is not installed)"; fi
 relay README beside node readme.mjs "$(realpath "$tool")" "$root/tests/cli/golden/files/roof.gltf"
 
@@ -88,7 +89,12 @@ cp examples/web/*.mjs "$user"
 
 for example in examples/web/*.mjs; do
     name=$(basename "$example" .mjs)
-    if grep -q 'from "three"' "$example" && [ ! -d "$modules/three" ]; then skip "$name (three is not installed: scripts/install-deps.sh)"; continue; fi
+    for engine in three react playcanvas @babylonjs/core; do
+        if grep -q "from \"$engine[\"/]" "$example" && [ ! -d "$modules/$engine" ]; then
+            skip "$name ($engine is not installed: scripts/install-deps.sh)"
+            continue 2
+        fi
+    done
     if ! (cd "$user" && node "$name.mjs") >"$scratch/$name.out" 2>"$scratch/$name.err"; then
         fail "examples/web/$name.mjs runs" "$(cat "$scratch/$name.err")"
         continue

@@ -7,10 +7,11 @@ import { check, finish, skip } from "./tap.mjs";
 const [tool, file] = process.argv.slice(2), modules = join(import.meta.dirname, "node_modules"), has = (name) => existsSync(join(modules, name));
 const text = readFileSync(join(modules, "norma-mesh/README.md"), "utf8");
 const blocks = [...text.matchAll(/^```js( config)?\n(.*?)^```\n(?:\n```text\n(.*?)^```)?/gms)].map(([, isConfig, code, output]) => ({ isConfig: Boolean(isConfig), code, output, title: text.slice(0, text.indexOf(code)).match(/^#+ .*$/gm).at(-1).replace(/^#+ /, "") }));
+const ENTRIES = ["three", "react", "@babylonjs", "playcanvas", "@gltf-transform"];
 const examples = blocks.filter(({ isConfig }) => !isConfig), compiled = [];
-check("the README has examples", examples.length === 7 && blocks.length === 8, blocks.length);
+check("the README has examples", examples.length === 9 && blocks.length === 10, blocks.length);
 examples.forEach(({ code, output, title }, i) => {
-  const missing = ["three", "@gltf-transform"].find((name) => code.includes(`"${name}`) && !has(name));
+  const missing = ENTRIES.find((name) => code.includes(`"${name}`) && !has(name));
   if (missing) { skip(`README, ${title} (${missing} is not installed)`); return; }
   writeFileSync(`readme-${i}.mjs`, code);
   writeFileSync(`readme-${i}.mts`, code);
@@ -20,7 +21,7 @@ examples.forEach(({ code, output, title }, i) => {
 });
 if (has("typescript")) {
   if (has("@gltf-transform")) blocks.filter(({ isConfig }) => isConfig).forEach(({ code }, i) => { writeFileSync(`readme-config-${i}.mts`, code); compiled.push(`readme-config-${i}.mts`); });
-  writeFileSync("readme.json", JSON.stringify({ compilerOptions: { strict: true, exactOptionalPropertyTypes: true, noEmit: true, module: "nodenext", target: "es2022", lib: ["es2022", "dom"], types: [], skipLibCheck: true }, files: [...compiled, ...(has("three") && has("@gltf-transform") ? ["types-others.ts"] : [])] }));
+  writeFileSync("readme.json", JSON.stringify({ compilerOptions: { strict: true, exactOptionalPropertyTypes: true, noEmit: true, module: "nodenext", target: "es2022", lib: ["es2022", "dom"], types: [], skipLibCheck: true }, files: [...compiled, ...(ENTRIES.every(has) ? ["types-others.ts"] : [])] }));
   const { status, stdout } = spawnSync(process.execPath, ["node_modules/typescript/bin/tsc", "-p", "readme.json"], { encoding: "utf8" });
   check("the examples, and uses of every call, compile in strict TypeScript", status === 0, stdout);
 } else skip("strict TypeScript (it is not installed)");

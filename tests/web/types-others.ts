@@ -1,8 +1,13 @@
-/* Uses of norma-mesh/three and norma-mesh/gltf-transform, checked by tsc --strict; what must not pass is said so. */
+/* Uses of the entries for three.js, React, Babylon.js, PlayCanvas and glTF-Transform, checked by tsc --strict; what must not pass is said so. */
+import { VertexData } from "@babylonjs/core/Meshes/mesh.vertexData.js";
 import { Document } from "@gltf-transform/core";
+import type { Mesh } from "playcanvas";
 import { BoxGeometry, type BufferGeometry } from "three";
 import type { CheckReport, Report } from "norma-mesh";
+import * as babylon from "norma-mesh/babylon";
 import { check, normals, tangents } from "norma-mesh/gltf-transform";
+import * as playcanvas from "norma-mesh/playcanvas";
+import { useCreasedGeometry } from "norma-mesh/react";
 import { computeNormals, computeTangents, load, planFor, toCreased, type GeometryPlan } from "norma-mesh/three";
 
 export async function uses(): Promise<void> {
@@ -29,4 +34,16 @@ export async function uses(): Promise<void> {
   plan.update().cancelled;
   // @ts-expect-error an unknown mode
   tangents({ mode: "fast" });
+}
+
+export function engines(data: VertexData, mesh: Mesh, geometry: BufferGeometry): void {
+  const made: VertexData = babylon.toCreased(babylon.computeNormals(data, { weld: 1e-6, rightHanded: true }), { crease: 30 });
+  babylon.computeTangents(made, { texcoord: 5, report: true }).report.degenerate satisfies number;
+  const creased: Mesh = playcanvas.toCreased(playcanvas.computeNormals(mesh), { crease: 30, report: true }).mesh;
+  playcanvas.computeTangents(creased, { texcoord: 7, negateSign: true });
+  const used: BufferGeometry = useCreasedGeometry(geometry, { crease: 30, weight: "area" });
+  // @ts-expect-error a hook gives no report
+  useCreasedGeometry(used, { report: true });
+  // @ts-expect-error Babylon.js alone has left-handed scenes
+  playcanvas.toCreased(mesh, { rightHanded: true });
 }

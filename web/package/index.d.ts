@@ -84,9 +84,16 @@ export interface TangentOptions {
   report?: boolean | undefined;
 }
 
+/** How many corners have no tangent of their own. */
+export interface TangentReport {
+  degenerate: number;
+  nonFinite: number;
+  cancelled: number;
+}
+
 export interface ReportedTangents {
   tangents: Float32Array;
-  report: { degenerate: number; nonFinite: number; cancelled: number };
+  report: TangentReport;
 }
 
 export interface PlanOptions extends Omit<MeshOptions, "report"> {

@@ -3,15 +3,12 @@ import { BufferAttribute, BufferGeometry, InterleavedBufferAttribute } from "thr
 import * as given from "./arguments.js";
 import { fail, spell } from "./arguments.js";
 import { loaded } from "./load.js";
-import { creaseVertices, gather, indexArray } from "./vertices.js";
+import { NORMAL_OPTIONS, creaseVertices, gather, indexArray, pick } from "./vertices.js";
 
 const DIRECT = [Float32Array, Float64Array, Int8Array, Uint8Array, Uint8ClampedArray, Int16Array, Uint16Array];
-const NORMAL_OPTIONS = ["weight", "weld", "nonManifold", "fallback"];
 const XYZ = 3, XYZW = 4, UV = 2;
 
 /* ---- reading geometries */
-
-const pick = (options, names) => Object.fromEntries(names.filter((name) => options[name] !== undefined).map((name) => [name, options[name]]));
 
 const needed = (geometry, name) => {
   if (!geometry?.isBufferGeometry) fail(`geometry: ${spell(geometry)} is not a BufferGeometry`);

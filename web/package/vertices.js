@@ -2,6 +2,9 @@
 
 const XYZ = 3;
 
+export const NORMAL_OPTIONS = ["weight", "weld", "nonManifold", "fallback"];
+export const pick = (options, names) => Object.fromEntries(names.filter((name) => options[name] !== undefined).map((name) => [name, options[name]]));
+
 /* The normals of a mesh with creases, one for each vertex: { count, indices, sources, values, firsts, report }. Vertices of no face get the nearest normal. */
 export function creaseVertices(norma, positions, indices, options, wantsFirsts) {
   const all = { fallback: "nearest", ...options }, cut = norma.creaseVertices(positions, indices, all, wantsFirsts), { firsts, values } = cut;
@@ -26,4 +29,11 @@ export function indexArray(indices, vertices, before) {
   const narrow = before instanceof Uint32Array || !before ? null : before.constructor, most = narrow ? 2 ** (8 * narrow.BYTES_PER_ELEMENT) - 1 : 0;
   if (narrow && vertices <= most) return new narrow(indices);
   return vertices <= 65535 && before && !(before instanceof Uint32Array) ? new Uint16Array(indices) : indices;
+}
+
+/* Triangles seen from their other side: the second and third corner change places. */
+export function turnTriangles(indices) {
+  const turned = indices.slice();
+  for (let i = 0; i + 2 < indices.length; i += 3) [turned[i + 1], turned[i + 2]] = [indices[i + 2], indices[i + 1]];
+  return turned;
 }
