@@ -45,8 +45,8 @@ if [ "$what" = all ] || [ "$what" = test ]; then
     packages="$packages clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev libjansson-dev mandoc locales clang-format glslang-tools python3"
 fi
 if [ "$what" = all ]; then
-    # admesh, lib3mf, unzip: judges of fixed STL and 3MF files; godot3-server: runs the import gate of examples/gate; spirv-cross: makes GLSL of norma.hlsl, which then runs; curl: fetches a release in the test of the action; chromium: the page's tests; mypy, pytest and meshio (a second reader): those of the Python package.
-    packages="$packages admesh lib3mf1 godot3-server unzip spirv-cross curl $web_packages chromium $python_packages mypy python3-pytest python3-meshio"
+    # admesh, lib3mf, unzip: judges of fixed STL and 3MF files; godot3-server, cargo with serde_json: run the gates of examples/gate; spirv-cross: makes GLSL of norma.hlsl, which then runs; curl: fetches a release in the test of the action; chromium: the page's tests; mypy, pytest and meshio (a second reader): those of the Python package.
+    packages="$packages admesh lib3mf1 godot3-server cargo rustc librust-serde-json-dev unzip spirv-cross curl $web_packages chromium $python_packages mypy python3-pytest python3-meshio"
 fi
 
 missing=""

@@ -1,5 +1,5 @@
 #!/bin/bash
-# examples/gate: each gate lets a good mesh through and stops a bad one. ComfyUI is a stand-in for its loader; Godot imports a project without a window; the Rust build script is not run.
+# examples/gate: each gate lets a good mesh through and stops a bad one. ComfyUI is a stand-in for its loader; Godot imports a project without a window; Debian's cargo builds a crate with Debian's serde_json.
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 cd "$root" || exit 1
@@ -80,6 +80,33 @@ if command -v ninja >/dev/null; then one_gate CMake "$scratch/run-cmake"; else s
 entry=$(sed -nE 's/^ *entry: (.*)/\1/p' "$gate/pre-commit-config.yaml")
 check "pre-commit: its command accepts a good mesh" $entry "$scratch/models/good.obj"
 check "pre-commit: its command refuses a bad one" bash -c '! $0 "$1" >/dev/null' "$entry" "$scratch/bad.obj"
+
+# ---- Rust: cargo builds a crate whose build script is the gate, from the crates that Debian installs, without a network. A build that fails leaves no program.
+if [ -x /usr/bin/cargo ] && [ -x /usr/bin/rustc ] && compgen -G "/usr/share/cargo/registry/serde_json-1*" >/dev/null; then
+    mkdir -p "$scratch/crate/src" "$scratch/crate/assets/sub" "$scratch/crate/.cargo"
+    cp "$gate/rust/build.rs" "$scratch/crate/"
+    cp "$files/cube.obj" "$scratch/crate/assets/sub/good.obj"
+    printf '[package]\nname = "gated"\nversion = "0.1.0"\nedition = "2021"\n[build-dependencies]\nserde_json = "1"\n' >"$scratch/crate/Cargo.toml"
+    printf '[source.crates-io]\nreplace-with = "debian"\n[source.debian]\ndirectory = "/usr/share/cargo/registry"\n' >"$scratch/crate/.cargo/config.toml"
+    echo 'fn main() { println!("built"); }' >"$scratch/crate/src/main.rs"
+    # crate [VARIABLE=VALUE...]: the output of what cargo builds and runs
+    crate() { (cd "$scratch/crate" && env RUSTC=/usr/bin/rustc CARGO_HOME="$scratch/cargo" "$@" timeout 300 /usr/bin/cargo run --offline); }
+    refused_crate() { # WORDS [VARIABLE=VALUE...]
+        local words=$1
+        shift
+        ! crate "$@" >"$scratch/crate.log" 2>&1 && grep -q -- "$words" "$scratch/crate.log"
+    }
+    check "Rust: a good mesh lets cargo build, and run" bash -c '[ "$(tail -1 "$0")" = built ]' <(crate 2>"$scratch/cargo.log" || tail -20 "$scratch/cargo.log")
+    cp "$scratch/zero.obj" "$scratch/crate/assets/sub/"
+    check "Rust: a new bad mesh stops it, with the rule and its cause" refused_crate "warning: assets/sub/zero.obj: error N102: .*\. Usual cause: "
+    echo "v 1 0" >"$scratch/crate/assets/sub/zero.obj"
+    check "Rust: an unreadable one does" refused_crate "warning: assets/sub/zero.obj: error N001: "
+    check "Rust: it says that norma is missing" refused_crate "none/norma: cannot be run" NORMA=none/norma
+    rm "$scratch/crate/assets/sub/zero.obj"
+    check "Rust: once the mesh is gone it builds again" bash -c '[ "$(tail -1 "$0")" = built ]' <(crate 2>&1)
+else
+    skip "Rust: cargo, rustc and serde_json of Debian are not installed"
+fi
 
 # ---- Godot: its editor, without a window, imports a project. A triangle with normals is imported, one with normals of no length is not.
 if command -v godot3-server >/dev/null && command -v python3 >/dev/null; then
