@@ -2,8 +2,8 @@
 import * as THREE from "three";
 import { computeMikkTSpaceTangents, toCreasedNormals } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import { generateTangents } from "mikktspace";
-import { load } from "norma-mesh";
-import { computeNormals, computeTangents, planFor, toCreased } from "norma-mesh/three";
+import { load, loadWorker } from "norma-mesh";
+import { computeNormals, computeTangents, planFor, planForWorker, toCreased } from "norma-mesh/three";
 import { attempt, check, finish } from "./tap.mjs";
 
 const thrown = (work) => { try { work(); return "nothing"; } catch (error) { return error.message; } };
@@ -209,6 +209,52 @@ await attempt("tangents of quantised normals are quantised, by another channel t
   const { geometry, report } = computeTangents(bytes, { texcoord: 1, mode: "steady", report: true });
   if (!(geometry.attributes.tangent.array instanceof Int8Array) || typeof report.degenerate !== "number") throw new Error("floats");
 });
+
+/* ---- planForWorker */
+{
+  const worker = await loadWorker(), shared = globalThis.SharedArrayBuffer;
+  const rippled = (geometry, time) => { const { position } = geometry.attributes; for (let i = 0; i < position.count; i++) position.setZ(i, 0.1 * Math.sin(5 * position.getX(i) + time)); };
+  const same = (a, b) => { if (!a.attributes.normal.array.every((x, i) => x === b.attributes.normal.array[i])) throw new Error("other bits"); };
+  for (const memory of ["shared memory", "messages"]) {
+    globalThis.SharedArrayBuffer = memory === "messages" ? undefined : shared;
+    await attempt(`a plan in a worker, by ${memory}: the bits of planFor, whole and for vertices that moved`, async () => {
+      const here = new THREE.PlaneGeometry(2, 2, 30, 30), there = here.clone(), near = planFor(here, { crease: 40 }), far = await planForWorker(worker, there, { crease: 40 });
+      if (!(far.bytes > 0)) throw new Error(`${far.bytes} bytes`);
+      for (const time of [0, 1]) {
+        for (const geometry of [here, there]) rippled(geometry, time);
+        near.update();
+        const { version } = there.attributes.normal, work = far.update();
+        if (there.attributes.normal.version !== version) throw new Error("written before it is there");
+        await work;
+        same(here, there);
+      }
+      for (const geometry of [here, there]) geometry.attributes.position.setZ(480, 1);
+      near.update({ moved: [480] });
+      if ((await far.update({ moved: [480], report: true })).nonFinite !== 0) throw new Error("a report");
+      same(here, there);
+      const wrong = await far.update({ moved: [961] }).catch((error) => error.message);
+      if (!/^moved: element 0 is 961/.test(wrong)) throw new Error(wrong);
+      for (const geometry of [here, there]) rippled(geometry, 2);
+      near.update();
+      await Promise.all([far.update(), far.update(), far.update({ moved: [3] })]);
+      same(here, there);
+      here.dispose();
+      there.dispose();
+      const freed = await far.update().catch((error) => error.message);
+      if (!/^plan: it has been freed/.test(freed)) throw new Error(freed);
+    });
+  }
+  globalThis.SharedArrayBuffer = shared;
+  await attempt("a plan in a worker, interleaved: normals lie where they lay", async () => {
+    const inside = interleave(new THREE.PlaneGeometry(2, 2, 10, 10), ["uv", "position", "normal"]), { normal } = inside.attributes, plain = new THREE.PlaneGeometry(2, 2, 10, 10), plan = await planForWorker(worker, inside);
+    for (const geometry of [inside, plain]) rippled(geometry, 1);
+    await plan.update();
+    if (inside.attributes.normal !== normal) throw new Error("another attribute");
+    near(inside, computeNormals(plain), 0);
+  });
+  check("without a worker it says so", /^worker: an object with nothing in it is not what loadWorker gives/.test(await planForWorker({}, new THREE.PlaneGeometry()).catch((error) => error.message)));
+  await worker.terminate();
+}
 
 /* ---- planFor */
 await attempt("a plan writes the normals of the positions that are there now", () => {

@@ -3,12 +3,12 @@ import { VertexData } from "@babylonjs/core/Meshes/mesh.vertexData.js";
 import { Document } from "@gltf-transform/core";
 import type { Mesh } from "playcanvas";
 import { BoxGeometry, type BufferGeometry } from "three";
-import type { CheckReport, Report } from "norma-mesh";
+import type { CheckReport, NormaWorker, Report } from "norma-mesh";
 import * as babylon from "norma-mesh/babylon";
 import { check, normals, tangents } from "norma-mesh/gltf-transform";
 import * as playcanvas from "norma-mesh/playcanvas";
 import { useCreasedGeometry } from "norma-mesh/react";
-import { computeNormals, computeTangents, load, planFor, toCreased, type GeometryPlan } from "norma-mesh/three";
+import { computeNormals, computeTangents, load, planFor, planForWorker, toCreased, type GeometryPlan, type WorkerGeometryPlan } from "norma-mesh/three";
 
 export async function uses(): Promise<void> {
   await load();
@@ -34,6 +34,14 @@ export async function uses(): Promise<void> {
   plan.update().cancelled;
   // @ts-expect-error an unknown mode
   tangents({ mode: "fast" });
+}
+
+export async function moving(worker: NormaWorker, geometry: BufferGeometry): Promise<number> {
+  const plan: WorkerGeometryPlan = await planForWorker(worker, geometry, { crease: 60 });
+  await plan.update({ moved: [1] });
+  // @ts-expect-error a report is not returned unless it is asked for
+  (await plan.update()).cancelled;
+  return (await plan.update({ report: true })).cancelled;
 }
 
 export function engines(data: VertexData, mesh: Mesh, geometry: BufferGeometry): void {

@@ -1,6 +1,6 @@
 /** Normals and tangents of three.js geometries. After `await load()` every call is synchronous. Angles are degrees. */
 import type { BufferGeometry } from "three";
-import type { Report, TangentReport } from "./index.js";
+import type { NormaWorker, Report, TangentReport } from "./index.js";
 import type { CreasedOptions, NormalOptions, TangentOptions as SharedTangentOptions } from "./vertices.js";
 
 export { load } from "./index.js";
@@ -42,3 +42,16 @@ export declare function computeTangents<Geometry extends BufferGeometry>(geometr
 
 /** For a geometry that moves: everything that depends on its index is done once. */
 export declare function planFor(geometry: BufferGeometry, options?: PlanForOptions): GeometryPlan;
+
+export interface WorkerGeometryPlan {
+  /** Reads the geometry's positions, once updates before it are done, and writes its normals when the promise is kept. moved: the vertices that moved since the last update. */
+  update(options: { moved?: Uint32Array | ArrayLike<number> | undefined; report: true }): Promise<Report>;
+  update(options?: { moved?: Uint32Array | ArrayLike<number> | undefined; report?: false | undefined }): Promise<void>;
+  /** Releases the memory; the geometry's dispose() does so too. */
+  free(): Promise<void>;
+  /** Bytes of WebAssembly memory that the plan holds in the worker. */
+  readonly bytes: number;
+}
+
+/** planFor in a worker (loadWorker of norma-mesh): the page's own thread only copies positions and normals. They pass through a SharedArrayBuffer where the page is cross-origin isolated, as messages elsewhere. */
+export declare function planForWorker(worker: NormaWorker, geometry: BufferGeometry, options?: PlanForOptions): Promise<WorkerGeometryPlan>;

@@ -252,4 +252,40 @@ export function planFor(geometry, options) {
   return { update, free, get bytes() { return plan.bytes; } };
 }
 
+/* Memory that a worker sees too, where there is such; arrays elsewhere are copied to it. */
+const sharedFloats = (length) => new Float32Array(globalThis.SharedArrayBuffer ? new SharedArrayBuffer(4 * length) : length);
+
+/* The same in a worker. Positions are read when update is called, or when the update before is done; normals are written when the promise is kept: nobody sees half of either. */
+export async function planForWorker(worker, geometry, options) {
+  if (typeof worker?.plan !== "function") fail(`worker: ${spell(worker)} is not what loadWorker gives`);
+  const chosen = given.options(options, "weight weld nonManifold fallback crease"), { count } = needed(geometry, "position"), positions = sharedFloats(XYZ * count);
+  const read = () => {
+    const now = needed(geometry, "position");
+    if (now.count !== count) fail(`geometry: it has ${now.count} positions, but the plan was made for ${count}`);
+    positions.set(isPlain(now, XYZ) ? now.array : numbersOf(now, XYZ));
+    return positions;
+  };
+  const plan = await worker.plan(read(), indicesOf(geometry), chosen);
+  let out = null, last = Promise.resolve(); // out: the last normals; none where an update failed, for they may have been handed over
+  const free = () => {
+    geometry.removeEventListener("dispose", free);
+    return plan.free();
+  };
+  geometry.addEventListener("dispose", free);
+  const step = async ({ moved, report }) => {
+    const before = out, asked = { moved: before ? moved : undefined, out: before ?? sharedFloats(XYZ * count), report: true };
+    out = null;
+    const updated = await plan.update(read(), asked);
+    out = updated.normals;
+    write(writable(geometry, "normal", XYZ, count), out);
+    return report ? updated.report : undefined;
+  };
+  const update = async (wanted) => {
+    const asked = given.options(wanted, "moved report"), mine = last.then(() => step(asked));
+    last = mine.catch(() => undefined);
+    return mine;
+  };
+  return { update, free, bytes: plan.bytes };
+}
+
 export { load } from "norma-mesh";
