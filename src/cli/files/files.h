@@ -51,9 +51,9 @@ typedef struct cli_files {
     cli_words words, lists; /* as given: files, folders, patterns; --files-from */
     cli_inputs inputs;      /* the files that these stand for */
     const char *output, *folder;
-    int in_place;
-    norma_file_format format; /* unknown: by each name */
-    cli_guard *guard;         /* keeps what is read from being overwritten */
+    int in_place, made_folder; /* made_folder: --out-dir did not exist */
+    norma_file_format format;  /* unknown: by each name */
+    cli_guard *guard;          /* keeps what is read from being overwritten */
 } cli_files;
 extern const cli_option cli_input_options[]; /* --input-format */
 extern const size_t cli_input_option_count;
@@ -104,7 +104,10 @@ int cli_place_outputs(const cli_subcommand *command, cli_files *files, const cha
 /* The output of an input, the caller's to free; ending (NULL: the input's own) replaces the input's
  * below --out-dir. NULL: out of memory. */
 char *cli_output_of(const cli_files *files, size_t index, const char *ending);
-int cli_make_out_dir(const cli_subcommand *command, const cli_files *files);
+int cli_make_out_dir(const cli_subcommand *command, cli_files *files);
+/* If this run has made --out-dir: takes it away, and folders below, as far as nothing is in them.
+ */
+void cli_remove_empty_folders(const cli_files *files);
 /* The folders below --out-dir that an output lies in. A status. */
 int cli_make_folders(const cli_files *files, const char *output);
 

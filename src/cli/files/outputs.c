@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 /* ---- Where the output of each input goes: the one -o, below --out-dir, or in place.
  * Below --out-dir a file that was named has its own name, a file of a folder or a pattern its place
@@ -177,13 +178,28 @@ int cli_make_folders(const cli_files *files, const char *output) {
     return result;
 }
 
-int cli_make_out_dir(const cli_subcommand *command, const cli_files *files) {
+int cli_make_out_dir(const cli_subcommand *command, cli_files *files) {
     struct stat status;
     if (!files->folder) return CLI_OK;
-    if (mkdir(files->folder, 0777) && errno != EEXIST) return fail_folder(files->folder);
+    files->made_folder = mkdir(files->folder, 0777) == 0;
+    if (!files->made_folder && errno != EEXIST) return fail_folder(files->folder);
     if (stat(files->folder, &status) || !S_ISDIR(status.st_mode))
         return cli_usage(command, "--out-dir %s is not a folder", files->folder);
     return CLI_OK;
+}
+
+/* rmdir leaves folders that hold anything. */
+void cli_remove_empty_folders(const cli_files *files) {
+    if (!files->made_folder) return;
+    for (size_t i = 0; i < files->inputs.count; ++i) {
+        char *path = cli_output_of(files, i, NULL), *slash = NULL;
+        while (path && (slash = strrchr(path, '/')) > path + strlen(files->folder)) {
+            *slash = '\0';
+            if (rmdir(path)) break;
+        }
+        free(path);
+    }
+    rmdir(files->folder);
 }
 
 /* ---- A report that goes to a file, written whole or not at all. It goes there piece
