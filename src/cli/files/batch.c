@@ -553,6 +553,7 @@ int cli_run_changer(const cli_subcommand *command, const cli_changer *changer, c
     if (status) return status;
     status = changer->prepare(command, changer->work, common.threads);
     if (!status) status = change_files(command, &common, &files, changer);
+    cli_remove_empty_folders(&files);
     cli_files_end(&files);
     return status;
 }

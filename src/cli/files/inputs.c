@@ -234,7 +234,6 @@ int cli_read_files(const cli_subcommand *command, cli_files *files, const cli_ta
 }
 
 void cli_files_end(cli_files *files) {
-    cli_remove_empty_folders(files);
     free((void *)files->words.words);
     free((void *)files->lists.words);
     cli_inputs_free(&files->inputs);

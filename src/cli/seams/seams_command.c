@@ -156,6 +156,7 @@ static int run_votes(const cli_subcommand *command, int merges, int count, char 
     int status = cli_read_files(command, &work.files, tables, CLI_COUNT(tables), count, arguments);
     if (status) return status;
     status = read_seams(command, &work, merges);
+    cli_remove_empty_folders(&work.files);
     cli_files_end(&work.files);
     return status;
 }
