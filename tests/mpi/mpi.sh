@@ -165,6 +165,14 @@ test_tool() { # TREE MPI RANKS...
     refused "ranks that disagree on the output" "$mpi" "$tree" "other paths" 'norma-mpi compute a.ply -o "$(as_rank 1 other.ply out.ply)"'
     python3 -c 'import sys; data = open(sys.argv[1], "rb").read(); open(sys.argv[2], "wb").write(data.replace(b"element vertex", b"element empty 5\nelement\tbare 2\nelement vertex", 1))' "$scratch/a.ply" "$scratch/made.ply"
     same_file "PLY with elements without properties, and a tab" "$mpi" "$tree" 2 "$scratch/made.ply"
+    # Two triangles with an edge in common, one on each of two ranks, which read two of the four vertices each. By hand: each rank asks for one vertex (4 bytes) and gets it (12); of the
+    # edge's two positions, one of the two ranks is the home, so the other one sends it (12, and 1 for its part), its vote (36) and a question (4), and gets an answer (4) and a normal (13).
+    python3 -c 'import struct, sys; open(sys.argv[1], "wb").write(b"ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n" + struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 1) + struct.pack("<B3iB3i", 3, 0, 1, 2, 3, 1, 3, 2))' "$scratch/two.ply"
+    for words in "1 0 0 0 0 0" "2 32 34 72 34 512"; do
+        read -r n sent[0] sent[1] sent[2] sent[3] sent[4] <<<"$words"
+        check "$mpi, $n ranks: the bytes that are sent, counted by hand" bash -c '. tests/mpi/launch.bash; ranks "$0" "$1" "$0/bin/norma-mpi" compute "$2" -o "$3" --json | tee "$3.json" | grep -qF "\"sent\": {\"positions\": $4, \"homes\": $5, \"votes\": $6, \"normals\": $7, \"cells\": $8, \"other\": 0}"' \
+            "$tree" "$n" "$scratch/two.ply" "$scratch/out.ply" "${sent[@]}"
+    done
     check "$mpi: an output that is replaced keeps its permissions" bash -c '. tests/mpi/launch.bash; echo old >"$2" && chmod 604 "$2" && ranks "$0" 2 "$0/bin/norma-mpi" compute "$1" -o "$2" --quiet && [ "$(stat -c %a "$2")" = 604 ] && [ "$(head -c 3 "$2")" = ply ]' "$tree" "$scratch/a.ply" "$scratch/kept.ply"
     check "$mpi: the source is no output" bash -c '. tests/mpi/launch.bash; cp "$1" "$2" && ln -f "$2" "$3" && ! ranks "$0" 2 "$0/bin/norma-mpi" compute "$2" -o "$3" 2>"$4" && grep -q "this is the input" "$4" && cmp "$1" "$2"' "$tree" "$scratch/a.ply" "$scratch/source.ply" "$scratch/link.ply" "$scratch/log"
     python3 tests/mpi/make_file.py "$scratch/a.ply" 480 # so large that MPI's own files stay below the limit

@@ -173,20 +173,15 @@ void norma_mpi_lists_close(const mpi_call *call, mpi_lists *lists) {
 
 /* ---- exchanging */
 
-static void count_sent(mpi_call *call, const mpi_lists *out) {
-    const uint64_t records = norma_mpi_lists_total(call, out) - (uint64_t)out->counts[call->rank];
-    call->messages += records;
-    call->sent += records * out->record;
-}
-
-static void mpi_pass(mpi_call *call, const mpi_lists *out, mpi_lists *in) {
+static void mpi_pass(mpi_call *call, mpi_cargo cargo, const mpi_lists *out, mpi_lists *in) {
     MPI_Datatype record;
     MPI_Type_contiguous((int)out->record, MPI_BYTE, &record);
     MPI_Type_commit(&record);
     MPI_Alltoallv(out->bytes, out->counts, out->starts, record, in->bytes, in->counts, in->starts,
         record, call->comm);
     MPI_Type_free(&record);
-    count_sent(call, out);
+    const size_t records = norma_mpi_lists_total(call, out) - (size_t)out->counts[call->rank];
+    call->sent[cargo] += records * out->record;
 }
 
 static norma_result open_received(
@@ -202,7 +197,7 @@ static norma_result open_received(
 }
 
 norma_result norma_mpi_exchange(
-    mpi_call *call, norma_result mine, const mpi_lists *out, mpi_lists *in) {
+    mpi_call *call, mpi_cargo cargo, norma_result mine, const mpi_lists *out, mpi_lists *in) {
     const size_t ranks = (size_t)call->ranks;
     int *counts = norma_core_allocate(call->core, ranks, sizeof *counts);
     *in = (mpi_lists){0};
@@ -212,7 +207,7 @@ norma_result norma_mpi_exchange(
         MPI_Alltoall(out->counts, 1, MPI_INT, counts, 1, MPI_INT, call->comm);
         result = norma_mpi_agree(call, open_received(call, counts, out->record, in));
         if (result == NORMA_OK)
-            mpi_pass(call, out, in);
+            mpi_pass(call, cargo, out, in);
         else
             norma_mpi_lists_close(call, in);
     }
@@ -220,6 +215,6 @@ norma_result norma_mpi_exchange(
     return result;
 }
 
-void norma_mpi_answer(mpi_call *call, const mpi_lists *answers, mpi_lists *in) {
-    mpi_pass(call, answers, in);
+void norma_mpi_answer(mpi_call *call, mpi_cargo cargo, const mpi_lists *answers, mpi_lists *in) {
+    mpi_pass(call, cargo, answers, in);
 }

@@ -5,12 +5,24 @@
 #include "core/call/call.h"
 #include <mpi.h>
 
+/* What is sent: positions of a file to the ranks that name them; positions to their homes, and
+ * answers; votes; normals, and questions for them; tables of cells; all else. */
+typedef enum mpi_cargo {
+    MPI_POSITIONS,
+    MPI_KEYS,
+    MPI_CONTRIBUTIONS,
+    MPI_NORMALS,
+    MPI_CELLS,
+    MPI_OTHERS,
+    MPI_CARGOS
+} mpi_cargo;
+
 typedef struct mpi_call {
     MPI_Comm comm; /* a copy of the caller's: messages of others never meet ours */
     int rank, ranks;
-    core_call *core;   /* memory, progress, options */
-    uint64_t sent;     /* bytes that left this rank, its messages to itself left out */
-    uint64_t messages; /* records in them */
+    core_call *core; /* memory, progress, options */
+    /* Bytes that left this rank for others; what ranks agree on is left out. */
+    uint64_t sent[MPI_CARGOS];
 } mpi_call;
 
 /* Collective. comm: the caller's. End frees the copy. */
@@ -65,8 +77,8 @@ static inline size_t norma_mpi_lists_total(const mpi_call *call, const mpi_lists
 /* Collective: opens in, and fills it with what the ranks have for this one, in the order of ranks.
  * mine: the result so far, agreed on first. On an error in is closed. */
 norma_result norma_mpi_exchange(
-    mpi_call *call, norma_result mine, const mpi_lists *out, mpi_lists *in);
+    mpi_call *call, mpi_cargo cargo, norma_result mine, const mpi_lists *out, mpi_lists *in);
 /* Collective: answers, of the shape of what was received, go back into the shape of what was sent.
  */
-void norma_mpi_answer(mpi_call *call, const mpi_lists *answers, mpi_lists *in);
+void norma_mpi_answer(mpi_call *call, mpi_cargo cargo, const mpi_lists *answers, mpi_lists *in);
 #endif

@@ -296,14 +296,15 @@ static norma_result fetch_some(const mpi_ply *p, size_t begin, size_t end) {
     mpi_call *call = &p->job->call;
     const size_t size = norma_large_position_size(&p->ply);
     mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
-    norma_result result = norma_mpi_exchange(call, list_wanted(p, begin, end, &out), &out, &in);
+    norma_result result =
+        norma_mpi_exchange(call, MPI_POSITIONS, list_wanted(p, begin, end, &out), &out, &in);
     if (result == NORMA_OK) {
         norma_result mine = list_positions(p, &in, &answers);
         if (mine == NORMA_OK) mine = norma_mpi_lists_like(call, &out, size, &back);
         result = norma_mpi_agree(call, mine);
     }
     if (result == NORMA_OK) {
-        norma_mpi_answer(call, &answers, &back);
+        norma_mpi_answer(call, MPI_POSITIONS, &answers, &back);
         memcpy(p->positions + (p->own + begin) * size, back.bytes, (end - begin) * size);
     }
     norma_mpi_lists_close(call, &in);
@@ -431,8 +432,8 @@ static int rank_compute(mpi_ply *p) {
     int failed = norma_mpi_failed(job, normals ? 0 : rank_fail_memory(job));
     if (!failed)
         failed = norma_mpi_failed_result(
-            job, norma_mpi_vertex_normals(job->call.comm, &mesh, p->vertex_ids, NULL, &job->options,
-                     normals, count, &job->report));
+            job, norma_mpi_normals_of(job->call.comm, job->call.sent, &mesh, p->vertex_ids, NULL,
+                     &job->options, normals, count, &job->report));
     if (!failed) failed = rank_write_output(p, normals);
     norma_core_release(&job->core, normals, count, 3 * sizeof *normals);
     return failed;

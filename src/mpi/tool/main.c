@@ -155,6 +155,9 @@ static void tool_print_text(const char *text) { /* as JSON */
     putchar('"');
 }
 
+static const char *const CARGOS[MPI_CARGOS] = {
+    "positions", "homes", "votes", "normals", "cells", "other"};
+
 static void print_json(const mpi_job *job, uint64_t memory) {
     const norma_report *r = &job->report;
     const unsigned long long vertices = job->vertices;
@@ -169,8 +172,12 @@ static void print_json(const mpi_job *job, uint64_t memory) {
     printf(", \"report\": {\"degenerate_faces\": %zu, \"cancelled\": %zu, \"unreferenced\": %zu, "
            "\"non_finite\": %zu, \"non_manifold_edges\": null, \"winding_conflicts\": null}",
         r->degenerate_faces.count, r->cancelled.count, r->unreferenced.count, r->non_finite.count);
-    printf(", \"ranks\": %d, \"most_memory_of_a_rank\": %llu}\n", job->call.ranks,
+    printf(", \"ranks\": %d, \"most_memory_of_a_rank\": %llu", job->call.ranks,
         (unsigned long long)memory);
+    for (int i = 0; i < MPI_CARGOS; i++)
+        printf("%s\"%s\": %llu", i ? ", " : ", \"sent\": {", CARGOS[i],
+            (unsigned long long)job->call.sent[i]);
+    printf("}}\n");
 }
 
 /* memory: that of the rank that needed most. */
@@ -236,6 +243,7 @@ static int tool_run_all(settings *s, int understood) {
     if (status && !job->call.rank) fprintf(stderr, "%s\n", job->message);
     if (!status) {
         const uint64_t most = norma_mpi_largest(&job->call, job->most_memory);
+        norma_mpi_reduce(&job->call, job->call.sent, MPI_CARGOS, MPI_UINT64_T, MPI_SUM);
         if (!job->call.rank) print_summary(s, most);
     }
     norma_mpi_end(&job->call);

@@ -136,14 +136,15 @@ static norma_result mpi_weld_gathered(mpi_call *call, const core_mesh *mesh, uin
     *groups = NULL;
     if (!count) scale = 0; /* a rank without positions knows none */
     norma_mpi_reduce(call, &scale, 1, MPI_DOUBLE, MPI_MAX);
-    norma_result result = norma_mpi_exchange(call, list_points(call, mesh, &out), &out, &in);
+    norma_result result =
+        norma_mpi_exchange(call, MPI_OTHERS, list_points(call, mesh, &out), &out, &in);
     if (result == NORMA_OK) {
         norma_result local = weld_points(call, &in, scale, &answers);
         if (local == NORMA_OK) local = norma_mpi_lists_like(call, &out, sizeof(uint32_t), &back);
         result = norma_mpi_agree(call, local);
     }
     if (result == NORMA_OK) {
-        norma_mpi_answer(call, &answers, &back);
+        norma_mpi_answer(call, MPI_OTHERS, &answers, &back);
         const norma_result local = read_groups(call, &back, count, groups);
         result = norma_mpi_agree(call, local);
         if (result != NORMA_OK) {
@@ -473,7 +474,7 @@ static size_t mark_of(const share_work *work, const share_cells *cells, size_t v
 
 /* Collective. Opens the marks; with a single rank there are none. */
 static norma_result mark_cells(const share_work *work, share_cells *cells) {
-    const mpi_call *call = work->call;
+    mpi_call *call = work->call;
     MPI_Datatype type;
     MPI_Op join;
     *cells = (share_cells){0};
@@ -492,6 +493,7 @@ static norma_result mark_cells(const share_work *work, share_cells *cells) {
     MPI_Type_commit(&type);
     MPI_Op_create(join_marks, 1, &join);
     norma_mpi_reduce(call, cells->marks, (int)(cells->count / 64), type, join);
+    call->sent[MPI_CELLS] += cells->count / 64 * sizeof *cells->marks;
     MPI_Op_free(&join);
     MPI_Type_free(&type);
     return NORMA_OK;
@@ -753,7 +755,7 @@ static norma_result read_answers(share_work *work, const mpi_lists *answers) {
 static norma_result run_round(share_work *work) {
     mpi_call *call = work->call;
     mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
-    norma_result result = norma_mpi_exchange(call, list_keys(work, &out), &out, &in);
+    norma_result result = norma_mpi_exchange(call, MPI_KEYS, list_keys(work, &out), &out, &in);
     if (result == NORMA_OK) {
         const norma_result mine = answer_keys(work, &in, &answers);
         const norma_result room =
@@ -762,7 +764,7 @@ static norma_result run_round(share_work *work) {
     }
     norma_mpi_lists_close(call, &in);
     norma_mpi_lists_close(call, &out);
-    if (result == NORMA_OK) norma_mpi_answer(call, &answers, &back);
+    if (result == NORMA_OK) norma_mpi_answer(call, MPI_KEYS, &answers, &back);
     norma_mpi_lists_close(call, &answers);
     if (result == NORMA_OK) result = norma_mpi_agree(call, read_answers(work, &back));
     norma_mpi_lists_close(call, &back);

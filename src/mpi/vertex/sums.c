@@ -460,7 +460,8 @@ static norma_result mpi_run_round(sum_rounds *r) {
     mpi_call *call = r->call;
     mpi_lists out = {0}, in = {0};
     begin_round(r);
-    norma_result result = norma_mpi_exchange(call, list_votes(r, &out), &out, &in);
+    norma_result result =
+        norma_mpi_exchange(call, MPI_CONTRIBUTIONS, list_votes(r, &out), &out, &in);
     norma_mpi_lists_close(call, &out);
     if (result != NORMA_OK) return result;
     const mpi_home home = {.call = call,
@@ -594,14 +595,14 @@ static norma_result receive_some(
 static norma_result hand_out_some(const hand_out *h, mpi_receiver *receive, void *context) {
     mpi_call *call = h->call;
     mpi_lists out = {0}, in = {0}, answers = {0}, back = {0};
-    norma_result result = norma_mpi_exchange(call, list_questions(h, &out), &out, &in);
+    norma_result result = norma_mpi_exchange(call, MPI_NORMALS, list_questions(h, &out), &out, &in);
     if (result == NORMA_OK) {
         norma_result mine = list_outcomes(h, &in, &answers);
         if (mine == NORMA_OK) mine = norma_mpi_lists_like(call, &out, OUTCOME_SIZE, &back);
         result = norma_mpi_agree(call, mine);
     }
     if (result == NORMA_OK) {
-        norma_mpi_answer(call, &answers, &back);
+        norma_mpi_answer(call, MPI_NORMALS, &answers, &back);
         result = norma_mpi_agree(call, receive_some(h, &back, receive, context));
     }
     norma_mpi_lists_close(call, &in);

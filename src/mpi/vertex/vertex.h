@@ -7,6 +7,12 @@
 #include "core/mesh/mesh.h"
 #include "core/vertex/vertex.h"
 
+/* ---- norma_mpi_vertex_normals; and, if sent is not NULL, what this rank sent (mpi_cargo) is added
+ * there. */
+norma_result norma_mpi_normals_of(MPI_Comm comm, uint64_t *sent, const norma_mesh *part,
+    const uint64_t *vertex_ids, const uint64_t *face_ids, const norma_options *options,
+    float *normals, size_t capacity, norma_report *report);
+
 /* ---- The faces of a part in ascending global number. */
 
 typedef struct mpi_face_order {

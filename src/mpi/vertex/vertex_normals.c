@@ -56,7 +56,7 @@ static norma_result mpi_count_missing(
     for (size_t v = 0; v < part->positions; v++) any |= reasons[v];
     if (!norma_mpi_largest(call, any)) return NORMA_OK;
     const norma_result result = norma_mpi_exchange(
-        call, list_vertices_without_normal(call, part, reasons, &out), &out, &in);
+        call, MPI_OTHERS, list_vertices_without_normal(call, part, reasons, &out), &out, &in);
     if (result == NORMA_OK) count_numbers(call, &in, tally);
     norma_mpi_lists_close(call, &out);
     norma_mpi_lists_close(call, &in);
@@ -243,6 +243,8 @@ static int ask_some(asking *a) {
     MPI_Allgather(&mine, 1, MPI_INT, a->counts, 1, MPI_INT, call->comm);
     const int all = place_counts(a);
     if (!all) return 0;
+    a->sites->call->sent[MPI_OTHERS] +=
+        (uint64_t)mine * sizeof *a->mine * (uint64_t)(call->ranks - 1);
     MPI_Allgatherv(
         a->mine, mine, a->query_type, a->all, a->counts, a->starts, a->query_type, call->comm);
     for (int i = 0; i < all; i++) a->found[i] = find_here(a->sites, a->first, &a->all[i]);
@@ -483,7 +485,7 @@ static norma_result mpi_compute(
     return result;
 }
 
-norma_result norma_mpi_vertex_normals(MPI_Comm comm, const norma_mesh *part,
+norma_result norma_mpi_normals_of(MPI_Comm comm, uint64_t *sent, const norma_mesh *part,
     const uint64_t *vertex_ids, const uint64_t *face_ids, const norma_options *options,
     float *normals, size_t capacity, norma_report *report) {
     core_call core;
@@ -493,6 +495,14 @@ norma_result norma_mpi_vertex_normals(MPI_Comm comm, const norma_mesh *part,
     const norma_result result = norma_mpi_begin(&call, comm, &core);
     if (result != NORMA_OK) return result;
     const norma_result computed = mpi_compute(&call, begun, &input, report);
+    for (int i = 0; sent && i < MPI_CARGOS; i++) sent[i] += call.sent[i];
     norma_mpi_end(&call);
     return computed;
+}
+
+norma_result norma_mpi_vertex_normals(MPI_Comm comm, const norma_mesh *part,
+    const uint64_t *vertex_ids, const uint64_t *face_ids, const norma_options *options,
+    float *normals, size_t capacity, norma_report *report) {
+    return norma_mpi_normals_of(
+        comm, NULL, part, vertex_ids, face_ids, options, normals, capacity, report);
 }
