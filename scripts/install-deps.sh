@@ -36,7 +36,7 @@ if [ "$what" = portable ]; then
 fi
 [ "$what" != analyse ] || packages="$packages clang clang-tidy"
 [ "$what" != firefox ] || packages="firefox-esr xvfb"
-[ "$what" != engines ] || packages="chromium xvfb xauth f3d godot3 python3"
+[ "$what" != engines ] || packages="chromium xvfb xauth f3d godot3 blender python3-numpy python3"
 [ "$what" != farms ] || packages="parallel snakemake python3-distributed slurm-wlm python3"
 [ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
