@@ -126,6 +126,24 @@ def _not_editable(obj: Any) -> str:
     return ""
 
 
+# Modifiers that move vertices and make none: custom normals follow them.
+_DEFORMING = frozenset(
+    "ARMATURE CAST CORRECTIVE_SMOOTH CURVE DISPLACE HOOK LAPLACIANDEFORM LAPLACIANSMOOTH LATTICE MESH_DEFORM SHRINKWRAP"
+    " SIMPLE_DEFORM SMOOTH SURFACE_DEFORM WARP WAVE".split()
+)
+
+
+def why_not_weighted(obj: Any) -> str:
+    """Why normals that are written into an object's mesh would not be the ones it is drawn with, or ""."""
+    if is_linked(obj.data):
+        return "it is linked from another file"
+    others = [modifier.name for modifier in obj.modifiers if modifier.show_viewport and modifier.type not in _DEFORMING]
+    if others:
+        them = "them" if len(others) > 1 else "it"
+        return f"apply {', '.join(others)} first, or hide {them}: the mesh that is drawn is another one"
+    return ""
+
+
 def read_mesh(mesh: Any, name: str, tangents: bool = False) -> Surface:
     """The arrays of a mesh; the mesh itself is not changed."""
     starts = _starts(mesh)
@@ -177,8 +195,17 @@ def write_corner_normals(mesh: Any, normals: np.ndarray) -> None:
     mesh.edges.foreach_set("use_edge_sharp", sharp)
     if hasattr(mesh, "use_auto_smooth"):  # before 4.1 custom normals are shown only with it
         mesh.use_auto_smooth = True
+    _drop_free_normals(mesh)
     mesh.normals_split_custom_set(normals.tolist())
     mesh.update()
+
+
+def _drop_free_normals(mesh: Any) -> None:
+    """From 4.5 on a mesh may have free normals, plain vectors that do not follow when it is deformed.
+    They have the name that others need, which cannot be written while they are there."""
+    free = mesh.attributes.get("custom_normal") if bpy.app.version >= (4, 5, 0) else None
+    if free is not None and free.data_type == "FLOAT_VECTOR":
+        mesh.attributes.remove(free)
 
 
 def apply_change(mesh: Any, surface: Surface, change: Change) -> None:
@@ -192,7 +219,7 @@ def apply_change(mesh: Any, surface: Surface, change: Change) -> None:
     mesh.update()
     left = np.flatnonzero(~change.gone)
     target = _in_order(mesh, left, wanted)
-    if custom or _differ(corner_normals(mesh), target):
+    if custom or differ(corner_normals(mesh), target):
         write_corner_normals(mesh, target)
 
 
@@ -219,7 +246,7 @@ def _in_order(mesh: Any, left: np.ndarray, wanted: dict) -> np.ndarray:
     return np.array([wanted[key] for key in zip(faces, corners)], np.float32).reshape(-1, 3)
 
 
-def _differ(a: np.ndarray, b: np.ndarray) -> bool:
+def differ(a: np.ndarray, b: np.ndarray) -> bool:
     return bool(len(a)) and float(np.linalg.norm(a - b, axis=1).max()) > 1e-3
 
 

@@ -14,6 +14,14 @@ from .surface import Surface
 from .weighted import WEIGHTS, corner_normals
 
 
+def _has_selected(operator: Any, context: Any) -> bool:
+    """Whether a mesh is selected; else the button's tooltip says what to do."""
+    if exchange.selected_meshes(context):
+        return True
+    operator.poll_message_set("Select a mesh object first")
+    return False
+
+
 def _surfaces(context: Any, objects: List[Any], tangents: bool) -> List[Surface]:
     depsgraph = context.evaluated_depsgraph_get()
     found = [exchange.read_object(obj, depsgraph, tangents) for obj in objects]
@@ -36,7 +44,7 @@ class NORMA_OT_check(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        return any(obj.type == "MESH" for obj in context.selected_objects)
+        return _has_selected(cls, context)
 
     def execute(self, context: Any) -> Any:
         try:
@@ -79,6 +87,14 @@ class NORMA_OT_show_finding(bpy.types.Operator):
     bl_label = "Show Finding"
     bl_options = {"REGISTER", "UNDO"}
     index: bpy.props.IntProperty(default=-1)
+
+    @classmethod
+    def description(cls, context: Any, properties: Any) -> str:
+        """The tooltip: the whole message."""
+        if not 0 <= properties.index < len(state.rows):
+            return cls.__doc__ or ""
+        row = state.rows[properties.index]
+        return f"{row.object or 'The whole file'}: {row.message}"
 
     def execute(self, context: Any) -> Any:
         if not 0 <= self.index < len(state.rows):
@@ -234,17 +250,35 @@ class NORMA_OT_weighted_normals(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: Any) -> bool:
-        return any(obj.type == "MESH" for obj in context.selected_objects)
+        return _has_selected(cls, context)
 
     def execute(self, context: Any) -> Any:
         if context.object is not None and context.object.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        meshes = {obj.data.name: obj.data for obj in exchange.selected_meshes(context) if not exchange.is_linked(obj.data)}
+        meshes: Dict[str, Any] = {}
+        left: List[str] = []
+        for obj in exchange.selected_meshes(context):
+            why = exchange.why_not_weighted(obj)
+            if why:
+                left.append(f"{obj.name} is left as it is: {why}")
+            else:
+                meshes[obj.data.name] = obj.data
+        changed = 0
         for name, mesh in meshes.items():
             surface = exchange.read_mesh(mesh, name)
-            weld = "exact" if self.weld else "none"
-            exchange.write_corner_normals(mesh, corner_normals(surface, self.weight, self.crease, self.keep_sharp, weld))
-        self.report({"INFO"}, f"Normals of {len(meshes)} mesh{'' if len(meshes) == 1 else 'es'} written")
+            normals = corner_normals(surface, self.weight, self.crease, self.keep_sharp, "exact" if self.weld else "none")
+            changed += exchange.differ(surface.normals, normals)
+            exchange.write_corner_normals(mesh, normals)
+        for note in left:
+            self.report({"WARNING" if meshes else "ERROR"}, note)
+        if not meshes:
+            return {"CANCELLED"}
+        said = f"Normals of {len(meshes)} mesh{'' if len(meshes) == 1 else 'es'} written"
+        if changed < len(meshes):
+            said += f"; {len(meshes) - changed} had them already" + (" (flat faces stay flat)" if self.keep_sharp else "")
+        if left:
+            said += f"; {len(left)} object{'' if len(left) == 1 else 's'} left as they are"
+        self.report({"INFO"}, said)
         return {"FINISHED"}
 
 

@@ -1,20 +1,52 @@
 """The Norma tab of the sidebar in the 3D view."""
 from __future__ import annotations
 
-import textwrap
-from typing import Any
+from typing import Any, List
 
+import blf
 import bpy
 
-from . import state
+from . import exchange, state
 
 _ICONS = {"error": "CANCEL", "warning": "ERROR", "info": "INFO"}
 
 
+def _lines(context: Any, text: str) -> List[str]:
+    """The text in lines that the panel shows whole, by what its letters take."""
+    system, style = context.preferences.system, context.preferences.ui_styles[0]
+    size = style.widget.points * system.ui_scale
+    if bpy.app.version >= (4, 0, 0):
+        blf.size(0, size)
+    else:
+        blf.size(0, size, 72)
+    room = max(context.region.width - 48 * system.ui_scale, 80)
+    lines: List[str] = []
+    for word in text.split():
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and blf.dimensions(0, longer)[0] <= room:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def _write(layout: Any, context: Any, text: str, icon: str = "NONE") -> None:
+    """Text over as many lines as it needs; the icon before the first."""
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for i, line in enumerate(_lines(context, text)):
+        column.label(text=line, icon=icon if i == 0 else "NONE" if icon == "NONE" else "BLANK1")
+
+
 class NORMA_UL_findings(bpy.types.UIList):
+    """A finding over two lines: where it is, and what; the tooltip of its button is the whole message."""
+
     def draw_item(self, context: Any, layout: Any, data: Any, item: Any, icon: Any, active_data: Any, active: Any, index: int = 0) -> None:
-        row = layout.row(align=True)
-        row.label(text=f"{item.name}  {item.title}", icon=_ICONS.get(item.severity, "DOT"))
+        column = layout.column(align=True)
+        row = column.row(align=True)
+        row.label(text=f"{item.name}  {item.object or 'whole file'}", icon=_ICONS.get(item.severity, "DOT"))
+        row.operator("norma.show_finding", text="", icon="VIEWZOOM", emboss=False).index = index
+        column.label(text=item.title.replace("-", " "))
 
 
 class _Tab:
@@ -30,27 +62,27 @@ class NORMA_PT_check(_Tab, bpy.types.Panel):
     def draw(self, context: Any) -> None:
         layout, own = self.layout, state.settings(context)
         layout.operator("norma.check", icon="VIEWZOOM")
+        if not exchange.selected_meshes(context):
+            _write(layout, context, "Nothing is selected: select the mesh objects to be checked.", "INFO")
         layout.prop(own, "profile", text="")
         row = layout.row(align=True)
-        row.prop(own, "infos", toggle=True)
+        row.prop(own, "infos", text="Infos", toggle=True)
         row.prop(own, "tangents", toggle=True)
         row.prop(own, "overlay", toggle=True)
         if own.verdict:
-            layout.label(text=own.verdict)
+            _write(layout, context, own.verdict)
         if own.findings:
             layout.template_list("NORMA_UL_findings", "", own, "findings", own, "active", rows=4)
-            self._details(own)
+            self._details(context, own)
         layout.separator()
         layout.prop(own, "check_exports")
         layout.operator("norma.check_file", icon="FILE")
 
-    def _details(self, own: Any) -> None:
+    def _details(self, context: Any, own: Any) -> None:
         layout = self.layout
         if 0 <= own.active < len(state.rows):
             finding = state.rows[own.active]
-            column = layout.column(align=True)
-            for line in textwrap.wrap(finding.message, 44):
-                column.label(text=line)
+            _write(layout, context, f"{finding.object}: {finding.message}" if finding.object else finding.message)
             if finding.fix and finding.object:
                 layout.operator("norma.fix", text=f"Fix {finding.rule}", icon="TOOL_SETTINGS").index = own.active
         row = layout.row(align=True)
@@ -65,9 +97,16 @@ class NORMA_PT_weighted(_Tab, bpy.types.Panel):
 
     def draw(self, context: Any) -> None:
         layout, own = self.layout, state.settings(context)
-        layout.use_property_split = True
-        for name in ("weight", "crease", "keep_sharp", "weld"):
+        column = layout.column()
+        column.use_property_split = True
+        for name in ("weight", "crease"):
+            column.prop(own, name)
+        for name in ("keep_sharp", "weld"):
             layout.prop(own, name)
+        for obj in exchange.selected_meshes(context):
+            why = exchange.why_not_weighted(obj)
+            if why:
+                _write(layout, context, f"{obj.name}: {why}", "ERROR")
         button = layout.operator("norma.weighted_normals", icon="NORMALS_VERTEX_FACE")
         for name in ("weight", "crease", "keep_sharp", "weld"):
             setattr(button, name, getattr(own, name))

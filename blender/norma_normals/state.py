@@ -16,6 +16,7 @@ class NormaFinding(bpy.types.PropertyGroup):
     """A line of the list; what it is about is in `rows` at the same number."""
 
     title: bpy.props.StringProperty()
+    object: bpy.props.StringProperty()
     severity: bpy.props.StringProperty()
 
 
@@ -73,7 +74,7 @@ def show(context: Any, found: List[Row], verdict: str) -> None:
     for row in found:
         item = own.findings.add()
         item.name = row.rule
-        item.title = f"{row.object}: {row.name}" if row.object else row.name
+        item.title, item.object = row.name, row.object
         item.severity = row.severity
     own.active = -1  # nothing is chosen yet
     own.verdict = verdict

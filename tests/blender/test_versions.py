@@ -1,5 +1,5 @@
 """The calls that differ between Blender's versions, from the zip, with stand-ins for what Blender 3.4 and
-4.2 have: each stand-in has just the names of its version, and any other is an AttributeError.
+later versions have: each stand-in has just the names of its version, and any other is an AttributeError.
 
     test_versions.py ADD-ON.zip [-v]
 """
@@ -19,11 +19,12 @@ with zipfile.ZipFile(ZIP) as archive:
     archive.extractall(folder.name)
 package = types.ModuleType("norma_normals")
 package.__path__ = [os.path.join(folder.name, "norma_normals")]
-bpy, gpu = mock.MagicMock(), mock.MagicMock()
-bpy.types.PropertyGroup = object
-sys.modules.update(norma_normals=package, bpy=bpy, bmesh=mock.MagicMock(), gpu=gpu, gpu_extras=mock.MagicMock())
+bpy, gpu, blf = mock.MagicMock(), mock.MagicMock(), mock.MagicMock()
+bpy.types.PropertyGroup = bpy.types.Panel = bpy.types.UIList = object
+bpy.app.version = (3, 4, 1)
+sys.modules.update(norma_normals=package, bpy=bpy, bmesh=mock.MagicMock(), blf=blf, gpu=gpu, gpu_extras=mock.MagicMock())
 sys.modules["gpu_extras.batch"] = mock.MagicMock()
-from norma_normals import exchange, overlay  # noqa: E402
+from norma_normals import exchange, overlay, panel  # noqa: E402
 
 NORMALS = np.float32([[0, 0, 1], [0, 1, 0], [1, 0, 0]])
 
@@ -76,6 +77,16 @@ class Mesh41(Mesh):
         self.corner_normals = Collection(3, vector=NORMALS)
 
 
+class Mesh45(Mesh41):
+    """With free normals, which have the name that others need."""
+
+    def __init__(self, data_type):
+        super().__init__()
+        self.attributes = {"custom_normal": types.SimpleNamespace(data_type=data_type)}
+        self.removed = []
+        self.attributes = types.SimpleNamespace(get=self.attributes.get, remove=self.removed.append)
+
+
 def material(version, method="OPAQUE", value=1.0, source=None):
     links = [types.SimpleNamespace(from_node=source)] if source else []
     alpha = types.SimpleNamespace(is_linked=bool(links), links=links, default_value=value)
@@ -101,6 +112,37 @@ class Versions(unittest.TestCase):
             self.assertTrue(mesh.polygons.values["use_smooth"].all())
             self.assertEqual(len(mesh.edges.values["use_edge_sharp"]), 3)
             self.assertEqual(getattr(mesh, "use_auto_smooth", None), True if isinstance(mesh, Mesh34) else None)
+
+    def test_free_normals_make_room(self):
+        for data_type, count in (("FLOAT_VECTOR", 1), ("INT16_2D", 0)):
+            mesh = Mesh45(data_type)
+            with mock.patch.object(bpy.app, "version", (4, 5, 0)):
+                exchange.write_corner_normals(mesh, NORMALS)
+            self.assertEqual(mesh.custom, NORMALS.tolist())
+            self.assertEqual(len(mesh.removed), count)
+        mesh = Mesh45("FLOAT_VECTOR")  # before 4.5 the name is any attribute's
+        with mock.patch.object(bpy.app, "version", (4, 4, 0)):
+            exchange.write_corner_normals(mesh, NORMALS)
+        self.assertEqual(mesh.removed, [])
+
+    def test_messages_are_whole(self):
+        """Each letter 7 pixels wide: no line is wider than the panel, no word is lost."""
+        blf.dimensions.side_effect = lambda font, text: (7 * len(text), 11)
+        system = types.SimpleNamespace(ui_scale=1)
+        style = types.SimpleNamespace(widget=types.SimpleNamespace(points=11))
+        text = "neighbouring faces are wound against each other at 12 edges: 6 faces to turn"
+        for version in ((3, 4, 1), (4, 2, 0)):
+            for width in (160, 220, 400):
+                bpy.app.version = version
+                context = types.SimpleNamespace(
+                    preferences=types.SimpleNamespace(system=system, ui_styles=[style]), region=types.SimpleNamespace(width=width)
+                )
+                blf.size.reset_mock()
+                lines = panel._lines(context, text)
+                self.assertEqual(" ".join(lines), text)
+                self.assertLessEqual(max(7 * len(line) for line in lines), width - 48)
+                self.assertEqual(len(blf.size.call_args.args), 3 if version < (4, 0, 0) else 2)
+        bpy.app.version = (3, 4, 1)
 
     def test_texture_coordinates_are_read(self):
         expected = np.float32([[0, 0], [1, 0], [1, 1]])
