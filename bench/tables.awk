@@ -1,5 +1,5 @@
 # tables.awk: the tables of docs/speed.md from what make bench left in build/bench, as Markdown. Bold figures miss their target.
-#   awk -v table=rivals|core|dress|rest|real|files -f bench/tables.awk build/bench/FILE
+#   awk -v table=rivals|skins|core|dress|rest|real|files -f bench/tables.awk build/bench/FILE
 function bold(text, verdict) { return verdict == "over" ? "**" text "**" : text }
 function put(row, column, text) {
     if (!(row in seen)) { seen[row] = 1; rows[++count] = row }
@@ -25,13 +25,16 @@ BEGIN {
     name["default"] = "vertex normals, angle, equal positions share"
     name["corners"] = "corner normals, crease 60"
     if (table == "rivals") { FS = "\t"; print "| library and call | weight | rows, ns | shuffled, ns | off, degrees |\n|---|---|---|---|---|" }
+    if (table == "skins") { FS = "\t"; print "| library and call | ns a vertex | times a copy (target) |\n|---|---|---|" }
     if (table == "core") print "| | 1 thread, ns | times a copy (target) | 2 threads, ns | times a copy (target) |\n|---|---|---|---|---|"
     if (table == "dress") print "| | plain | quads (1.5) | 16-bit corners (1.25) | doubles (1.8) | AVX2 (1.3) |\n|---|---|---|---|---|---|"
     if (table == "rest") print "| | measured | target |\n|---|---|---|"
     if (table == "real") print "| mesh | triangles | by index | default | corners 60 | corners 60, 2 threads |\n|---|---|---|---|---|---|"
     if (table == "files") print "| | MB in | MB out | `cp` | 1 thread | 2 threads | target | memory ÷ input |\n|---|---|---|---|---|---|---|---|"
 }
-table == "rivals" && NF >= 8 {
+function of_skins() { return $2 ~ /skinned|blend/ }
+table == "skins" && NF >= 8 && of_skins() { print "| " $1 ", " $2 " | " $6 " | " ($2 == "skinned normals" ? bold($7 "x", $7 > 4 ? "over" : "") " (4x)" : $7 "x") " |" }
+table == "rivals" && NF >= 8 && !of_skins() {
     row = $1 ", " $2 " | " ($3 == "-" ? "" : $3)
     put(row, $4 == "shuffled" ? 2 : 1, $6)
     if ($8 != "-") put(row, 3, $8)

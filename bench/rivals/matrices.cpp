@@ -1,15 +1,16 @@
 // Normal matrices of a million models, and ten million normals through one: Norma, glm, cglm,
-// Eigen.
+// Eigen. A million vertices of a skin, each moved by four of 64 joints: Norma, glm.
 #include "rival.hpp"
 #include <Eigen/Dense>
 #include <cglm/cglm.h>
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_inverse.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
 using namespace rival;
 
-static const size_t MODELS = 1000000, NORMALS = 10000000;
+static const size_t MODELS = 1000000, NORMALS = 10000000, SKINNED = 1000000, JOINTS = 64;
 
 static std::vector<float> make_models() {
     std::vector<float> models(16 * MODELS);
@@ -103,8 +104,73 @@ static void many_normals() {
     });
 }
 
+// Joints turn and stretch, so that the normal matrix of a blend is not the blend itself.
+static std::vector<glm::mat4> make_joints() {
+    std::vector<glm::mat4> joints(JOINTS);
+    for (size_t j = 0; j < JOINTS; ++j) {
+        const float a = float(j);
+        const glm::vec3 axis(std::cos(a), std::sin(a), .5f);
+        joints[j] = glm::rotate(glm::translate(glm::mat4(1), axis), .02f * a, glm::normalize(axis));
+        joints[j] = glm::scale(joints[j], glm::vec3(1, 1 + .01f * a, 1.5f));
+    }
+    return joints;
+}
+
+static void skinned_vertices() {
+    const std::vector<glm::mat4> matrices = make_joints();
+    std::vector<uint16_t> joints(4 * SKINNED);
+    std::vector<float> weights(4 * SKINNED), in(3 * SKINNED), out(3 * SKINNED);
+    uint32_t state = 1;
+    const auto random = [&state] { return (state = state * 1664525u + 1013904223u) >> 8; };
+    for (size_t i = 0; i < SKINNED; ++i) {
+        const glm::vec3 v(float(random()) - 8e6f, float(random()) - 8e6f, float(random()) - 8e6f);
+        std::memcpy(&in[3 * i], glm::value_ptr(glm::normalize(v)), 12);
+        const glm::vec4 w(random(), random(), random(), random());
+        std::memcpy(&weights[4 * i], glm::value_ptr(w / (w.x + w.y + w.z + w.w)), 16);
+        for (size_t k = 0; k < 4; ++k) joints[4 * i + k] = uint16_t(random() % JOINTS);
+    }
+    norma_skin skin = {};
+    skin.matrices = glm::value_ptr(matrices[0]), skin.joint_count = JOINTS;
+    skin.joints = joints.data(), skin.weights = weights.data();
+    skin.influences = 4, skin.vertex_count = SKINNED;
+    norma_options one_thread = {};
+    one_thread.struct_size = sizeof one_thread, one_thread.threads = 1;
+    const norma_vec3_view view = {in.data(), SKINNED, 0, NORMA_FORMAT_FLOAT};
+    const double copy = copy_seconds(24 * SKINNED); // 12 + 8 + 16 bytes are read, 12 written
+    auto tell = [&](const char *library, const char *call, const std::function<void()> &work) {
+        print(library, call, "-", "-", SKINNED,
+            least(
+                15, [] {}, work),
+            copy, -1);
+    };
+    const auto blend = [&](size_t i) {
+        const uint16_t *j = &joints[4 * i];
+        const float *w = &weights[4 * i];
+        return w[0] * matrices[j[0]] + w[1] * matrices[j[1]] + w[2] * matrices[j[2]] +
+               w[3] * matrices[j[3]];
+    };
+    tell("Norma", "skinned positions",
+        [&] { norma_skin_positions(&skin, view, &one_thread, out.data(), SKINNED); });
+    tell("glm", "blended mat4 * vec4", [&] {
+        for (size_t i = 0; i < SKINNED; ++i) {
+            const glm::vec3 p = blend(i) * glm::vec4(glm::make_vec3(&in[3 * i]), 1);
+            std::memcpy(&out[3 * i], glm::value_ptr(p), 12);
+        }
+    });
+    tell("Norma", "skinned normals",
+        [&] { norma_skin_normals(&skin, view, &one_thread, out.data(), SKINNED, nullptr); });
+    tell("glm", "normalize(inverseTranspose(mat3(blend)) * vec3)", [&] {
+        for (size_t i = 0; i < SKINNED; ++i) {
+            const glm::vec3 n = glm::normalize(
+                glm::inverseTranspose(glm::mat3(blend(i))) * glm::make_vec3(&in[3 * i]));
+            std::memcpy(&out[3 * i], glm::value_ptr(n), 12);
+        }
+    });
+}
+
 int main() {
     many_matrices();
     many_normals();
+    skinned_vertices();
     return 0;
 }
