@@ -38,7 +38,7 @@ fi
 [ "$what" != firefox ] || packages="firefox-esr xvfb"
 [ "$what" != engines ] || packages="chromium xvfb xauth f3d godot3 blender python3-numpy python3"
 [ "$what" != farms ] || packages="parallel snakemake python3-distributed slurm-wlm python3"
-[ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich"
+[ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich python3-mpi4py python3-meshio python3-h5py"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ] || [ "$what" = test ]; then
     # clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; jansson: a second reader of glTF in fuzz targets; mandoc: the manual's lint; glslang: compiles the shaders of the guide; python3: makes files.

@@ -184,6 +184,13 @@ test_tool() { # TREE MPI RANKS...
         killed "while the output is written" "$mpi" "$tree" "$n" 'compgen -G ".norma-*.tmp" >/dev/null'
     done
     check "$mpi: the example of a solver's seams" bash -c '. tests/mpi/launch.bash; ranks "$0" 4 "$0/examples/solver_seams" | tee "$1" | grep -q "norma_mpi_vertex_normals: *0.0 %" && ! grep -q "by itself: *0.0 %" "$1"' "$tree" "$scratch/seams"
+    if [ "$mpi" != mpich ] && ldd "$tree/lib/libnorma-mpi.so" | grep -q libmpi.so.40 && /usr/bin/python3 -c 'import mpi4py' 2>/dev/null; then # Debian's is built with Open MPI
+        for n in 1 2 3 5; do ranks "$tree" "$n" /usr/bin/python3 examples/mpi/mpi4py_seams.py "$tree/lib/libnorma-mpi.so"; done >"$scratch/mpi4py" 2>&1
+        check "$mpi: the example with mpi4py: exact normals, the same bits on 1, 2, 3 and 5 ranks" bash -c '[ "$(grep "^norma_mpi_vertex_normals: *worst *0.0000" "$0" | sort | uniq -c | awk "{print \$1}")" = 4 ]' "$scratch/mpi4py"
+        check "$mpi: and plain sums are wrong, by degrees, differently on each" bash -c '[ "$(grep -cE "^sums .* worst +[2-9]\." "$0")" = 4 ] && [ "$(grep "^sums" "$0" | sort -u | wc -l)" = 4 ]' "$scratch/mpi4py"
+    else
+        skip "$mpi: the example with mpi4py (Debian's python3-mpi4py, for Open MPI)"
+    fi
     if [ -x "$tree/examples/petsc_seams" ]; then
         check "$mpi: the example with PETSc has the same bits on 1, 2 and 5 ranks" bash -c '. tests/mpi/launch.bash; for n in 1 2 5; do ranks "$0" "$n" "$0/examples/petsc_seams"; done >"$1" && [ "$(grep "norma_mpi_vertex_normals: *0.0 %" "$1" | sort | uniq -c | awk "{print \$1}")" = 3 ] && [ "$(grep "by itself" "$1" | sort -u | wc -l)" = 3 ]' "$tree" "$scratch/petsc"
     fi

@@ -1,0 +1,107 @@
+"""Normals of a mesh whose faces lie on the ranks of mpi4py, by norma_mpi_vertex_normals through ctypes.
+
+A slope of small triangles with high, thin walls on it. Where a wall stands, its two sides weigh up to a million times as much as the slope, and cancel. Ranks that add up their own faces in
+float32, and then the sums of all ranks (Allreduce), get normals that are off by degrees and that depend on the number of ranks. libnorma-mpi sums at one place, in doubles and in the order of faces.
+
+    mpirun -n 4 python3 mpi4py_seams.py [LIBRARY]    LIBRARY: libnorma-mpi.so, of the MPI that mpi4py was built with
+"""
+import ctypes
+import hashlib
+import sys
+
+import numpy as np
+from mpi4py import MPI
+
+
+class View(ctypes.Structure):
+    _fields_ = [("data", ctypes.c_void_p), ("count", ctypes.c_size_t), ("stride", ctypes.c_size_t), ("format", ctypes.c_int)]
+
+
+class Mesh(ctypes.Structure):
+    _fields_ = [("positions", View), ("corners", ctypes.c_void_p), ("corner_count", ctypes.c_size_t), ("corner_size", ctypes.c_size_t),
+                ("face_starts", ctypes.c_void_p), ("face_count", ctypes.c_size_t), ("smoothing_groups", ctypes.c_void_p), ("hard_edges", ctypes.c_void_p)]
+
+
+class Options(ctypes.Structure):  # as in norma.h; zeros are the defaults
+    _fields_ = [("struct_size", ctypes.c_size_t), ("weight", ctypes.c_int), ("weld", ctypes.c_int), ("weld_distance", ctypes.c_double),
+                ("non_manifold", ctypes.c_int), ("fallback", ctypes.c_int), ("fallback_normal", ctypes.c_float * 3), ("normal_stride", ctypes.c_size_t),
+                ("reasons", ctypes.c_void_p), ("threads", ctypes.c_uint32), ("isa", ctypes.c_int), ("allocator", ctypes.c_void_p * 3),
+                ("parallel_for", ctypes.c_void_p), ("parallel_for_user", ctypes.c_void_p), ("progress", ctypes.c_void_p), ("progress_user", ctypes.c_void_p)]
+
+
+FORMAT_DOUBLE = 1
+WEIGHT_AREA = 1
+
+
+def normals_of(library, comm, points, corners, vertex_ids, face_ids):
+    """points: (n, 3) doubles, those that the faces of this rank use; corners: (m, 3) uint32; ids: uint64. Returns (n, 3) floats."""
+    handle = (ctypes.c_int if MPI._sizeof(MPI.Comm) == ctypes.sizeof(ctypes.c_int) else ctypes.c_void_p).from_address(MPI._addressof(comm))
+    mesh = Mesh(View(points.ctypes.data, len(points), 0, FORMAT_DOUBLE), corners.ctypes.data, corners.size)
+    options = Options(struct_size=ctypes.sizeof(Options), weight=WEIGHT_AREA)
+    normals = np.zeros((len(points), 3), np.float32)
+    result = library.norma_mpi_vertex_normals(
+        handle, ctypes.byref(mesh), ctypes.c_void_p(vertex_ids.ctypes.data), ctypes.c_void_p(face_ids.ctypes.data), ctypes.byref(options),
+        ctypes.c_void_p(normals.ctypes.data), ctypes.c_size_t(len(points)), None)
+    if result:
+        raise RuntimeError("norma_mpi_vertex_normals: %d" % result)
+    return normals
+
+
+SIDE, HIGH, EVERY = 65, 1200.0, 8  # vertices along the slope, height of walls in squares, columns between walls
+
+
+def whole():
+    """All points (the slope's first), all faces."""
+    x, y = np.meshgrid(np.arange(SIDE), np.arange(SIDE))
+    slope = np.stack([x, y, 0.3 * x + 0.7 * y], -1).reshape(-1, 3).astype(float)
+    at = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
+    a, b, c, d = (part.ravel() for part in (at[:-1, :-1], at[:-1, 1:], at[1:, 1:], at[1:, :-1]))
+    feet = at[:, EVERY // 2::EVERY]
+    top = len(slope) + np.arange(feet.size).reshape(feet.shape)
+    p, q, r, s = (part.ravel() for part in (feet[:-1], feet[1:], top[1:], top[:-1]))
+    front = np.concatenate([np.stack([p, q, r], -1), np.stack([p, r, s], -1)])
+    faces = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1), front, front[:, ::-1]])
+    way = np.arange(feet.size) * 1.7
+    return np.concatenate([slope, slope[feet.ravel()] + HIGH * np.stack([np.sin(way), np.cos(way), np.ones_like(way)], -1)]), faces.astype(np.uint32)
+
+
+def naive(comm, points, faces):
+    """Each rank adds up what its faces weigh, MPI adds up the ranks."""
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    votes = (0.5 * np.cross(b - a, c - a)).astype(np.float32)
+    mine = np.zeros(points.shape, np.float32)
+    for k in range(3):
+        np.add.at(mine, faces[:, k], votes)
+    sums = np.empty_like(mine)
+    comm.Allreduce(mine, sums)
+    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-30)
+
+
+def main():
+    comm = MPI.COMM_WORLD
+    library = ctypes.CDLL(sys.argv[1] if len(sys.argv) > 1 else "libnorma-mpi.so")
+    points, faces = whole()
+    owners = np.random.default_rng(1).integers(0, comm.size, len(faces))  # any distribution will do
+    face_ids = np.flatnonzero(owners == comm.rank).astype(np.uint64)
+    vertex_ids, corners = np.unique(faces[face_ids], return_inverse=True)
+    corners = corners.reshape(-1, 3).astype(np.uint32)
+    ours = normals_of(library, comm, points[vertex_ids].copy(), corners, vertex_ids.astype(np.uint64), face_ids)
+    parts = comm.gather((vertex_ids, ours))
+    summed = naive(comm, points, faces[face_ids])
+    if comm.rank:
+        return
+    joined = np.zeros(points.shape, np.float32)
+    for ids, normals in parts:
+        joined[ids] = normals
+    exact = np.array([-0.3, -0.7, 1]) / np.sqrt(1 + 0.3**2 + 0.7**2)  # of the slope; walls cancel
+    for name, normals in (("sums of float32, Allreduce:", summed), ("norma_mpi_vertex_normals:", joined)):
+        slope = normals[:SIDE * SIDE].astype(float)
+        lengths = np.linalg.norm(slope, axis=1)
+        if not (lengths > 0.99).all():
+            raise RuntimeError("%s %d normals are missing" % (name, (lengths <= 0.99).sum()))
+        worst = np.degrees(np.arctan2(np.linalg.norm(np.cross(slope, exact), axis=1), slope @ exact)).max()
+        bits = hashlib.sha256(normals[:SIDE * SIDE].astype(np.float32).tobytes()).hexdigest()[:16]
+        print("%-28s worst %8.5f degrees, bits %s" % (name, worst, bits))
+
+
+main()
