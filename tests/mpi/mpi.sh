@@ -191,6 +191,13 @@ test_tool() { # TREE MPI RANKS...
     else
         skip "$mpi: the example with mpi4py (Debian's python3-mpi4py, for Open MPI)"
     fi
+    for words in vtk vtu xdmf; do
+        if ! /usr/bin/python3 -c 'import meshio, sys; (sys.argv[1] == "xdmf") and __import__("h5py")' $words 2>/dev/null; then
+            skip "$mpi: the example with meshio, $words (Debian's python3-meshio and python3-h5py)"
+            continue
+        fi
+        check "$mpi: the example with meshio, $words: a sphere's normals, all else as it was" bash -c '. tests/mpi/launch.bash; launcher=$(sed -n "s/^MPIEXEC_EXECUTABLE:[A-Z]*=//p" "$0/CMakeCache.txt"); /usr/bin/python3 tests/mpi/meshio_cases.py examples/mpi/with_meshio.py "$1" "$2" "$launcher" -n 2 "$0/bin/norma-mpi" compute' "$tree" "$scratch" $words
+    done
     if [ -x "$tree/examples/petsc_seams" ]; then
         check "$mpi: the example with PETSc has the same bits on 1, 2 and 5 ranks" bash -c '. tests/mpi/launch.bash; for n in 1 2 5; do ranks "$0" "$n" "$0/examples/petsc_seams"; done >"$1" && [ "$(grep "norma_mpi_vertex_normals: *0.0 %" "$1" | sort | uniq -c | awk "{print \$1}")" = 3 ] && [ "$(grep "by itself" "$1" | sort -u | wc -l)" = 3 ]' "$tree" "$scratch/petsc"
     fi
