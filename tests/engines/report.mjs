@@ -51,7 +51,7 @@ const lines = [
   `How ${count} engines, and \`norma render\`, draw \`norma-acid.glb\` (see [acid.md](acid.md)), each with its own glTF loader and its default`,
   "material, headless and in software. `make engines` installs them, draws the scene, has `norma acid --judge` read the pictures, and writes",
   "this page; `tests/engines` has a harness of at most 60 lines for each. For each cell that does not pass, the text below names the file or",
-  "function in the engine's source that causes it.", "",
+  "function in the engine's source that causes it. Packages from npm were read as installed, in the version that the table names.", "",
   "| Engine | Date | pass | fail | missing | unclear | skipped |", "|---|---|---|---|---|---|---|",
   ...shown.map(([name, { engine, date, summary: s }]) => `| [${engine}](#${name}) | ${date} | ${s.pass} | ${s.fail} | ${s.missing} | ${s.unclear} | ${s.skipped} |`), "",
   "## Cells", "",
