@@ -22,7 +22,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 what=${1:-all}
 
 # g++: the one file that calls libdraco.
-packages="gcc g++ libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libdraco-dev libpng-dev libjpeg-dev zlib1g-dev libexpat1-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
+packages="gcc g++ libc6-dev make cmake ninja-build pkg-config libmeshoptimizer-dev libdraco-dev libpng-dev libjpeg-dev zlib1g-dev libegl-dev libgles-dev libegl1 libgl1-mesa-dri"
 python_packages="python3-dev python3-numpy python3-setuptools python3-wheel python3-venv"
 web_packages="clang lld wasi-libc libclang-rt-dev-wasm32 esbuild"
 [ "$what" != web ] || packages=$web_packages

@@ -3,7 +3,7 @@
 #   scripts/python.sh            builds
 #   scripts/python.sh sanitize   the same with the address sanitizer, in build/python-asan
 # Without Draco, whose archive would need the C++ library of the system that the wheel is for.
-# The wheel carries the shared libraries of meshoptimizer, libpng, zlib, libjpeg and expat beside the tool and the extension. Its tag is that of this platform; where auditwheel is
+# The wheel carries the shared libraries of meshoptimizer, libpng, zlib and libjpeg beside the tool and the extension. Its tag is that of this platform; where auditwheel is
 # installed, the wheel is repaired to manylinux. Elsewhere: the same commands; on macOS `delocate-wheel`, on Windows nothing more.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -30,7 +30,7 @@ package=$place/source/norma_mesh
 mkdir -p "$package/bin" "$package/lib"
 install -m 755 "$place/tree/bin/norma" "$package/bin/norma"
 [ -n "$kind" ] || strip "$package/bin/norma"
-for library in $(ldd "$place/tree/bin/norma" | sed -nE 's/.*lib(norma|meshoptimizer|png|jpeg|z|expat)[^ ]* => ([^ ]+).*/\2/p'); do
+for library in $(ldd "$place/tree/bin/norma" | sed -nE 's/.*lib(norma|meshoptimizer|png|jpeg|z)[^ ]* => ([^ ]+).*/\2/p'); do
     cp -L "$library" "$package/lib/"
 done
 [ -n "$kind" ] || strip "$package"/lib/libnorma.so.*

@@ -22,7 +22,6 @@ const known = {
     png: ["libpng-2.0", "http://www.libpng.org/pub/png/libpng.html", "RUNTIME_DEPENDENCY_OF", "the library: looks into normal maps; the tool: writes pictures", "libpng-dev"],
     jpeg: ["IJG AND BSD-3-Clause AND Zlib", "https://libjpeg-turbo.org/", "RUNTIME_DEPENDENCY_OF", "the library: looks into normal maps; the tool: reads images", "libjpeg-dev"],
     zlib: ["Zlib", "https://zlib.net/", "RUNTIME_DEPENDENCY_OF", "the library: the members of a 3MF", "zlib1g-dev"],
-    expat: ["MIT", "https://libexpat.github.io/", "RUNTIME_DEPENDENCY_OF", "the library: the XML of a 3MF", "libexpat1-dev"],
     egl_headers: ["Apache-2.0 AND MIT", "https://registry.khronos.org/EGL/", "BUILD_DEPENDENCY_OF", "the tool: headers of EGL and OpenGL ES 3; their libraries are opened when a picture is drawn", "libegl-dev, libgles-dev"],
     cmocka: ["Apache-2.0", "https://cmocka.org/", "TEST_DEPENDENCY_OF", "unit tests", "libcmocka-dev"],
     gmp: ["LGPL-3.0-or-later OR GPL-2.0-or-later", "https://gmplib.org/", "TEST_DEPENDENCY_OF", "the accuracy oracle", "libgmp-dev"],

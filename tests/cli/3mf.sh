@@ -1,6 +1,6 @@
 #!/bin/bash
 # 3MF with the 3MF Consortium's samples: what must be read is read, what breaks the core specification is refused, and fixes give back what was there before triangles were
-# turned. Judges: the text before the damage, byte for byte; unzip; lib3mf (is each mesh manifold and oriented?); Python's zipfile, for the other members' packed bytes.
+# turned. Judges: the text before the damage, byte for byte; unzip; lib3mf (is each mesh manifold and oriented?); Python's zipfile, for the other members' packed bytes; expat, for what is XML.
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 norma=${NORMA_BIN:-$tree/bin/norma}
@@ -63,6 +63,7 @@ check "all 38 files that must fail are in the table" test "${judged:-0}" -eq 38
 
 if command -v python3 >/dev/null && command -v unzip >/dev/null; then
     relay "turned triangles" python3 "$root/tests/cli/judge_3mf.py" "$norma" "$scratch" "$suite"/MUSTPASS/*.3mf "$samples"/examples/*/*.3mf
+    relay "XML that is broken a little" python3 "$root/tests/cli/judge_xml.py" "$norma" "$scratch"
 else
     skip "no python3 or no unzip"
 fi

@@ -37,7 +37,7 @@ for path in "$modules"/* "$modules"/@*/*; do
     [ ! -e "$path" ] || [[ $name == @* && $name != */* ]] || { mkdir -p "$(dirname "$user/node_modules/$name")" && ln -s "$path" "$user/node_modules/$name"; }
 done
 
-check "the native program compiles" gcc -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -O1 -Iinclude tests/web/native.c -o "$scratch/native" "$tree/lib/libnorma.a" -lmeshoptimizer -ldraco -lstdc++ -lpng -ljpeg -lz -lexpat -lm -pthread
+check "the native program compiles" gcc -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -O1 -Iinclude tests/web/native.c -o "$scratch/native" "$tree/lib/libnorma.a" -lmeshoptimizer -ldraco -lstdc++ -lpng -ljpeg -lz -lm -pthread
 relay bits node tests/web/bits.mjs "$installed" "$scratch/native"
 relay calls node tests/web/calls.mjs "$installed"
 relay arguments node tests/web/arguments.mjs "$installed"
@@ -82,7 +82,7 @@ relay README beside node readme.mjs "$(realpath "$tool")" "$root/tests/cli/golde
 
 # What the page makes of a file, with the sanitizers of a native compiler.
 check "the model's files compile under the sanitizers" gcc -std=c11 -g -O1 -fsanitize=address,undefined -fno-sanitize-recover=all -Wno-attributes -Iinclude -Isrc tests/web/model.c \
-    web/page/model/model.c web/page/model/recompute.c web/page/model/crease_slider.c web/page/model/shown_findings.c web/page/model/pick.c web/package/wasm/calls.c web/page/model/model_pack.c web/page/model/pack_findings.c web/page/model/pack_materials.c -o "$scratch/model" "$tree/lib/libnorma.a" -lmeshoptimizer -ldraco -lstdc++ -lpng -ljpeg -lz -lexpat -lm -pthread
+    web/page/model/model.c web/page/model/recompute.c web/page/model/crease_slider.c web/page/model/shown_findings.c web/page/model/pick.c web/package/wasm/calls.c web/page/model/model_pack.c web/page/model/pack_findings.c web/page/model/pack_materials.c -o "$scratch/model" "$tree/lib/libnorma.a" -lmeshoptimizer -ldraco -lstdc++ -lpng -ljpeg -lz -lm -pthread
 check "packs of the assets are drawn, and damaged ones drawn or refused" "$scratch/model" assets/*.obj assets/*.stl tests/cli/golden/files/*.obj tests/cli/golden/files/roof.*
 
 cp examples/web/*.mjs "$user"

@@ -1,9 +1,9 @@
-/* model.c: the XML of a 3MF model, through expat: objects, their meshes and components, and the
- * build's items; and the same text with some triangles reversed or left out. Source: 3MF Core 1.3,
- * chapters 3 and 4; Production Extension 1.1 for parts other than the root. */
+/* model.c: the XML of a 3MF model: objects, their meshes and components, and the build's items; and
+ * the same text with some triangles reversed or left out. Source: 3MF Core 1.3, chapters 3 and 4;
+ * Production Extension 1.1 for parts other than the root. */
 #include "io/3mf/3mf.h"
+#include "io/3mf/xml.h"
 #include "io/text/text.h"
-#include <expat.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -45,10 +45,10 @@ typedef struct model_reader {
     norma_document_error *error;
     tmf_state *state;
     uint32_t part;
-    XML_Parser parser;
+    xml_reader xml;
     /* Before the names of core elements, "" or with a colon; the attribute that names a part. The
-     * root declares both. (Some programs use prefixes that nothing declares, so names are not
-     * resolved by expat, which would refuse the file.) */
+     * root declares both. (Some programs use prefixes that nothing declares: no other is looked
+     * at.) */
     char prefix[64], path[72];
     int element, parents[ELEMENT_COUNT], depth;
     size_t skipped; /* unknown elements around what is read now */
@@ -72,20 +72,18 @@ fail_model(model_reader *r, const char *format, ...) {
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
     snprintf(place, sizeof place, "%.200s:%lu", r->state->parts[r->part].name,
-        (unsigned long)XML_GetCurrentLineNumber(r->parser));
+        (unsigned long)norma_xml_line(&r->xml));
     r->result = norma_document_fail(
         r->document, r->error, NORMA_DOCUMENT_ERROR_MALFORMED, place, "%s", message);
-    XML_StopParser(r->parser, XML_FALSE);
 }
 
 static void fail_model_memory(model_reader *r) {
     r->result = norma_document_fail_memory(r->document, r->error);
-    XML_StopParser(r->parser, XML_FALSE);
 }
 
 /* ---- attributes */
 
-static const char *value_of(const XML_Char **attributes, const char *name) {
+static const char *value_of(const char **attributes, const char *name) {
     for (; attributes[0]; attributes += 2)
         if (strcmp(attributes[0], name) == 0) return attributes[1];
     return NULL;
@@ -131,7 +129,7 @@ static int read_matrix(const char *text, double matrix[16]) {
 
 /* ---- what is read */
 
-static void add_object(model_reader *r, const XML_Char **attributes) {
+static void add_object(model_reader *r, const char **attributes) {
     tmf_state *state = r->state;
     const char *name = value_of(attributes, "name");
     char where[300];
@@ -179,7 +177,7 @@ static void check_unit(model_reader *r, const char *unit) {
 
 /* Materials and what else may have an id: objects must not have the same (chapter 3.4.2). What is
  * wrong with it otherwise, its own readers say. */
-static void add_other_id(model_reader *r, const XML_Char **attributes) {
+static void add_other_id(model_reader *r, const char **attributes) {
     tmf_state *state = r->state;
     tmf_id other = {.part = r->part};
     if (!read_id(value_of(attributes, "id"), &other.id)) return;
@@ -193,7 +191,7 @@ static void add_other_id(model_reader *r, const XML_Char **attributes) {
     others[state->other_count++] = other;
 }
 
-static void add_vertex(model_reader *r, const XML_Char **attributes) {
+static void add_vertex(model_reader *r, const char **attributes) {
     tmf_object *object = &r->state->objects[r->state->object_count - 1];
     double *positions = norma_io_grow(
         object->positions, &object->position_capacity, object->vertices + 1, 3 * sizeof *positions);
@@ -209,7 +207,7 @@ static void add_vertex(model_reader *r, const XML_Char **attributes) {
         fail_model(r, "expected a vertex with the numbers x, y and z");
 }
 
-static void store_triangle(model_reader *r, const XML_Char **attributes) {
+static void store_triangle(model_reader *r, const char **attributes) {
     tmf_object *object = &r->state->objects[r->state->object_count - 1];
     uint32_t *corners = norma_io_grow(
         object->corners, &object->corner_capacity, object->faces + 1, 3 * sizeof *corners);
@@ -230,7 +228,7 @@ static void store_triangle(model_reader *r, const XML_Char **attributes) {
 }
 
 static void add_use(
-    model_reader *r, const XML_Char **attributes, tmf_use **list, size_t *count, size_t *capacity) {
+    model_reader *r, const char **attributes, tmf_use **list, size_t *count, size_t *capacity) {
     tmf_use *uses = norma_io_grow(*list, capacity, *count + 1, sizeof *uses);
     if (!uses) {
         fail_model_memory(r);
@@ -247,7 +245,7 @@ static void add_use(
         r->result = norma_3mf_add_part(r->document, path, strlen(path), &use->part, r->error);
 }
 
-static void begin_element(model_reader *r, const XML_Char **attributes) {
+static void begin_element(model_reader *r, const char **attributes) {
     tmf_state *state = r->state;
     switch (r->element) {
     case TMF_MODEL:
@@ -269,7 +267,7 @@ static void begin_element(model_reader *r, const XML_Char **attributes) {
         if (!r->edits) add_vertex(r, attributes);
         break;
     case TMF_TRIANGLE:
-        r->begin = (size_t)XML_GetCurrentByteIndex(r->parser);
+        r->begin = r->xml.begin;
         if (!r->edits) store_triangle(r, attributes);
         break;
     case TMF_COMPONENT:
@@ -287,7 +285,7 @@ static void begin_element(model_reader *r, const XML_Char **attributes) {
     }
 }
 
-static void read_prefixes(model_reader *r, const XML_Char **attributes) {
+static void read_prefixes(model_reader *r, const char **attributes) {
     static const char xmlns[] = "xmlns";
     const size_t length = sizeof xmlns - 1;
     snprintf(r->prefix, sizeof r->prefix, ":");
@@ -303,8 +301,7 @@ static void read_prefixes(model_reader *r, const XML_Char **attributes) {
 }
 
 /* NULL: an element of an extension. */
-static const char *core_name(
-    const model_reader *r, const XML_Char *name, const XML_Char **attributes) {
+static const char *core_name(const model_reader *r, const char *name, const char **attributes) {
     const size_t length = strlen(r->prefix);
     const int is_hot = r->element == TMF_VERTICES || r->element == TMF_TRIANGLES;
     if (strncmp(name, r->prefix, length) != 0 || strchr(name + length, ':')) return NULL;
@@ -312,8 +309,8 @@ static const char *core_name(
     return redeclared && strcmp(redeclared, CORE) != 0 ? NULL : name + length;
 }
 
-static void XMLCALL start_element(void *user, const XML_Char *name, const XML_Char **attributes) {
-    model_reader *r = user;
+static void start_element(model_reader *r) {
+    const char *name = r->xml.name, **attributes = r->xml.attributes;
     int i = r->skipped ? ELEMENT_COUNT : 0;
     if (r->element == TMF_OUTSIDE) read_prefixes(r, attributes);
     const char *core = i ? NULL : core_name(r, name, attributes);
@@ -345,7 +342,7 @@ typedef struct tag_value {
     size_t begin, end; /* between its quotes; end 0: not there */
 } tag_value;
 
-/* The value of an attribute in a tag that expat has read. */
+/* The value of an attribute in a tag that xml.c has read. */
 static tag_value find_value(const char *text, size_t at, const char *name) {
     const size_t length = strlen(name);
     tag_value value = {0, 0};
@@ -398,65 +395,50 @@ static void edit_triangle(model_reader *r, size_t end) {
     ++r->triangle;
 }
 
-static void XMLCALL end_element(void *user, const XML_Char *name) {
-    model_reader *r = user;
-    (void)name;
+static void end_element(model_reader *r) {
     if (r->skipped) {
         --r->skipped;
         return;
     }
-    if (r->edits && r->element == TMF_TRIANGLE)
-        edit_triangle(
-            r, (size_t)(XML_GetCurrentByteIndex(r->parser) + XML_GetCurrentByteCount(r->parser)));
+    if (r->edits && r->element == TMF_TRIANGLE) edit_triangle(r, r->xml.at);
     if (r->edits && r->element == TMF_OBJECT) ++r->object, r->triangle = 0;
     r->element = r->parents[--r->depth];
 }
 
 /* ---- parsing */
 
-static void XMLCALL refuse_doctype(void *user, const XML_Char *name, const XML_Char *system,
-    const XML_Char *public, int internal) {
-    (void)name, (void)system, (void)public, (void)internal;
-    fail_model(user, "a document type is not allowed in a 3MF, and its entities are not read");
-}
-
-static void XMLCALL check_encoding(
-    void *user, const XML_Char *version, const XML_Char *encoding, int standalone) {
-    (void)version, (void)standalone;
+static void check_encoding(model_reader *r) {
+    const char *encoding = value_of(r->xml.attributes, "encoding");
     if (encoding && strcmp(encoding, "UTF-8") != 0 && strcmp(encoding, "utf-8") != 0)
-        fail_model(user, "expected UTF-8, the encoding of a 3MF; found %.40s", encoding);
+        fail_model(r, "expected UTF-8, the encoding of a 3MF; found %.40s", encoding);
 }
 
 static void parse_model(model_reader *r) {
     const tmf_part *part = &r->state->parts[r->part];
-    r->parser = XML_ParserCreate(NULL);
-    if (!r->parser) {
-        r->result = norma_document_fail_memory(r->document, r->error);
-        return;
-    }
-    XML_SetUserData(r->parser, r);
-    XML_SetElementHandler(r->parser, start_element, end_element);
-    XML_SetStartDoctypeDeclHandler(r->parser, refuse_doctype);
-    XML_SetXmlDeclHandler(r->parser, check_encoding);
-    enum XML_Status status = XML_STATUS_OK;
-    for (size_t at = 0; at <= part->size && status == XML_STATUS_OK && !r->result;) {
-        const size_t rest = part->size - at, piece = rest < WATCH_BYTES ? rest : WATCH_BYTES;
-        if (norma_watch_cancelled(&r->document->watch))
+    const void *asked = part->text;
+    r->xml = (xml_reader){.text = part->text, .size = part->size};
+    if (norma_watch_cancelled(&r->document->watch))
+        r->result = norma_document_fail_cancelled(r->document, r->error);
+    for (xml_event event = XML_BEGINS; !r->result && event != XML_DONE;) {
+        event = norma_xml_next(&r->xml);
+        if (norma_watch_passed(&r->document->watch, &asked, part->text + r->xml.at))
             r->result = norma_document_fail_cancelled(r->document, r->error);
-        else
-            status = XML_Parse(r->parser, part->text + at, (int)piece, piece == rest);
-        if (piece == rest) break;
-        at += piece;
-    }
-    if (!r->result && status != XML_STATUS_OK) {
-        if (XML_GetErrorCode(r->parser) == XML_ERROR_NO_MEMORY)
+        else if (event == XML_BEGINS)
+            start_element(r);
+        else if (event == XML_ENDS)
+            end_element(r);
+        else if (event == XML_DECLARES)
+            check_encoding(r);
+        else if (event == XML_DOCTYPE)
+            fail_model(r, "a document type is not allowed in a 3MF, and its entities are not read");
+        else if (event == XML_WRONG)
+            fail_model(r, "is not XML: %s", r->xml.wrong);
+        else if (event == XML_NO_MEMORY)
             fail_model_memory(r);
-        else
-            fail_model(r, "is not XML: %s", XML_ErrorString(XML_GetErrorCode(r->parser)));
     }
     if (!r->result && r->part == 0 && (!r->has_resources || !r->has_build))
         fail_model(r, "expected <resources> and <build> in the model");
-    XML_ParserFree(r->parser);
+    norma_xml_free(&r->xml);
 }
 
 norma_document_result norma_3mf_read_model(

@@ -1,8 +1,8 @@
 /* package.c: the parts of a 3MF in its zip, found by their relationships. Source: ECMA-376 part 2
  * (Open Packaging Conventions); 3MF Core 1.3, chapter 2. */
 #include "io/3mf/3mf.h"
+#include "io/3mf/xml.h"
 #include "io/3mf/zip.h"
-#include <expat.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -83,10 +83,8 @@ typedef struct relationships {
     int is_external;
 } relationships;
 
-static void XMLCALL add_relationship(
-    void *user, const XML_Char *name, const XML_Char **attributes) {
+static void add_relationship(relationships *found, const char *name, const char **attributes) {
     static const char model[] = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
-    relationships *found = user;
     const char *type = "", *target = "", *mode = "";
     if (strcmp(name, "Relationship") != 0) return;
     for (; attributes[0]; attributes += 2) {
@@ -102,17 +100,18 @@ static void XMLCALL add_relationship(
 
 static norma_document_result read_relationships(norma_document *document, const char *text,
     size_t size, relationships *found, norma_document_error *error) {
-    XML_Parser parser = XML_ParserCreate(NULL);
-    if (!parser) return norma_document_fail_memory(document, error);
-    XML_SetUserData(parser, found);
-    XML_SetStartElementHandler(parser, add_relationship);
-    const int fine = size <= INT32_MAX && XML_Parse(parser, text, (int)size, 1) == XML_STATUS_OK;
-    const int is_full = !fine && XML_GetErrorCode(parser) == XML_ERROR_NO_MEMORY;
-    XML_ParserFree(parser);
-    if (is_full) return norma_document_fail_memory(document, error);
-    if (!fine)
-        return norma_document_fail(
-            document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "_rels/.rels", "is not XML");
+    xml_reader xml = {.text = text, .size = size};
+    xml_event event = XML_BEGINS;
+    while (event <= XML_DECLARES) {
+        event = norma_xml_next(&xml);
+        if (event == XML_BEGINS) add_relationship(found, xml.name, xml.attributes);
+    }
+    norma_xml_free(&xml);
+    if (event == XML_NO_MEMORY) return norma_document_fail_memory(document, error);
+    if (event != XML_DONE)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "_rels/.rels",
+            "is not XML%s%s", xml.wrong ? ": " : ", for it has a document type",
+            xml.wrong ? xml.wrong : "");
     if (found->models != 1)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "_rels/.rels",
             "names %zu models; a 3MF has one", found->models);
