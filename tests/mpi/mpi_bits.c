@@ -96,10 +96,9 @@ static void fill_faces(whole_mesh *m, int shape, size_t side, int polygons) {
         for (size_t k = 0; k < count; k++)
             m->corner[m->corners + k] =
                 k < 3 ? corner_of(shape, f, k, side, m->vertices) : pick((uint32_t)m->vertices);
-        if (shape == SHAPE_LEAVES && f % 2 && count == 3) { /* the other side of the one before */
-            const uint32_t *before = &m->corner[m->corners - 3];
-            for (size_t k = 0; k < 3 && m->corners >= 3; k++)
-                m->corner[m->corners + k] = before[2 - k];
+        if (shape == SHAPE_LEAVES && f % 2 && count == 3 && m->corners >= 3) {
+            const uint32_t *before = &m->corner[m->corners - 3]; /* this one is its other side */
+            for (size_t k = 0; k < 3; k++) m->corner[m->corners + k] = before[2 - k];
         }
         if (odd == 0 && count >= 2) m->corner[m->corners + 1] = m->corner[m->corners];
         m->corners += count;
