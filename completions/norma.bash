@@ -50,7 +50,7 @@ _norma() {
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;
     render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --select --clay --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --max-memory --json --quiet --help" ;;
-    check) options="--select --ignore --profile --strict --config --no-config --trust-config --baseline --write-baseline --format --info --color --fail-on --max-samples --fix --fix-unsafe --open-by-rays --dry-run --against --max --share --files-from --shard --exit $files" ;;
+    check) options="--select --ignore --profile --strict --config --no-config --trust-config --baseline --write-baseline --format --info --color --fail-on --max-samples --page --fix --fix-unsafe --open-by-rays --dry-run --against --max --share --files-from --shard --exit $files" ;;
     report) options="--merge --partial --format -o --output --info --help" ;;
     explain) options="-o --output --json --help" ;;
     view) options="-o --output --out-dir --input-format --threads --max-memory --json --quiet --help" ;;

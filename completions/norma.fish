@@ -117,6 +117,7 @@ complete -c norma -n "$check" -l write-baseline -r -F -d 'Records today\'s findi
 complete -c norma -n "$check" -l format -x -a 'text line json sarif html' -d 'Format of the report'
 complete -c norma -n "$check" -l info -d 'Also lists findings of severity info'
 complete -c norma -n "$check" -l color -x -a 'auto always never' -d 'When to use colours'
+complete -c norma -n "$check" -l page -x -d 'Address of norma.html, for links of an HTML report'
 complete -c norma -n "$check" -l fail-on -x -a 'error warning info never' -d 'Lowest severity for exit status 1'
 complete -c norma -n "$check" -l max-samples -x -d 'Places listed for each finding'
 complete -c norma -n "$check" -l fix -d 'Makes the safe fixes'

@@ -271,6 +271,23 @@ else
 fi
 # A corner that lies 1e38 sides of its neighbour away: of it only the direction shows, in numbers that a browser can draw.
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 3e38 1e38 0\nv 1e38 3e38 2e38\nvn 0 0 0\nvn 0 0 1\nf 1//1 2//2 3//2\nf 1//2 4//2 5//2\n' >far.obj
+# Links into the page: what a browser makes of them is the file's name, whatever it is, and the finding's rule.
+mkdir linked
+for name in "two words.obj" 'a&b<c>d|e.obj' "it's 100%.obj" 'Stühle #?+.obj' 'say "hi".obj'; do printf "$bad" >"linked/$name"; done
+norma check linked --no-config --page 'https://x.example/norma.html' -o linked.html
+norma check "$PWD/linked" --no-config --page 'https://x.example/norma.html' --format html >linked-absolute.html
+if links=$(node -e '
+const page = require("fs").readFileSync(process.argv[1], "utf8").replaceAll("&quot;", "\"").replaceAll("&lt;", "<").replaceAll("&gt;", ">").replaceAll("&#39;", "\x27").replaceAll("&amp;", "&");
+const addresses = [...page.matchAll(/<a class="place" href="([^"]*)">/g)].map(([, address]) => new URL(address));
+const names = addresses.filter(({ origin, pathname, hash }) => origin + pathname === "https://x.example/norma.html" && new URLSearchParams(hash.slice(1)).get("finding").startsWith("N102:")).map(({ searchParams }) => searchParams.get("src"));
+const expected = require("fs").readdirSync("linked").map((name) => `linked/${name}`);
+if (expected.sort().join("\n") !== names.sort().join("\n")) { console.log(names.join("\n")); process.exit(1); }' linked.html) && cmp -s <(grep -o 'class="place" href="[^"]*"' linked.html | sort) <(grep -o 'class="place" href="[^"]*"' linked-absolute.html | sort); then
+    pass "--page: links name file and finding, whatever the name"
+else
+    fail "--page: links name file and finding, whatever the name" "$links $(grep -o 'class="place" href="[^"]*"' linked.html)"
+fi
+check "no link without --page" bash -c '! norma check linked --no-config --format html | grep -q "class=\"place\" href"'
+check "--page asks for an HTML report" bash -c 'norma check linked --page norma.html 2>usage >/dev/null; [ $? -eq 2 ] && grep -q -- "--page needs --format html" usage'
 norma check far.obj --no-config -o far.html >/dev/null 2>&1
 if grep -q "<path class='m' d='" far.html && ! grep -Eq "d='[^']*[0-9]{10}" far.html; then pass "a picture of distant corners keeps to small numbers"; else fail "a picture of distant corners keeps to small numbers" "$(grep -o "d='[^']*'" far.html)"; fi
 norma explain -o rules.html

@@ -1,6 +1,7 @@
 /* node page.mjs FOLDER-OF-THE-PAGE TOOL SCREENSHOTS [firefox]: the playground and the pages of `norma view`, in headless Chromium, or in Firefox. */
 import { execFileSync, spawnSync } from "node:child_process";
 import { copyFileSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
 import { cpus, loadavg } from "node:os";
 import { basename, dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -966,6 +967,48 @@ await attempt("OBJ, PLY and STL: the axis that points up is a guess, and said to
   const view = await visit(pathToFileURL(out).href);
   expect((await view.evaluate("document.getElementById('up').value")) === "z" && (await view.text("up-facts")) === "guessed", await view.evaluate("document.getElementById('up').value"));
   await view.close();
+});
+
+await attempt("a link of a report opens the file from the same server, presses the finding, and the address keeps it; what cannot be fetched is told", async () => {
+  const folder = join(shots, "served"), page = join(folder, "norma.html");
+  mkdirSync(join(folder, "models"), { recursive: true });
+  copyFileSync(join(pageFolder, "norma.html"), page);
+  /* A .gltf with a buffer beside it, whose name needs care; two triangles, the second of them turned. */
+  const positions = [0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 2, 0, 0.5], indices = [0, 1, 2, 1, 2, 3, 1, 4, 3], bytes = Buffer.concat([Buffer.from(Float32Array.from(positions).buffer), Buffer.from(Uint16Array.from(indices).buffer)]);
+  writeFileSync(join(folder, "models/its data #1.bin"), bytes);
+  writeFileSync(join(folder, "models/two ways.gltf"), JSON.stringify({ asset: { version: "2.0" }, buffers: [{ byteLength: bytes.length, uri: "its%20data%20%231.bin" }], bufferViews: [{ buffer: 0, byteLength: 60 }, { buffer: 0, byteOffset: 60, byteLength: 18 }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 5, type: "VEC3", min: [0, 0, 0], max: [2, 1, 0.5] }, { bufferView: 1, componentType: 5123, count: 9, type: "SCALAR" }], meshes: [{ name: "sheet", primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }], nodes: [{ mesh: 0 }], scenes: [{ nodes: [0] }], scene: 0 }));
+  spawnSync(tool, ["check", "models", "--no-config", "--info", "--page", "norma.html", "-o", "report.html"], { cwd: folder });
+  const server = createServer(({ url }, response) => {
+    const path = join(folder, decodeURIComponent(new URL(url, "http://x").pathname));
+    if (!existsSync(path)) { response.statusCode = 404; response.end(); return; }
+    response.setHeader("content-type", path.endsWith(".html") ? "text/html" : "application/octet-stream");
+    response.end(readFileSync(path));
+  });
+  await new Promise((ready) => server.listen(0, "127.0.0.1", ready));
+  const origin = `http://127.0.0.1:${server.address().port}`, report = readFileSync(join(folder, "report.html"), "utf8");
+  try {
+    const link = report.match(/href="(norma\.html[^"]*finding=N301[^"]*)"/)?.[1];
+    expect(link, "the report has no link to N301");
+    const view = await visit(`${origin}/${link.replaceAll("&amp;", "&")}`), pressed = "document.querySelector('#findings button[aria-pressed=true]')?.dataset.key";
+    await view.until(pressed, 30);
+    await view.settled();
+    expect(/^N301:/.test(await view.evaluate(pressed)) && (await view.evaluate("document.getElementById('colours').value")) === "findings", await view.evaluate(pressed));
+    expect((await view.evaluate("document.title")) === "two ways.gltf · Norma" && !(await view.text("notice")), await view.text("notice"));
+    await view.until("new URLSearchParams(location.hash.slice(1)).get('finding')?.startsWith('N301:')", 10);
+    await view.picture("served");
+    await view.close();
+    for (const [src, words] of [["models/gone.obj", "the server says 404"], ["//example.org/x.obj", "it lies on another server"]]) {
+      const other = await visit(`${origin}/norma.html?src=${encodeURIComponent(src)}`);
+      await other.until("document.getElementById('notice').textContent", 20);
+      expect((await other.text("notice")).includes(words), await other.text("notice"));
+      await other.close();
+    }
+    const alone = await visit(`${pathToFileURL(page).href}?src=models/x.obj`);
+    await alone.until("document.getElementById('notice').textContent", 20);
+    expect((await alone.text("notice")).includes("serve the folder"), await alone.text("notice"));
+    await alone.close();
+  } finally { server.close(); }
 });
 
 await browser.close();

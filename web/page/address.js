@@ -12,7 +12,7 @@ const kept = () => KEPT.filter(control);
 /* What the address asks for; null: nothing. */
 export function readAddress() {
   const asked = new URLSearchParams(location.hash.slice(1));
-  return [...asked.keys()].some((key) => KEPT.includes(key) || key === "camera") ? asked : null;
+  return [...asked.keys()].some((key) => KEPT.includes(key) || key === "camera" || key === "finding") ? asked : null;
 }
 
 /* Sets every control that it names, if that has such a value. */
@@ -30,8 +30,8 @@ export function applyAddress(asked, camera) {
   if (numbers.length === CAMERA.length + 3) camera.centre = numbers.slice(CAMERA.length);
 }
 
-/* A function to call after every change; it writes when nothing has changed for a while. */
-export function makeAddress(camera) {
+/* A function to call after every change; it writes when nothing has changed for a while. pressed(): the key of the finding that is shown, or null. */
+export function makeAddress(camera, pressed) {
   let timer = null;
   const first = Object.fromEntries(kept().map((id) => [id, stateOf(control(id))])), pose = poseOf(camera).join();
   const write = () => {
@@ -39,6 +39,7 @@ export function makeAddress(camera) {
     for (const id of kept()) if (stateOf(control(id)) !== first[id] && !(id === "model" && /^(file|embedded)/.test(control(id).value))) state.set(id, stateOf(control(id)));
     const now = poseOf(camera);
     if (now.join() !== pose) state.set("camera", (now.slice(CAMERA.length).some((x) => x !== 0) ? now : now.slice(0, CAMERA.length)).join());
+    if (pressed()) state.set("finding", pressed());
     const text = state.toString().replaceAll("%2C", ",");
     if (text !== location.hash.slice(1)) history.replaceState(null, "", text ? `#${text}` : location.pathname + location.search);
   };

@@ -19,11 +19,14 @@ function element(tag, text, name) {
   return made;
 }
 
+export const keyOf = ({ id, label }) => `${id}:${label ?? ""}`;
+
 /* How many faces, normals or edges it counts stands in the message. thumb: its picture, or null for a finding that has no part of the model. */
 function makeButton(finding, number, thumb) {
   const button = element("button", "", finding.grade);
   button.type = "button";
   button.id = `finding-${number}`;
+  button.dataset.key = keyOf(finding);
   button.setAttribute("aria-pressed", "false");
   const words = element("span", "");
   words.append(element("b", finding.grade), ` ${finding.id} ${finding.name}${measured(finding)}`,
@@ -54,6 +57,12 @@ export function listFindings(findings, chosen, thumbOf) {
     item.append(button);
     list.append(item);
   }
+}
+
+/* Presses the finding of a key, keyOf(finding); where its label is another, the first of its rule. */
+export function pressFinding(key) {
+  const buttons = [...document.querySelectorAll("#findings button")], rule = key.split(":")[0];
+  (buttons.find(({ dataset }) => dataset.key === key) ?? buttons.find(({ dataset }) => dataset.key.split(":")[0] === rule))?.click();
 }
 
 /* None of the list is pressed any more. */

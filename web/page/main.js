@@ -2,12 +2,13 @@
 import { bindCalls } from "../package/calls.js";
 import { noDecoders } from "../package/decoders.js";
 import { makeAnimation } from "./animation.js";
+import { filesServed, servedPath } from "./served.js";
 import { applyAddress, makeAddress, readAddress } from "./address.js";
 import { makeCamera, steer } from "./camera.js";
 import { rulesThatFell, whatStays, wordsOf } from "./changes.js";
 import { MATRIX, RANGES, byId, isChecked, modelMatrix, numberOf, setMatrix, setRange, spell, value } from "./controls.js";
 import { EXPECTED, bytesFor, downloadLink, filesOfDrop, filesOfInput, gather, hintFor } from "./files.js";
-import { listFindings, releaseFindings } from "./findings.js";
+import { keyOf, listFindings, pressFinding, releaseFindings } from "./findings.js";
 import { makeGraphics } from "./graphics.js";
 import { makeIntro } from "./intro.js";
 import { STEPS, showFormula } from "./lesson.js";
@@ -146,9 +147,20 @@ async function show(ask, then = () => undefined) {
     if (!model.triangles) { remote.free(model.number); throw new Error(`${model.name}: there is nothing in it to draw.`); }
     showModel(model);
     then(model);
+    follow();
   } catch (error) {
     if (mine === opening) notice(hintFor(error.message));
   }
+}
+
+/* What the address asks of the model that is opened first. */
+let atFirst = null;
+function follow() {
+  const asked = atFirst;
+  atFirst = null;
+  if (!asked) return;
+  applyAddress(asked, camera);
+  if (asked.has("finding")) pressFinding(asked.get("finding"));
 }
 
 function showMoving() {
@@ -1031,9 +1043,12 @@ async function startEngines() {
 /* What is shown first: what the address asks for, the model of norma view, or the sculpture. */
 function showFirst(asked) {
   const wantedModel = asked?.get("model"), known = wantedModel && option("model", CSS.escape(wantedModel));
+  const path = embedded ? null : servedPath();
   if (known) byId("model").value = wantedModel;
-  pickModel();
-  if (!embedded && !asked && value("model") === "sculpture") intro.begin(!isCalm());
+  atFirst = asked;
+  if (path) filesServed(path).then(openGiven, (error) => { pickModel(); notice(error.message); });
+  else pickModel();
+  if (!embedded && !asked && !path && value("model") === "sculpture") intro.begin(!isCalm());
   if (asked) applyAddress(asked, camera);
   if (asked?.has("crease")) { const crease = asked.get("crease"), later = () => (computed ? setRange("crease", crease) : setTimeout(later, 30)); later(); }
 }
@@ -1064,7 +1079,7 @@ export async function startPage(texts) {
     document.title = `${embedded.name} · Norma`;
   }
   const asked = readAddress();
-  const kept = makeAddress(camera);
+  const kept = makeAddress(camera, () => chosen && keyOf(chosen));
   showFirst(asked);
   remember = () => { if (!intro.isPlaying() && !intro.isShown()) kept(); };
   requestAnimationFrame(frame);

@@ -100,6 +100,7 @@ typedef struct check_settings {
     size_t shard, shards;      /* shards 0: all files */
     const char *shard_options; /* JSON: what else the findings of a shard depend on */
     const char *against;       /* a folder of references, one of each file's path; NULL: none */
+    const char *page;          /* of the HTML report: the page that its links lead to; NULL: none */
     compare_limits limits;     /* of how much a file may differ from its reference */
     const char *missing;       /* of a merged report: JSON, a list of shards; NULL: none */
     const char *lost;          /* why a file cannot be checked: it ended a worker (process.h) */
@@ -236,6 +237,9 @@ void check_write_shard(cli_json *json, const check_settings *settings);
 void check_write_counts(cli_json *json, const check_totals *totals, int whole);
 /* Percent-encoded: letters, digits and - . _ ~ / stay. A path as exact bytes in any text. */
 void check_write_bytes(FILE *out, const char *path);
+/* Letters, digits and the characters of kept stay; all else is percent-encoded. What does not fit
+ * into size bytes is cut off. */
+void check_spell_uri(const char *text, const char *kept, char *uri, size_t size);
 void check_write_verdict(FILE *out, const check_totals *totals); /* without a line end */
 
 /* ---- what the forms ask (findings_text.c) */

@@ -38,9 +38,7 @@ static const char check_help[] =
     "  norma check part.stl -o part.html               a page with pictures\n"
     "\n"
     "Rules\n"
-    "  --select RULES        checks only these rules: ids (N301), beginnings of ids (N3) or "
-    "names,\n"
-    "                        separated by commas\n"
+    "  --select RULES        only these: ids (N301), their beginnings (N3), names, by commas\n"
     "  --ignore RULES        skips these rules\n"
     "  --profile render|print|generated\n"
     "                        what the meshes are for (print for STL, 3MF; else render); generated\n"
@@ -62,14 +60,14 @@ static const char check_help[] =
     "  --format text|line|json|sarif|html\n"
     "                        the default is the ending of -o, or text; --json is --format json\n"
     "  -o, --output FILE     writes the report to FILE (standard output); with --fix, see below\n"
-    "  --info                also lists findings of severity info, which are otherwise only "
-    "counted\n"
+    "  --info                also lists findings of severity info, else only counted\n"
     "  --color auto|always|never\n"
     "                        auto: on a terminal, unless NO_COLOR is set (auto)\n"
     "  --fail-on error|warning|info|never\n"
     "                        the lowest severity for which the exit status is 1 (error)\n"
     "  --max-samples N       lists at most N places for each finding (10)\n"
-    "  --quiet               prints only the last line of the report\n"
+    "  --page ADDRESS        links an HTML report's findings to norma.html, served at ADDRESS\n"
+    "  --quiet               prints only the report's last line\n"
     "\n"
     "Fixes\n"
     "  --fix                 makes the safe fixes: lengths, NaN, zeros, facet normals, tangents\n"
@@ -83,8 +81,8 @@ static const char check_help[] =
     "  --open-by-rays        with --fix-unsafe: turns open surfaces (N304) outward by a majority\n"
     "                        of rays, and reports the confidence: 1 if all rays agree\n"
     "  --dry-run             reports what a fix would leave, and writes nothing\n"
-    "With a fix, the report and the exit status are about the fixed file. A fix that would open\n"
-    "edges or cause more findings of some rule is skipped, and the reason printed.\n"
+    "With a fix, report and exit status are about the fixed file. A fix that would open edges or\n"
+    "cause more findings of a rule is skipped, and the reason printed.\n"
     "\n"
     "Files\n"
     "  IN                    a file, a folder, or a pattern in quotes\n"
@@ -183,6 +181,7 @@ static const cli_option check_command_options[] = {
         .expected = "the name of a file"},
     {"against", CLI_TO(CLI_TEXT, check_work, settings.against), .expected = "a folder"},
     {"format", CLI_SET(set_check_format)},
+    {"page", CLI_TO(CLI_TEXT, check_work, settings.page), .expected = "the address of norma.html"},
     {"info", CLI_SETS(check_work, settings.list_infos, 1)},
     {"color", CLI_TO(CLI_CHOICE, check_work, color), .words = "auto,always,never",
         .expected = "auto, always or never"},
@@ -286,6 +285,8 @@ static int check_words(const cli_subcommand *command, check_work *work) {
     if (!work->format && work->files.output && !work->settings.fix)
         work->format = check_format_of_name(work->files.output);
     if (!work->format) work->format = &check_format_text;
+    if (work->settings.page && work->format != &check_format_html)
+        return cli_usage(command, "--page needs --format html");
     if (work->config && work->trust == CHECK_CONFIG_NONE)
         return cli_usage(command, "--config and --no-config exclude each other");
     if (work->baseline && work->new_baseline)

@@ -213,20 +213,22 @@ static void begin_sarif(FILE *out, const check_settings *settings) {
     fputs("\"results\": [\n", out);
 }
 
-/* What RFC 3986 lets stand in a path stays; all else is percent-encoded. */
-static void write_uri(cli_json *json, const char *path) {
-    char uri[4200];
+void check_spell_uri(const char *text, const char *kept, char *uri, size_t size) {
     size_t used = 0;
-    for (const unsigned char *at = (const unsigned char *)path; *at && used + 4 < sizeof uri;
-         ++at) {
-        int plain = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') ||
-                    (*at >= '0' && *at <= '9') || strchr("-._~/!$&'()*+,;=@", *at);
+    for (const unsigned char *at = (const unsigned char *)text; *at && used + 4 < size; ++at) {
+        const int plain = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z') ||
+                          (*at >= '0' && *at <= '9') || strchr(kept, *at);
         if (plain)
             uri[used++] = (char)*at;
         else
-            used += (size_t)snprintf(uri + used, sizeof uri - used, "%%%02X", *at);
+            used += (size_t)snprintf(uri + used, size - used, "%%%02X", *at);
     }
     uri[used] = '\0';
+}
+
+static void write_uri(cli_json *json, const char *path) {
+    char uri[4200];
+    check_spell_uri(path, "-._~/!$&'()*+,;=@", uri, sizeof uri); /* RFC 3986: of a path */
     cli_json_string(json, "uri", uri);
 }
 

@@ -158,6 +158,18 @@ static void write_histogram(FILE *out, const norma_deviation *deviation) {
     fputs("</tbody></table>", out);
 }
 
+/* To the page, where it opens the file and presses the finding. Standard input has no address. */
+static void write_page_link(FILE *out, const check_report *report, const norma_finding *finding) {
+    static const char kept[] = "-._~/";
+    char path[4200], label[1024];
+    if (!report->settings->page || strcmp(report->path, "-") == 0) return;
+    check_spell_uri(check_shown_path(report->path), kept, path, sizeof path);
+    check_spell_uri(finding->label, kept, label, sizeof label);
+    fputs(" <a class=\"place\" href=\"", out);
+    cli_write_outside_html(out, report->settings->page);
+    fprintf(out, "?src=%s#finding=%s:%s\">Look at it</a>", path, finding->rule->id, label);
+}
+
 static void write_place(FILE *out, const check_report *report, const check_item *item) {
     const norma_finding *finding = item->finding;
     const uint64_t key = check_key(report, item);
@@ -173,6 +185,7 @@ static void write_place(FILE *out, const check_report *report, const check_item 
     const size_t length = strlen(finding->message);
     if (length && !strchr(".!?", finding->message[length - 1])) fputc('.', out);
     write_html_worst(out, report, finding);
+    write_page_link(out, report, finding);
     fputs("</li>\n", out);
 }
 
