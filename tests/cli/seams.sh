@@ -150,6 +150,71 @@ refuse "another file" "other.votes: is not a file of votes; expected a file that
 head -c 1000 all.votes >short.votes
 refuse "a truncated file" "short.votes: truncated or damaged votes: does not have the size stated in its header" no.votes "$norma" seams merge short.votes -o no.votes
 
+# ---- forged: its checksums are right, what they cover is not
+cat >forge.py <<'END'
+import struct, subprocess, sys
+norma, path, tile = sys.argv[1:]  # tile: the one that the first records belong to; apply reads no others
+data = open(path, "rb").read()
+HEAD, BLOCK, MASK = 56, 128, 2**64 - 1
+record = struct.unpack_from("<I", data, 16)[0]
+
+def hash_of(part):  # as norma_core_hash
+    prime, hash = 0x9E3779B97F4A7C15, len(part) * 0x9E3779B97F4A7C15 & MASK
+    whole = len(part) // 4 * 4
+    for word in struct.unpack("<%dI" % (whole // 4), part[:whole]) + tuple(part[whole:]):
+        hash = (hash ^ hash >> 29 ^ word) * prime & MASK
+    return hash ^ hash >> 32
+
+def sealed(head, table, records):
+    sums = b"".join(struct.pack("<Q", hash_of(records[i:i + BLOCK * record])) for i in range(0, len(records), BLOCK * record))
+    rest = hash_of(b"".join(struct.pack("<Q", hash_of(part)) for part in (head, table, sums)))
+    return head + table + records + sums + struct.pack("<Q", rest)
+
+tiles, table_bytes, count = struct.unpack_from("<3Q", data, 32)
+head, table, records = data[:HEAD], data[HEAD:HEAD + table_bytes], data[HEAD + table_bytes:HEAD + table_bytes + count * record]
+if sealed(head, table, records) != data:
+    sys.exit("the checksums are others than this test computes")
+def put(part, at, form, *values):
+    part = bytearray(part)
+    struct.pack_into(form, part, at, *values)
+    return bytes(part)
+named = table[24:].split(b"\0")[0].decode()  # the first tile of the table
+first, second, third = records[:record], records[record:2 * record], records[2 * record:]
+nan, huge = float("nan"), 2**62
+damaged = "damaged votes"
+forged = {
+    "a position that is no number": (head, table, put(records, 8, "<d", nan), damaged),
+    "an infinite position": (head, table, put(records, record, "<d", float("inf")), damaged),
+    "swapped records": (head, table, second + first + third, damaged),
+    "blocks in another order": (head, table, records[BLOCK * record:2 * BLOCK * record] + records[:BLOCK * record] + records[2 * BLOCK * record:], damaged),
+    "a position twice": (head, table, first + first + third, damaged),
+    "a sum beyond all sums": (head, table, put(records, 24, "<q", huge), damaged),
+    "a top that no sum has": (head, table, put(records, 24 + 96, "<i", 1000), damaged),
+    "a tile less than its table has": (put(head, 32, "<Q", tiles - 1), table, records, damaged),
+    "a tile more than its table has": (put(head, 32, "<Q", tiles + 1), table, records, damaged),
+    "a name without an end": (head, table[:-1] + b"x", records, damaged),
+    "a record less than it has": (put(head, 48, "<Q", count - 1), table, records, "truncated or damaged votes"),
+    "a weight that votes cannot have": (put(head, 20, "<I", 77), table, records, damaged),
+    "another tile's hash": (head, put(table, 0, "<Q", 1), records, None),
+}
+bad = 0
+for name, (a, b, c, words) in forged.items():
+    open("forged.votes", "wb").write(sealed(a, b, c))
+    for command in (["merge", "forged.votes", "-o", "no.votes"], ["apply", tile if words else named, "--votes", "forged.votes", "-o", "no.votes.ply"]):
+        done = subprocess.run([norma, "seams", *command], capture_output=True, text=True)
+        left = subprocess.run("ls no.votes*", shell=True, capture_output=True).returncode == 0
+        if words is None and command[0] == "merge":  # only the tile can tell
+            subprocess.run("rm -f no.votes", shell=True)
+            continue
+        wanted = words or "is not among"
+        if done.returncode != 3 or done.stderr.count("\n") != 1 or "forged.votes" not in done.stderr or wanted not in done.stderr or left:
+            print(name, command[0], done.returncode, done.stderr, left)
+            subprocess.run("rm -f no.votes*", shell=True)
+            bad += 1
+sys.exit(bad != 0)
+END
+check "a forged file, whose checksums are right, is refused in one line" python3 forge.py "$norma" small.votes tiles/t000-000.ply
+
 # ---- killed
 # Kills a command while it has a file open that is new in this folder. 0: so it was, and left no output; 1: it left a part of one; 77: it was never seen so.
 cat >kill_writing.py <<'END'
