@@ -969,6 +969,26 @@ await attempt("OBJ, PLY and STL: the axis that points up is a guess, and said to
   await view.close();
 });
 
+await attempt("a turntable: WebM of some seconds in which the model turns and the line sweeps; camera and line are then where they were", async () => {
+  const view = await visit(home), state = () => view.evaluate("[document.getElementById('split').value, location.hash].join()");
+  await view.set("split", 30);
+  await pause(600); // the address follows
+  await view.evaluate("globalThis.saved = []; globalThis.splits = new Set(); URL.createObjectURL = (blob) => { saved.push(blob); return 'data:,'; }; HTMLAnchorElement.prototype.click = function () { saved.push(this.download); }; 0");
+  const before = await state();
+  await view.evaluate("document.getElementById('save-turntable').click(); globalThis.watch = setInterval(() => splits.add(document.getElementById('split').value), 50)");
+  expect(/^Recording, \d+ %$/.test(await view.until("document.getElementById('save-turntable').disabled && document.getElementById('save-turntable').textContent", 10)), await view.text("save-turntable"));
+  await view.until("saved.length === 2", 60);
+  const film = await view.evaluate("saved[0].arrayBuffer().then((buffer) => ({ name: saved[1], head: Array.from(new Uint8Array(buffer, 0, 4)), size: buffer.byteLength, type: saved[0].type, splits: splits.size, bytes: btoa(Array.from(new Uint8Array(buffer), (x) => String.fromCharCode(x)).join('')) }))");
+  writeFileSync(join(shots, "turntable.webm"), Buffer.from(film.bytes, "base64"));
+  delete film.bytes;
+  expect(film.name === "norma.webm" && film.head.join() === "26,69,223,163" && film.size > 50000 && film.type.startsWith("video/webm"), JSON.stringify(film));
+  expect(film.splits > 5, `the line stood at ${film.splits} places`);
+  await view.settled();
+  await pause(600);
+  expect((await state()) === before && (await view.text("save-turntable")) === "Save a turntable", `${await state()}, not ${before}`);
+  await view.close();
+});
+
 await attempt("a link of a report opens the file from the same server, presses the finding, and the address keeps it; what cannot be fetched is told", async () => {
   const folder = join(shots, "served"), page = join(folder, "norma.html");
   mkdirSync(join(folder, "models"), { recursive: true });

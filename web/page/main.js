@@ -17,7 +17,7 @@ import { freeMaterials, readMaterials } from "./materials.js";
 import { makeMoving } from "./moving.js";
 import { listParts, showMaterialControls, showPart } from "./parts.js";
 import { NAME, panelAt, panelsOf } from "./panels.js";
-import { savePicture } from "./picture.js";
+import { savePicture, saveTurntable } from "./picture.js";
 import { count, counted, degrees, notice, showComputeFacts, showMatrix, showMatrixFacts, showModelFacts, showMovingFacts } from "./readouts.js";
 import { bytesOf, moduleOf } from "./inflate.js";
 import { startRemote } from "./remote.js";
@@ -951,6 +951,30 @@ function letGo() {
   releaseFindings();
 }
 
+/* What a saved picture says. */
+const shownNow = () => [panels, { title: document.title, words: WORDS[comparison() ?? "matrix"], compared: comparison() !== null, angle: byId("worst").textContent }];
+
+/* Once round the model; the line sweeps to and fro meanwhile, where there is one. */
+async function turnOnce() {
+  const button = byId("save-turntable"), name = button.textContent, from = camera.azimuth, split = value("split");
+  stopIntro();
+  button.disabled = true;
+  try {
+    await saveTurntable(canvas, shownNow, (part) => {
+      camera.azimuth = from + 360 * part;
+      if (!byId("divider").hidden) setRange("split", 50 + 40 * Math.sin(2 * Math.PI * part));
+      draw();
+    }, (part) => { button.textContent = part < 1 ? `Recording, ${Math.floor(100 * part)} %` : name; });
+  } catch (error) {
+    notice(error.message);
+  } finally {
+    Object.assign(button, { disabled: false, textContent: name });
+    camera.azimuth = from;
+    setRange("split", split);
+    dirty.draw = true;
+  }
+}
+
 function wireControls() {
   for (const control of document.querySelectorAll("#panel input:not([type=file]), #panel select:not(#model)")) {
     control.addEventListener("input", () => controlChanged(control));
@@ -966,7 +990,8 @@ function wireControls() {
   onClick("intro-more", stopIntro);
   onClick("fix", fix);
   onClick("compute", computeCopy);
-  onClick("save-picture", () => { draw(); savePicture(canvas, panels, { title: document.title, words: WORDS[comparison() ?? "matrix"], compared: comparison() !== null, angle: byId("worst").textContent }); });
+  onClick("save-picture", () => { draw(); savePicture(canvas, shownNow); });
+  onClick("save-turntable", turnOnce);
   byId("lesson").addEventListener("toggle", () => { dirty.draw = true; });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { dirty.draw = true; });
 }
