@@ -30,10 +30,13 @@ function serve(files) {
   return new Promise((done) => server.listen(0, "127.0.0.1", () => done(server)));
 }
 
-const bundle = async (engine) => {
+/* imports and before: statements that run before the engine does (mistakes.mjs). */
+const bundle = async (engine, { imports, before }) => {
   const { build } = createRequire(join(modules, "x.js"))("esbuild");
   const contents = `import draw from ${JSON.stringify(join(here, "pages", `${engine}.js`))};
+    ${imports}
     const canvas = document.querySelector("canvas"), { width, height } = canvas;
+    ${before}
     draw({ canvas, url: new URL("/scene.glb", location).href, width, height, far: { distance: 343.73976978455664, degrees: 2, near: 300, end: 400 } }).then(
       (version) => setTimeout(() => { window.drawn = version; }, 300), (error) => { window.drawn = "error: " + (error?.stack ?? error); });`;
   const { outputFiles } = await build({ stdin: { contents, resolveDir: modules }, nodePaths: [modules], bundle: true, write: false, format: "esm", target: "esnext", logLevel: "error",
@@ -41,10 +44,10 @@ const bundle = async (engine) => {
   return outputFiles.find(({ path }) => path.endsWith(".js")).text;
 };
 
-export async function draw(engine, scene, shot, size = "1600x1200") {
+export async function draw(engine, scene, shot, size = "1600x1200", changes = { imports: "", before: "" }) {
   const [width, height] = size.split("x").map(Number);
   const page = `<!doctype html><meta charset="utf-8"><style>html,body{margin:0;overflow:hidden;background:#777}canvas{display:block}</style><canvas id="canvas" width="${width}" height="${height}"></canvas><script type="module" src="/page.js"></script>`;
-  const server = await serve({ "/": page, "/index.html": page, "/page.js": await bundle(engine), "/scene.glb": readFileSync(scene), "/favicon.ico": "" });
+  const server = await serve({ "/": page, "/index.html": page, "/page.js": await bundle(engine, changes), "/scene.glb": readFileSync(scene), "/favicon.ico": "" });
   const chrome = await launch(findChrome(), { width, height });
   try {
     const tab = await chrome.open(`http://127.0.0.1:${server.address().port}/index.html`, { size: [width, height] });
