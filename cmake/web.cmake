@@ -1,7 +1,7 @@
 # The core as WebAssembly, the npm package and the page. clang with wasi-libc compiles; node, puts the files together; esbuild makes one script of the page's modules.
 # Five modules: norma.wasm is the core; skin.wasm skins alone, for norma-mesh/skin; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a
-# file; tool.wasm the command line; page.wasm all that the page draws of; three.js draws it. All that the latter three import beside WASI are decoders of compressed glTF: npm's draco3dgltf
-# and meshoptimizer (web/package/decoders.js).
+# file; tool.wasm the command line; page.wasm all that the page draws of; three.js draws it. All that the latter three import beside WASI are decoders: npm's draco3dgltf and meshoptimizer for
+# compressed glTF, fflate for 3MF (web/package/decoders.js).
 find_program(NORMA_WASM_CC NAMES clang)
 find_program(NORMA_WASM_LD NAMES wasm-ld)
 find_program(NORMA_NODE NAMES node nodejs)
@@ -51,6 +51,13 @@ if(NORMA_WITH_MESHOPTIMIZER AND EXISTS ${NORMA_WEB_MODULES}/meshoptimizer/meshop
 endif()
 if(NORMA_WITH_DRACO AND EXISTS ${NORMA_WEB_MODULES}/draco3dgltf/draco_decoder_gltf.wasm)
   set(web_has_draco ON)
+endif()
+set(web_has_3mf OFF)
+if(NORMA_WITH_3MF AND EXISTS ${NORMA_WEB_MODULES}/fflate/esm/browser.js)
+  set(web_has_3mf ON)
+  norma_part("page, npm: 3MF (fflate)" ON)
+else()
+  norma_part("page, npm: 3MF (fflate)" OFF "it is off, or its npm package was not found (scripts/install-deps.sh web)")
 endif()
 foreach(part meshopt draco)
   if(web_has_${part})
@@ -105,8 +112,13 @@ web_module(skin.wasm ${web_core_objects} ${web_skin_objects})
 set(web_file_sources ${io_sources})
 list(FILTER web_file_sources EXCLUDE REGEX "/image/image(_left_out)?\\.c$") # in a browser no image is read
 list(FILTER web_file_sources EXCLUDE REGEX "/(file/file_read|file/file_write|large/[a-z_]+|together/[a-z_]+|meshopt_[a-z_]+|draco_left_out)\\.c$")
-list(FILTER web_file_sources EXCLUDE REGEX "/3mf/") # neither zlib nor expat is there
-list(APPEND web_file_sources src/io/image/image_left_out.c src/io/3mf/3mf_left_out.c)
+list(FILTER web_file_sources EXCLUDE REGEX "/3mf/")
+list(APPEND web_file_sources src/io/image/image_left_out.c)
+if(web_has_3mf)
+  list(APPEND web_file_sources src/io/3mf/3mf.c src/io/3mf/model.c src/io/3mf/package.c src/io/3mf/xml.c src/io/3mf/zip.c web/package/host/deflate_elsewhere.c)
+else()
+  list(APPEND web_file_sources src/io/3mf/3mf_left_out.c)
+endif()
 if(web_has_meshopt)
   list(APPEND web_file_sources src/io/gltf/meshopt_views.c)
 else()

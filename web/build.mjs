@@ -16,13 +16,14 @@ const PAGE_LIBRARIES = { three: { licence: "LICENSE" } };
 const LIBRARIES = {
   draco3dgltf: { licence: join(here, "licences/draco3dgltf.txt"), files: ["draco_decoder_gltf_nodejs.js", "draco_decoder_gltf.wasm"] },
   meshoptimizer: { licence: "LICENSE.md", files: ["meshopt_decoder.module.js", "meshopt_encoder.module.js"] },
+  fflate: { licence: "LICENSE", files: ["esm/browser.js"] },
 };
 const hasLibrary = (modules, name) => LIBRARIES[name].files.every((file) => existsSync(join(modules, name, file)));
 
 /* Empty modules stand where a library is left out: nothing ever calls them. Draco's own script asks for modules of node's where it finds node; it is handed its WebAssembly, and needs none. */
 function aliases(folder, modules) {
   const nothing = join(folder, "nothing.js"), path = ([name, { files }]) => files.filter((file) => /js$/.test(file)).map((file) => [`${name}/${file}`, hasLibrary(modules, name) ? join(modules, name, file) : nothing]);
-  writeFileSync(nothing, "export const MeshoptDecoder = null, MeshoptEncoder = null;\nexport default null;\n");
+  writeFileSync(nothing, "export const MeshoptDecoder = null, MeshoptEncoder = null, Inflate = null, deflateSync = null;\nexport default null;\n");
   return [...Object.entries(LIBRARIES).flatMap(path), ["fs", nothing], ["path", nothing]].map(([name, place]) => `--alias:${name}=${place}`);
 }
 
@@ -43,7 +44,7 @@ const EMPTY = Buffer.from([0x00, 0x61, 0x73, 0x6d, 0x01, 0x00, 0x00, 0x00]);
 const readDraco = (modules) => (hasLibrary(modules, "draco3dgltf") ? readFileSync(join(modules, "draco3dgltf/draco_decoder_gltf.wasm")) : EMPTY);
 
 function buildPackage(folder, modules) {
-  const out = join(folder, "npm"), source = join(here, "package"), made = ["draco-decoder.js", "meshopt-decoder.js", "meshopt-encoder.js"];
+  const out = join(folder, "npm"), source = join(here, "package"), made = ["draco-decoder.js", "meshopt-decoder.js", "meshopt-encoder.js", "deflate.js"];
   rmSync(out, { recursive: true, force: true });
   mkdirSync(out, { recursive: true });
   for (const name of readdirSync(source)) if (/\.(js|ts|json|md)$/.test(name) && name !== "worker-inline.js" && !made.includes(name)) copyFileSync(join(source, name), join(out, name));

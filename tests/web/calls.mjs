@@ -15,7 +15,7 @@ const bytes = readFileSync(`${folder}/norma.wasm`);
 /* Built without them, check.wasm imports none of the decoders either. */
 const importsOf = (name) => WebAssembly.Module.imports(new WebAssembly.Module(readFileSync(`${folder}/${name}.wasm`))).map((part) => `${part.module}.${part.name}`);
 check("norma.wasm imports nothing", importsOf("norma").length === 0, importsOf("norma").join());
-check("check.wasm imports Draco's decoder and meshoptimizer alone", importsOf("check").every((name) => /^norma\.(draco_decode|meshopt_[a-zA-Z]+)$/.test(name)), importsOf("check").join());
+check("check.wasm imports Draco's decoder, meshoptimizer and deflate alone", importsOf("check").every((name) => /^norma\.(draco_decode|meshopt_[a-zA-Z]+|(in|de)flate_bytes)$/.test(name)), importsOf("check").join());
 const { positions, indices } = cube();
 const ways = {
   "its bytes": bytes, "an ArrayBuffer": bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length), "a compiled module": new WebAssembly.Module(bytes),

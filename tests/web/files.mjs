@@ -8,7 +8,7 @@ import { check, finish } from "./tap.mjs";
 
 const [folder, tool, ...files] = process.argv.slice(2);
 const { load } = await import(pathToFileURL(`${folder}/node.js`));
-const norma = await load(), known = /\.(obj|ply|stl|gltf|glb)$/i;
+const norma = await load(), known = /\.(obj|ply|stl|gltf|glb|3mf)$/i;
 /* Files that name others cannot be read from their bytes alone; a package that was built without the sources of meshoptimizer and Draco does not decode theirs. */
 const isWhole = statSync(`${folder}/draco.wasm`).size > 8 && /meshoptimizer/.test(readFileSync(`${folder}/NOTICES`, "utf8"));
 const standsAlone = (path, bytes) => (isWhole || !/meshopt_compression|KHR_draco_mesh_compression/.test(bytes.toString("latin1", 0, 100000))) && !(/\.gltf$/i.test(path) && /"uri"\s*:\s*"(?!data:)/.test(bytes.toString("latin1")));

@@ -281,6 +281,9 @@ const FILES = [["assets/goathead.obj", 5522, /OBJ, no normals/], ["assets/spider
 /* Without the sources of meshoptimizer and draco, the page does not decode theirs. */
 const NOTICES = /id="notices">([^]*?)<\/script>/.exec(readFileSync(join(pageFolder, "norma.html"), "utf8"))[1], PACKED = ["meshoptimizer", "draco"].every((name) => NOTICES.includes(`code of ${name}`)) ? ["draco", "meshopt"] : [];
 if (!PACKED.length) skip("compressed glTF (the page was built without the sources of meshoptimizer and draco: scripts/install-deps.sh)");
+const HAS_3MF = NOTICES.includes("code of fflate"), TURNED_3MF = "tests/cli/golden/files/turned.3mf";
+if (HAS_3MF) FILES.push([TURNED_3MF, 12, /3MF, no normals/]);
+else skip("3MF (the page was built without fflate: scripts/install-deps.sh)");
 FILES.push(...PACKED.map((name) => [`tests/web/ball-${name}.glb`, 1216, /GLB, normals per vertex/]));
 for (const [index, [file, triangles, words]] of FILES.entries())
   await attempt(`a file that is ${index % 2 ? "chosen" : "dropped"} appears: ${file}`, async () => {
@@ -362,6 +365,13 @@ function expectSame(made, expected) {
   for (const [name, bytes] of expected) expect(made.get(name).equals(bytes), `${name}: ${made.get(name).length} bytes, not those ${bytes.length} of the command line`);
 }
 
+/* What is in the zips that a map holds, by name; npm's fflate does not pack to the bytes of zlib. */
+function unpacked(files) {
+  const read = "import sys, zipfile, io, json\nz = zipfile.ZipFile(io.BytesIO(sys.stdin.buffer.read()))\nprint(json.dumps([[n, z.read(n).decode('latin1')] for n in z.namelist()]))";
+  const members = ([name, bytes]) => JSON.parse(execFileSync("python3", ["-c", read], { input: bytes })).map(([member, text]) => [`${name}/${member}`, Buffer.from(text, "latin1")]);
+  return new Map([...files].flatMap(members));
+}
+
 await attempt("a zip with a .gltf and its buffer is opened; alone the .gltf is told what it lacks; what is no model is told what would be", async () => {
   const asset = makeAsset(), folder = join(shots, "zipped"), zip = join(shots, "shape.zip");
   for (const [name, bytes] of asset) { mkdirSync(dirname(join(folder, name)), { recursive: true }); writeFileSync(join(folder, name), bytes); }
@@ -372,7 +382,7 @@ await attempt("a zip with a .gltf and its buffer is opened; alone the .gltf is t
   await dropFiles(page, asset[0]).catch(() => undefined);
   expect(/together with its \.bin/.test(await page.text("notice")), await page.text("notice"));
   await page.evaluate(`(() => { const data = new DataTransfer(); data.items.add(new File(["a"], "notes.txt")); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`);
-  await page.until("/notes\\.txt.*Drop OBJ, PLY, STL, GLB/.test(document.getElementById('notice').textContent)");
+  await page.until("/notes\\.txt.*Drop OBJ, PLY, STL, 3MF, GLB/.test(document.getElementById('notice').textContent)");
   const damaged = readFileSync(zip);
   damaged.fill(0, 40, 80);
   await page.evaluate(`(() => { const data = new DataTransfer(); data.items.add(new File([Uint8Array.from(atob(${JSON.stringify(damaged.toString("base64"))}), (c) => c.charCodeAt(0))], "bad.zip")); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`);
@@ -380,6 +390,7 @@ await attempt("a zip with a .gltf and its buffer is opened; alone the .gltf is t
 });
 
 for (const [name, files, words] of [["an OBJ", [["turned.obj", Buffer.from(TURNED)]], ["check", "--fix-unsafe"]], ["a .gltf from a zip", makeAsset(), ["check", "--fix"]],
+  ...(HAS_3MF ? [["a 3MF", [["turned.3mf", readFileSync(join(root, TURNED_3MF))]], ["check", "--fix-unsafe"]]] : []),
   ...PACKED.map((name) => [`a GLB that ${name === "draco" ? "Draco" : "meshoptimizer"} compressed`, [[`ball-${name}.glb`, readFileSync(join(root, `tests/web/ball-${name}.glb`))]], ["check", "--fix-unsafe"]])])
   await attempt(`${name} is fixed in the page: the bytes of norma check --fix, before and after beside each other`, async () => {
     if (files.length > 1) await dropFiles(page, ["shape.zip", readFileSync(join(shots, "shape.zip"))]);
@@ -390,11 +401,14 @@ for (const [name, files, words] of [["an OBJ", [["turned.obj", Buffer.from(TURNE
     await page.click("fix");
     await page.until("/^Before: .* After: /.test(document.getElementById('fix-facts').textContent)");
     await page.settled();
-    expectSame(await handedOut(page, "fixed-files"), byCommand(files, words));
+    const made = await handedOut(page, "fixed-files"), wanted = byCommand(files, words);
+    if (name === "a 3MF") expectSame(unpacked(made), unpacked(wanted));
+    else expectSame(made, wanted);
     expect(await page.evaluate("!document.getElementById('divider').hidden && document.getElementById('side-wrong-name').textContent === 'Before' && document.getElementById('side-right-name').textContent === 'After'"), "nothing to compare");
     expect(await page.evaluate("getComputedStyle(document.getElementById('side-wrong-name')).color === getComputedStyle(document.body).color"), "before has the colour of wrong");
     const list = await page.text("fixed-list"), [b, a] = await page.evaluate("[document.getElementById('tint').checkVisibility(), document.getElementById('stays-box').checkVisibility()]");
     expect(list.length > 10 && b, `what was fixed: ${list}`);
+    if (name === "a 3MF") expect(/^1 face turned round/.test(list) && /N301 inconsistent-winding: 3 places before, none after/.test(list), list);
     if (name === "an OBJ") expect(/^1 face turned round/.test(list) && /N301 inconsistent-winding: 3 places before, none after/.test(list) && !a, `${list} ${await page.text("stays")}`);
     if (name === "a .gltf from a zip") expect(/corner normals? changed/.test(list), list);
     await page.set("split", 50);

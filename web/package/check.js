@@ -6,7 +6,7 @@ import { makeHeap } from "./heap.js";
 const SEVERITIES = ["none", "info", "warning", "error"];
 const FIXES = [null, "safe", "unsafe"];
 const PROFILES = ["auto", "render", "print", "generated"];
-const FORMATS = ["", "obj", "ply", "stl", "gltf", "glb"];
+const FORMATS = ["", "obj", "ply", "stl", "gltf", "glb", "b3dm", "i3dm", "cmpt", "3mf"];
 const SHADINGS = ["default", "crease", "smooth", "flat"];
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
 const TEXTS = { rule: 0, name: 1, where: 2, unit: 3, message: 4, cause: 5, impact: 6 };

@@ -1,4 +1,4 @@
-/* Compressed glTF, decoded by npm's draco3dgltf and meshoptimizer. Modules that read files (check.wasm, the page's) import the calls below; each library is loaded when a file first needs it. */
+/* Compressed glTF, decoded by npm's draco3dgltf and meshoptimizer, and zips of 3MF by fflate. Modules that read files (check.wasm, the page's) import the calls below; each library is loaded when a file first needs it. */
 
 const MEMORY = 1, BROKEN = 2, KIND = 3, FACES = 4, POINTS = 5, LARGE = 6, ATTRIBUTE = 7, WIDTH = 8, VALUE = 9; // draco_result (src/io/gltf/draco_decoder.h)
 const STREAM = 8, VALUES = 4; // 32-bit numbers in a draco_stream and in a draco_values
@@ -145,9 +145,43 @@ function meshoptCalls(memory, need) {
   };
 }
 
-/* ---- both */
+/* ---- fflate: packed members of a zip */
 
-/* libraries: draco, meshopt and encoder, each () => a promise: of { factory, module } and of meshoptimizer's objects. */
+const FULL = 1, DAMAGED = 2; // inflate_result (src/io/3mf/deflate.h)
+const PIECE = 1 << 14;
+
+/* Piece by piece, so that what unpacks to far more than the zip says is left early, without room for it. */
+function inflateInto(out, bytes, { Inflate }) {
+  let done = 0;
+  const stream = new Inflate((part) => {
+    if (part.length > out.length - done) throw new RangeError();
+    out.set(part, done);
+    done += part.length;
+  });
+  for (let at = 0; at < bytes.length; at += PIECE) stream.push(bytes.slice(at, at + PIECE), at + PIECE >= bytes.length);
+  return done === out.length;
+}
+
+function deflateCalls(memory, need) {
+  return {
+    inflate_bytes: (from, packed, to, size) => {
+      const library = need("deflate");
+      if (!library) return FULL;
+      try { return inflateInto(bytesAt(memory(), to, size), bytesAt(memory(), from, packed), library) ? 0 : DAMAGED; } catch { return DAMAGED; }
+    },
+    /* How many bytes it made; 0: there is no room for them. */
+    deflate_bytes: (from, size, to, room) => {
+      const library = need("deflate"), bytes = library?.deflateSync(bytesAt(memory(), from, size));
+      if (!bytes || bytes.length > room) return 0;
+      bytesAt(memory(), to, bytes.length).set(bytes);
+      return bytes.length;
+    },
+  };
+}
+
+/* ---- all */
+
+/* libraries: draco, meshopt, encoder and deflate, each () => a promise: of { factory, module }, of meshoptimizer's objects and of fflate's functions. */
 export function makeDecoders(libraries) {
   const loaded = {}, missed = new Set();
   let host = null, draco = null;
@@ -172,7 +206,7 @@ export function makeDecoders(libraries) {
   const load = async (name) => { loaded[name] = await libraries[name](); };
 
   return {
-    imports: { norma: { draco_decode: decodeDraco, ...meshoptCalls(() => host, need) } },
+    imports: { norma: { draco_decode: decodeDraco, ...meshoptCalls(() => host, need), ...deflateCalls(() => host, need) } },
     serve: (exports) => (host = exports),
     /* For a host that cannot wait while it reads. */
     loadAll: () => Promise.all(Object.keys(libraries).map(load)),
@@ -204,6 +238,7 @@ export const readingLibraries = (compileDraco) => ({
     const { MeshoptDecoder } = await import("./meshopt-decoder.js");
     return MeshoptDecoder.ready.then(() => MeshoptDecoder);
   },
+  deflate: () => import("./deflate.js"),
 });
 
 /* What writing takes beside that. */

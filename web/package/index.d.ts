@@ -225,7 +225,7 @@ export interface Deviation {
 }
 
 export interface CheckOptions {
-  /** The name of the file; its ending decides the format: .glb, .gltf, .obj, .ply or .stl. */
+  /** The name of the file; its ending decides the format: .glb, .gltf, .vrm, .obj, .ply, .stl, .3mf, .b3dm, .i3dm or .cmpt. */
   name: string;
   /** What the surface is for. Default: `"auto"`, print for STL and render for the others. */
   profile?: "auto" | "render" | "print" | "generated" | undefined;

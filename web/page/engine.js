@@ -6,7 +6,7 @@ import { moduleOf } from "./inflate.js";
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
 const WELDS = ["exact", "none"];
 const WANTED = { computed: 0, flat: 1, stored: 2 };
-const FORMATS = ["", "OBJ", "PLY", "STL", "glTF", "GLB"];
+const FORMATS = ["", "OBJ", "PLY", "STL", "glTF", "GLB", "B3DM", "I3DM", "CMPT", "3MF"];
 const SEVERITIES = ["", "info", "warning", "error"];
 const TEXTS = ["id", "name", "unit", "label", "message"];
 const NOT_CHECKED = 0xffffffff;
@@ -85,7 +85,7 @@ export async function startEngine({ bytes, draco: packed }) {
       if (result !== 0) throw new Error(textAt(wasm.web_result_text(result)));
     };
     return {
-      name, meshes, draws, compute, up: UPS[["OBJ", "PLY", "STL"].includes(FORMATS[wasm.model_format(address)]) ? wasm.model_guess_up(address) : 0], format: FORMATS[wasm.model_format(address)], unread: wasm.model_unread_count(address),
+      name, meshes, draws, compute, up: UPS[["OBJ", "PLY", "STL", "3MF"].includes(FORMATS[wasm.model_format(address)]) ? wasm.model_guess_up(address) : 0], format: FORMATS[wasm.model_format(address)], unread: wasm.model_unread_count(address),
       triangles: meshes.reduce((sum, mesh) => sum + mesh.triangles, 0), faces: meshes.reduce((sum, mesh) => sum + mesh.faces, 0),
       /* What norma check says; null: it was not asked. */
       findings: findingCount === NOT_CHECKED ? null : Array.from({ length: findingCount }, readFinding),

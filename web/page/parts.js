@@ -48,5 +48,5 @@ export function showMaterialControls(model, materials = null) {
   byId("up-row").hidden = !model;
   byId("colours").querySelector("[value=tangents]").disabled = !meshes.some(({ hasTangents, hasTexcoords }) => hasTangents || hasTexcoords.some(Boolean));
   byId("up").value = model?.up ?? "y";
-  byId("up-facts").textContent = ["OBJ", "PLY", "STL"].includes(model?.format) ? "guessed" : "";
+  byId("up-facts").textContent = ["OBJ", "PLY", "STL", "3MF"].includes(model?.format) ? "guessed" : "";
 }

@@ -1,9 +1,9 @@
-/* zip.c: zip archives by their directory, with zlib for what is in them. What is not replaced keeps
- * its bytes, packed as it is. Source: PKWARE APPNOTE 6.3.10. */
+/* zip.c: zip archives by their directory. What is not replaced keeps its bytes, packed as it is.
+ * Source: PKWARE APPNOTE 6.3.10. */
 #include "io/3mf/zip.h"
+#include "io/3mf/deflate.h"
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
 enum {
     LOCAL_HEADER = 30,
@@ -155,24 +155,16 @@ static size_t packed_at(const zip_archive *a, const zip_member *m) {
     return begin <= a->directory && m->packed <= a->directory - begin ? (size_t)begin : 0;
 }
 
-/* Z_OK, Z_MEM_ERROR, or another error of zlib. */
-static int inflate_all(const unsigned char *from, size_t packed, char *to, size_t size) {
-    z_stream z = {.next_in = (unsigned char *)(uintptr_t)from, .next_out = (unsigned char *)to};
-    int status = inflateInit2(&z, -MAX_WBITS);
-    if (status != Z_OK) return status;
-    while (status == Z_OK) { /* zlib counts in 32 bits */
-        const size_t in = packed < UINT32_MAX ? packed : UINT32_MAX,
-                     out = size < UINT32_MAX ? size : UINT32_MAX;
-        z.avail_in = (unsigned)in;
-        z.avail_out = (unsigned)out;
-        status = inflate(&z, Z_NO_FLUSH);
-        packed -= in - z.avail_in;
-        size -= out - z.avail_out;
+/* The checksum of the members' contents, with the polynomial of APPNOTE 4.4.7. */
+static uint32_t crc_of(const char *bytes, size_t size) {
+    uint32_t table[256], sum = UINT32_MAX;
+    for (uint32_t i = 0; i < 256; ++i) {
+        table[i] = i;
+        for (int bit = 0; bit < 8; ++bit)
+            table[i] = table[i] >> 1 ^ (table[i] & 1 ? 0xEDB88320U : 0);
     }
-    inflateEnd(&z);
-    return status == Z_STREAM_END && size == 0 ? Z_OK
-           : status == Z_MEM_ERROR             ? Z_MEM_ERROR
-                                               : Z_DATA_ERROR;
+    for (size_t i = 0; i < size; ++i) sum = sum >> 8 ^ table[(sum ^ (unsigned char)bytes[i]) & 255];
+    return ~sum;
 }
 
 char *norma_zip_unpack(const zip_archive *a, size_t member, const char **wrong) {
@@ -188,44 +180,20 @@ char *norma_zip_unpack(const zip_archive *a, size_t member, const char **wrong) 
     char *text = malloc(size + 1);
     *wrong = "";
     if (!text) return NULL;
-    int status = Z_OK;
+    inflate_result status = INFLATE_OK;
     if (m->method == STORED)
         memcpy(text, a->bytes + begin, size);
     else
-        status = inflate_all(a->bytes + begin, (size_t)m->packed, text, size);
+        status = norma_inflate(a->bytes + begin, (size_t)m->packed, text, size);
     text[size] = '\0';
-    uLong sum = crc32(0, NULL, 0);
-    for (size_t at = 0; status == Z_OK && at < size; at += UINT16_MAX)
-        sum = crc32(sum, (const unsigned char *)text + at,
-            (unsigned)(size - at < UINT16_MAX ? size - at : UINT16_MAX));
-    if (status == Z_OK && sum == m->sum) return text;
+    if (status == INFLATE_OK && crc_of(text, size) == m->sum) return text;
     free(text);
-    if (status != Z_MEM_ERROR)
+    if (status != INFLATE_NO_MEMORY)
         *wrong = "is damaged: it does not unpack to the length and checksum that the zip gives";
     return NULL;
 }
 
 /* ---- other contents */
-
-static unsigned char *deflate_all(const growing_bytes *content, size_t *packed) {
-    const uLong bound = compressBound((uLong)content->size) + 64;
-    unsigned char *out = malloc(bound);
-    z_stream z = {.next_in = (unsigned char *)content->data,
-        .avail_in = (unsigned)content->size,
-        .next_out = out,
-        .avail_out = (unsigned)bound};
-    if (!out || deflateInit2(&z, Z_DEFAULT_COMPRESSION, Z_DEFLATED, -MAX_WBITS, 8,
-                    Z_DEFAULT_STRATEGY) != Z_OK) {
-        free(out);
-        return NULL;
-    }
-    const int status = deflate(&z, Z_FINISH);
-    *packed = z.total_out;
-    deflateEnd(&z);
-    if (status == Z_STREAM_END) return out;
-    free(out);
-    return NULL;
-}
 
 /* Its own header, without the lengths of large archives and with those of the new content. */
 static void put_local(const zip_archive *a, zip_member *m, growing_bytes *out) {
@@ -260,15 +228,14 @@ static unsigned char *pack(zip_member *m, const growing_bytes *content, size_t *
     unsigned char *bytes = NULL;
     *packed = content->size;
     if (m->method == DEFLATED) {
-        bytes = deflate_all(content, packed);
+        bytes = norma_deflate((const unsigned char *)content->data, content->size, packed);
     } else if ((bytes = malloc(content->size))) {
         memcpy(bytes, content->data, content->size);
     }
     m->flags &= ~(unsigned)DESCRIBED_BEHIND;
     m->size = content->size;
     m->packed = *packed;
-    m->sum = (uint32_t)crc32(
-        crc32(0, NULL, 0), (const unsigned char *)content->data, (unsigned)content->size);
+    m->sum = crc_of(content->data, content->size);
     return bytes;
 }
 
