@@ -202,9 +202,9 @@ static void describe_deviation(
         norma_check_message(how, "%s weights, crease %g", norma_weight_name(d->weight),
             d->crease_angle_rad * degrees);
     norma_check_message(message,
-        "%z stored normals are best explained by %s: median %g, 99 %% within %g, at most %g "
-        "degrees off",
-        count, how, d->p50_rad * degrees, d->p99_rad * degrees, d->max_rad * degrees);
+        "best explained by %s: %z stored normals, median %g, 99 %% within %g, at most %g degrees "
+        "off",
+        how, count, d->p50_rad * degrees, d->p99_rad * degrees, d->max_rad * degrees);
 }
 
 /* Normals that corners use: each vertex, each vn. */

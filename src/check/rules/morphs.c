@@ -154,8 +154,8 @@ static norma_result judge_sums(check_mesh *m) {
     return norma_check_report(m,
         &(check_report){
             .rule = RULE_N902, .severity = NORMA_SEVERITY_WARNING, .unit = "length", .hits = &hits},
-        "%z normal%s reduced to less than a tenth by a morph target at weight 1 (to %g); the "
-        "direction is noise",
+        "spots and sparks: %z normal%s reduced to less than a tenth by a morph target at weight 1 "
+        "(to %g)",
         hits.count, norma_check_plural(hits.count), hits.worst);
 }
 
@@ -172,7 +172,8 @@ static norma_result judge_bases(check_mesh *m) {
     }
     if (!normals && !tangents) return NORMA_OK;
     norma_check_message(message,
-        "%z morph target%s with %s, but the mesh has none; there is nothing to add them to",
+        "refused by validators: %z morph target%s with %s to add to those of the mesh, which has "
+        "none",
         normals ? normals : tangents, norma_check_plural(normals ? normals : tangents),
         normals ? "normals" : "tangents");
     return norma_check_add_one(

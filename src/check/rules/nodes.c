@@ -106,24 +106,25 @@ static norma_result add_node_finding(const node_judgement *j, check_rule rule,
             .message = message});
 }
 
-static void begin_message(const node_judgement *j, node_kind kind, char text[CHECK_MESSAGE]) {
+/* " at 2 of 5 instances", or nothing. */
+static void name_instances(const node_judgement *j, node_kind kind, char text[CHECK_MESSAGE]) {
     text[0] = 0;
     if (j->node->instances != 1 && j->has_worlds && kind.count == 1)
-        norma_check_message(text, "instance %z of %z: ", kind.first, j->node->instances);
+        norma_check_message(text, " at instance %z of %z", kind.first, j->node->instances);
     else if (j->node->instances != 1 && j->has_worlds)
-        norma_check_message(text, "%z of %z instances, the first of them %z: ", kind.count,
+        norma_check_message(text, " at %z of %z instances, the first of them %z", kind.count,
             j->node->instances, kind.first);
     else if (j->node->instances != 1)
-        norma_check_message(text, "%z of %z instances: ", kind.count, j->node->instances);
+        norma_check_message(text, " at %z of %z instances", kind.count, j->node->instances);
 }
 
 static norma_result add_mirrored(const node_judgement *j, const node_sums *sums) {
-    char begin[CHECK_MESSAGE], determinant[CHECK_MESSAGE], message[CHECK_MESSAGE];
+    char where[CHECK_MESSAGE], determinant[CHECK_MESSAGE], message[CHECK_MESSAGE];
     int mixed = sums->mirrored.count && sums->upright.count;
-    begin_message(j, sums->mirrored, begin);
+    name_instances(j, sums->mirrored, where);
     norma_check_message(
         determinant, isnan(sums->determinant) ? "below 0" : "%g", sums->determinant);
-    norma_check_message(message, "%sworld determinant %s%s%s%s", begin, determinant,
+    norma_check_message(message, "mirrored%s: world determinant %s%s%s%s", where, determinant,
         mixed ? ", and the others do not mirror" : "",
         j->double_sided ? " and the material is double-sided" : "",
         mixed             ? "; one draw call can cull in only one direction"
@@ -135,27 +136,26 @@ static norma_result add_mirrored(const node_judgement *j, const node_sums *sums)
 }
 
 static norma_result add_node_findings(const node_judgement *j, const node_sums *sums) {
-    char begin[CHECK_MESSAGE], message[CHECK_MESSAGE];
-    begin_message(j, sums->uneven, begin);
+    char where[CHECK_MESSAGE], message[CHECK_MESSAGE];
+    name_instances(j, sums->uneven, where);
     norma_check_message(message,
-        "%sstretches one direction by %g times another; a renderer without the normal matrix errs "
+        "stretched%s, one direction by %g times another; a renderer without the normal matrix errs "
         "by up to %g degrees",
-        begin, sums->anisotropy, sums->error_rad * DEGREES);
+        where, sums->anisotropy, sums->error_rad * DEGREES);
     norma_result result = add_node_finding(
         j, RULE_N601, NORMA_SEVERITY_INFO, sums->uneven.count, sums->anisotropy, "ratio", message);
     if (!result) result = add_mirrored(j, sums);
-    begin_message(j, sums->singular, begin);
-    norma_check_message(message,
-        "%sworld matrix of rank %z: it flattens the mesh and has no inverse", begin,
-        (size_t)sums->rank);
+    name_instances(j, sums->singular, where);
+    norma_check_message(message, "flattened%s: world matrix of rank %z, which has no inverse",
+        where, (size_t)sums->rank);
     if (!result)
         result = add_node_finding(j, RULE_N603, NORMA_SEVERITY_WARNING, sums->singular.count,
             (double)sums->rank, "rank", message);
-    begin_message(j, sums->sheared, begin);
+    name_instances(j, sums->sheared, where);
     norma_check_message(message,
-        "%scolumns of the world matrix are %g degrees off perpendicular; this cannot be written as "
-        "translation, rotation and scale",
-        begin, norma_check_arc_sine(fmin(sums->cosine, 1)) * DEGREES);
+        "skewed%s: columns of the world matrix are %g degrees off perpendicular; this cannot be "
+        "written as translation, rotation and scale",
+        where, norma_check_arc_sine(fmin(sums->cosine, 1)) * DEGREES);
     return result ? result
                   : add_node_finding(j, RULE_N604, NORMA_SEVERITY_WARNING, sums->sheared.count,
                         sums->cosine, "cosine", message);
@@ -223,8 +223,8 @@ static norma_result judge_skin(
         .order = run->next_order++, .where = skin->where ? skin->where : "", .label = label};
     label_of("skin", number, skin->name, label);
     norma_check_message(message,
-        "joint node %z stretches one direction by %g times another, at rest or in an animation; "
-        "%s",
+        "stretched at a joint: node %z stretches one direction by %g times another, at rest or in "
+        "an animation; %s",
         skin->joint, skin->anisotropy,
         describe_skin_error(scene, skin, measured) ? measured : "most skinning shaders err there");
     return add_node_finding(&j, RULE_N605, NORMA_SEVERITY_INFO,

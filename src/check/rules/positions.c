@@ -212,8 +212,8 @@ static norma_result add_coincident(check_mesh *m, check_hits *hits, double step)
     return norma_check_report(m,
         &(check_report){
             .rule = RULE_N503, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = hits},
-        "%z position%s closer to another than %g (a millionth of the mesh's diagonal), but not "
-        "equal to it; the surface has cracks there",
+        "cracks in the surface: %z position%s closer to another than %g (a millionth of the mesh's "
+        "diagonal), but not equal to it",
         hits->count, norma_check_plural(hits->count), step);
 }
 
@@ -387,8 +387,8 @@ norma_result norma_check_distance_add(check_mesh *m, const check_largest *larges
     return norma_check_report(m,
         &(check_report){
             .rule = RULE_N701, .severity = NORMA_SEVERITY_WARNING, .unit = "ratio", .hits = &hits},
-        "coordinates up to %g are rounded to %g, and half of the edges are shorter than %g; faces "
-        "turn by about %g degrees",
+        "steps in the surface: coordinates up to %g are rounded to %g, and half of the edges are "
+        "shorter than %g; faces turn by about %g degrees",
         largest->coordinate, spacing, median, fmin(12 * spacing / median, 90));
 }
 
@@ -425,7 +425,7 @@ norma_result norma_check_encoding_add(check_mesh *m) {
     check_hits hits = {0};
     char message[CHECK_MESSAGE];
     norma_check_message(message,
-        "normals are stored as %s, which errs by up to %g degrees; reflections show bands",
+        "bands in reflections: normals are stored as %s, which errs by up to %g degrees",
         m->given->info.encoding, bound);
     norma_check_hit(m->run, &hits, bound, CHECK_NOWHERE);
     return norma_check_add(m->run, &m->place, m,
@@ -464,7 +464,7 @@ static norma_result check_soup(check_mesh *m) {
     norma_result result = norma_check_weld(m);
     if (!result) result = count_used(m, &used, &places);
     if (result || used < m->mesh.corner_count || places == used) return result;
-    norma_check_message(message, "%z vertices for %z corners at %z positions: nothing is shared",
+    norma_check_message(message, "nothing is shared: %z vertices for %z corners at %z positions",
         used, m->mesh.corner_count, places);
     return norma_check_add_one(
         m->run, &m->place, m, RULE_N502, NORMA_SEVERITY_INFO, CHECK_NOWHERE, message);

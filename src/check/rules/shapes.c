@@ -85,16 +85,16 @@ static norma_result add_findings(check_mesh *m, check_shapes *sum) {
                 .severity = NORMA_SEVERITY_INFO,
                 .unit = "ratio",
                 .hits = &sum->degenerate},
-            "%z of %z faces are degenerate (almost no area) and have no normal",
-            sum->degenerate.count, m->mesh.face_count);
+            "without area: %z of %z faces are degenerate and have no normal", sum->degenerate.count,
+            m->mesh.face_count);
     if (!result && sum->slivers.count)
         result = norma_check_report(m,
             &(check_report){.rule = RULE_N402,
                 .severity = NORMA_SEVERITY_INFO,
                 .unit = "deg",
                 .hits = &sum->slivers},
-            "%z of %z faces have an angle below 0.1 degrees (smallest %g); their direction depends "
-            "on the last digits of the positions",
+            "thin as needles: %z of %z faces have an angle below 0.1 degrees (smallest %g); their "
+            "direction depends on the last digits of the positions",
             sum->slivers.count, m->mesh.face_count, sum->slivers.worst);
     return result;
 }
@@ -260,7 +260,7 @@ static norma_result add_cancelled(check_mesh *m, check_hits *hits) {
             .severity = missing ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .unit = "ratio",
             .hits = hits},
-        "%z position%s where the normals of the faces cancel, so their average has no direction%s",
+        "the normals of the faces cancel at %z position%s, so their average has no direction%s",
         hits->count, norma_check_plural(hits->count),
         missing ? ", and normals will be computed there" : "");
 }
@@ -463,10 +463,10 @@ static norma_result add_folded(check_mesh *m, norma_severity severity, check_fol
             .unit = "ratio",
             .no_fix = f->crossing == f->hits.count,
             .hits = &f->hits},
-        f->crossing ? "%z of %z polygons %s over if a reader cuts them into a fan from their first "
-                      "corner; %z of them cross%s"
-                    : "%z of %z polygons %s over if a reader cuts them into a fan from their first "
-                      "corner",
+        f->crossing ? "triangles back to front: %z of %z polygons %s over if a reader cuts them "
+                      "into a fan from their first corner; %z of them cross%s"
+                    : "triangles back to front: %z of %z polygons %s over if a reader cuts them "
+                      "into a fan from their first corner",
         f->hits.count, m->mesh.face_count, f->hits.count == 1 ? "folds" : "fold", f->crossing,
         f->crossing == 1 ? "es itself" : " themselves");
 }
@@ -478,8 +478,8 @@ static norma_result tell_bad_polygons(check_mesh *m, check_polygons *sum) {
     return norma_check_report(m,
         &(check_report){
             .rule = RULE_N405, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &sum->bent},
-        "%z of %z polygons %s not flat, by up to %g degrees; readers cut them differently",
-        sum->bent.count, m->mesh.face_count, sum->bent.count == 1 ? "is" : "are", sum->bent.worst);
+        "not flat, so that readers cut them differently: %z of %z polygons, by up to %g degrees",
+        sum->bent.count, m->mesh.face_count, sum->bent.worst);
 }
 
 static void add_polygon_part(const check_run *run, check_polygons *sum, check_polygons *part) {

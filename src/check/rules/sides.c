@@ -267,27 +267,29 @@ norma_result norma_check_facets_add(check_mesh *m, check_facets *sum) {
     if (!hits->count) return NORMA_OK;
     if (zeros == hits->count)
         norma_check_message(message,
-            "%z of %z facets have a zero normal; readers compute it from the winding", zeros,
+            "shaded by the winding alone: %z of %z facets have a zero normal", zeros,
             m->mesh.face_count);
     else if (zeros)
         norma_check_message(message,
-            "%z of %z facet normals disagree with the winding, by up to %g degrees; %z of them are "
-            "zero",
+            "shaded differently by each reader: %z of %z facet normals disagree with the winding, "
+            "by up to %g degrees; %z of them are zero",
             hits->count, m->mesh.face_count, hits->worst, zeros);
     else if (turned == hits->count)
         norma_check_message(message,
-            "%z of %z facet normals disagree with the winding, by up to %g degrees; there the "
-            "winding is wrong and the normals are right (N301, N302)",
+            "shaded differently by each reader: %z of %z facet normals disagree with the winding, "
+            "by up to %g degrees; there the winding is wrong and the normals are right (N301, "
+            "N302)",
             hits->count, m->mesh.face_count, hits->worst);
     else if (turned + undecided == hits->count)
         norma_check_message(message,
-            "%z of %z facet normals disagree with the winding, by up to %g degrees; neither volume "
-            "nor rays nor neighbours show for %z of them which is wrong",
+            "shaded differently by each reader: %z of %z facet normals disagree with the winding, "
+            "by up to %g degrees; neither volume nor rays nor neighbours show for %z of them which "
+            "is wrong",
             hits->count, m->mesh.face_count, hits->worst, undecided);
     else
         norma_check_message(message,
-            "%z of %z facet normals disagree with the winding, by up to %g degrees; some readers "
-            "use the normal, others the winding",
+            "shaded differently by each reader: %z of %z facet normals disagree with the winding, "
+            "by up to %g degrees; some use the normal, others the winding",
             hits->count, m->mesh.face_count, hits->worst);
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N205,

@@ -40,8 +40,8 @@ static norma_result add_inward(check_mesh *m, check_hits *hits, size_t count) {
                                                                       : NORMA_SEVERITY_WARNING;
     return norma_check_report(m,
         &(check_report){.rule = RULE_N302, .severity = severity, .unit = "volume", .hits = hits},
-        "%z of %z component%s %s inside out: closed, and the faces look inward", hits->count, count,
-        norma_check_plural(count), hits->count == 1 ? "is" : "are");
+        "faces look inward at %z of %z component%s: closed, and inside out", hits->count, count,
+        norma_check_plural(count));
 }
 
 static norma_result add_nested(check_mesh *m, check_hits *hits) {
@@ -50,8 +50,8 @@ static norma_result add_nested(check_mesh *m, check_hits *hits) {
     return norma_check_report(m,
         &(check_report){
             .rule = RULE_N302, .severity = severity, .unit = "volume", .no_fix = 1, .hits = hits},
-        "%z component%s directly inside a solid and facing outward; either cavities that were "
-        "turned, or separate bodies",
+        "a solid within a solid: %z component%s facing outward; either cavities that were turned, "
+        "or separate bodies",
         hits->count, norma_check_plural(hits->count));
 }
 
@@ -118,9 +118,8 @@ static norma_result tell_undecidable(const check_solids *s) {
         return norma_check_report(m,
             &(check_report){
                 .rule = RULE_N304, .severity = NORMA_SEVERITY_INFO, .unit = "faces", .hits = &hits},
-            one_sided ? "%z of %z component%s %s open or one-sided (%z): which side is outward "
-                        "cannot be decided"
-                      : "%z of %z component%s %s open: which side is outward cannot be decided",
+            one_sided ? "no inside and outside: %z of %z component%s %s open or one-sided (%z)"
+                      : "no inside and outside: %z of %z component%s %s open",
             hits.count, count_here(s), norma_check_plural(count_here(s)),
             hits.count == 1 ? "is" : "are", one_sided);
     }

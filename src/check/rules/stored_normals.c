@@ -79,11 +79,13 @@ static norma_result add_zero(check_mesh *m, check_hits *hits, size_t idle) {
     char message[CHECK_MESSAGE];
     if (idle)
         norma_check_message(message,
-            "%z zero-length normal%s; %z used only by degenerate faces (N401)", hits->count,
+            "%s: %z zero-length normal%s; %z used only by degenerate faces (N401)",
+            idle < hits->count ? "black spots" : "without direction", hits->count,
             norma_check_plural(hits->count), idle);
     else
-        norma_check_message(message, "%z zero-length normal%s; normalising one divides by zero",
-            hits->count, norma_check_plural(hits->count));
+        norma_check_message(message,
+            "black spots: %z zero-length normal%s; normalising one divides by zero", hits->count,
+            norma_check_plural(hits->count));
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N102,
             .severity = NORMA_SEVERITY_ERROR,
@@ -101,8 +103,8 @@ static norma_result add_non_unit(check_mesh *m, norma_severity severity, check_h
     if (!hits->count || !wants_lengths(m, RULE_N103)) return NORMA_OK;
     return norma_check_report(m,
         &(check_report){.rule = RULE_N103, .severity = severity, .unit = "length", .hits = hits},
-        "%z normal%s whose length differs from 1, by up to %g; if a shader does not "
-        "renormalise, diffuse light is multiplied by the length",
+        "too bright or too dark, if a shader does not renormalise: %z normal%s whose length "
+        "differs from 1, by up to %g",
         hits->count, norma_check_plural(hits->count), hits->worst);
 }
 
@@ -114,8 +116,8 @@ static norma_result add_lengths(check_mesh *m, check_lengths *sum, size_t idle) 
                 .severity = NORMA_SEVERITY_ERROR,
                 .no_value = 1,
                 .hits = &sum->non_finite},
-            "%z normal%s with a component that is NaN or infinite", sum->non_finite.count,
-            norma_check_plural(sum->non_finite.count));
+            "black or white spots: %z normal%s with a component that is NaN or infinite",
+            sum->non_finite.count, norma_check_plural(sum->non_finite.count));
     if (!result && wants_lengths(m, RULE_N102) && sum->zero.count)
         result = add_zero(m, &sum->zero, idle);
     if (!result) result = add_non_unit(m, NORMA_SEVERITY_ERROR, &sum->non_unit);
@@ -195,8 +197,9 @@ static norma_result add_faces_without(check_mesh *m) {
             .severity = obj && some ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .no_value = 1,
             .hits = &hits},
-        "%z face%s without normals; %s", hits.count, norma_check_plural(hits.count),
-        gltf ? "readers make them flat" : "each reader chooses flat or smooth");
+        "shaded flat%s: %z face%s without normals",
+        gltf ? "" : " or smooth, as each reader chooses", hits.count,
+        norma_check_plural(hits.count));
 }
 
 /* ---- N105 */
@@ -205,7 +208,7 @@ static norma_result add_unused(check_mesh *m) {
     char message[CHECK_MESSAGE];
     check_hits hits = {.count = norma_check_normal_count(m)};
     if (!m->given->material.unlit || !hits.count) return NORMA_OK;
-    norma_check_message(message, "%z normal%s on an unlit material; nothing reads them", hits.count,
+    norma_check_message(message, "never read: %z normal%s on an unlit material", hits.count,
         norma_check_plural(hits.count));
     hits.worst_spot = CHECK_NOWHERE;
     return norma_check_add(m->run, &m->place, m,
@@ -242,22 +245,22 @@ static norma_result add_mismatch(check_mesh *m) {
     const int none = a->face_faults && !norma_check_normal_count(m);
     if (none)
         norma_check_message(message,
-            "%z face%s with a vn index, but the file has no vn at all; readers refuse it, or shade "
-            "it as they would without",
+            "refused by readers, or shaded as if without normals: %z face%s with a vn index, but "
+            "the file has no vn at all",
             a->normals_out_of_range, norma_check_plural(a->normals_out_of_range));
     else if (a->face_faults)
         norma_check_message(message,
-            "%z face%s with a vn index that does not exist, %z with normals at some corners only; "
-            "readers treat them differently",
+            "shaded differently by each reader: %z face%s with a vn index that does not exist, %z "
+            "with normals at some corners only",
             a->normals_out_of_range, norma_check_plural(a->normals_out_of_range),
             a->normals_missing);
     else if (a->normals_missing)
         norma_check_message(message,
-            "%z normal%s fewer than positions; readers refuse the file, or read beyond the normals",
+            "refused by readers, or read beyond the normals: %z normal%s fewer than positions",
             a->normals_missing, norma_check_plural(a->normals_missing));
     else
         norma_check_message(message,
-            "%z normal%s more than positions; readers refuse the file, or take the wrong ones",
+            "refused by readers, or shaded by the wrong normals: %z normal%s more than positions",
             a->normals_surplus, norma_check_plural(a->normals_surplus));
     return norma_check_add(m->run, &m->place, m,
         &(check_report){.rule = RULE_N106,

@@ -87,9 +87,9 @@ static norma_result add_signs(check_mesh *m, const uint8_t *verdicts, size_t wit
     name_of_map(m, map);
     if (!mixed)
         norma_check_message(message,
-            "the UVs give the opposite sign for all tangents whose UVs have an area (%z); correct "
-            "if the normal map%s was made for that",
-            against, map);
+            "bumps become dents, unless the normal map%s was made for it: the UVs give the "
+            "opposite sign for all tangents whose UVs have an area (%z)",
+            map, against);
     else if (side == AGAINST)
         norma_check_message(message,
             "bumps of the normal map%s become dents in one of two groups: %z tangent%s %s the "
@@ -230,31 +230,32 @@ static norma_result add_tangent_findings(check_mesh *m, tangent_part *sum) {
                 .severity = NORMA_SEVERITY_ERROR,
                 .unit = "length",
                 .hits = &sum->bad},
-            "%z tangent%s with a component that is not finite or a length other than 1; normal "
-            "maps are read through them%s%s",
-            sum->bad.count, norma_check_plural(sum->bad.count), *map ? ":" : "", map);
+            "black spots, or light from a wrong side, %s%s: %z tangent%s with a component that is "
+            "not finite or a length other than 1",
+            *map ? "through the normal map" : "where a normal map is read", map, sum->bad.count,
+            norma_check_plural(sum->bad.count));
     if (!result && norma_check_wants(m, RULE_N802) && sum->sign.count)
         result = norma_check_report(m,
             &(check_report){.rule = RULE_N802,
                 .severity = NORMA_SEVERITY_ERROR,
                 .no_value = 1,
                 .hits = &sum->sign},
-            "%z tangent%s with a sign that is neither 1 nor -1; bumps become dents or have the "
-            "wrong height%s%s",
-            sum->sign.count, norma_check_plural(sum->sign.count), *map ? " in the normal map" : "",
-            map);
+            "bumps%s%s become dents or have the wrong height: %z tangent%s with a sign that is "
+            "neither 1 nor -1",
+            *map ? " of the normal map" : "", map, sum->sign.count,
+            norma_check_plural(sum->sign.count));
     if (!result && norma_check_wants(m, RULE_N803) && sum->leaning.count)
         result = norma_check_report(m,
             &(check_report){.rule = RULE_N803,
                 .severity = norma_check_tangent_severity(m),
                 .unit = "deg",
                 .hits = &sum->leaning},
-            "%z tangent%s up to %g degrees off perpendicular to the normal; %s%s%s",
-            sum->leaning.count, norma_check_plural(sum->leaning.count), sum->leaning.worst,
-            !m->given->material.normal_map ? "no normal map uses them here"
+            "%s%s%s: %z tangent%s up to %g degrees off perpendicular to the normal",
+            !m->given->material.normal_map ? "not seen, as no normal map uses them here"
             : *map                         ? "the normal map"
                                            : "a normal map",
-            map, m->given->material.normal_map ? " bends light the wrong way" : "");
+            map, m->given->material.normal_map ? " bends light the wrong way" : "",
+            sum->leaning.count, norma_check_plural(sum->leaning.count), sum->leaning.worst);
     return result;
 }
 

@@ -260,8 +260,8 @@ static void test_tile_instances(void **state) {
     FOUND(check_tile(scaled, of_scale, sizeof of_scale, "", MINE),
         {"N602", "/nodes/0", W, 1, -1, ""});
     expect_message(check_tile(scaled, of_scale, sizeof of_scale, "", "N602"),
-        "instance 1 of 3: world determinant -1, and the others do not mirror; one draw call can "
-        "cull in only one direction");
+        "mirrored at instance 1 of 3: world determinant -1, and the others do not mirror; one draw "
+        "call can cull in only one direction");
     /* a mirror of the node's own makes the mirrored one the only one that is right */
     FOUND(check_tile(scaled, of_scale, sizeof of_scale, ",\"scale\":[1,1,-1]", MINE),
         {"N602", "/nodes/0", W, 2, -8, ""});
@@ -497,18 +497,18 @@ static void test_tangent_words(void **state) {
     make_islands(&s);
     s.tangents[7][0] = 2;
     expect_message(check_islands(&s, 0),
-        "1 tangent with a component that is not finite or a length other than 1; normal maps are "
-        "read through them: \"bumps.png\"");
+        "black spots, or light from a wrong side, through the normal map \"bumps.png\": 1 tangent "
+        "with a component that is not finite or a length other than 1");
     make_islands(&s);
     s.tangents[7][3] = 2;
     expect_message(check_islands(&s, 0),
-        "1 tangent with a sign that is neither 1 nor -1; bumps become dents or have the wrong "
-        "height in the normal map \"bumps.png\"");
+        "bumps of the normal map \"bumps.png\" become dents or have the wrong height: 1 tangent "
+        "with a sign that is neither 1 nor -1");
     make_islands(&s);
     memcpy(s.tangents[17], (const float[4]){0, 0, -1, 1}, sizeof s.tangents[17]);
     expect_message(check_islands(&s, 0),
-        "1 tangent up to 90 degrees off perpendicular to the normal; the normal map \"bumps.png\" "
-        "bends light the wrong way");
+        "the normal map \"bumps.png\" bends light the wrong way: 1 tangent up to 90 degrees off "
+        "perpendicular to the normal");
     make_islands(&s);
     for (int v = 0; v < 4; v++) s.tangents[v][3] = -s.tangents[v][3];
     expect_message(check_islands(&s, 0),
