@@ -186,6 +186,9 @@ typedef struct gltf_tile {
     double center[3]; /* RTC_CENTER: where the origin of its positions lies */
     int is_elsewhere; /* where its instances say, or a center that is not three numbers */
     uint32_t depth;   /* of them; 0: the file is the GLB */
+    size_t left_out,
+        left_out_at; /* tiles beside it without a GLB; where the first of them begins */
+    const char *left_out_why;
 } gltf_tile;
 
 typedef struct gltf {

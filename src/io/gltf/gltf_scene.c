@@ -755,15 +755,31 @@ static int add_tail(gltf *g, norma_unread *unread, size_t *count) {
     return 1;
 }
 
+/* Tiles of a composite beside the one that is read. 0: out of memory. */
+static int add_tiles_left_out(gltf *g, norma_unread *unread, size_t *count) {
+    const gltf_tile *tile = &g->tile;
+    if (tile->left_out == 0) return 1;
+    char *texts = norma_scene_allocate(g->document->scene, 2, sizeof(char[120]));
+    if (!texts) return 0;
+    snprintf(texts, 120, "byte %zu", tile->left_out_at);
+    const int length = snprintf(texts + 120, 120, "this tile %s", tile->left_out_why);
+    if (tile->left_out > 1)
+        snprintf(texts + 120 + length, 120 - (size_t)length, "; tiles without a model besides: %zu",
+            tile->left_out - 1);
+    unread[(*count)++] = (norma_unread){texts, texts + 120};
+    return 1;
+}
+
 static norma_document_result read_unread_part(
     norma_document *document, norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
     norma_scene *scene = document->scene;
     uint32_t list = norma_json_member(&g->json, 0, "extensionsRequired"), number = 0;
     norma_unread *unread = norma_scene_allocate(
-        scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 3, sizeof *unread);
+        scene, (size_t)norma_json_size(&g->json, list) + g->primitive_count + 4, sizeof *unread);
     size_t count = 0;
-    if (!unread || !add_tail(g, unread, &count)) return norma_document_fail_memory(document, error);
+    if (!unread || !add_tail(g, unread, &count) || !add_tiles_left_out(g, unread, &count))
+        return norma_document_fail_memory(document, error);
     if (g->tile.not_read) unread[count++] = (norma_unread){"instances", g->tile.not_read};
     if (norma_gltf_needs_later(g))
         unread[count++] =

@@ -355,9 +355,11 @@ enum { BYTE_LENGTH = 8, COMPOSITE_HEADER = 16, TABLES = 12, MODEL_TABLES_END = 2
 
 typedef struct tile_search {
     gltf *g;
-    gltf_tile path;      /* the headers above what is looked at */
-    size_t found;        /* GLBs */
-    const char *without; /* NULL, or what the last tile without a GLB has instead */
+    gltf_tile path; /* the headers above what is looked at */
+    size_t found;   /* GLBs */
+    size_t without; /* tiles without one; the first: */
+    size_t without_at;
+    const char *instead; /* what it has */
 } tile_search;
 
 static norma_document_result fail_tile(const tile_search *s, norma_document_error *error,
@@ -365,6 +367,12 @@ static norma_document_result fail_tile(const tile_search *s, norma_document_erro
     char place[40];
     snprintf(place, sizeof place, "byte %zu", byte);
     return norma_document_fail(s->g->document, error, result, place, "%s", message);
+}
+
+static void leave_out_tile(tile_search *s, size_t at, const char *instead) {
+    if (s->without++ > 0) return;
+    s->without_at = at;
+    s->instead = instead;
 }
 
 static int has_magic(const unsigned char *at, const char *magic) {
@@ -386,10 +394,9 @@ static norma_document_result find_model(
             "the tables are longer than the tile; expected the 28 bytes of a header as 3D Tiles "
             "1.0 "
             "has them");
-    s->without =
-        is_outside ? "names a glTF file instead of holding one; give that file" : s->without;
-    if (is_outside) return NORMA_DOCUMENT_OK;
-    if (s->found++ == 0) {
+    if (is_outside) {
+        leave_out_tile(s, at, "names a glTF file instead of holding one; give that file");
+    } else if (s->found++ == 0) {
         s->g->tile = s->path;
         s->g->tile.at = at + (size_t)begin;
         s->g->tile.end = end;
@@ -423,7 +430,7 @@ static norma_document_result look_into_tile(
         for (uint32_t i = norma_gltf_u32(tile + 12); i > 0 && !result; --i)
             result = look_into_tile(s, inner, *next, &inner, error);
     } else if (has_magic(tile, "pnts"))
-        s->without = "has points, which have no faces";
+        leave_out_tile(s, at, "has points, which have no faces");
     else
         result = fail_tile(s, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, at,
             "expected a tile that begins with b3dm, i3dm, cmpt or pnts");
@@ -437,10 +444,13 @@ norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error)
     if (g->document->format == NORMA_FILE_GLB) return NORMA_DOCUMENT_OK;
     const norma_document_result result =
         look_into_tile(&s, 0, g->document->source.size, &next, error);
+    g->tile.left_out = s.without;
+    g->tile.left_out_at = s.without_at;
+    g->tile.left_out_why = s.instead;
     if (result || s.found == 1) return result;
     if (s.found == 0)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-            "the tile %s", s.without ? s.without : "is empty");
+            "the tile %s", s.instead ? s.instead : "is empty");
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
         "the composite has %zu tiles with meshes; only one can be read, so split it first",
         s.found);

@@ -5,6 +5,7 @@
 #include "document_bytes.h"
 #include "gltf_asset.h"
 #include "message.h"
+#include <norma/check.h>
 
 typedef struct made_tile {
     unsigned char bytes[4096];
@@ -185,6 +186,44 @@ static void test_refused(void **state) {
     (void)state;
 }
 
+/* What a composite has beside its model is said not to be checked: outside names a file, and two
+ * have points. */
+static void test_left_out(void **state) {
+    document_bytes glb = roof();
+    made_tile model = {.size = 0}, outside = {.size = 0}, composite = {.size = 0};
+    norma_document_error error;
+    norma_findings *findings = NULL;
+    char where[40];
+    add_model(&model, glb, 0, 0);
+    add_model(&outside, glb, 1, 0);
+    add(&composite, "cmpt", 4);
+    add_u32(&composite, 1);
+    add_u32(&composite, 16 + model.size + outside.size + 64);
+    add_u32(&composite, 4);
+    add(&composite, model.bytes, model.size);
+    const size_t outside_at = composite.size;
+    add(&composite, outside.bytes, outside.size);
+    add_points(&composite);
+    add_points(&composite);
+    document_bytes bytes = bytes_copy(composite.bytes, composite.size);
+    norma_document *document = bytes_open(bytes, "a.cmpt");
+    assert_int_equal(norma_check_document(document, NULL, &findings, &error), NORMA_DOCUMENT_OK);
+    const norma_finding *first = norma_findings_get(findings, 0);
+    snprintf(where, sizeof where, "byte %zu", outside_at);
+    assert_string_equal(first->rule->id, "N002");
+    assert_int_equal(first->severity, NORMA_SEVERITY_WARNING);
+    assert_string_equal(first->where, where);
+    assert_string_equal(first->message,
+        "not checked: this tile names a glTF file instead of holding one; give that file; tiles "
+        "without a model besides: 2");
+    assert_true(norma_findings_partly(findings));
+    norma_findings_free(findings);
+    norma_document_close(document);
+    bytes_free(&bytes);
+    bytes_free(&glb);
+    (void)state;
+}
+
 /* Each level is 16 bytes, so a small file could nest thousands deep. */
 static void test_nested(void **state) {
     made_tile deep = {.size = 0};
@@ -204,6 +243,7 @@ int main(void) {
         cmocka_unit_test(test_models),
         cmocka_unit_test(test_untouched),
         cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_left_out),
         cmocka_unit_test(test_nested),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
