@@ -255,14 +255,15 @@ class NORMA_OT_weighted_normals(bpy.types.Operator):
     def execute(self, context: Any) -> Any:
         if context.object is not None and context.object.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        meshes: Dict[str, Any] = {}
+        objects = exchange.selected_meshes(context)
+        why = {obj.data.name: (obj.name, reason) for obj in objects for reason in [exchange.why_not_weighted(obj)] if reason}
+        meshes = {obj.data.name: obj.data for obj in objects if obj.data.name not in why}
         left: List[str] = []
-        for obj in exchange.selected_meshes(context):
-            why = exchange.why_not_weighted(obj)
-            if why:
-                left.append(f"{obj.name} is left as it is: {why}")
-            else:
-                meshes[obj.data.name] = obj.data
+        for obj in objects:
+            if obj.data.name in why:
+                name, reason = why[obj.data.name]
+                shared = "" if name == obj.name else f"it shares the mesh of {name}: "
+                left.append(f"{obj.name} is left as it is: {shared}{reason}")
         changed = 0
         for name, mesh in meshes.items():
             surface = exchange.read_mesh(mesh, name)

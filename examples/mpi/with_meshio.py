@@ -30,7 +30,11 @@ def read_normals(path, count):
     """Of the PLY that Norma wrote: three doubles, then three floats, for each vertex."""
     with open(path, "rb") as file:
         header = iter(file.readline, b"end_header\n")
-        names = [line.split()[-1] for line in header if line.startswith(b"property ")]
+        lines = [line.split() for line in header]
+        names = [words[-1] for words in lines if words[0] == b"property"]
+        found = next(int(words[2]) for words in lines if words[:2] == [b"element", b"vertex"])
+        if found != count:
+            raise SystemExit("%s: %d vertices, where the mesh has %d; creases split vertices, which a file of points cannot hold" % (path, found, count))
         if names[:6] != [b"x", b"y", b"z", b"nx", b"ny", b"nz"]:
             raise SystemExit("%s: expected positions, then normals" % path)
         rows = np.fromfile(file, np.dtype([("position", "<f8", 3), ("normal", "<f4", 3)]), count)

@@ -65,6 +65,9 @@ check "light in view space and in world space: one picture" "$compare" "$scratch
 check "PNG: the chunk sRGB is there" grep -aq sRGB "$scratch/one.png"
 "$norma" render "$scratch/square.obj" -o "$scratch/t.png" --turntable 3 --size 40x30 --quiet
 check "a turntable writes NAME-000.png and on" test -s "$scratch/t-000.png" -a -s "$scratch/t-001.png" -a -s "$scratch/t-002.png" -a ! -e "$scratch/t-003.png" -a ! -e "$scratch/t.png"
+printf 'v 0 0 0\n' >"$scratch/point.obj"
+cp "$scratch/point.obj" "$scratch/other.obj"
+check "a run that draws nothing leaves no folder that it made" bash -c '! "$0" render "$1/point.obj" "$1/other.obj" --out-dir "$1/none" 2>/dev/null && [ ! -e "$1/none" ]' "$norma" "$scratch"
 "$norma" render "$scratch/square.obj" assets/spider.stl --out-dir "$scratch/all" --size 40x30 --json >"$scratch/json"
 check "several inputs: a picture and a line each" test -s "$scratch/all/square.png" -a -s "$scratch/all/spider.png" -a "$(wc -l <"$scratch/json")" = 2
 "$norma" render "$scratch/square.obj" -o "$scratch/v.png" --views front,right,top,back --size 40x30 --quiet

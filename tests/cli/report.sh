@@ -287,6 +287,7 @@ else
     fail "--page: links name file and finding, whatever the name" "$links $(grep -o 'class="place" href="[^"]*"' linked.html)"
 fi
 check "no link without --page" bash -c '! norma check linked --no-config --format html | grep -q "class=\"place\" href"'
+check "--page takes an address without a question" bash -c 'norma check linked --page "norma.html?v=2" -o x.html 2>usage >/dev/null; [ $? -eq 2 ] && grep -q "expected an address without" usage && [ ! -e x.html ]'
 check "--page asks for an HTML report" bash -c 'norma check linked --page norma.html 2>usage >/dev/null; [ $? -eq 2 ] && grep -q -- "--page needs --format html" usage'
 norma check far.obj --no-config -o far.html >/dev/null 2>&1
 if grep -q "<path class='m' d='" far.html && ! grep -Eq "d='[^']*[0-9]{10}" far.html; then pass "a picture of distant corners keeps to small numbers"; else fail "a picture of distant corners keeps to small numbers" "$(grep -o "d='[^']*'" far.html)"; fi

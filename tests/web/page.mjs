@@ -1012,7 +1012,7 @@ await attempt("a link of a report opens the file from the same server, presses t
   writeFileSync(join(folder, "models/its data #1.bin"), bytes);
   writeFileSync(join(folder, "models/two ways.gltf"), JSON.stringify({ asset: { version: "2.0" }, buffers: [{ byteLength: bytes.length, uri: "its%20data%20%231.bin" }], bufferViews: [{ buffer: 0, byteLength: 60 }, { buffer: 0, byteOffset: 60, byteLength: 18 }],
     accessors: [{ bufferView: 0, componentType: 5126, count: 5, type: "VEC3", min: [0, 0, 0], max: [2, 1, 0.5] }, { bufferView: 1, componentType: 5123, count: 9, type: "SCALAR" }], meshes: [{ name: "sheet", primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }], nodes: [{ mesh: 0 }], scenes: [{ nodes: [0] }], scene: 0 }));
-  spawnSync(tool, ["check", "models", "--no-config", "--info", "--page", "norma.html", "-o", "report.html"], { cwd: folder });
+  spawnSync(tool, ["check", ".", "--no-config", "--info", "--page", "norma.html", "-o", "report.html"], { cwd: folder });
   const server = createServer(({ url }, response) => {
     const path = join(folder, decodeURIComponent(new URL(url, "http://x").pathname));
     if (!existsSync(path)) { response.statusCode = 404; response.end(); return; }
@@ -1032,7 +1032,8 @@ await attempt("a link of a report opens the file from the same server, presses t
     await view.until("new URLSearchParams(location.hash.slice(1)).get('finding')?.startsWith('N301:')", 10);
     await view.picture("served");
     await view.close();
-    for (const [src, words] of [["models/gone.obj", "the server says 404"], ["//example.org/x.obj", "it lies on another server"]]) {
+    writeFileSync(join(folder, "models/broken.gltf"), '{"buffers": null, "images": [null, {"uri": "//example.org/x.png"}], ');
+    for (const [src, words] of [["models/broken.gltf", "broken.gltf"], ["models/gone.obj", "the server says 404"], ["//example.org/x.obj", "it lies on another server"]]) {
       const other = await visit(`${origin}/norma.html?src=${encodeURIComponent(src)}`);
       await other.until("document.getElementById('notice').textContent", 20);
       expect((await other.text("notice")).includes(words), await other.text("notice"));

@@ -149,7 +149,9 @@ async function show(ask, then = () => undefined) {
     then(model);
     follow();
   } catch (error) {
-    if (mine === opening) notice(hintFor(error.message));
+    if (mine !== opening) return;
+    if (!scene && sculpture) { byId("model").value = "sculpture"; pickModel(); } // the page's first file: the stage is not left empty
+    notice(hintFor(error.message));
   }
 }
 
@@ -165,6 +167,7 @@ function follow() {
 
 function showMoving() {
   opening++;
+  atFirst = null;
   dropScenes();
   moving = makeMoving(norma);
   const surface = graphics.makeSurface({ positions: moving.positions(), normals: moving.normals(), indices: moving.indices });
@@ -792,6 +795,7 @@ function frame(now) {
 
 async function openGiven(given) {
   notice("");
+  atFirst = null;
   stopIntro();
   if (!given.length) return;
   try {
@@ -1065,13 +1069,27 @@ async function startEngines() {
   remote = started;
 }
 
+/* What somebody has opened meanwhile stays. */
+function openServed(path) {
+  const mine = ++opening, asked = atFirst;
+  filesServed(path).then((files) => {
+    if (mine !== opening) return;
+    openGiven(files);
+    atFirst = asked;
+  }, (error) => {
+    if (mine !== opening) return;
+    pickModel();
+    notice(error.message);
+  });
+}
+
 /* What is shown first: what the address asks for, the model of norma view, or the sculpture. */
 function showFirst(asked) {
   const wantedModel = asked?.get("model"), known = wantedModel && option("model", CSS.escape(wantedModel));
   const path = embedded ? null : servedPath();
   if (known) byId("model").value = wantedModel;
   atFirst = asked;
-  if (path) filesServed(path).then(openGiven, (error) => { pickModel(); notice(error.message); });
+  if (path) openServed(path);
   else pickModel();
   if (!embedded && !asked && !path && value("model") === "sculpture") intro.begin(!isCalm());
   if (asked) applyAddress(asked, camera);

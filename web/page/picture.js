@@ -57,13 +57,17 @@ export async function saveTurntable(canvas, shown, turnTo, progress) {
   });
   const begin = performance.now(), partNow = () => (performance.now() - begin) / (1000 * SECONDS);
   recorder.start();
-  for (let part = 0; part < 1; part = partNow()) {
-    turnTo(part);
-    compose(copy, canvas, ...shown());
-    progress(part);
-    await new Promise((next) => setTimeout(next, 1000 / RATE));
+  try {
+    for (let part = 0; part < 1; part = partNow()) {
+      turnTo(part);
+      compose(copy, canvas, ...shown());
+      progress(part);
+      await new Promise((next) => setTimeout(next, 1000 / RATE));
+    }
+  } finally {
+    recorder.stop();
+    recorder.stream.getTracks().forEach((track) => track.stop());
   }
-  recorder.stop();
   await ended;
   progress(1);
   download(new Blob(parts, { type: kind }), "norma.webm");

@@ -287,6 +287,10 @@ static int check_words(const cli_subcommand *command, check_work *work) {
     if (!work->format) work->format = &check_format_text;
     if (work->settings.page && work->format != &check_format_html)
         return cli_usage(command, "--page needs --format html");
+    if (work->settings.page && strpbrk(work->settings.page, "?#"))
+        return cli_usage(command,
+            "--page '%s': expected an address without ? and #, which the links add",
+            work->settings.page);
     if (work->config && work->trust == CHECK_CONFIG_NONE)
         return cli_usage(command, "--config and --no-config exclude each other");
     if (work->baseline && work->new_baseline)

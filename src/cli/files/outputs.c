@@ -195,7 +195,7 @@ void cli_remove_empty_folders(const cli_files *files) {
         char *path = cli_output_of(files, i, NULL), *slash = NULL;
         while (path && (slash = strrchr(path, '/')) > path + strlen(files->folder)) {
             *slash = '\0';
-            if (rmdir(path)) break;
+            if (rmdir(path) && errno != ENOENT) break; /* what was never made is gone, too */
         }
         free(path);
     }

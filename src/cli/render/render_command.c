@@ -546,6 +546,7 @@ static int render_run(const cli_subcommand *command, int count, char **arguments
         cli_read_files(command, &settings.files, tables, CLI_COUNT(tables), count, arguments);
     if (status) return status;
     status = draw_inputs(command, &settings);
+    cli_remove_empty_folders(&settings.files);
     cli_files_end(&settings.files);
     return status;
 }

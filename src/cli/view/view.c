@@ -469,6 +469,7 @@ static int view_run(const cli_subcommand *command, int count, char **arguments) 
     int status = cli_read_files(command, &work.files, tables, CLI_COUNT(tables), count, arguments);
     if (status) return status;
     status = make_pages(command, &work);
+    cli_remove_empty_folders(&work.files);
     cli_files_end(&work.files);
     return cli_finish(status);
 }
