@@ -11,7 +11,7 @@ import { changesOf } from "../../web/page/changes.js";
 import { findChrome, launch } from "./chrome.mjs";
 import { findFirefox, launchFirefox } from "./firefox.mjs";
 import { countPixels, readPng } from "./png.mjs";
-import { attempt, check, finish, skip } from "./tap.mjs";
+import { attempt as attemptCase, check, finish, skip } from "./tap.mjs";
 import { pause } from "./wait.mjs";
 
 const inFirefox = process.argv[5] === "firefox", [pageFolder, tool, shots] = process.argv.slice(2, 5).map((path) => resolve(path));
@@ -24,9 +24,17 @@ const browser = await (inFirefox ? launchFirefox(findFirefox(), { width: SIZE[0]
 const expect = (holds, detail) => { if (!holds) throw new Error(detail); };
 const near = (a, b, tolerance = 0.0051) => Math.abs(a - b) <= tolerance;
 
+const visits = new Set();
+/* What a case opened is closed where it ends, also by a failure: a tab left in front would hide the page that the next cases share, and nothing hidden is drawn. */
+const attempt = (name, work) => attemptCase(name, async () => {
+  const before = new Set(visits);
+  try { await work(); } finally { for (const one of visits) if (!before.has(one)) await one.close().catch(() => undefined); }
+});
+
 /* A page with what the checks do to it. */
 async function visit(url, options = {}) {
-  const page = await browser.open(url, { size: SIZE, ...options });
+  const opened = await browser.open(url, { size: SIZE, ...options }), page = { ...opened, close: () => { visits.delete(page); return opened.close(); } };
+  visits.add(page);
   await page.until("document.body?.dataset.drawn > 0 || document.getElementById('fallback')?.hidden === false", 60);
   const drawn = () => page.evaluate("Number(document.body.dataset.drawn)");
   const settled = () => page.until("document.body.dataset.busy === '' || document.getElementById('moving-section').hidden === false", 60);
