@@ -64,3 +64,11 @@ export function downloadLink({ path, bytes }) {
   link.className = "download";
   return link;
 }
+
+export function listFiles(id, files) {
+  document.getElementById(id).replaceChildren(...files.map((file) => {
+    const item = document.createElement("li");
+    item.append(downloadLink(file));
+    return item;
+  }));
+}

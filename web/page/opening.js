@@ -1,0 +1,237 @@
+/* Opening: a model that is built in, files, what norma view put into the page, the surface that moves; and what the page shows of each. */
+import { applyAddress } from "./address.js";
+import { byId, isChecked, numberOf, setMatrix, setRange, value } from "./controls.js";
+import { bytesFor, gather, hintFor, listFiles } from "./files.js";
+import { listFindings, pressFinding } from "./findings.js";
+import { freeMaterials, readMaterials } from "./materials.js";
+import { makeMoving } from "./moving.js";
+import { listParts, showMaterialControls } from "./parts.js";
+import { chooseFinding } from "./pressed.js";
+import { count, counted, notice, showModelFacts } from "./readouts.js";
+import { isShown, wantsTangents } from "./recompute.js";
+import { makeScene } from "./scene.js";
+import { SHAPES } from "./shapes.js";
+import { DEFAULT_CURSOR, UNMARKED, camera, canvas, dirty, page } from "./state.js";
+
+export const option = (select, kind) => byId(select).querySelector(`[value="${kind}"]`);
+
+function dropScenes() {
+  for (const old of [page.scene, page.before]) if (old) { old.free(); if (old.model) page.remote.free(old.model.number); }
+  page.moving?.free();
+  page.graphics.lit.forget();
+  page.animation.forget();
+  page.scene = page.before = page.moving = page.chosen = page.found = null;
+  page.look = { ...page.look, ...UNMARKED };
+}
+
+/* Shows a model instead of what was there; or, changed, beside it. */
+export function showModel(model, { changed = false, files = model.files } = {}) {
+  if (changed) {
+    const original = page.before ?? page.scene;
+    if (page.before) { page.scene.free(); page.remote.free(page.scene.model.number); }
+    page.before = original;
+    page.scene = makeScene(page.graphics, model, original.up, original.frame);
+    page.scene.hidden = original.hidden;
+    if (page.chosen) camera.reset();      /* it stood close to one finding */
+    page.chosen = null;
+    byId("places").hidden = true;
+    page.look = { ...page.look, ...UNMARKED };
+  } else {
+    dropScenes();
+    page.scene = makeScene(page.graphics, model);
+  }
+  page.scene.files = files;
+  const stored = model.meshes.some((mesh) => mesh.stored);
+  option("source", "stored").disabled = option("colours", "error").disabled = !stored;
+  byId("source").value = stored ? "stored" : "computed";
+  listFindings(model.findings, chooseFinding, (finding) => (model.meshes[finding.mesh] ? page.thumbs.add(finding) : null));
+  byId("finding-seen").textContent = "";
+  option("colours", "findings").disabled = !model.findings?.length;
+  if (byId("colours").selectedOptions[0].disabled) byId("colours").value = "lit";
+  if (!changed) showMaterialControls(model);
+  showModelFacts(model);
+  listParts(page.scene, () => { dirty.draw = true; });
+  loadMaterials(page.scene, files);
+  if (!changed && files) page.animation.open(files.files, files.path);
+  showSections();
+  dirty.compute = dirty.draw = true;
+}
+
+/* Into a buffer of its own, slowly. */
+async function loadList(shown, surface, name, at, list) {
+  if (!list || !isShown(shown)) return;
+  const made = page.graphics.reserve(list.byteLength), to = shown.surfaces[surface];
+  await page.graphics.fillSlowly(made, list);
+  if (at === null) to[name] = made; else to[name][at] = made;
+}
+
+/* Materials with their images, and colours of vertices, follow by themselves. files: what the model was read from. */
+async function loadMaterials(shown, files) {
+  const { model } = shown;
+  page.loading++;
+  try {
+    if (model.meshes.some(({ hasColours }) => hasColours)) for (const [i, list] of (await page.remote.colours(model.number)).entries()) await loadList(shown, i, "colours", null, list);
+    const read = files ? await readMaterials(files.files, files.path) : null;
+    if (!read || !isShown(shown)) { if (read) freeMaterials(read.list); return; }
+    for (const [i, sets] of (await page.remote.texcoords(model.number)).entries()) for (const [set, list] of sets.entries()) await loadList(shown, i, "texcoords", set, list);
+    if (!isShown(shown)) { freeMaterials(read.list); return; }
+    shown.materials = read.list;
+    shown.freeMaterials = () => freeMaterials(read.list);
+    showMaterialControls(model, read.list);
+    if (read.unread) byId("model-facts").append(` ${counted(read.unread, "image is", "images are")} missing or cannot be read.`);
+    if (wantsTangents(shown)) dirty.compute = true;
+  } catch (error) {
+    notice(error.message);
+  } finally {
+    page.loading--;
+    dirty.draw = true;
+  }
+}
+
+let lessonOf = null;
+export function showSections() {
+  const live = page.moving !== null;
+  byId("matrix-section").hidden = byId("normals-section").hidden = live;
+  byId("moving-section").hidden = !live;
+  option("shading", "flat").disabled = option("hedgehog", "face").disabled = option("colours", "angle").disabled = live;
+  if (live) for (const kind of ["error", "findings"]) option("colours", kind).disabled = true;
+  byId("fixing").hidden = byId("computing").hidden = !page.source;
+  const isFile = Boolean(page.scene?.model?.format);
+  if (lessonOf !== isFile) byId("matrix-box").open = !isFile;      /* whoever brings a model did not come for the lesson */
+  lessonOf = isFile;
+  byId("model-credit").hidden = value("model") !== "sculpture";
+  canvas.classList.toggle("brush", live && isChecked("brush"));
+}
+
+/* Whoever does something has seen enough of the first seconds. */
+export function stopIntro() {
+  if (!page.intro.isShown()) return;
+  page.intro.end();
+  page.cursor = DEFAULT_CURSOR;
+  dirty.draw = true;
+}
+
+/* Asks for a model; what is asked for last is shown. */
+export async function show(ask, then = () => undefined) {
+  const mine = ++page.opening;
+  try {
+    const model = await ask();
+    if (mine !== page.opening) { page.remote.free(model.number); return; }
+    if (!model.triangles) { page.remote.free(model.number); throw new Error(`${model.name}: there is nothing in it to draw.`); }
+    showModel(model);
+    then(model);
+    follow();
+  } catch (error) {
+    if (mine !== page.opening) return;
+    if (!page.scene && page.sculpture) { byId("model").value = "sculpture"; pickModel(); } // the page's first file: the stage is not left empty
+    notice(hintFor(error.message));
+  }
+}
+
+function follow() {
+  const asked = page.atFirst;
+  page.atFirst = null;
+  if (!asked) return;
+  applyAddress(asked, camera);
+  if (asked.has("finding")) pressFinding(asked.get("finding"));
+}
+
+export function showMoving() {
+  page.opening++;
+  page.atFirst = null;
+  dropScenes();
+  page.moving = makeMoving(page.norma);
+  const surface = page.graphics.makeSurface({ positions: page.moving.positions(), normals: page.moving.normals(), indices: page.moving.indices });
+  page.scene = { model: null, hidden: new Set(), surfaces: [surface], still: page.graphics.makeBuffer(page.moving.still), free: () => surface.free() };
+  byId("model-facts").textContent = `${count(page.moving.triangles)} triangles, computed anew for every picture.`;
+  if (["error", "findings", "angle", "tangents"].includes(value("colours"))) byId("colours").value = "lit";
+  if (value("shading") === "flat") byId("shading").value = "phong";
+  listFindings(null);
+  listParts(page.scene);
+  showMaterialControls(null);
+  page.moving.wave(0, numberOf("height"));
+  uploadMoving();
+  showSections();
+  dirty.draw = true;
+}
+
+export function uploadMoving() {
+  page.graphics.fillBuffer(page.scene.surfaces[0].positions, page.moving.positions());
+  page.graphics.fillBuffer(page.scene.surfaces[0].normals, page.moving.normals());
+}
+
+export async function openGiven(given) {
+  notice("");
+  page.atFirst = null;
+  stopIntro();
+  if (!given.length) return;
+  try {
+    const { files, models } = await gather(given);
+    addFileOptions(files, models);
+    openFile(files, models[0]);
+  } catch (error) {
+    notice(error.message);
+  }
+}
+
+function openFile(files, path) {
+  return show(async () => {
+    const needed = await bytesFor(files, path), name = path.split("/").pop(), model = await page.remote.openFiles(needed.files, needed.path, name);
+    model.files = needed;
+    model.source = { path: needed.path, name };
+    return model;
+  }, (model) => {
+    page.source = model.source;
+    for (const id of ["fix-facts", "computed-facts", "fixed-list", "stays"]) byId(id).textContent = "";
+    byId("stays-box").hidden = byId("tint-row").hidden = true;
+    for (const id of ["fixed-files", "computed-files"]) listFiles(id, []);
+    setMatrix();
+    if (value("sides") === "beside") byId("sides").value = "split";
+    byId("colours").value = "lit";
+    setRange("crease", 60);
+    camera.reset();
+    document.title = `${page.source.name} · Norma`;
+    byId("model").title = byId("model").selectedOptions[0].textContent;
+    showSections();
+  });
+}
+
+/* The model of norma view: drawn from its pack; what may be fixed is its file, where the page holds that. */
+function openEmbedded() {
+  const { text, name, files } = page.embedded;
+  return show(async () => {
+    if (files) await page.remote.giveFiles(files.files);
+    return { ...(await page.remote.openText(text, name)), files };
+  }, () => {
+    page.source = files && { path: files.path, name };
+    showSections();
+  });
+}
+
+let fileChoices = [];
+
+function addFileOptions(files, models) {
+  const select = byId("model");
+  select.querySelectorAll('[value^="file"]').forEach((old) => old.remove());
+  fileChoices = models.map((path) => ({ files, path }));
+  models.slice().reverse().forEach((path, i) => select.prepend(new Option(models.length > 1 ? path : path.split("/").pop(), `file${models.length - 1 - i}`)));
+  select.value = "file0";
+}
+
+/* What is shown now is not the file that was chosen before. */
+export function forgetChosen() { byId("file").value = byId("folder").value = ""; }
+
+const VIEWS = { moving: { azimuth: 20, elevation: 34, distance: 3.3 }, sculpture: { azimuth: 24, elevation: 10, distance: 2.2 } };
+
+export function pickModel() {
+  const key = value("model");
+  byId("model").title = "";
+  notice("");
+  if (!key.startsWith("file")) { forgetChosen(); page.source = null; byId("model").querySelectorAll('[value^="file"]').forEach((old) => old.remove()); }
+  if (key === "moving") showMoving();
+  else if (key === "embedded") openEmbedded();
+  else if (key === "sculpture") show(() => page.remote.openTriangles({ ...page.sculpture, positions: page.sculpture.positions.slice(), indices: page.sculpture.indices.slice() }), () => setRange("crease", 180));
+  else if (key.startsWith("file")) { const { files, path } = fileChoices[Number(key.slice(4))]; openFile(files, path); }
+  else if (SHAPES[key]) show(() => page.remote.openShape(key), () => setRange("crease", SHAPES[key].crease ?? 60));
+  camera.reset(VIEWS[key] ?? {});
+}

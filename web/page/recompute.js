@@ -1,0 +1,83 @@
+/* What a control asks of the worker: normals, tangents, errors, marks of findings, into the buffers of what is shown. */
+import { numberOf, value } from "./controls.js";
+import { notice, showComputeFacts } from "./readouts.js";
+import { dirty, page } from "./state.js";
+
+const WARM_RUNS = 5, QUIET = 600;
+
+export const isShown = (one) => one === page.scene || one === page.before;
+
+function wanted() {
+  if (value("colours") === "error") return "computed";
+  return value("shading") === "flat" && value("colours") === "lit" ? "flat" : value("source");
+}
+
+const wishes = () => ({ wanted: wanted(), weight: value("weight"), weld: value("weld"), crease: numberOf("crease"), errors: value("colours") === "error" });
+export const wantsTangents = (shown) => value("colours") === "tangents" || (shown.materials && shown.model.meshes.some(({ hasTangents }) => hasTangents));
+
+/* Of the normals that are shown. */
+async function uploadTangents(shown) {
+  const lists = await page.remote.tangents(shown.model.number);
+  for (const [i, list] of lists.entries()) {
+    if (!list || (shown !== page.scene && shown !== page.before)) continue;
+    shown.surfaces[i].tangents ??= page.graphics.reserve(list.byteLength);
+    await page.graphics.fillSlowly(shown.surfaces[i].tangents, list);
+  }
+}
+
+export async function uploadMarks(shown, index) {
+  const marks = await page.remote.marks(shown.model.number, index);
+  for (const [i, surface] of shown.surfaces.entries()) {
+    surface.marks ??= page.graphics.reserve(marks[i].byteLength);
+    await page.graphics.fillSlowly(surface.marks, marks[i]);
+  }
+}
+
+export async function compute() {
+  const options = wishes(), shown = [page.scene, page.before].filter(Boolean);
+  page.computing = true;
+  dirty.compute = false;
+  try {
+    for (const one of shown) {
+      const { normals, errors } = await page.remote.compute(one.model.number, options);
+      if (one !== page.scene && one !== page.before) continue;
+      for (const [i, list] of normals.entries()) await page.graphics.fillSlowly(one.surfaces[i].normals, list);
+      if (errors) uploadErrors(one, errors);
+      if (wantsTangents(one)) await uploadTangents(one);
+    }
+    if (page.scene === shown[0] && value("colours") === "findings") for (const one of shown) await uploadMarks(one, one === page.scene ? page.chosen?.index : undefined);
+  } catch (error) {
+    if (shown[0] === page.scene) notice(error.message);
+  }
+  page.computing = false;
+  page.computed++;
+  dirty.draw = true;
+  if (shown[0] === page.scene) warmUp(options);
+}
+
+/* Times what was computed once it has been quiet for a while: nothing was warm before. */
+async function warmUp(options) {
+  const mine = page.computed, { model } = page.scene, times = [];
+  showComputeFacts(times, model.triangles, options.wanted);
+  await new Promise((done) => setTimeout(done, QUIET));
+  while (times.length < WARM_RUNS && mine === page.computed && !dirty.compute && page.scene?.model === model && options.wanted !== "stored") times.push(await page.remote.time(model.number, options));
+  if (times.length === WARM_RUNS && mine === page.computed && page.scene?.model === model) showComputeFacts(times, model.triangles, options.wanted);
+}
+
+function uploadErrors(one, { worst, values }) {
+  one.surfaces.forEach((surface, i) => {
+    if (surface.values) page.graphics.fillBuffer(surface.values, values[i]);
+    else surface.values = page.graphics.makeBuffer(values[i], page.graphics.gl.DYNAMIC_DRAW);
+  });
+  if (one !== page.scene) return;
+  page.look.errorTop = topOfScale(values, worst);
+  page.look.errorWorst = worst;
+}
+
+/* The scale ends where 99 of 100 corners lie below, so that a single bad one does not make all others look right. */
+function topOfScale(lists, worst) {
+  const sample = [], total = lists.reduce((most, list) => most + list.length, 0), step = Math.max(1, Math.floor(total / 20000));
+  for (const list of lists) for (let i = 0; i < list.length; i += step) sample.push(list[i]);
+  sample.sort((a, b) => a - b);
+  return Math.max(0.01, Math.min(worst, 1.05 * (sample[Math.floor(0.99 * sample.length)] ?? 0)));
+}
