@@ -93,6 +93,14 @@ await attempt("the first seconds: one model is slowly stretched, a line sweeps o
   const calm = await visit(home, { intro: true, calm: true }), before = await calm.evaluate("document.getElementById('scale-x').value");
   await pause(500);
   expect(before === "2.2" && (await calm.evaluate("document.getElementById('scale-x').value")) === "2.2", "it moves where that is not wished");
+  /* Year's rings cross the head from chin to horn, on either side of the line. */
+  const png = await calm.picture("intro-wood"), light = (x, y) => png.at(x, y).slice(0, 3).reduce((sum, part) => sum + part), rings = (from, to) => {
+    let least = 0;
+    for (let y = 40; y < SIZE[1] - 120; y++) for (let x = from; x < to; x++) if (isModel(png.at(x, y)) && light(x, y) + 18 < Math.min(light(x, y - 4), light(x, y + 4)) && light(x, y) <= Math.min(light(x, y - 1), light(x, y + 1))) least++;
+    return least;
+  }, [left, right] = [rings(0, SIZE[0] / 2 - 30), rings(SIZE[0] / 2 + 30, SIZE[0])];
+  console.log(`# dark places of rings: ${left} and ${right}`);
+  expect(left > 600 && right > 1200, `the model has no texture: ${left} and ${right} dark places of rings`);
   await calm.close();
 });
 

@@ -3,6 +3,7 @@ import { BufferGeometry, Camera, DirectionalLight, DoubleSide, FrontSide, Hemisp
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
 import { dress } from "./materials.js";
 import { multiply3, upper } from "./matrix.js";
+import { carve } from "./wood.js";
 
 const ROOM = 0.45, SKY = 1.15, LAMP = 1.75, LAMP_FROM = [-0.75, 0.75, 0.45];
 /* Of clay, and of the models that the page brings along, which shine: light that runs over them shows normals. */
@@ -56,10 +57,11 @@ export function makeLit(canvas, gl) {
   /* Of a part of a model: dressed, or of clay. */
   const wardrobe = new Map();
   const clayOf = (item, colours, map) => {
-    const key = ["clay", item.clay, item.isShiny, colours, item.isDoubleSided, map?.uuid].join();
+    const key = ["clay", item.clay, item.isShiny, item.isWooden, colours, item.isDoubleSided, map?.uuid].join();
     if (!wardrobe.has(key)) {
       const clay = new MeshStandardMaterial({ ...(item.isShiny ? SHINY : MATT), vertexColors: colours, side: item.isDoubleSided === false ? FrontSide : DoubleSide, normalMap: map?.normalMap ?? null });
       clay.color.setRGB(...item.clay);
+      if (item.isWooden) carve(clay);
       if (map?.normalScale) clay.normalScale.copy(map.normalScale);
       wardrobe.set(key, clay);
     }

@@ -230,7 +230,7 @@ export function pickModel() {
   if (!key.startsWith("file")) { forgetChosen(); page.source = null; byId("model").querySelectorAll('[value^="file"]').forEach((old) => old.remove()); }
   if (key === "moving") showMoving();
   else if (key === "embedded") openEmbedded();
-  else if (key === "sculpture") show(() => page.remote.openTriangles({ ...page.sculpture, positions: page.sculpture.positions.slice(), indices: page.sculpture.indices.slice() }), () => setRange("crease", 180));
+  else if (key === "sculpture") show(async () => ({ ...(await page.remote.openTriangles({ ...page.sculpture, positions: page.sculpture.positions.slice(), indices: page.sculpture.indices.slice() })), isWooden: true }), () => setRange("crease", 180));
   else if (key.startsWith("file")) { const { files, path } = fileChoices[Number(key.slice(4))]; openFile(files, path); }
   else if (SHAPES[key]) show(() => page.remote.openShape(key), () => setRange("crease", SHAPES[key].crease ?? 60));
   camera.reset(VIEWS[key] ?? {});

@@ -60,6 +60,6 @@ export function itemsOf(norma, scene, user, side) {
     try { right = Array.from(norma.normalMatrix(through)); } catch { /* a node that is not finite: nothing is right there */ }
     const surface = scene.surfaces[mesh], material = scene.model.meshes[mesh];
     return { surface, normals: surface.normals, localToWorld: multiply(fit, multiply(user, local)), normalMatrix: side === "wrong" ? plain : right, plain, right,
-             mirrored: determinant(plain) < 0, clay: scene.model.format && !material.decimated ? CLAY : material.colour.slice(0, 3), mesh, draw, material, materials: scene.materials, isDoubleSided: material.isDoubleSided, isShiny: !scene.model.format, size: meanColumn(local) * fit[0] };
+             mirrored: determinant(plain) < 0, clay: scene.model.format && !material.decimated ? CLAY : material.colour.slice(0, 3), mesh, draw, material, materials: scene.materials, isDoubleSided: material.isDoubleSided, isShiny: !scene.model.format, isWooden: scene.model.isWooden, size: meanColumn(local) * fit[0] };
   });
 }
