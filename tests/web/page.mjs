@@ -990,6 +990,29 @@ await attempt("materials: colours of vertices, masks, what lets light through, s
   await view.close();
 });
 
+await attempt("KTX2 textures: it is said that they are not shown, and the material keeps the rest; nothing is called missing", async () => {
+  const view = await visit(home), json = JSON.parse(artistsModel());
+  json.materials[0].pbrMetallicRoughness.baseColorFactor = [0, 0.5, 0, 1];
+  json.textures[0] = { extensions: { KHR_texture_basisu: { source: 2 } } };
+  json.images.push({ mimeType: "image/ktx2", uri: "data:image/ktx2;base64,q0tUWCAyMLsNChoK" });
+  Object.assign(json, { extensionsUsed: ["KHR_texture_basisu"], extensionsRequired: ["KHR_texture_basisu"] });
+  await dropFiles(view, ["ktx2.gltf", Buffer.from(JSON.stringify(json))]);
+  const words = await view.until("/KTX2/.test(document.getElementById('model-facts').textContent) && document.getElementById('model-facts').textContent", 20);
+  expect(/ 1 texture is KTX2, which this page does not show: /.test(words) && !/missing/.test(words), words);
+  await view.click("reset-view");
+  const greens = countPixels(await view.picture("ktx2"), STAGE, ([r, g, b]) => g > 40 && g > 2 * r && g > 2 * b);
+  expect(greens > 3000, `${greens} pixels of the plain colour`);
+  /* Beside an image that every app shows, nothing is left out. */
+  json.textures[0].source = 0;
+  json.extensionsRequired = undefined;
+  await dropFiles(view, ["both.gltf", Buffer.from(JSON.stringify(json))]);
+  await view.until("document.getElementById('model').selectedOptions[0].textContent === 'both.gltf'", 20);
+  await view.settled();
+  expect(!/KTX2|missing/.test(await view.text("model-facts")), await view.text("model-facts"));
+  expect(view.said.length === 0, view.said.join("\n"));
+  await view.close();
+});
+
 await attempt("OBJ, PLY and STL: the axis that points up is a guess, and said to be one", async () => {
   const from = join(shots, "ground.obj"), out = join(shots, "view-ground.html");
   writeFileSync(from, ["v 0 0 0", "v 9 0 0.2", "v 9 9 0", "v 0 9 0.3", "f 1 2 3", "f 1 3 4"].join("\n"));

@@ -22,30 +22,45 @@ function readJson(bytes) {
 }
 export const hasAnimations = (files, path) => { const main = files.find((file) => file.path === path); return Boolean(main && ENDING.test(path) && readJson(main.bytes).json.animations?.length); };
 
-/* The same file without its meshes: { data for the loader, number of materials }. */
-function withoutMeshes(bytes) {
-  const { glb, length, json } = readJson(bytes);
-  for (const name of OF_MESHES) delete json[name];
-  for (const name of ["extensionsUsed", "extensionsRequired"]) if (json[name]) json[name] = json[name].filter((extension) => !OF_GEOMETRY.test(extension));
-  if (json.extensions) for (const name of Object.keys(json.extensions)) if (OF_GEOMETRY.test(name)) delete json.extensions[name];
-  const count = json.materials?.length ?? 0, short = new TextEncoder().encode(JSON.stringify(json));
-  if (!glb) return { data: short.buffer, count };
+/* Textures that are KTX2 alone: nothing here decodes those, and what refers to them goes without. Gives their number. */
+function leaveOutKtx2(json) {
+  const left = new Set((json.textures ?? []).flatMap(({ source, extensions }, i) => (source === undefined && extensions?.KHR_texture_basisu ? [i] : [])));
+  const clear = (part) => {
+    if (!part || typeof part !== "object") return;
+    for (const [key, value] of Object.entries(part)) if (/texture$/i.test(key) && left.has(value?.index)) delete part[key]; else clear(value);
+  };
+  if (left.size) clear(json.materials);
+  if (left.size && json.extensionsRequired) json.extensionsRequired = json.extensionsRequired.filter((name) => name !== "KHR_texture_basisu");
+  return left.size;
+}
+
+/* The same file as this page loads it: { data for the loader, number of materials, of KTX2 textures that were left out }. bare: without its meshes. */
+function forLoader(bytes, bare) {
+  const { glb, length, json } = readJson(bytes), count = json.materials?.length ?? 0, ktx2 = leaveOutKtx2(json);
+  if (!bare && !ktx2) return { data: (glb ?? bytes).slice().buffer, count: 0, ktx2 };
+  if (bare) {
+    for (const name of OF_MESHES) delete json[name];
+    for (const name of ["extensionsUsed", "extensionsRequired"]) if (json[name]) json[name] = json[name].filter((extension) => !OF_GEOMETRY.test(extension));
+    if (json.extensions) for (const name of Object.keys(json.extensions)) if (OF_GEOMETRY.test(name)) delete json.extensions[name];
+  }
+  const short = new TextEncoder().encode(JSON.stringify(json)), materials = bare ? count : 0;
+  if (!glb) return { data: short.buffer, count: materials, ktx2 };
   const padded = Math.ceil(short.length / 4) * 4, rest = glb.subarray(20 + length), made = new Uint8Array(20 + padded + rest.length), view = new DataView(made.buffer);
   [GLB, 2, made.length, padded, JSON_CHUNK].forEach((word, i) => view.setUint32(4 * i, word, true));
   made.fill(0x20, 20, 20 + padded);
   made.set(short, 20);
   made.set(rest, 20 + padded);
-  return { data: made.buffer, count };
+  return { data: made.buffer, count: materials, ktx2 };
 }
 
 const folderOf = (path) => path.slice(0, path.lastIndexOf("/") + 1);
 const normal = (path) => path.split("/").reduce((parts, part) => (part === ".." ? parts.slice(0, -1) : part === "." ? parts : [...parts, part]), []).join("/");
 
-/* files: [{ path, bytes }]; path: of the one that is shown; bare: without its meshes. Gives { gltf as GLTFLoader makes it, its materials where it is bare, missing: images }; null: it is no glTF. */
+/* files: [{ path, bytes }]; path: of the one that is shown; bare: without its meshes. Gives { gltf as GLTFLoader makes it, its materials where it is bare, missing: images, ktx2: textures that are left out }; null: it is no glTF. */
 export async function loadGltf(files, path, bare) {
   const main = files.find((file) => file.path === path), urls = new Map();
   if (!main || !ENDING.test(path)) return null;
-  const { data, count } = bare ? withoutMeshes(main.bytes) : { data: (glbIn(main.bytes) ?? main.bytes).slice().buffer, count: 0 };
+  const { data, count, ktx2 } = forLoader(main.bytes, bare);
   if (bare && !count) return null;
   const manager = new LoadingManager(), missing = new Set(), folder = folderOf(path);
   manager.setURLModifier((url) => {
@@ -64,7 +79,7 @@ export async function loadGltf(files, path, bare) {
   try {
     const gltf = await loader.parseAsync(data, folder);
     for (let i = 0; i < count; i++) materials.push(await parser.getDependency("material", i).catch(() => null));
-    return { gltf, materials, missing };
+    return { gltf, materials, missing, ktx2 };
   } finally {
     console.warn = quiet;
     console.error = quietError;
@@ -72,10 +87,10 @@ export async function loadGltf(files, path, bare) {
   }
 }
 
-/* Gives { list: of each material its three.js material or null, unread: images that are missing or cannot be read }; null: it has none. */
+/* Gives { list: of each material its three.js material or null, unread: images that are missing or cannot be read, ktx2: textures that are not decoded }; null: it has none. */
 export async function readMaterials(files, path) {
   const read = await loadGltf(files, path, true);
-  return read && { list: read.materials, unread: read.missing.size };
+  return read && { list: read.materials, unread: read.missing.size, ktx2: read.ktx2 };
 }
 
 /* As GLTFLoader dresses a primitive with these attributes. */

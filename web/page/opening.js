@@ -78,6 +78,7 @@ async function loadMaterials(shown, files) {
     shown.materials = read.list;
     shown.freeMaterials = () => freeMaterials(read.list);
     showMaterialControls(model, read.list);
+    if (read.ktx2) byId("model-facts").append(` ${counted(read.ktx2, "texture is", "textures are")} KTX2, which this page does not show: plain colours stand there.`);
     if (read.unread) byId("model-facts").append(` ${counted(read.unread, "image is", "images are")} missing or cannot be read.`);
     if (wantsTangents(shown)) dirty.compute = true;
   } catch (error) {
