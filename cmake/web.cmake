@@ -144,7 +144,7 @@ web_objects(web_file_objects ${web_file_sources})
 web_objects(web_fix_objects ${web_fix_sources})
 web_objects(web_check_objects ${web_check_sources} ${PROJECT_SOURCE_DIR}/web/page/model/no_files.c)
 web_objects(web_model_objects ${web_model_sources} ${PROJECT_SOURCE_DIR}/src/render/camera/guess_up.c)
-web_module(check.wasm ${web_core_objects} ${web_file_objects} ${web_check_objects})
+web_module(check.wasm ${web_core_objects} ${web_file_objects} ${web_fix_objects} ${web_check_objects})
 web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects} ${web_fix_objects} ${web_model_objects})
 
 # The tool under node's WASI (npx norma-mesh): the objects of the modules above, and with files what they do without.

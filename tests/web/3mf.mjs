@@ -63,6 +63,14 @@ for (const [name, bytes] of [["turned.3mf", readFileSync(turned)], ["packed.3mf"
     if (summary.errors) throw new Error("errors are left");
   });
 
+await attempt("a mirrored and stretched item: no command is offered for what no fix removes", async () => {
+  const text = '<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources><object id="1" type="model"><mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/><vertex x="0" y="0" z="1"/></vertices><triangles>'
+    + '<triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/><triangle v1="1" v2="2" v3="3"/><triangle v1="2" v2="0" v3="3"/></triangles></mesh></object></resources><build><item objectid="1" transform="-2 0 0 0 1 0 0 0 1 0 0 0"/></build></model>';
+  const content = Buffer.from(text), { files: [{ findings }] } = await norma.check(packageOf({ packed: deflateRawSync(content), size: content.length, sum: sumOf(content) }), { name: "item.3mf" });
+  const stretched = findings.find(({ rule }) => rule === "N601");
+  if (!stretched || stretched.fix || stretched.command || !/; no fix: .*3MF/.test(stretched.message)) throw new Error(JSON.stringify(findings));
+});
+
 const model = membersOf(made)[1].content, packed = deflateRawSync(model), part = deflateRawSync(Buffer.alloc(3e8), { finishFlush: constants.Z_FULL_FLUSH }), far = Buffer.concat([...Array(10).fill(part), deflateRawSync(Buffer.alloc(0))]), sum = sumOf(model);
 const broken = {
   "shorter than the zip says": { packed, size: model.length + 1, sum }, "longer than the zip says": { packed, size: model.length - 1, sum }, "with another checksum": { packed, size: model.length, sum: sum ^ 1 },

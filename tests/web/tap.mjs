@@ -11,6 +11,12 @@ export function check(name, holds, detail) {
 
 export function skip(name) { console.log(`ok ${++number} # SKIP ${name}`); }
 
+/* The tool's report of a file, with the commands that the package offers: they begin with npx. */
+export function asNpx(file) {
+  for (const finding of file.findings ?? []) if (finding.command) finding.command = finding.command.replace(/^norma /, "npx norma-mesh ");
+  return file;
+}
+
 /* NORMA_ONLY: a regular expression; cases with other names are left out, for whoever works on one. */
 export async function attempt(name, work) {
   if (process.env.NORMA_ONLY && !new RegExp(process.env.NORMA_ONLY).test(name)) return true;

@@ -3,7 +3,7 @@
 import { accessSync, closeSync, fchmodSync, fchownSync, lstatSync, openSync, readFileSync, rmSync, statSync, writeSync } from "node:fs";
 import { Worker, isMainThread, parentPort } from "node:worker_threads";
 
-import { loadEncoder, makeDecoders, readingLibraries } from "./decoders.js";
+import { allLibraries, makeDecoders } from "./decoders.js";
 
 const fileOf = (name) => new URL(name, import.meta.url);
 const compile = async (name) => WebAssembly.compile(readFileSync(fileOf(name)));
@@ -71,8 +71,8 @@ function makeHost(wasi, memory) {
 }
 
 async function run(words) {
-  const libraries = readingLibraries(() => compile("draco.wasm"));
-  const decoders = makeDecoders({ ...libraries, encoder: loadEncoder });
+  const libraries = allLibraries(() => compile("draco.wasm"));
+  const decoders = makeDecoders(libraries);
   const [WASI, module] = await Promise.all([importWasi(), compile("tool.wasm"), decoders.loadAll()]);
   const wasi = new WASI({ version: "preview1", args: ["norma", ...words], env: { ...process.env, PWD: process.cwd() }, preopens: { "/": "/" }, returnOnExit: true });
   let instance = null;

@@ -228,8 +228,8 @@ export function makeDecoders(libraries) {
   };
 }
 
-/* What reading takes. compileDraco: () => a promise of draco.wasm as a WebAssembly.Module. */
-export const readingLibraries = (compileDraco) => ({
+/* What reading takes, and writing: a trial of a fix encodes what was packed. compileDraco: () => a promise of draco.wasm as a WebAssembly.Module. */
+export const allLibraries = (compileDraco) => ({
   draco: async () => {
     const [{ default: factory }, module] = await Promise.all([import("./draco-decoder.js"), compileDraco()]);
     return { factory, module };
@@ -238,14 +238,12 @@ export const readingLibraries = (compileDraco) => ({
     const { MeshoptDecoder } = await import("./meshopt-decoder.js");
     return MeshoptDecoder.ready.then(() => MeshoptDecoder);
   },
+  encoder: async () => {
+    const { MeshoptEncoder } = await import("./meshopt-encoder.js");
+    return MeshoptEncoder.ready.then(() => MeshoptEncoder);
+  },
   deflate: () => import("./deflate.js"),
 });
-
-/* What writing takes beside that. */
-export async function loadEncoder() {
-  const { MeshoptEncoder } = await import("./meshopt-encoder.js");
-  return MeshoptEncoder.ready.then(() => MeshoptEncoder);
-}
 
 /* For a module that is to read no file. */
 export const noDecoders = makeDecoders({}).imports;

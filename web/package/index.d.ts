@@ -200,7 +200,7 @@ export interface Finding {
   worst: { value: number | null; unit: string; vertex: number | null; face: number | null; position: Point | null };
   samples: { vertex?: number; face?: number; normal?: number; position: Point | null }[];
   fix: "safe" | "unsafe" | null;
-  /** Fixes it, to paste into a shell. */
+  /** Fixes it, to paste into a shell; null if no fix removes it (the message then says why). */
   command: string | null;
   message: string;
   /** How such a fault usually arises; the same for all findings of a rule. */

@@ -2,7 +2,7 @@
 import { bindCalls } from "./calls.js";
 import { makeCheck } from "./check.js";
 import { makeTool } from "./tool.js";
-import { makeDecoders, readingLibraries } from "./decoders.js";
+import { allLibraries, makeDecoders } from "./decoders.js";
 import { fail, options as checkOptions, spell } from "./arguments.js";
 
 /* What `norma-mesh/three` and `norma-mesh/gltf-transform` compute with: whatever was loaded last. */
@@ -35,7 +35,7 @@ export function makeLoad(read, modules) {
   const sourceOf = (given, standard) => (typeof given === "function" ? given() : given ?? standard());
   const open = async (source, check, draco, tool) => {
     const core = await instantiate(source ?? (await modules.core()), read, "load");
-    const libraries = readingLibraries(async () => compile(await sourceOf(draco, modules.draco), read, "draco")), decoders = makeDecoders(libraries);
+    const libraries = allLibraries(async () => compile(await sourceOf(draco, modules.draco), read, "draco")), decoders = makeDecoders(libraries);
     const loadCheck = async () => decoders.serve(await instantiate(await sourceOf(check, modules.check), read, "check", decoders.imports));
     return Object.assign(bindCalls(core, makeCheck(loadCheck, decoders.reading)), makeTool(async () => compile(await sourceOf(tool, modules.tool), read, "tool"), libraries));
   };

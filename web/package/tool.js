@@ -1,7 +1,7 @@
 /* fix, compute and info: the tool's subcommands on files in memory. A file goes in, with those that it names, and files come out, with the bytes that norma writes. */
 import * as given from "./arguments.js";
 import { RESULT, fail, spell } from "./arguments.js";
-import { loadEncoder, makeDecoders } from "./decoders.js";
+import { makeDecoders } from "./decoders.js";
 import { makeMemoryHost, startTool } from "./memory-host.js";
 
 const OUT = ".norma-out", FINDINGS = 1;
@@ -44,7 +44,7 @@ export function makeTool(loadModule, libraries) {
   let compiled = null;
   const run = async (words, files) => {
     compiled ??= loadModule();
-    const module = await compiled.catch((error) => { compiled = null; throw error; }), decoders = makeDecoders({ ...libraries, encoder: loadEncoder });
+    const module = await compiled.catch((error) => { compiled = null; throw error; }), decoders = makeDecoders(libraries);
     return decoders.reading(({ host, exports }) => host.finish(startTool(exports)), undefined, async () => {
       let exports = null;
       const host = makeMemoryHost(words, files, () => exports.memory), { norma, ...wasi } = host.imports;

@@ -1,6 +1,6 @@
 /* The page's module: the package's calls; models, which are packs; documents, which are files read, fixed and written by the library's own code. */
 import { bindCalls } from "../package/calls.js";
-import { loadEncoder, makeDecoders, readingLibraries } from "../package/decoders.js";
+import { allLibraries, makeDecoders } from "../package/decoders.js";
 import { moduleOf } from "./inflate.js";
 
 const WEIGHTS = ["angle", "area", "uniform", "max", "angle-area", "visible", "angle-lengths"];
@@ -24,7 +24,7 @@ async function compileDraco(packed) {
 }
 
 export async function startEngine({ bytes, draco: packed }) {
-  const decoders = makeDecoders({ ...readingLibraries(() => compileDraco(packed)), encoder: loadEncoder });
+  const decoders = makeDecoders(allLibraries(() => compileDraco(packed)));
   const { instance } = await WebAssembly.instantiate(bytes, decoders.imports);
   const wasm = decoders.serve(instance.exports);
   const norma = bindCalls(wasm);

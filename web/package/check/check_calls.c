@@ -26,6 +26,15 @@ static norma_document_result open_and_check(checked_file *file, const void *byte
     return norma_check_document(file->document, options, &file->findings, &file->error);
 }
 
+/* As the tool does: what a fix would leave is not offered, and the finding says why. */
+static void try_offers(checked_file *file, const norma_check_options *options) {
+    if (norma_document_try_fixes(file->document, options, NORMA_SEVERITY_INFO, file->findings,
+            &file->error) == NORMA_DOCUMENT_OK)
+        return;
+    norma_findings_free(file->findings);
+    file->findings = NULL;
+}
+
 norma_file_format WEB_EXPORT(check_format_of)(const char *name) {
     return norma_file_format_of_path(name);
 }
@@ -33,10 +42,13 @@ norma_file_format WEB_EXPORT(check_format_of)(const char *name) {
 /* bytes must outlive the result. NULL: out of memory. */
 checked_file *WEB_EXPORT(check_file)(const void *bytes, size_t size, const char *name,
     norma_file_format format, norma_check_profile profile) {
-    const norma_check_options options = {.struct_size = sizeof options, .profile = profile};
+    const norma_check_options options = {
+        .struct_size = sizeof options, .profile = profile, .fix_from = NORMA_SEVERITY_WARNING};
     checked_file *file = calloc(1, sizeof *file);
-    if (file) file->asked = profile;
-    if (file) (void)open_and_check(file, bytes, size, name, format, &options);
+    if (!file) return NULL;
+    file->asked = profile;
+    if (open_and_check(file, bytes, size, name, format, &options) == NORMA_DOCUMENT_OK)
+        try_offers(file, &options);
     return file;
 }
 
