@@ -407,12 +407,6 @@ static void end_element(model_reader *r) {
 
 /* ---- parsing */
 
-static void check_encoding(model_reader *r) {
-    const char *encoding = value_of(r->xml.attributes, "encoding");
-    if (encoding && strcmp(encoding, "UTF-8") != 0 && strcmp(encoding, "utf-8") != 0)
-        fail_model(r, "expected UTF-8, the encoding of a 3MF; found %.40s", encoding);
-}
-
 static void parse_model(model_reader *r) {
     const tmf_part *part = &r->state->parts[r->part];
     const void *asked = part->text;
@@ -427,12 +421,8 @@ static void parse_model(model_reader *r) {
             start_element(r);
         else if (event == XML_ENDS)
             end_element(r);
-        else if (event == XML_DECLARES)
-            check_encoding(r);
-        else if (event == XML_DOCTYPE)
-            fail_model(r, "a document type is not allowed in a 3MF, and its entities are not read");
         else if (event == XML_WRONG)
-            fail_model(r, "is not XML: %s", r->xml.wrong);
+            fail_model(r, "%s", r->xml.wrong);
         else if (event == XML_NO_MEMORY)
             fail_model_memory(r);
     }
@@ -444,10 +434,6 @@ static void parse_model(model_reader *r) {
 norma_document_result norma_3mf_read_model(
     norma_document *document, uint32_t part, norma_document_error *error) {
     model_reader r = {.document = document, .error = error, .state = document->state, .part = part};
-    const tmf_part *text = &r.state->parts[part];
-    if (text->size > 1 && memchr(text->text, '\0', text->size < 64 ? text->size : 64))
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, text->name,
-            "expected UTF-8, the encoding of a 3MF; found zero bytes, as UTF-16 has them");
     parse_model(&r);
     return r.result;
 }

@@ -102,16 +102,15 @@ static norma_document_result read_relationships(norma_document *document, const 
     size_t size, relationships *found, norma_document_error *error) {
     xml_reader xml = {.text = text, .size = size};
     xml_event event = XML_BEGINS;
-    while (event <= XML_DECLARES) {
+    while (event < XML_DONE) {
         event = norma_xml_next(&xml);
         if (event == XML_BEGINS) add_relationship(found, xml.name, xml.attributes);
     }
     norma_xml_free(&xml);
     if (event == XML_NO_MEMORY) return norma_document_fail_memory(document, error);
     if (event != XML_DONE)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "_rels/.rels",
-            "is not XML%s%s", xml.wrong ? ": " : ", for it has a document type",
-            xml.wrong ? xml.wrong : "");
+        return norma_document_fail(
+            document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "_rels/.rels", "%s", xml.wrong);
     if (found->models != 1)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "_rels/.rels",
             "names %zu models; a 3MF has one", found->models);

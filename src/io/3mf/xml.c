@@ -1,7 +1,9 @@
-/* xml.c: a strict reader of XML without document types: what is not well-formed is refused. Source:
- * Extensible Markup Language 1.0, fifth edition; names may have any character beyond ASCII. */
+/* xml.c: a strict reader of XML in UTF-8 without document types: what is not well-formed is
+ * refused. Source: Extensible Markup Language 1.0, fifth edition; names may have any character
+ * beyond ASCII. */
 #include "io/3mf/xml.h"
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,7 +11,13 @@
 enum { MOST_ATTRIBUTES = 256 };
 
 static xml_event fail_xml(xml_reader *x, const char *wrong) {
-    x->wrong = wrong;
+    snprintf(x->wrong, sizeof x->wrong, "is not XML: %s", wrong);
+    return XML_WRONG;
+}
+
+static xml_event refuse_encoding(xml_reader *x, const char *found) {
+    snprintf(
+        x->wrong, sizeof x->wrong, "expected UTF-8, the encoding of a 3MF; found %.40s", found);
     return XML_WRONG;
 }
 
@@ -232,15 +240,17 @@ static xml_event read_declaration(xml_reader *x) {
     if (event != XML_BEGINS) return event;
     size_t next = 0;
     const char *version = take_declared(x, &next, "version");
-    take_declared(x, &next, "encoding"); /* the caller knows which there may be */
+    const char *encoding = take_declared(x, &next, "encoding");
     const char *alone = take_declared(x, &next, "standalone");
     if (!version || strncmp(version, "1.", 2) != 0 || !version[2] ||
         version[2 + strspn(version + 2, "0123456789")] ||
         (alone && strcmp(alone, "yes") != 0 && strcmp(alone, "no") != 0) ||
         next != x->attribute_count || strncmp(x->text + x->at, "?>", 2) != 0)
         return fail_xml(x, "its declaration is not like <?xml version=\"1.0\"?>");
+    if (encoding && strcmp(encoding, "UTF-8") != 0 && strcmp(encoding, "utf-8") != 0)
+        return refuse_encoding(x, encoding);
     x->at += 2;
-    return XML_DECLARES;
+    return XML_BEGINS;
 }
 
 /* A target of the letters xml is reserved. */
@@ -289,20 +299,25 @@ static int check_characters(xml_reader *x) {
     return 1;
 }
 
+static xml_event begin_text(xml_reader *x) {
+    x->started = 1;
+    if (x->size > 1 && memchr(x->text, '\0', x->size < 64 ? x->size : 64))
+        return refuse_encoding(x, "zero bytes, as UTF-16 has them");
+    if (!check_characters(x)) return fail_xml(x, "a byte that is in no character of XML in UTF-8");
+    if (strncmp(x->text, "\xEF\xBB\xBF", 3) == 0) x->at = 3;
+    return strncmp(x->text + x->at, "<?xml", 5) == 0 && is_xml_blank(x->text[x->at + 5])
+               ? read_declaration(x)
+               : XML_BEGINS;
+}
+
 xml_event norma_xml_next(xml_reader *x) {
     if (x->is_empty_tag) {
         x->is_empty_tag = 0;
         --x->depth;
         return XML_ENDS;
     }
-    if (!x->started) {
-        x->started = 1;
-        if (!check_characters(x))
-            return fail_xml(x, "a byte that is in no character of XML in UTF-8");
-        if (strncmp(x->text, "\xEF\xBB\xBF", 3) == 0) x->at = 3;
-        if (strncmp(x->text + x->at, "<?xml", 5) == 0 && is_xml_blank(x->text[x->at + 5]))
-            return read_declaration(x);
-    }
+    const xml_event began = x->started ? XML_BEGINS : begin_text(x);
+    if (began != XML_BEGINS) return began;
     for (;;) {
         x->begin = x->at;
         if (!skip_characters(x))
@@ -321,7 +336,9 @@ xml_event norma_xml_next(xml_reader *x) {
         } else if (x->depth && strncmp(text, "<![CDATA[", 9) == 0) {
             if (!skip_behind(x, x->at + 9, "]]>")) return fail_xml(x, "CDATA without its end");
         } else if (!x->has_root && strncmp(text, "<!DOCTYPE", 9) == 0) {
-            return XML_DOCTYPE;
+            snprintf(x->wrong, sizeof x->wrong,
+                "a document type is not allowed in a 3MF, and its entities are not read");
+            return XML_WRONG;
         } else {
             return fail_xml(x, "<! of no known kind");
         }

@@ -6,10 +6,8 @@
 typedef enum xml_event {
     XML_BEGINS, /* an element; <a/> begins and ends */
     XML_ENDS,
-    XML_DECLARES, /* <?xml ... ?>, its attributes */
-    XML_DOCTYPE,  /* a document type; none is read, nor what follows it */
     XML_DONE,
-    XML_WRONG, /* wrong says why */
+    XML_WRONG, /* wrong says why: no XML, a document type or another encoding than UTF-8 */
     XML_NO_MEMORY
 } xml_event;
 
@@ -23,15 +21,14 @@ typedef struct xml_reader {
     size_t size, begin, at;  /* the last event was from begin to at */
     const char *name;        /* of what begins */
     const char **attributes; /* names and values in turn, then NULL; references are replaced */
-    const char *wrong;
+    char wrong[120];
     char *words; /* where name and attributes point */
     xml_span *open;
     size_t attribute_count, attribute_capacity, word_capacity, depth, open_capacity;
     int started, has_root, is_empty_tag;
 } xml_reader;
 
-/* reader: all zero but text and size. After XML_DOCTYPE and what stands behind it there it is done.
- */
+/* reader: all zero but text and size. After XML_DONE and what stands behind it there it is done. */
 xml_event norma_xml_next(xml_reader *reader);
 /* The number of the line where the last event began. */
 size_t norma_xml_line(const xml_reader *reader);

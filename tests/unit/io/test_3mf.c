@@ -82,16 +82,21 @@ static void end_zip(made_zip *z) {
     put_text(z->bytes, &z->size, "comment", 7);
 }
 
-static document_bytes package(const char *model, const char *rels) {
+static document_bytes package_of(
+    const char *model, size_t model_size, const char *rels, size_t rels_size) {
     made_zip *z = calloc(1, sizeof *z);
     assert_non_null(z);
-    add_member(z, "_rels/.rels", rels, strlen(rels));
-    add_member(z, "3D/a.model", model, strlen(model));
+    add_member(z, "_rels/.rels", rels, rels_size);
+    add_member(z, "3D/a.model", model, model_size);
     add_member(z, "picture.png", "not a picture", 13);
     end_zip(z);
     const document_bytes bytes = bytes_copy(z->bytes, z->size);
     free(z);
     return bytes;
+}
+
+static document_bytes package(const char *model, const char *rels) {
+    return package_of(model, strlen(model), rels, strlen(rels));
 }
 
 static void test_reads(void **state) {
@@ -284,6 +289,33 @@ static void test_broken_zips(void **state) {
     (void)state;
 }
 
+/* Either part, with the mark that begins it or without, and whatever it declares. */
+static void test_encodings(void **state) {
+    static const char begins[] = "<?xml version=\"1.0\" encoding=\"UTF-16\"?>";
+    static const char *const found[] = {"zero bytes, as UTF-16 has them", "UTF-16"};
+    const char *const texts[2] = {RELS, MODEL("", "")};
+    for (int i = 0; i < 16; ++i) {
+        const int is_model = i & 1, is_wide = i & 2, is_big = i & 4, has_mark = i & 8;
+        const char *const name = is_model ? "3D/a.model:1" : "_rels/.rels";
+        char one[8000], expected[200];
+        unsigned char wide[16000];
+        size_t size = 0;
+        snprintf(one, sizeof one, "%s%s", begins, texts[is_model]);
+        if (has_mark) put(wide, &size, is_big ? 0xFFFE : 0xFEFF, 2);
+        for (const char *c = one; *c; ++c) put(wide, &size, (size_t)*c << (is_big ? 8 : 0), 2);
+        const char *text = is_wide ? (const char *)wide : one;
+        size = is_wide ? size : strlen(one);
+        snprintf(expected, sizeof expected,
+            "a.3mf:%s: expected UTF-8, the encoding of a 3MF; found %s", name, found[!is_wide]);
+        expect_refused(is_model ? package_of(text, size, texts[0], strlen(texts[0]))
+                                : package_of(texts[1], strlen(texts[1]), text, size),
+            expected);
+    }
+    expect_refused(package(texts[1], "<!DOCTYPE a><Relationships/>"),
+        "a.3mf:_rels/.rels: a document type is not allowed in a 3MF");
+    (void)state;
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reads),
@@ -292,6 +324,7 @@ int main(void) {
         cmocka_unit_test(test_broken_models),
         cmocka_unit_test(test_billion),
         cmocka_unit_test(test_broken_zips),
+        cmocka_unit_test(test_encodings),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
