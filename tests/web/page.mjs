@@ -300,6 +300,7 @@ if (!PACKED.length) skip("compressed glTF (the page was built without the source
 const HAS_3MF = NOTICES.includes("code of fflate"), TURNED_3MF = "tests/cli/golden/files/turned.3mf";
 if (HAS_3MF) FILES.push([TURNED_3MF, 12, /3MF, no normals/]);
 else skip("3MF (the page was built without fflate: scripts/install-deps.sh)");
+FILES.push(["tests/cli/golden/files/roof.b3dm", 4, /^4 triangles.*\bB3DM\b/]);
 FILES.push(...PACKED.map((name) => [`tests/web/ball-${name}.glb`, 1216, /GLB, normals per vertex/]));
 for (const [index, [file, triangles, words]] of FILES.entries())
   await attempt(`a file that is ${index % 2 ? "chosen" : "dropped"} appears: ${file}`, async () => {
@@ -351,6 +352,29 @@ const handedOut = async (on, list) => new Map((await on.evaluate(`Promise.all([.
   return [link.download, btoa(text)];
 }))`)).map(([name, text]) => [name, Buffer.from(text, "base64")]));
 
+/* The same model in each tile of 3D Tiles 1.0: its parts, and what the tool finds in them. */
+const tileOf = (magic, fields, ...parts) => { const head = Buffer.alloc(12 + 4 * fields.length); head.write(magic); [1, head.length + parts.reduce((sum, { length }) => sum + length, 0), ...fields].forEach((field, i) => head.writeUInt32LE(field, 4 + 4 * i)); return Buffer.concat([head, ...parts]); };
+await attempt("a dropped i3dm and a dropped cmpt are read as the tool reads them", async () => {
+  const points = Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1), corners = Uint16Array.of(0, 1, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3), contents = Buffer.concat([Buffer.from(points.buffer), Buffer.from(corners.buffer)]);
+  const json = JSON.stringify({ asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }], buffers: [{ byteLength: 72, uri: `data:application/octet-stream;base64,${contents.toString("base64")}` }],
+    bufferViews: [{ buffer: 0, byteLength: 48 }, { buffer: 0, byteOffset: 48, byteLength: 24 }], accessors: [{ bufferView: 0, count: 4, type: "VEC3", componentType: 5126, min: [0, 0, 0], max: [1, 1, 1] }, { bufferView: 1, count: 12, type: "SCALAR", componentType: 5123 }] });
+  const chunk = Buffer.from(json.padEnd(Math.ceil(json.length / 8) * 8 + 4)), glb = Buffer.alloc(20);
+  glb.write("glTF");
+  [[2, 4], [20 + chunk.length, 8], [chunk.length, 12], [0x4e4f534a, 16]].forEach(([value, at]) => glb.writeUInt32LE(value, at));
+  const table = Buffer.from('{"INSTANCES_LENGTH":1,"POSITION":{"byteOffset":0}}'.padEnd(56)), place = Buffer.alloc(16);
+  const whole = tileOf("i3dm", [table.length, place.length, 0, 0, 1], table, place, glb, chunk), tiles = { i3dm: whole, cmpt: tileOf("cmpt", [1], whole) };
+  for (const [kind, bytes] of Object.entries(tiles)) {
+    const name = `roof.${kind}`, path = join(shots, name);
+    writeFileSync(path, bytes);
+    const { findings } = JSON.parse(spawnSync(tool, ["check", "--no-config", "--format", "json", path], { encoding: "utf8" }).stdout).files[0];
+    await dropFiles(page, [name, bytes]);
+    expect((await shown(page)) === name && (await page.text("notice")) === "", await page.text("notice"));
+    expect(new RegExp(`\\b${kind.toUpperCase()}\\b`).test(await page.text("model-facts")), await page.text("model-facts"));
+    const listed = await page.text("findings"), serious = findings.filter(({ severity }) => severity !== "info");
+    expect(serious.length > 0 && serious.every(({ rule, message }) => listed.includes(rule) && listed.includes(message)), listed);
+  }
+});
+
 /* A cube of which the top's first triangle, its vertices 4 5 6, is wound the other way. */
 const TURNED = `${[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]].map((p) => `v ${p.join(" ")}`).join("\n")}
 f 1 3 2\nf 1 4 3\nf 5 7 6\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n`;
@@ -398,7 +422,7 @@ await attempt("a zip with a .gltf and its buffer is opened; alone the .gltf is t
   await dropFiles(page, asset[0]).catch(() => undefined);
   expect(/together with its \.bin/.test(await page.text("notice")), await page.text("notice"));
   await page.evaluate(`(() => { const data = new DataTransfer(); data.items.add(new File(["a"], "notes.txt")); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`);
-  await page.until("/notes\\.txt.*Drop OBJ, PLY, STL, 3MF, GLB/.test(document.getElementById('notice').textContent)");
+  await page.until("/notes\\.txt.*Drop OBJ, PLY, STL, 3MF, GLB, VRM, a 3D Tile/.test(document.getElementById('notice').textContent)");
   const damaged = readFileSync(zip);
   damaged.fill(0, 40, 80);
   await page.evaluate(`(() => { const data = new DataTransfer(); data.items.add(new File([Uint8Array.from(atob(${JSON.stringify(damaged.toString("base64"))}), (c) => c.charCodeAt(0))], "bad.zip")); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`);

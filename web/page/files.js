@@ -1,7 +1,7 @@
 /* Files that somebody dropped or chose: single ones, several, folders, zips. Each as { path, read }; the models among them. */
 import { listZip } from "./zip.js";
 
-export const EXPECTED = "OBJ, PLY, STL, 3MF, GLB, or glTF with its .bin files; several files, a folder or a zip are fine";
+export const EXPECTED = "OBJ, PLY, STL, 3MF, GLB, VRM, a 3D Tile, or glTF with its .bin files; several files, a folder or a zip are fine";
 const MODELS = ["gltf", "glb", "vrm", "obj", "ply", "stl", "3mf", "b3dm", "i3dm", "cmpt"];
 const MOST_FILES = 5000;
 
