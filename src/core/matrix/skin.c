@@ -15,29 +15,33 @@
 #include "core/face/eight_vectors.h"
 
 enum {
-    BLOCK = 16,       /* vertices whose normals are computed side by side */
+    BLOCK = 16,       /* vertices that are computed side by side */
     CHUNK = 4096,     /* vertices of one task */
     LARGEST_SUM = 16, /* doubles of a sum that has not been rounded: see join_parts */
-    TANGENT_BYTES = 4 * sizeof(float)
+    MOST_INFLUENCES = 64,
+    CACHE_LINE = 64,
+    TANGENT_BYTES = 4 * sizeof(float),
+    JOINT_BYTES = (16 + 8) * sizeof(double)
 };
+
+/* A matrix as a row of sixteen doubles, two registers of AVX-512: the first nine of it, its
+ * translation, and its size, the largest of the nine. Rows are added up whole. */
+enum { TRANSLATION = 9, SIZE = 12, COLUMNS = 12, ROW = 16 };
 
 /* A vector below this part of what it was summed from is computed exactly. With at most 64
  * influences, a double's direction is then within 2^-24 of the exact one, and a sign right. */
 #define CERTAIN_VECTOR 0x1p-18
 #define CERTAIN_SIGN   0x1p-36
 
-typedef struct skin_joint {
-    double entry[12]; /* columns of three: the matrix; for dual quaternions its stretch */
-    double size;      /* the largest of the first nine */
-    double dual[8];   /* rotation (x, y, z, w) and the dual part, for dual quaternions */
-} skin_joint;
-
 typedef struct skin_stream {
     core_call call;
     const norma_skin *skin;
     const unsigned char *joints;
     size_t joint_size, influences;
-    skin_joint *table; /* of each joint; zeros where it is not finite, and so not in use */
+    /* Of each joint; zeros where it is not finite, and so not in use. For dual quaternions the rows
+     * are stretches, and eight doubles are the rotation (x, y, z, w) and the dual part. */
+    double (*rows)[ROW], (*duals)[8];
+    double largest; /* size of them all */
     norma_vec3_view in;
     const float *tangents;
     core_output out;
@@ -49,7 +53,7 @@ typedef struct skin_stream {
 static norma_result check_sizes(const norma_skin *s, norma_fault *fault) {
     const norma_result wrong = NORMA_ERROR_ARGUMENT;
     if (!s) return norma_core_refuse(fault, wrong, "skin", SIZE_MAX, "a skin");
-    if (s->influences < 1 || s->influences > 64)
+    if (s->influences < 1 || s->influences > MOST_INFLUENCES)
         return norma_core_refuse(fault, wrong, "skin->influences", SIZE_MAX, "1 to 64");
     if (s->joint_size && s->joint_size != 1 && s->joint_size != 2 && s->joint_size != 4)
         return norma_core_refuse(fault, wrong, "skin->joint_size", SIZE_MAX, "0, 1, 2 or 4");
@@ -58,7 +62,7 @@ static norma_result check_sizes(const norma_skin *s, norma_fault *fault) {
     if (s->vertex_count > SIZE_MAX / (64 * sizeof(double)))
         return norma_core_refuse(fault, NORMA_ERROR_OVERFLOW, "skin->vertex_count", SIZE_MAX,
             "fewer vertices than bytes can be counted");
-    if (s->joint_count > SIZE_MAX / sizeof(skin_joint))
+    if (s->joint_count > SIZE_MAX / JOINT_BYTES - 1)
         return norma_core_refuse(fault, NORMA_ERROR_OVERFLOW, "skin->joint_count", SIZE_MAX,
             "fewer joints than bytes can be counted");
     if (!s->vertex_count) return NORMA_OK;
@@ -97,16 +101,15 @@ static uint32_t largest_joint(const void *joints, size_t size, size_t count) {
     return most;
 }
 
-/* Whether all are finite, by their exponents. */
+/* Whether all are finite: an exponent of ones, and one more, is a sign. */
 static int all_numbers_finite(const float *numbers, size_t count) {
-    uint32_t most = 0;
+    uint32_t signs = 0;
     for (size_t i = 0; i < count; i++) {
         uint32_t bits;
         memcpy(&bits, numbers + i, sizeof bits);
-        bits &= UINT32_C(0x7fffffff);
-        most = bits > most ? bits : most;
+        signs |= (bits & UINT32_C(0x7fffffff)) + UINT32_C(0x00800000);
     }
-    return most < UINT32_C(0x7f800000);
+    return !(signs >> 31);
 }
 
 static norma_result check_influences(const norma_skin *s, norma_fault *fault) {
@@ -238,69 +241,84 @@ static void split_stretch(const double m[9], double rotation[9], double stretch[
         for (int r = 0; r < 3; r++) stretch[3 * c + r] = (s[3 * c + r] + s[3 * r + c]) / 2.0;
 }
 
-static void prepare_joint(const float matrix[16], norma_blend blend, skin_joint *joint) {
+static void prepare_joint(
+    const float matrix[16], norma_blend blend, double row[ROW], double dual[8]) {
     double m[9], rotation[9], t[3];
     for (int c = 0; c < 4; c++)
-        for (int r = 0; r < 3; r++) joint->entry[3 * c + r] = (double)matrix[4 * c + r];
-    memcpy(m, joint->entry, sizeof m);
+        for (int r = 0; r < 3; r++) row[3 * c + r] = (double)matrix[4 * c + r];
+    memcpy(m, row, sizeof m);
     if (blend == NORMA_BLEND_DUAL_QUATERNION) {
-        memcpy(t, joint->entry + 9, sizeof t);
-        split_stretch(m, rotation, joint->entry);
-        double *q = joint->dual, *d = q + 4, cross[3];
+        memcpy(t, row + TRANSLATION, sizeof t);
+        split_stretch(m, rotation, row);
+        double *q = dual, *d = q + 4, cross[3];
         quaternion_of(rotation, q);
         /* (t, 0) q / 2 */
         norma_core_cross(t, q, cross);
         for (int i = 0; i < 3; i++) d[i] = (t[i] * q[3] + cross[i]) / 2.0;
         d[3] = -norma_core_dot(t, q) / 2.0;
     }
-    joint->size = 0.0;
-    for (int i = 0; i < 9; i++) joint->size = fmax(joint->size, fabs(joint->entry[i]));
+    for (int i = 0; i < 9; i++)
+        if (row[SIZE] < fabs(row[i])) row[SIZE] = fabs(row[i]);
 }
 
-/* ---- one vertex's matrix */
+/* ---- the matrices of a block of vertices: B's rows, made one after the other and turned over */
 
-/* Four of B's twelve numbers: compilers do not find by themselves that they can be added at once.
- */
-#if defined(CORE_HAS_SHUFFLES)
-typedef core_d4 sum_row;
-CORE_INLINE sum_row add_matrix_row(sum_row sum, double weight, const double *from) {
-    sum_row row;
-    memcpy(&row, from, sizeof row);
-    return sum + weight * row;
+typedef struct skin_block {
+    _Alignas(CACHE_LINE) double row[BLOCK][ROW];
+    double b[COLUMNS][BLOCK], in[3][BLOCK], weight[BLOCK * MOST_INFLUENCES];
+    double size; /* what entries of B were summed from, at most: the same for all */
+} skin_block;
+
+/* The largest of them, without their signs. */
+CORE_INLINE float read_weights(const float *from, size_t count, double *to) {
+    uint32_t most = 0;
+    float largest;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, from + i, sizeof bits);
+        bits &= UINT32_C(0x7fffffff);
+        most = bits > most ? bits : most;
+        to[i] = (double)from[i];
+    }
+    memcpy(&largest, &most, sizeof largest);
+    return largest;
 }
-#else
-typedef struct sum_row {
-    double at[4];
-} sum_row;
-CORE_INLINE sum_row add_matrix_row(sum_row sum, double weight, const double *from) {
-    for (int i = 0; i < 4; i++) sum.at[i] += weight * from[i];
-    return sum;
+
+/* Rows of the joints of a vertex, weighted and added up. */
+CORE_INLINE void add_joints(double (*rows)[ROW], const unsigned char *joints, size_t joint_size,
+    const double *weights, size_t count, double row[ROW]) {
+    double sum[COLUMNS] = {0};
+    for (size_t k = 0; k < count; k++) {
+        const double *from = rows[norma_index_read(joints, joint_size, k)], weight = weights[k];
+        for (int i = 0; i < COLUMNS; i++) sum[i] += weight * from[i];
+    }
+    memcpy(row, sum, sizeof sum);
+}
+
+#if defined(CORE_HAS_AVX512)
+#include <immintrin.h>
+/* The product of two floats is exact in a double, so that it may be rounded with the sum. */
+CORE_IN_REGISTERS void add_joints_avx512(double (*rows)[ROW], const unsigned char *joints,
+    size_t joint_size, const double *weights, size_t count, double row[ROW]) {
+    __m512d low = _mm512_set1_pd(0.0), high = low;
+    for (size_t k = 0; k < count; k++) {
+        const double *from = rows[norma_index_read(joints, joint_size, k)];
+        const __m512d weight = _mm512_set1_pd(weights[k]);
+        low = _mm512_fmadd_pd(weight, _mm512_loadu_pd(from), low);
+        high = _mm512_fmadd_pd(weight, _mm512_loadu_pd(from + 8), high);
+    }
+    _mm512_storeu_pd(row, low);
+    _mm512_storeu_pd(row + 8, high);
 }
 #endif
 
-/* Columns of three: three of B and its translation. The number: what B's entries were summed from,
- * at most. */
-CORE_INLINE double add_joints(
-    const skin_stream *s, size_t vertex, size_t influences, size_t joint_size, double b[12]) {
-    const size_t first = vertex * influences;
+/* What the entries of one B were summed from, at most. */
+static double size_of_sum(const skin_stream *s, size_t vertex) {
     double size = 0.0;
-    sum_row sum[3];
-    memset(sum, 0, sizeof sum);
-    for (size_t k = 0; k < influences; k++) {
-        const double weight = (double)s->skin->weights[first + k];
-        const skin_joint *j = &s->table[norma_index_read(s->joints, joint_size, first + k)];
-        for (int i = 0; i < 3; i++) sum[i] = add_matrix_row(sum[i], weight, j->entry + 4 * i);
-        size += fabs(weight) * j->size;
-    }
-    memcpy(b, sum, sizeof sum);
+    for (size_t k = 0, at = vertex * s->influences; k < s->influences; k++, at++)
+        size += fabs((double)s->skin->weights[at]) *
+                s->rows[norma_index_read(s->joints, s->joint_size, at)][SIZE];
     return size;
-}
-
-/* Four joints of 16 bits are what nearly all files have: a third faster in a loop of their own. */
-CORE_INLINE double blend_linear(const skin_stream *s, size_t vertex, double b[12]) {
-    return s->influences == 4 && s->joint_size == 2
-               ? add_joints(s, vertex, 4, 2, b)
-               : add_joints(s, vertex, s->influences, s->joint_size, b);
 }
 
 static void rotate_columns(const double q[4], double square, double b[9]) {
@@ -323,32 +341,80 @@ static void translation_of(const double q[4], const double d[4], double square, 
 
 /* Of the two quaternions of a rotation, the one on the side of the first joint that weighs
  * something (Kavan 2008, section 4.1). Where they cancel, that joint's rotation is kept. */
-static double blend_dual(const skin_stream *s, size_t vertex, double b[12]) {
+static void blend_dual(const skin_stream *s, size_t vertex, double b[ROW]) {
     const size_t first = vertex * s->influences;
-    double size = 0.0, sum[8] = {0};
-    const skin_joint *pivot = NULL;
-    for (int i = 0; i < 12; i++) b[i] = 0.0;
+    double sum[8] = {0};
+    const double *pivot = NULL;
+    for (int i = 0; i < ROW; i++) b[i] = 0.0;
     for (size_t k = 0; k < s->influences; k++) {
         const double weight = (double)s->skin->weights[first + k];
         if (weight == 0.0) continue;
-        const skin_joint *j = &s->table[norma_index_read(s->joints, s->joint_size, first + k)];
-        if (!pivot) pivot = j;
+        const uint32_t j = norma_index_read(s->joints, s->joint_size, first + k);
+        if (!pivot) pivot = s->duals[j];
         double along = 0.0;
-        for (int i = 0; i < 4; i++) along += j->dual[i] * pivot->dual[i];
-        for (int i = 0; i < 8; i++) sum[i] += (along < 0 ? -weight : weight) * j->dual[i];
-        for (int i = 0; i < 9; i++) b[i] += weight * j->entry[i];
-        size += fabs(weight) * j->size;
+        for (int i = 0; i < 4; i++) along += s->duals[j][i] * pivot[i];
+        for (int i = 0; i < 8; i++) sum[i] += (along < 0 ? -weight : weight) * s->duals[j][i];
+        for (int i = 0; i < 9; i++) b[i] += weight * s->rows[j][i];
     }
-    if (!pivot) return 0.0;
+    if (!pivot) return;
     double square = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2] + sum[3] * sum[3];
     if (!(square > 0x1p-80)) {
-        memcpy(sum, pivot->dual, sizeof sum);
+        memcpy(sum, pivot, sizeof sum);
         square = 1.0;
     }
     rotate_columns(sum, square, b);
-    translation_of(sum, sum + 4, square, b + 9);
-    return size;
+    translation_of(sum, sum + 4, square, b + TRANSLATION);
 }
+
+CORE_INLINE void read_vectors(
+    const norma_vec3_view *in, size_t first, size_t count, double (*to)[BLOCK]) {
+    if (in->format == NORMA_FORMAT_FLOAT && norma_view_stride(in) == 12 && count == BLOCK) {
+        float v[3 * BLOCK];
+        memcpy(v, (const unsigned char *)in->data + 12 * first, sizeof v);
+        for (int i = 0; i < BLOCK; i++)
+            for (int k = 0; k < 3; k++) to[k][i] = (double)v[3 * i + k];
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        double v[3];
+        norma_view_read(in, first + i, v);
+        for (int k = 0; k < 3; k++) to[k][i] = v[k];
+    }
+}
+
+/* Columns of vertices i to i + 7, from column on: four of them. */
+#if defined(CORE_HAS_SHUFFLES)
+CORE_INLINE void turn_columns(skin_block *block, int i, int column) {
+    for (const int end = i + 8; i < end; i += 4) {
+        core_d4 r[4];
+        for (int k = 0; k < 4; k++) r[k] = core_load_row(block->row[i + k] + column);
+        core_turn_rows(r);
+        for (int k = 0; k < 4; k++) core_store_row(block->b[column + k] + i, r[k]);
+    }
+}
+#else
+CORE_INLINE void turn_columns(skin_block *block, int i, int column) {
+    for (int k = i; k < i + 8; k++)
+        for (int c = column; c < column + 4; c++) block->b[c][k] = block->row[k][c];
+}
+#endif
+#if defined(CORE_HAS_AVX512)
+CORE_IN_REGISTERS void turn_columns_avx512(skin_block *block, int i, int column) {
+    const __m512i low = _mm512_set_epi64(13, 12, 5, 4, 9, 8, 1, 0),
+                  high = _mm512_set_epi64(15, 14, 7, 6, 11, 10, 3, 2);
+    __m512d r[4];
+    for (int k = 0; k < 4; k++)
+        r[k] =
+            _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(block->row[i + k] + column)),
+                _mm256_loadu_pd(block->row[i + k + 4] + column), 1);
+    const __m512d even01 = _mm512_unpacklo_pd(r[0], r[1]), odd01 = _mm512_unpackhi_pd(r[0], r[1]),
+                  even23 = _mm512_unpacklo_pd(r[2], r[3]), odd23 = _mm512_unpackhi_pd(r[2], r[3]);
+    _mm512_storeu_pd(block->b[column] + i, _mm512_permutex2var_pd(even01, low, even23));
+    _mm512_storeu_pd(block->b[column + 1] + i, _mm512_permutex2var_pd(odd01, low, odd23));
+    _mm512_storeu_pd(block->b[column + 2] + i, _mm512_permutex2var_pd(even01, high, even23));
+    _mm512_storeu_pd(block->b[column + 3] + i, _mm512_permutex2var_pd(odd01, high, odd23));
+}
+#endif
 
 /* ---- exactly */
 
@@ -394,9 +460,9 @@ static void blend_exactly(const skin_stream *s, size_t vertex, long_sum b[9]) {
     for (int i = 0; i < 9; i++) b[i].count = 0;
     for (size_t k = 0; k < s->influences; k++) {
         const double weight = (double)s->skin->weights[first + k];
-        const skin_joint *j = &s->table[norma_index_read(s->joints, s->joint_size, first + k)];
+        const double *row = s->rows[norma_index_read(s->joints, s->joint_size, first + k)];
         for (int i = 0; i < 9; i++) /* the product of two floats is exact in a double */
-            if (weight != 0.0) add_exactly(&b[i], weight * j->entry[i]);
+            if (weight != 0.0) add_exactly(&b[i], weight * row[i]);
     }
     for (int i = 0; i < 9; i++) join_parts(&b[i]);
 }
@@ -456,172 +522,234 @@ static int exact_normal(const skin_stream *s, size_t vertex, const double n[3], 
 
 /* ---- normals */
 
+/* cof(B) n of each vertex of a block, and the unit of it times sign(det B). */
 typedef struct normal_lanes {
-    double b[12][BLOCK], n[3][BLOCK], size[BLOCK]; /* in */
-    double v[3][BLOCK];                            /* out: of some length */
-    float unit[3][BLOCK];
-    int certain[BLOCK];
+    double v[3][BLOCK], square[BLOCK], determinant[BLOCK];
+    float unit[3][BLOCK], about[BLOCK];
+    uint64_t certain[BLOCK];
 } normal_lanes;
 
-/* sign(det B) cof(B) n: the columns of cof(B) are the cross products of B's. */
-CORE_INLINE void normals_of_lanes(normal_lanes *l) {
+/* Whether doubles decide, for a B that was summed from size at most. */
+CORE_INLINE int is_certain_sign(double determinant, double size) {
+    return fabs(determinant) > CERTAIN_SIGN * size * size * size;
+}
+CORE_INLINE int is_certain(double determinant, double square, double normal_square, double size) {
+    return is_certain_sign(determinant, size) &
+           (square >
+               CERTAIN_VECTOR * CERTAIN_VECTOR * (size * size) * (size * size) * normal_square);
+}
+
+/* Whether a float holds the square of a length well. */
+CORE_INLINE int fits_float(double square) { return (square > 0x1p-120) & (square < 0x1p120); }
+
+/* The columns of cof(B) are the cross products of B's. Nonzero: all are certain. */
+CORE_INLINE int products_of_lanes(const skin_block *of, normal_lanes *l) {
+    const double size = of->size;
+    uint64_t certain = 1;
     for (int i = 0; i < BLOCK; i++) {
-        const double a0 = l->b[0][i], a1 = l->b[1][i], a2 = l->b[2][i], b0 = l->b[3][i],
-                     b1 = l->b[4][i], b2 = l->b[5][i], c0 = l->b[6][i], c1 = l->b[7][i],
-                     c2 = l->b[8][i], x = l->n[0][i], y = l->n[1][i], z = l->n[2][i];
+        const double a0 = of->b[0][i], a1 = of->b[1][i], a2 = of->b[2][i], b0 = of->b[3][i],
+                     b1 = of->b[4][i], b2 = of->b[5][i], c0 = of->b[6][i], c1 = of->b[7][i],
+                     c2 = of->b[8][i], x = of->in[0][i], y = of->in[1][i], z = of->in[2][i];
         const double u0 = b1 * c2 - b2 * c1, u1 = b2 * c0 - b0 * c2, u2 = b0 * c1 - b1 * c0;
         const double v0 = u0 * x + (c1 * a2 - c2 * a1) * y + (a1 * b2 - a2 * b1) * z,
                      v1 = u1 * x + (c2 * a0 - c0 * a2) * y + (a2 * b0 - a0 * b2) * z,
                      v2 = u2 * x + (c0 * a1 - c1 * a0) * y + (a0 * b1 - a1 * b0) * z;
-        const double determinant = a0 * u0 + a1 * u1 + a2 * u2, s = l->size[i];
-        const double sign = determinant < 0.0 ? -1.0 : 1.0, square = v0 * v0 + v1 * v1 + v2 * v2,
-                     least = CERTAIN_VECTOR * CERTAIN_VECTOR * (s * s) * (s * s) *
-                             (x * x + y * y + z * z);
-        l->v[0][i] = v0 * sign;
-        l->v[1][i] = v1 * sign;
-        l->v[2][i] = v2 * sign;
-        const double factor = sign / sqrt(square);
-        l->unit[0][i] = (float)(v0 * factor) + 0.0F; /* no -0 */
-        l->unit[1][i] = (float)(v1 * factor) + 0.0F;
-        l->unit[2][i] = (float)(v2 * factor) + 0.0F;
-        l->certain[i] = (fabs(determinant) > CERTAIN_SIGN * s * s * s) & (square > least) &
-                        (square > 0x1p-900) & (square < 0x1p900);
+        const double determinant = a0 * u0 + a1 * u1 + a2 * u2;
+        const double square = v0 * v0 + v1 * v1 + v2 * v2;
+        l->v[0][i] = v0;
+        l->v[1][i] = v1;
+        l->v[2][i] = v2;
+        l->square[i] = square;
+        l->determinant[i] = determinant;
+        l->certain[i] = (uint64_t)(is_certain(determinant, square, x * x + y * y + z * z, size) &
+                                   fits_float(square));
+    }
+    for (int i = 0; i < BLOCK; i++) certain &= l->certain[i];
+    return (int)certain;
+}
+
+/* 1 / length: a float's root and quotient are quick, and a step of Newton's method squares their
+ * error, to below 2^-43. */
+CORE_INLINE void units_of_lanes(normal_lanes *l) {
+    for (int i = 0; i < BLOCK; i++) l->about[i] = 1.0F / sqrtf((float)l->square[i]);
+    for (int i = 0; i < BLOCK; i++) {
+        const double about = (double)l->about[i],
+                     factor = about * (1.5 - 0.5 * l->square[i] * (about * about));
+        for (int k = 0; k < 3; k++)
+            l->unit[k][i] = (float)(l->v[k][i] * (l->determinant[i] < 0.0 ? -factor : factor)) +
+                            0.0F; /* no -0 */
     }
 }
 
-/* Where doubles do not decide: the reason why there is no normal, or none. */
-static int decide_normal(const skin_stream *s, size_t vertex, const double given[3],
-    const double product[3], double out[3]) {
+/* Where doubles do not decide: the reason why there is no normal, or none. v: cof(B) n, sign(det B)
+ * times, as they have it. */
+static int decide_normal(const skin_stream *s, size_t vertex, const double given[3], double v[3]) {
     double n[3] = {given[0], given[1], given[2]};
     if (!norma_core_finite(n)) return NORMA_REASON_NON_FINITE;
     if (!norma_vec3_scale(n)) return NORMA_REASON_CANCELLED;
-    if (s->skin->blend == NORMA_BLEND_LINEAR)
-        return exact_normal(s, vertex, n, out) ? NORMA_REASON_NONE : NORMA_REASON_CANCELLED;
-    memcpy(out, product, 3 * sizeof *out);
-    return norma_vec3_scale(out) ? NORMA_REASON_NONE : NORMA_REASON_CANCELLED;
+    const int found =
+        s->skin->blend == NORMA_BLEND_LINEAR ? exact_normal(s, vertex, n, v) : norma_vec3_scale(v);
+    return found ? NORMA_REASON_NONE : NORMA_REASON_CANCELLED;
 }
 
-static void write_normals(
-    const skin_stream *s, size_t first, size_t count, const normal_lanes *l, core_tally *tally) {
+/* The size that a block has in common is more than that of most of its vertices. */
+static int decide_one(const skin_stream *s, size_t vertex, const skin_block *block,
+    const normal_lanes *l, size_t i, float unit[3]) {
+    const double n[3] = {block->in[0][i], block->in[1][i], block->in[2][i]}, square = l->square[i],
+                 sign = l->determinant[i] < 0.0 ? -1.0 : 1.0;
+    double v[3] = {sign * l->v[0][i], sign * l->v[1][i], sign * l->v[2][i]};
+    int reason = NORMA_REASON_NONE;
+    if (is_certain(l->determinant[i], square, norma_core_dot(n, n), size_of_sum(s, vertex))) {
+        if (fits_float(square)) return reason;
+    } else
+        reason = decide_normal(s, vertex, n, v);
+    if (reason == NORMA_REASON_NONE) norma_core_direction(v, unit);
+    return reason;
+}
+
+static void write_uncertain(const skin_stream *s, size_t first, size_t count,
+    const skin_block *block, const normal_lanes *l, core_tally *tally) {
     for (size_t i = 0; i < count; i++) {
         float unit[3] = {l->unit[0][i], l->unit[1][i], l->unit[2][i]};
-        int reason = NORMA_REASON_NONE;
-        if (!l->certain[i]) {
-            const double given[3] = {l->n[0][i], l->n[1][i], l->n[2][i]},
-                         v[3] = {l->v[0][i], l->v[1][i], l->v[2][i]};
-            double exact[3];
-            reason = decide_normal(s, first + i, given, v, exact);
-            if (reason == NORMA_REASON_NONE) norma_core_direction(exact, unit);
-        }
+        const int reason =
+            l->certain[i] ? NORMA_REASON_NONE : decide_one(s, first + i, block, l, i, unit);
         norma_core_write_element(&s->out, first + i, reason, unit, tally);
     }
 }
 
-CORE_INLINE void skin_normals(
-    const skin_stream *s, size_t first, size_t end, core_tally *tally, int dual) {
+/* Tight floats go where they belong at once: what is written in parts cannot soon be read whole. */
+CORE_INLINE void write_lanes(
+    const skin_stream *s, size_t first, size_t count, float (*axis)[BLOCK]) {
+    const int tight = s->out.stride == sizeof(float[3]) && count == BLOCK;
+    float block[BLOCK][3];
+    float(*out)[3] = tight ? (void *)(s->out.normals + first * sizeof *out) : block;
+    for (int i = 0; i < BLOCK; i += CORE_LANES)
+        core_floats_to_threes(axis[0] + i, axis[1] + i, axis[2] + i, out + i);
+    if (!tight)
+        for (size_t i = 0; i < count; i++) norma_core_write_normal(&s->out, first + i, block[i]);
+}
+
+CORE_INLINE void normals_of_block(
+    const skin_stream *s, size_t first, size_t count, const skin_block *block, core_tally *tally) {
     normal_lanes lanes;
-    memset(&lanes, 0, sizeof lanes);
-    for (size_t v = first; v < end; v += BLOCK) {
-        const size_t count = end - v < BLOCK ? end - v : BLOCK;
-        for (size_t i = 0; i < count; i++) {
-            double b[12], n[3];
-            lanes.size[i] = dual ? blend_dual(s, v + i, b) : blend_linear(s, v + i, b);
-            norma_view_read(&s->in, v + i, n);
-            for (int k = 0; k < 9; k++) lanes.b[k][i] = b[k];
-            for (int k = 0; k < 3; k++) lanes.n[k][i] = n[k];
-        }
-        normals_of_lanes(&lanes);
-        write_normals(s, v, count, &lanes, tally);
-    }
+    const int certain = products_of_lanes(block, &lanes);
+    units_of_lanes(&lanes);
+    if (certain && count == BLOCK) {
+        write_lanes(s, first, BLOCK, lanes.unit);
+        if (s->out.reasons) memset(s->out.reasons + first, NORMA_REASON_NONE, BLOCK);
+    } else
+        write_uncertain(s, first, count, block, &lanes, tally);
 }
 
 /* ---- positions and tangents */
 
-static double blended(const skin_stream *s, size_t vertex, double b[12]) {
-    return s->skin->blend == NORMA_BLEND_LINEAR ? blend_linear(s, vertex, b)
-                                                : blend_dual(s, vertex, b);
+CORE_INLINE void move_block(
+    const skin_stream *s, size_t first, size_t count, const skin_block *of) {
+    float moved[3][BLOCK];
+    for (int r = 0; r < 3; r++)
+        for (int i = 0; i < BLOCK; i++)
+            moved[r][i] = (float)(of->b[r][i] * of->in[0][i] + of->b[3 + r][i] * of->in[1][i] +
+                                  of->b[6 + r][i] * of->in[2][i] + of->b[9 + r][i]);
+    write_lanes(s, first, count, moved);
 }
 
-CORE_INLINE void skin_positions(const skin_stream *s, size_t first, size_t end, int dual) {
-    for (size_t v = first; v < end; v++) {
-        double b[12], p[3];
-        float moved[3];
-        (void)(dual ? blend_dual(s, v, b) : blend_linear(s, v, b));
-        norma_view_read(&s->in, v, p);
-        for (int r = 0; r < 3; r++)
-            moved[r] = (float)(b[r] * p[0] + b[3 + r] * p[1] + b[6 + r] * p[2] + b[9 + r]);
-        norma_core_write_normal(&s->out, v, moved);
-    }
-}
-
-static int mirrors(const skin_stream *s, size_t vertex, const double b[12], double size) {
+static int mirrors(const skin_stream *s, size_t vertex, const double b[ROW], double size) {
     double cross[3];
     norma_core_cross(b + 3, b + 6, cross);
     const double determinant = norma_core_dot(b, cross);
-    if (fabs(determinant) > CERTAIN_SIGN * size * size * size ||
-        s->skin->blend != NORMA_BLEND_LINEAR)
+    if (s->skin->blend != NORMA_BLEND_LINEAR || is_certain_sign(determinant, size) ||
+        is_certain_sign(determinant, size_of_sum(s, vertex)))
         return determinant < 0.0;
     long_sum exact[9];
     blend_exactly(s, vertex, exact);
     return exactly_mirrors(exact);
 }
 
-static void skin_tangents(const skin_stream *s, size_t first, size_t end) {
-    for (size_t v = first; v < end; v++) {
-        double b[12], moved[3], normal[3], unit[3];
+static void tangents_of_block(
+    const skin_stream *s, size_t first, size_t count, const skin_block *block) {
+    for (size_t i = 0; i < count; i++) {
+        const double *b = block->row[i],
+                     normal[3] = {block->in[0][i], block->in[1][i], block->in[2][i]};
+        double moved[3], unit[3];
         float in[4], out[4];
-        const double size = blended(s, v, b);
-        memcpy(in, s->tangents + 4 * v, sizeof in);
-        norma_view_read(&s->in, v, normal);
+        memcpy(in, s->tangents + 4 * (first + i), sizeof in);
         for (int r = 0; r < 3; r++)
             moved[r] = b[r] * (double)in[0] + b[3 + r] * (double)in[1] + b[6 + r] * (double)in[2];
         norma_core_perpendicular_tangent(normal, moved, unit);
         for (int r = 0; r < 3; r++) out[r] = (float)unit[r] + 0.0F;
-        out[3] = mirrors(s, v, b, size) ? -in[3] : in[3];
-        memcpy(s->out.normals + v * s->out.stride, out, sizeof out);
+        out[3] = mirrors(s, first + i, b, block->size) ? -in[3] : in[3];
+        memcpy(s->out.normals + (first + i) * s->out.stride, out, sizeof out);
     }
 }
 
 /* ---- kernels by instruction set, and tasks */
 
-typedef void skin_kernel(const skin_stream *s, size_t first, size_t end, core_tally *tally);
-
-static void normals_portable(const skin_stream *s, size_t first, size_t end, core_tally *tally) {
-    skin_normals(s, first, end, tally, s->skin->blend == NORMA_BLEND_DUAL_QUATERNION);
+CORE_INLINE void finish_block(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
+    read_vectors(&s->in, first, count, block->in);
+    if (s->tangents)
+        tangents_of_block(s, first, count, block);
+    else if (tally)
+        normals_of_block(s, first, count, block, tally);
+    else
+        move_block(s, first, count, block);
 }
-static void positions_portable(const skin_stream *s, size_t first, size_t end, core_tally *tally) {
-    (void)tally;
-    skin_positions(s, first, end, s->skin->blend == NORMA_BLEND_DUAL_QUATERNION);
+
+/* Four joints of 16 bits are what nearly all files have. Normals need nine columns, positions all
+ * twelve. */
+#define SKIN_BLOCK(add, turn)                                                                      \
+    const size_t influences = s->influences, at = first * influences;                              \
+    const unsigned char *joints = s->joints + at * s->joint_size;                                  \
+    block->size = (double)influences * s->largest *                                                \
+                  (double)read_weights(s->skin->weights + at, count * influences, block->weight);  \
+    if (s->skin->blend == NORMA_BLEND_DUAL_QUATERNION)                                             \
+        for (size_t i = 0; i < count; i++) blend_dual(s, first + i, block->row[i]);                \
+    else if (influences == 4 && s->joint_size == 2)                                                \
+        for (size_t i = 0; i < count; i++)                                                         \
+            add(s->rows, joints + 8 * i, 2, block->weight + 4 * i, 4, block->row[i]);              \
+    else                                                                                           \
+        for (size_t i = 0; i < count; i++)                                                         \
+            add(s->rows, joints + i * influences * s->joint_size, s->joint_size,                   \
+                block->weight + i * influences, influences, block->row[i]);                        \
+    for (int i = 0; i < BLOCK && !s->tangents; i += 8) {                                           \
+        turn(block, i, 0);                                                                         \
+        turn(block, i, 4);                                                                         \
+        if (!tally) turn(block, i, 8);                                                             \
+    }                                                                                              \
+    for (int i = 0; i < BLOCK && tally; i++) block->b[8][i] = block->row[i][8];                    \
+    finish_block(s, first, count, block, tally)
+
+/* tally: for normals only. */
+typedef void skin_kernel(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally);
+
+static void skin_block_portable(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
+    SKIN_BLOCK(add_joints, turn_columns);
 }
 #if defined(CORE_HAS_X86)
-CORE_FOR_AVX2 static void normals_avx2(
-    const skin_stream *s, size_t first, size_t end, core_tally *tally) {
-    skin_normals(s, first, end, tally, s->skin->blend == NORMA_BLEND_DUAL_QUATERNION);
-}
-CORE_FOR_AVX2 static void positions_avx2(
-    const skin_stream *s, size_t first, size_t end, core_tally *tally) {
-    (void)tally;
-    skin_positions(s, first, end, s->skin->blend == NORMA_BLEND_DUAL_QUATERNION);
+CORE_FOR_AVX2 static void skin_block_avx2(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
+    SKIN_BLOCK(add_joints, turn_columns);
 }
 #endif
-
-static skin_kernel *choose_skin_kernel(const skin_stream *s, int normals) {
-#if defined(CORE_HAS_X86)
-    if (s->call.level >= CORE_AVX2) return normals ? normals_avx2 : positions_avx2;
-#endif
-    (void)s;
-    return normals ? normals_portable : positions_portable;
+#if defined(CORE_HAS_AVX512)
+CORE_FOR_AVX512 static void skin_block_avx512(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
+    SKIN_BLOCK(add_joints_avx512, turn_columns_avx512);
 }
+#endif
 
 static void run_chunk(void *context, size_t index) {
+    static skin_kernel *const kernels[] = CORE_KERNELS(skin_block);
     const skin_stream *s = context;
-    const size_t first = index * CHUNK, left = s->skin->vertex_count - first;
-    const size_t end = first + (left < CHUNK ? left : CHUNK);
-    if (s->tangents)
-        skin_tangents(s, first, end);
-    else
-        choose_skin_kernel(s, s->tallies != NULL)(
-            s, first, end, s->tallies ? &s->tallies[index] : NULL);
+    const size_t begin = index * CHUNK, left = s->skin->vertex_count - begin,
+                 end = begin + (left < CHUNK ? left : CHUNK);
+    skin_block block;
+    memset(&block, 0, sizeof block);
+    for (size_t v = begin; v < end; v += BLOCK)
+        kernels[s->call.level](s, v, end - v < BLOCK ? end - v : BLOCK, &block,
+            s->tallies ? &s->tallies[index] : NULL);
 }
 
 static size_t chunk_count(const skin_stream *s) {
@@ -649,16 +777,22 @@ static norma_result open_skin_stream(skin_stream *s, const norma_options *option
 
 static norma_result run_stream(skin_stream *s) {
     const norma_skin *skin = s->skin;
-    s->table = norma_core_allocate(&s->call, skin->joint_count, sizeof *s->table);
-    if (!s->table) return NORMA_ERROR_MEMORY;
+    /* One more, so that rows begin with a cache line. */
+    unsigned char *memory = norma_core_allocate(&s->call, skin->joint_count + 1, JOINT_BYTES);
+    if (!memory) return NORMA_ERROR_MEMORY;
+    double(*rows)[ROW] = (void *)(memory + (CACHE_LINE - (uintptr_t)memory % CACHE_LINE)),
+    (*duals)[8] = (void *)(rows + skin->joint_count);
+    memset(rows, 0, skin->joint_count * JOINT_BYTES);
     for (size_t j = 0; j < skin->joint_count; j++) {
-        const float *matrix = skin->matrices + 16 * j;
-        memset(&s->table[j], 0, sizeof s->table[j]);
-        if (is_finite_matrix(matrix)) prepare_joint(matrix, skin->blend, &s->table[j]);
+        if (is_finite_matrix(skin->matrices + 16 * j))
+            prepare_joint(skin->matrices + 16 * j, skin->blend, rows[j], duals[j]);
+        if (s->largest < rows[j][SIZE]) s->largest = rows[j][SIZE];
     }
+    s->rows = rows;
+    s->duals = duals;
     norma_core_share(&s->call, 3 * skin->vertex_count);
     const norma_result result = norma_core_parallel(&s->call, chunk_count(s), run_chunk, s);
-    norma_core_release(&s->call, s->table, skin->joint_count, sizeof *s->table);
+    norma_core_release(&s->call, memory, skin->joint_count + 1, JOINT_BYTES);
     return norma_core_finish(&s->call, result);
 }
 

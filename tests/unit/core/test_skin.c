@@ -125,6 +125,116 @@ static void whole_numbers(void **state) {
     assert_true(none > 100 && mirrored > 1000);
 }
 
+/* A float of any sign, of 24 random bits, below 2^exponent. */
+static float random_float(uint64_t *seed, int exponent) {
+    return (float)ldexp((double)random_below(seed, 1 << 24) - (1 << 23), exponent - 23);
+}
+
+enum { SOME = 150 };
+
+/* Skins of every number of influences, width of joint numbers, scale and layout. */
+typedef struct some_skin {
+    norma_skin skin;
+    float matrices[JOINTS][16], weights[SOME * 9], floats[SOME][4];
+    double doubles[SOME][3];
+    unsigned char joints[SOME * 9 * 4];
+    norma_vec3_view in;
+} some_skin;
+
+static void make_some(some_skin *m, uint64_t seed) {
+    static const size_t SIZES[] = {1, 2, 4};
+    const int scale = (int)random_below(&seed, 81) - 40;
+    const size_t influences = 1 + random_below(&seed, 9), size = SIZES[random_below(&seed, 3)];
+    m->skin = (norma_skin){m->matrices[0], JOINTS, m->joints, size, m->weights, influences,
+        1 + random_below(&seed, SOME), NORMA_BLEND_LINEAR};
+    for (int j = 0; j < JOINTS; j++) /* the last is huge */
+        for (int i = 0; i < 16; i++)
+            m->matrices[j][i] = random_float(&seed, j == JOINTS - 1 ? scale + 40 : scale);
+    for (size_t i = 0; i < m->skin.vertex_count * influences; i++) {
+        const uint32_t kind = random_below(&seed, 8),
+                       joint = random_below(&seed, kind ? JOINTS - 1 : JOINTS);
+        m->weights[i] = kind == 1 ? 0 : random_float(&seed, (int)random_below(&seed, 3));
+        for (size_t b = 0; b < size; b++) m->joints[i * size + b] = 0;
+        if (size == 1) m->joints[i] = (unsigned char)joint;
+        if (size == 2) memcpy(m->joints + 2 * i, &(uint16_t){(uint16_t)joint}, 2);
+        if (size == 4) memcpy(m->joints + 4 * i, &joint, 4);
+    }
+    for (size_t v = 0; v < SOME; v++)
+        for (int k = 0; k < 3; k++) {
+            m->floats[v][k] = random_float(&seed, 0);
+            m->doubles[v][k] = (double)m->floats[v][k];
+        }
+    m->in = (norma_vec3_view){m->floats, SOME, sizeof m->floats[0], NORMA_FORMAT_FLOAT};
+    if (seed % 2) m->in = (norma_vec3_view){m->doubles, SOME, 0, NORMA_FORMAT_DOUBLE};
+}
+
+static size_t joint_of(const some_skin *m, size_t i) {
+    uint32_t four = 0;
+    memcpy(&four, m->joints + i * m->skin.joint_size, m->skin.joint_size);
+    return four;
+}
+
+/* sign(det B) cof(B) n as norma.h defines it; 0 where 64 bits of a mantissa are too few. */
+static int long_normal(const some_skin *m, size_t v, long double out[3]) {
+    long double b[3][3] = {{0}}, size = 0, length = 0;
+    for (size_t k = 0, i = v * m->skin.influences; k < m->skin.influences; k++, i++)
+        for (int c = 0; c < 3; c++)
+            for (int r = 0; r < 3; r++) {
+                const long double part = (long double)m->weights[i] *
+                                         (long double)m->matrices[joint_of(m, i)][4 * c + r];
+                b[c][r] += part;
+                size += fabsl(part);
+            }
+    long double det = 0;
+    for (int r = 0; r < 3; r++) {
+        const int s = (r + 1) % 3, t = (r + 2) % 3;
+        det += b[0][r] * (b[1][s] * b[2][t] - b[1][t] * b[2][s]);
+        out[r] = 0;
+        for (int c = 0; c < 3; c++) {
+            const int d = (c + 1) % 3, e = (c + 2) % 3;
+            out[r] += (b[d][s] * b[e][t] - b[d][t] * b[e][s]) * (long double)m->floats[v][c];
+        }
+    }
+    for (int r = 0; r < 3; r++) out[r] *= det < 0 ? -1 : 1;
+    length = hypotl(hypotl(out[0], out[1]), out[2]);
+    for (int r = 0; r < 3; r++) out[r] /= length;
+    return length > 0x1p-30L * size * size && fabsl(det) > 0x1p-40L * size * size * size;
+}
+
+static void by_definition(void **state) {
+    (void)state;
+    static some_skin m;
+    static float first[SOME][3], again[SOME][3], moved[SOME][3];
+    size_t held = 0;
+    for (uint64_t seed = 1; seed < 600; seed++) {
+        make_some(&m, seed);
+        const size_t count = m.skin.vertex_count;
+        const norma_options portable = {.isa = NORMA_ISA_PORTABLE};
+        assert_ok(norma_skin_normals(&m.skin, m.in, &portable, first[0], count, NULL));
+        assert_ok(norma_skin_positions(&m.skin, m.in, &portable, moved[0], count));
+        for (size_t v = 0; v < count; v++) {
+            long double n[3], square = 0;
+            if (!long_normal(&m, v, n)) continue;
+            for (int k = 0; k < 3; k++) {
+                const long double apart = (long double)first[v][k] - n[k];
+                square += apart * apart;
+            }
+            assert_true(square < 4e-14L);
+            held++;
+        }
+        for (int isa = NORMA_ISA_BEST; isa <= NORMA_ISA_AVX512; isa++) {
+            const norma_options options = {.isa = (norma_isa)isa};
+            const norma_result result =
+                norma_skin_normals(&m.skin, m.in, &options, again[0], count, NULL);
+            if (result != NORMA_OK) continue; /* this machine has it not */
+            assert_memory_equal(first, again, count * sizeof *first);
+            assert_ok(norma_skin_positions(&m.skin, m.in, &options, again[0], count));
+            assert_memory_equal(moved, again, count * sizeof *moved);
+        }
+    }
+    assert_true(held > 30000);
+}
+
 /* A large joint's part that is taken away again after a small joint's leaves the small one: doubles
  * have rounded most of it off by then. */
 static void what_is_left_of_a_difference(void **state) {
@@ -358,8 +468,8 @@ static void refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(whole_numbers),
-        cmocka_unit_test(what_is_left_of_a_difference), cmocka_unit_test(sums_of_many_parts),
-        cmocka_unit_test(one_joint_is_a_matrix), cmocka_unit_test(half_a_screw),
-        cmocka_unit_test(same_bits), cmocka_unit_test(refused)};
+        cmocka_unit_test(by_definition), cmocka_unit_test(what_is_left_of_a_difference),
+        cmocka_unit_test(sums_of_many_parts), cmocka_unit_test(one_joint_is_a_matrix),
+        cmocka_unit_test(half_a_screw), cmocka_unit_test(same_bits), cmocka_unit_test(refused)};
     return cmocka_run_group_tests_name("skin", tests, NULL, NULL);
 }
