@@ -257,14 +257,21 @@ static void share_weights(uint16_t *joints, float *weights, size_t count, size_t
     if (sum == 0) joints[0] = first;
 }
 
+/* Of a vertex: its joints and weights, and what callers move by them. */
+static size_t influence_bytes(size_t width) {
+    return width * (sizeof(uint16_t) + sizeof(float)) + 6 * sizeof(float);
+}
+
 norma_document_result norma_gltf_read_influences(
     gltf *g, uint32_t primitive, norma_skin *skin, norma_document_error *error) {
     const gltf_primitive *p = &g->primitives[primitive];
     influences sets[MOST_SETS];
     size_t count = 0;
     norma_document_result result = find_influences(g, p, sets, &count, error);
-    if (result) return result;
     const size_t width = 4 * count;
+    if (!result && width)
+        result = norma_gltf_spend(g, p->token, p->vertices, influence_bytes(width), error);
+    if (result) return result;
     uint16_t *joints = norma_io_allocate(p->vertices, width * sizeof *joints);
     float *weights = norma_io_allocate(p->vertices, width * sizeof *weights);
     skin->joints = joints;
@@ -284,7 +291,9 @@ norma_document_result norma_gltf_read_influences(
     return NORMA_DOCUMENT_OK;
 }
 
-void norma_gltf_free_influences(norma_skin *skin) {
+void norma_gltf_free_influences(gltf *g, uint32_t primitive, norma_skin *skin) {
+    if (skin->influences)
+        g->decoded -= g->primitives[primitive].vertices * influence_bytes(skin->influences);
     free((void *)skin->joints);
     free((void *)skin->weights);
 }
@@ -362,7 +371,7 @@ static norma_document_result apply_skin(mover *m, norma_document_error *error) {
         if (moved) result = refuse_skin(m, &skin, moved, error);
     }
     free(signs);
-    norma_gltf_free_influences(&skin);
+    norma_gltf_free_influences(g, (uint32_t)(m->p - g->primitives), &skin);
     return result;
 }
 

@@ -526,7 +526,8 @@ norma_document_result norma_gltf_read_inverse(gltf *g, uint32_t skin, size_t joi
  * of each divided by their sum. To be freed after a failure too. */
 norma_document_result norma_gltf_read_influences(
     gltf *g, uint32_t primitive, norma_skin *skin, norma_document_error *error);
-void norma_gltf_free_influences(norma_skin *skin);
+/* What they counted for norma_gltf_spend no longer does. */
+void norma_gltf_free_influences(gltf *g, uint32_t primitive, norma_skin *skin);
 /* skins.c */
 size_t norma_gltf_skin_count(const norma_document *document);
 norma_document_result norma_gltf_skin(

@@ -502,7 +502,7 @@ static norma_document_result measure_primitive(
             g->primitives[primitive].where, "a vertex names a joint that its skin, of %zu, lacks",
             p->joint_count);
     free(moved);
-    norma_gltf_free_influences(&skin);
+    norma_gltf_free_influences(g, primitive, &skin);
     return result;
 }
 

@@ -359,6 +359,47 @@ static void test_arguments(void **state) {
     asset_free(&a);
 }
 
+/* Elements without bytes, as many as the file has: four influences of each fit in 256 bytes for
+ * each byte, 32 do not, and once they are gone they no longer count. */
+static void test_memory_of_influences(void **state) {
+    (void)state;
+    enum { COUNT = 20000 };
+    static unsigned char bytes[COUNT];
+    static const char *const accessors[] = {"5126,\"type\":\"VEC3\"", "5121,\"type\":\"VEC4\"",
+        "5121,\"normalized\":true,\"type\":\"VEC4\""};
+    for (int sets = 1; sets <= 8; sets += 7) {
+        gltf_asset a = {0};
+        norma_drawn_mesh drawn;
+        norma_document_error error;
+        char json[1000] = "\"meshes\":[{\"primitives\":[{\"mode\":4,\"attributes\":{\"POSITION\":0";
+        asset_view(&a, bytes, sizeof bytes, "");
+        for (int i = 0; i < 3; ++i) {
+            char accessor[200];
+            snprintf(accessor, sizeof accessor, "{\"count\":%d,\"componentType\":%s}",
+                COUNT / 3 * 3, accessors[i]);
+            asset_accessor(&a, accessor);
+        }
+        for (int i = 0; i < sets; ++i)
+            sprintf(json + strlen(json), ",\"JOINTS_%d\":1,\"WEIGHTS_%d\":2", i, i);
+        strcat(json, "}}]}],\"skins\":[{\"joints\":[1]}],\"nodes\":[{\"mesh\":0,\"skin\":0},{},"
+                     "{\"mesh\":0,\"skin\":0},{\"mesh\":0,\"skin\":0}]");
+        norma_document *document = asset_open(&a, json, 0);
+        const int result = norma_document_drawn_mesh(document, 0, 0, 0, &drawn, &error);
+        if (sets == 1) {
+            if (result) fail_msg("%s", error.message);
+            drawn_at(document, 1);
+            drawn_at(document, 2);
+        } else {
+            assert_int_equal(result, NORMA_DOCUMENT_ERROR_UNSUPPORTED);
+            assert_non_null(strstr(error.message,
+                "/meshes/0/primitives/0: 19998 elements from here, with all before them, would "
+                "take far more memory than the file"));
+        }
+        norma_document_close(document);
+        asset_free(&a);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_weights),
@@ -367,6 +408,7 @@ int main(void) {
         cmocka_unit_test(test_far_skin),
         cmocka_unit_test(test_unusable_joints),
         cmocka_unit_test(test_joint_out_of_range),
+        cmocka_unit_test(test_memory_of_influences),
         cmocka_unit_test(test_maps),
         cmocka_unit_test(test_texcoords),
         cmocka_unit_test(test_texture_place),
