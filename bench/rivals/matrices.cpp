@@ -166,6 +166,26 @@ static void skinned_vertices() {
             std::memcpy(&out[3 * i], glm::value_ptr(n), 12);
         }
     });
+    std::vector<float> tangents(4 * SKINNED), turned(4 * SKINNED);
+    for (size_t i = 0; i < SKINNED; ++i) {
+        const glm::vec3 t = glm::normalize(glm::cross(glm::make_vec3(&in[3 * i]), {.1f, .2f, .3f}));
+        std::memcpy(&tangents[4 * i], glm::value_ptr(t), 12), tangents[4 * i + 3] = 1;
+    }
+    tell("Norma", "skinned tangents", [&] {
+        norma_skin_tangents(&skin, tangents.data(), {out.data(), SKINNED, 0, NORMA_FORMAT_FLOAT},
+            &one_thread, turned.data(), SKINNED);
+    });
+    tell("glm", "mat3(blend) * vec3, made perpendicular", [&] {
+        for (size_t i = 0; i < SKINNED; ++i) {
+            const glm::vec3 n = glm::make_vec3(&out[3 * i]);
+            const glm::mat3 b(blend(i));
+            glm::vec3 t = b * glm::make_vec3(&tangents[4 * i]);
+            t = glm::normalize(t - glm::dot(n, t) * n);
+            const glm::vec4 all(
+                t, glm::determinant(b) < 0 ? -tangents[4 * i + 3] : tangents[4 * i + 3]);
+            std::memcpy(&turned[4 * i], glm::value_ptr(all), 16);
+        }
+    });
 }
 
 int main() {

@@ -82,8 +82,12 @@ static inline int norma_vec3_scale(double v[3]) {
 /* Makes v a unit vector, whatever its length; 0, and v unspecified, where it is zero or not finite.
  */
 static inline int norma_vec3_unit(double v[3]) {
-    if (!norma_vec3_scale(v)) return 0;
-    const double length = sqrt(norma_core_dot(v, v));
+    double square = norma_core_dot(v, v);
+    if (!(square > NORMA_TINIEST && square < NORMA_HUGEST)) {
+        if (!norma_vec3_scale(v)) return 0;
+        square = norma_core_dot(v, v);
+    }
+    const double length = sqrt(square);
     for (int i = 0; i < 3; i++) v[i] /= length;
     return 1;
 }

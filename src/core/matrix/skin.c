@@ -15,7 +15,7 @@
 #include "core/face/eight_vectors.h"
 
 enum {
-    BLOCK = 16,       /* vertices that are computed side by side */
+    BLOCK = 32,       /* vertices that are computed side by side */
     CHUNK = 4096,     /* vertices of one task */
     LARGEST_SUM = 16, /* doubles of a sum that has not been rounded: see join_parts */
     MOST_INFLUENCES = 64,
@@ -700,16 +700,17 @@ CORE_INLINE void finish_block(
 #define SKIN_BLOCK(add, turn)                                                                      \
     const size_t influences = s->influences, at = first * influences;                              \
     const unsigned char *joints = s->joints + at * s->joint_size;                                  \
+    double(*const rows)[ROW] = s->rows;                                                            \
     block->size = (double)influences * s->largest *                                                \
                   (double)read_weights(s->skin->weights + at, count * influences, block->weight);  \
     if (s->skin->blend == NORMA_BLEND_DUAL_QUATERNION)                                             \
         for (size_t i = 0; i < count; i++) blend_dual(s, first + i, block->row[i]);                \
     else if (influences == 4 && s->joint_size == 2)                                                \
         for (size_t i = 0; i < count; i++)                                                         \
-            add(s->rows, joints + 8 * i, 2, block->weight + 4 * i, 4, block->row[i]);              \
+            add(rows, joints + 8 * i, 2, block->weight + 4 * i, 4, block->row[i]);                 \
     else                                                                                           \
         for (size_t i = 0; i < count; i++)                                                         \
-            add(s->rows, joints + i * influences * s->joint_size, s->joint_size,                   \
+            add(rows, joints + i * influences * s->joint_size, s->joint_size,                      \
                 block->weight + i * influences, influences, block->row[i]);                        \
     for (int i = 0; i < BLOCK && !s->tangents; i += 8) {                                           \
         turn(block, i, 0);                                                                         \
@@ -746,7 +747,7 @@ static void run_chunk(void *context, size_t index) {
     const size_t begin = index * CHUNK, left = s->skin->vertex_count - begin,
                  end = begin + (left < CHUNK ? left : CHUNK);
     skin_block block;
-    memset(&block, 0, sizeof block);
+    memset(block.row, 0, sizeof block.row);
     for (size_t v = begin; v < end; v += BLOCK)
         kernels[s->call.level](s, v, end - v < BLOCK ? end - v : BLOCK, &block,
             s->tallies ? &s->tallies[index] : NULL);
