@@ -177,7 +177,7 @@ norma_result norma_check_run_group(
     return result;
 }
 
-size_t norma_check_group_size(const norma_check_mesh *meshes, size_t count) {
+static size_t check_group_size(const norma_check_mesh *meshes, size_t count) {
     size_t size = count > 0;
     while (size < count && norma_check_siblings(&meshes[size - 1].info, &meshes[size].info)) size++;
     return size;
@@ -192,7 +192,7 @@ norma_result norma_check_scene_run(
     norma_result result = norma_check_begin(&run, options, scene->format);
     if (result) return result;
     for (size_t i = 0, size; i < scene->mesh_count && !result; i += size) {
-        size = norma_check_group_size(&scene->meshes[i], scene->mesh_count - i);
+        size = check_group_size(&scene->meshes[i], scene->mesh_count - i);
         norma_core_stage(&run.call, (double)i / (double)scene->mesh_count,
             (double)(i + size) / (double)scene->mesh_count);
         result = norma_check_run_group(&run, &scene->meshes[i], size, NULL);

@@ -15,7 +15,6 @@ void norma_check_close_mesh(check_mesh *m);
  * they are next. */
 norma_result norma_check_run_group(
     check_run *run, const norma_check_mesh *meshes, size_t count, const size_t *orders);
-size_t norma_check_group_size(const norma_check_mesh *meshes, size_t count);
 norma_findings *norma_check_finish(check_run *run);
 /* check_document.c: what is the same in known->document as here is not looked at again, but by the
  * rules of known->again: the findings there, of every rule that is asked for, are copied. known

@@ -251,15 +251,11 @@ void check_write_file(
 size_t check_rule_number(const norma_rule *rule); /* in norma_rules */
 const char *check_profile_name(norma_check_profile profile);
 int check_find_profile(const char *name, norma_check_profile *profile); /* 0: none is called so */
-/* In reports for people: information is only counted, unless it was asked for or fails the check.
- */
-int check_is_listed(const check_report *report, const check_item *item);
 /* Checked, and without errors, warnings and whatever fails the check. */
 int check_is_clean(const check_report *report);
 int check_fails(const check_report *report); /* whether a finding is at or above --fail-on */
 int check_is_same(const check_item *item, const check_item *other); /* rule and severity */
 int check_is_first(const check_report *report, size_t index);       /* of those that are the same */
-int check_is_picture(const check_item *item); /* one that is missing, or cannot be read */
 /* The same for equal findings of equal meshes in several files, and for pictures that are missing.
  * 0: the finding is of this file alone. */
 uint64_t check_key(const check_report *report, const check_item *item);
@@ -338,16 +334,8 @@ typedef struct check_fixed {
         first_note; /* of the document: what could not be fixed, and why, is noted from there on */
 } check_fixed;
 
-/* before: findings of document with options, which rules the report has. 0: error says why. */
-norma_document_result check_fix(const check_settings *settings, norma_document *document,
-    const norma_findings *before, const norma_check_options *options, size_t index,
-    check_fixed *mended, norma_document_error *error);
-void check_fixed_free(check_fixed *mended);
-
 /* ---- A small drawing of a finding's place, as SVG. */
 
-/* The mesh that a finding stands at. 0: none, or it was not read. */
-int check_find_mesh(norma_document *document, const char *where, norma_mesh_data *data);
 /* Writes an <svg> of the surface round the worst place of a finding, the faces that it names in
  * red; nothing where it names no place. */
 void check_draw_finding(FILE *out, norma_document *document, const norma_finding *finding);

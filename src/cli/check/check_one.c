@@ -67,7 +67,8 @@ static norma_document_result save_fixed(const check_settings *settings,
     return result;
 }
 
-norma_document_result check_fix(const check_settings *settings, norma_document *document,
+/* before: findings of document with options, which rules the report has. 0: error says why. */
+static norma_document_result check_fix(const check_settings *settings, norma_document *document,
     const norma_findings *before, const norma_check_options *options, size_t index,
     check_fixed *mended, norma_document_error *error) {
     const char *path = settings->files->inputs.paths[index];
@@ -103,7 +104,7 @@ norma_document_result check_fix(const check_settings *settings, norma_document *
     return result;
 }
 
-void check_fixed_free(check_fixed *mended) {
+static void check_fixed_free(check_fixed *mended) {
     norma_findings_free(mended->findings);
     free(mended->table);
     *mended = (check_fixed){0};

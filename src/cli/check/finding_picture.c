@@ -433,7 +433,8 @@ static void draw_whole(FILE *out, const picture *drawn) {
     free(whole);
 }
 
-int check_find_mesh(norma_document *document, const char *where, norma_mesh_data *data) {
+/* The mesh that a finding stands at. 0: none, or it was not read. */
+static int check_find_mesh(norma_document *document, const char *where, norma_mesh_data *data) {
     norma_mesh_info info;
     for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
         if (!norma_document_mesh_info(document, i, &info) && strcmp(info.where, where) == 0)

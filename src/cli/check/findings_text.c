@@ -32,7 +32,9 @@ static int is_problem(const check_report *report, const check_item *item) {
     return item->severity != NORMA_SEVERITY_INFO || (int)item->severity >= report->fail_on;
 }
 
-int check_is_listed(const check_report *report, const check_item *item) {
+/* In reports for people: information is only counted, unless it was asked for or fails the check.
+ */
+static int check_is_listed(const check_report *report, const check_item *item) {
     return report->settings->list_infos || is_problem(report, item);
 }
 
@@ -62,7 +64,8 @@ size_t check_count_same(const check_report *report, const check_item *item) {
     return report->same[check_rule_number(item->finding->rule)][item->severity];
 }
 
-int check_is_picture(const check_item *item) {
+/* one that is missing, or cannot be read */
+static int check_is_picture(const check_item *item) {
     return strcmp(item->finding->rule->id, "N002") == 0 &&
            strncmp(item->finding->where, "/images/", 8) == 0;
 }

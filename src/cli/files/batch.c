@@ -136,9 +136,10 @@ static void return_freed_memory(void) {
 #endif
 }
 
-norma_document_result cli_change_in_passes(const cli_changer *changer, const cli_common *common,
-    const cli_files *files, const char *input, const char *output, uint64_t *size,
-    norma_document_error *error) {
+/* Changes it so. *size: bytes of the output. */
+static norma_document_result cli_change_in_passes(const cli_changer *changer,
+    const cli_common *common, const cli_files *files, const char *input, const char *output,
+    uint64_t *size, norma_document_error *error) {
     pass_line line = {.what = "reading"};
     const norma_large_options options = {.struct_size = sizeof options,
         .max_memory = cli_memory_for_data(),
@@ -206,7 +207,8 @@ static int try_format(const cli_changer *changer, const char *input, norma_file_
     return CLI_USAGE;
 }
 
-int cli_try_formats(const cli_files *files, const cli_changer *changer) {
+/* A status: CLI_USAGE, printed already, where some input's format does not take the options. */
+static int cli_try_formats(const cli_files *files, const cli_changer *changer) {
     int tried = 0, status = CLI_OK;
     for (size_t i = 0; files->inputs.count > 1 && i < files->inputs.count && !status; ++i) {
         const char *input = files->inputs.paths[i];

@@ -219,14 +219,5 @@ norma_document_result cli_save(const cli_files *files, norma_document *document,
 int cli_can_take_passes(const cli_files *files, const char *input, uint64_t *need);
 /* Whether this input does not fit into the memory allowed, but can be read in passes. */
 int cli_needs_passes(const cli_files *files, const char *input);
-/* Changes it so. *size: bytes of the output. */
-norma_document_result cli_change_in_passes(const cli_changer *changer, const cli_common *common,
-    const cli_files *files, const char *input, const char *output, uint64_t *size,
-    norma_document_error *error);
 
-/* ---- Options that a format refuses are noticed before the first file of a batch is written.
- */
-
-/* A status: CLI_USAGE, printed already, where some input's format does not take the options. */
-int cli_try_formats(const cli_files *files, const cli_changer *changer);
 #endif

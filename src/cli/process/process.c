@@ -175,7 +175,8 @@ static uint64_t machine_memory(void) {
 #endif
 }
 
-uint64_t cli_memory_limit(void) {
+/* In bytes: what the option allows, else what this machine has. */
+static uint64_t cli_memory_limit(void) {
     const uint64_t machine = machine_memory();
 #if defined(RLIMIT_DATA)
     struct rlimit limit;
@@ -237,12 +238,15 @@ static void catch_signal(int number) {
     if (insists || (!worker_process && atomic_load(&writers) == 0)) end_now(number);
 }
 
-void cli_watch_worker(int process) {
+/* A process that is worked in: signals go on to it, and end this one when it has ended; 0: it has.
+ */
+static void cli_watch_worker(int process) {
     worker_process = process;
     if (!process && caught_signal) end_now(caught_signal);
 }
 
-void cli_be_worker(void) {
+/* this is such a process */
+static void cli_be_worker(void) {
     is_worker = 1;
     worker_process = 0;
     left_behind = NULL;

@@ -32,8 +32,6 @@ int cli_finish(int status);  /* flushes stdout; a full disk there is status 3 */
 /* ---- --max-memory, for the whole process. */
 
 const char *cli_limit_memory(const char *value); /* NULL, or what was expected */
-/* In bytes: what the option allows, else what this machine has. */
-uint64_t cli_memory_limit(void);
 /* What of it may be allocated for data, beside the program itself. */
 uint64_t cli_memory_for_data(void);
 /* "; memory is limited to 512M (--max-memory)", or "" without a limit: the end of a message. */
@@ -50,10 +48,6 @@ void cli_writing_begin(void);
 void cli_writing_end(void);
 /* A temporary file that a signal removes before it ends the process; NULL: none any more. */
 void cli_tidy_when_ended(const char *path);
-/* A process that is worked in: signals go on to it, and end this one when it has ended; 0: it has.
- */
-void cli_watch_worker(int process);
-void cli_be_worker(void);  /* this is such a process */
 int cli_interrupted(void); /* whether a signal waits for what is being written */
 
 typedef struct cli_progress {

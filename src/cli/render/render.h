@@ -107,22 +107,13 @@ norma_document_result render_file_open(const render_settings *settings, const ch
  * says why. together: normals are computed for errors as well. */
 const render_scene *render_file_scene(const render_settings *settings, render_scene_file *file,
     const render_variant *variant, norma_document_error *error);
-/* Colours the faces and vertices that norma check names, and fills file->found. */
-norma_document_result render_file_mark(const render_settings *settings, render_scene_file *file,
-    render_surface *surfaces, size_t surface_count, norma_document_error *error);
 int render_file_keep(render_scene_file *file,
     void *block); /* freed with the file; 0: out of memory, and the block is freed */
 /* Adds a note to the summary; what does not fit in memory or in the list is left out. */
 void render_file_note(render_scene_file *file, const char *format, ...) CLI_NOTE_FORMAT;
 void render_file_close(render_scene_file *file);
-void render_scene_free(render_scene *scene);
-norma_document_result render_file_fail(
-    norma_document_error *error, norma_document_result result, const char *input, const char *what);
 
 extern const uint32_t render_finding_colours[4]; /* by severity */
-/* Which axis of the file points up, by --up, the format, or a guess. */
-void render_file_set_up(
-    const render_settings *settings, render_scene_file *file, const render_scene *scene);
 const char *render_up_name(enum render_up up);
 /* Adds what a picture of the file does not show; and all of it in words. */
 enum {
@@ -140,13 +131,8 @@ typedef struct render_left_out {
     char files[160], images[160]; /* names: of files of a sheet that cannot be drawn, of images */
     size_t file_count;
 } render_left_out;
-void render_file_left_out(
-    const render_settings *settings, const render_scene_file *file, render_left_out *left_out);
-void render_left_out_words(const render_left_out *left_out, char *text, size_t room);
 /* Another name at the end of a list; of one that is full, "..." */
 void render_add_name(char *list, size_t room, const char *name);
-/* Notes of options that have no effect on this file. */
-void render_note_idle(const render_settings *settings, render_scene_file *file);
 /* Usage: options that nothing that is drawn looks at. */
 int render_check_idle(const cli_subcommand *command, const render_settings *settings);
 
@@ -180,9 +166,6 @@ void render_plan_tell(void *user, render_sheet *sheet, const render_picture *pic
 int render_plan_check(const cli_subcommand *command, const render_settings *settings);
 /* The end of a message, behind the limit: Mesa's renderer alone was seen to take 70 to 100 MB. */
 #define RENDER_DRIVER_NEEDS "; a renderer needs at least 128M"
-/* Under --max-memory a driver that ends the program for want of memory is told of,
- * with status 3. */
-void render_watch_driver(void);
 
 /* ---- A scene while it is made: the surfaces of the file's meshes, then those that
  * morph targets or skins move, and where each is drawn. */
@@ -194,18 +177,4 @@ typedef struct scene_maker {
     size_t *mesh_of; /* the file's number of the mesh of each surface that does not move */
 } scene_maker;
 
-/* Fills draws, and adds the surfaces that move. No draw: no node of the file draws a surface. */
-norma_document_result render_file_draws(const render_settings *settings, render_scene_file *file,
-    scene_maker *m, norma_document_error *error);
-
-/* Its colours, images and sides; mesh: its number in the document. */
-norma_document_result render_file_set_material(const render_settings *settings,
-    render_scene_file *file, size_t mesh, const norma_mesh_attributes *attributes,
-    render_surface *surface, norma_document_error *error);
-
-/* The primitives of a mesh are one body: whether normals are computed for it, and those. */
-int render_join_needed(
-    const render_settings *settings, const render_surface *surfaces, size_t count);
-int render_join_primitives(
-    render_scene_file *file, render_surface *first, size_t count, norma_document_error *error);
 #endif

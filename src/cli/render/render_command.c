@@ -26,7 +26,9 @@ static void catch_driver(int number) {
     _exit(CLI_FILE);
 }
 
-void render_watch_driver(void) {
+/* Under --max-memory a driver that ends the program for want of memory is told of,
+ * with status 3. */
+static void render_watch_driver(void) {
     char limit[CLI_LIMIT_ROOM];
     cli_memory_limit_words(limit);
     if (!limit[0]) return;

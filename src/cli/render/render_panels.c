@@ -61,7 +61,8 @@ static int is_lit(const render_settings *settings) {
     return settings->show == RENDER_SHOW_LIT || settings->show == RENDER_SHOW_MARKS;
 }
 
-void render_note_idle(const render_settings *settings, render_scene_file *file) {
+/* Notes of options that have no effect on this file. */
+static void render_note_idle(const render_settings *settings, render_scene_file *file) {
     char list[80];
     int flat;
     name_options(settings, 1, list);
@@ -80,7 +81,7 @@ static int is_of(const char *reason, const char *word) {
     return strncmp(reason, word, strlen(word)) == 0;
 }
 
-void render_file_left_out(
+static void render_file_left_out(
     const render_settings *settings, const render_scene_file *file, render_left_out *left_out) {
     size_t *counts = left_out->counts;
     for (size_t i = 0; i < norma_document_mesh_count(file->document); ++i) {
@@ -106,7 +107,7 @@ static void add_words(
             words[count > 1], *names ? " (" : "", names, *names ? ")" : "");
 }
 
-void render_left_out_words(const render_left_out *left_out, char *text, size_t room) {
+static void render_left_out_words(const render_left_out *left_out, char *text, size_t room) {
     static const char *const files[2] = {"file that cannot be drawn", "files that cannot be drawn"};
     static const char *const words[RENDER_LEFT_OUT][2] = {
         [RENDER_NO_POINTS] = {"mesh of points", "meshes of points"},

@@ -8,8 +8,8 @@
 
 /* ---- A file that is drawn: opened, closed, and the blocks that live as long as it. */
 
-norma_document_result render_file_fail(norma_document_error *error, norma_document_result result,
-    const char *input, const char *what) {
+static norma_document_result render_file_fail(norma_document_error *error,
+    norma_document_result result, const char *input, const char *what) {
     error->result = result;
     snprintf(error->message, sizeof error->message, "%.500s: %.400s", cli_input_name(input), what);
     return result;
@@ -23,7 +23,7 @@ norma_document_result render_file_open(const render_settings *settings, const ch
         &file->memory, error);
 }
 
-void render_scene_free(render_scene *scene) {
+static void render_scene_free(render_scene *scene) {
     free((void *)scene->surfaces);
     free((void *)scene->draws);
     *scene = (render_scene){0};
@@ -80,7 +80,7 @@ const char *render_up_name(enum render_up up) {
 /* glTF says that y points up. Where nothing shows, OBJ is taken as modellers export it, STL
  * and PLY as printers and scanners have them.
  */
-void render_file_set_up(
+static void render_file_set_up(
     const render_settings *settings, render_scene_file *file, const render_scene *scene) {
     const norma_file_format format = norma_document_format(file->document);
     file->up_guessed = 0;
@@ -234,7 +234,8 @@ static void set_colours(const norma_mesh_attributes *attributes, render_surface 
         for (int k = 0; k < 3; ++k) surface->base_colour[k] = 1;
 }
 
-norma_document_result render_file_set_material(const render_settings *settings,
+/* Its colours, images and sides; mesh: its number in the document. */
+static norma_document_result render_file_set_material(const render_settings *settings,
     render_scene_file *file, size_t mesh, const norma_mesh_attributes *attributes,
     render_surface *surface, norma_document_error *error) {
     static const norma_texture_info plain = {.scale = {1, 1}};
@@ -263,7 +264,7 @@ norma_document_result render_file_set_material(const render_settings *settings,
  * together.
  */
 
-int render_join_primitives(
+static int render_join_primitives(
     render_scene_file *file, render_surface *first, size_t count, norma_document_error *error) {
     float *expected[64];
     render_error trouble;
@@ -286,7 +287,7 @@ int render_join_primitives(
 
 /* Normals are computed for the surfaces of one mesh: all that are not stored and not flat, and all
  * that errors are measured against. */
-int render_join_needed(
+static int render_join_needed(
     const render_settings *settings, const render_surface *surfaces, size_t count) {
     for (size_t i = 0; i < count; ++i)
         if (settings->show == RENDER_SHOW_ERROR ||
@@ -464,8 +465,10 @@ static void tell_found(const norma_findings *findings, render_scene_file *file) 
         }
 }
 
-norma_document_result render_file_mark(const render_settings *settings, render_scene_file *file,
-    render_surface *surfaces, size_t surface_count, norma_document_error *error) {
+/* Colours the faces and vertices that norma check names, and fills file->found. */
+static norma_document_result render_file_mark(const render_settings *settings,
+    render_scene_file *file, render_surface *surfaces, size_t surface_count,
+    norma_document_error *error) {
     cli_progress progress;
     const norma_check_options options = {.struct_size = sizeof options,
         .max_samples = MOST_SAMPLES,
@@ -633,8 +636,9 @@ static norma_document_result make_draw_room(
                : render_file_fail(error, NORMA_DOCUMENT_ERROR_MEMORY, file->input, "out of memory");
 }
 
-norma_document_result render_file_draws(const render_settings *settings, render_scene_file *file,
-    scene_maker *m, norma_document_error *error) {
+/* Fills draws, and adds the surfaces that move. No draw: no node of the file draws a surface. */
+static norma_document_result render_file_draws(const render_settings *settings,
+    render_scene_file *file, scene_maker *m, norma_document_error *error) {
     const size_t base_count = m->surface_count;
     file->not_shown = 0;
     norma_document_result result = make_draw_room(file, m, error);

@@ -31,7 +31,7 @@ static int write_parts_as_they_are(report_merge *merged, FILE *out) {
     return status;
 }
 
-int report_write_json(report_merge *merged, FILE *out) {
+static int report_write_json(report_merge *merged, FILE *out) {
     check_totals totals = merged->totals;
     totals.status = merged->status;
     check_format_json.begin(out, &merged->settings);
@@ -48,7 +48,7 @@ static int add_results(report_merge *merged, const report_part *part, check_resu
                                                                          : cli_out_of_memory();
 }
 
-int report_write_sarif(report_merge *merged, FILE *out) {
+static int report_write_sarif(report_merge *merged, FILE *out) {
     check_totals totals = {.status = merged->status};
     check_results *results = check_results_new();
     int status = results ? CLI_OK : cli_out_of_memory();
@@ -179,7 +179,7 @@ static int write_part_as(report_merge *merged, const report_part *part, const ch
     return cli_out_of_memory();
 }
 
-int report_write_as(
+static int report_write_as(
     report_merge *merged, const check_format *format, FILE *out, check_totals *totals) {
     int status = CLI_OK, any = 0;
     check_list list = {0};

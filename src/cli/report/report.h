@@ -21,8 +21,6 @@ typedef struct report_files {
     } kept[REPORT_KEPT];
 } report_files;
 
-void report_files_open(report_files *files, const char *const *paths);
-void report_files_close(report_files *files);
 /* As many bytes as there are from there on, at most size. Less: the end, or failed. */
 size_t report_files_read(
     report_files *files, size_t report, uint64_t offset, char *bytes, size_t size);
@@ -111,13 +109,6 @@ int report_add_json(report_merge *merged, report_text *text);
 int report_is_html(report_text *text);
 int report_add_html(report_merge *merged, report_text *text);
 int report_write_html(report_merge *merged, FILE *out);
-
-/* ---- writing (report.c). JSON may become any form; a status. */
-
-int report_write_json(report_merge *merged, FILE *out);
-int report_write_sarif(report_merge *merged, FILE *out);
-int report_write_as(
-    report_merge *merged, const check_format *format, FILE *out, check_totals *totals);
 
 /* ---- entries on disk (report_parts.c) */
 

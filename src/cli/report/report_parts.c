@@ -13,13 +13,13 @@
  * between those of all others, so the descriptors of the last reports stay open. */
 
 /* Half of the descriptors that a process may have is enough for others. */
-void report_files_open(report_files *files, const char *const *paths) {
+static void report_files_open(report_files *files, const char *const *paths) {
     const long most = sysconf(_SC_OPEN_MAX) / 2;
     *files = (report_files){.paths = paths, .keeps = 1};
     if (most > 1) files->keeps = most < REPORT_KEPT ? (size_t)most : REPORT_KEPT;
 }
 
-void report_files_close(report_files *files) {
+static void report_files_close(report_files *files) {
     for (size_t i = 0; i < REPORT_KEPT; ++i)
         if (files->kept[i].report) close(files->kept[i].file);
     *files = (report_files){0};

@@ -42,7 +42,7 @@ static int is_unsafe(uint32_t code) {
            (code >= 0x2066 && code <= 0x2069) || code == 0xFEFF;
 }
 
-size_t cli_next_character(const char *text, uint32_t *unsafe) {
+static size_t cli_next_character(const char *text, uint32_t *unsafe) {
     uint32_t code;
     *unsafe = 0;
     if (!*text) return 0;

@@ -19,7 +19,6 @@
  * may be written as it is, else its code point; for a byte that is not UTF-8 CLI_NOT_UTF8 plus it.
  */
 #define CLI_NOT_UTF8 0x80000000u
-size_t cli_next_character(const char *text, uint32_t *unsafe);
 
 int cli_is_utf8(const char *text);
 

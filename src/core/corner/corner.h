@@ -44,9 +44,6 @@ static inline core_crease_verdict norma_core_crease_by_cosine(
     return norma_core_is_surely_hard(crease, cosine) ? CORE_CREASE_HARD : CORE_CREASE_UNDECIDED;
 }
 
-/* The same where the cosine does not decide it: by the angle. */
-int norma_core_is_within_crease(const core_crease *crease, const double a[3], const double b[3]);
-
 /* Whether the caller's marks leave the edge smooth: corner at which the edge begins in one face,
  * and in the face that runs along it the other way. */
 static inline int norma_core_is_unmarked(const core_mesh *mesh, uint32_t corner, uint32_t face,
@@ -68,8 +65,6 @@ int norma_core_smallest_cone_of(
 /* ---- an indexed mesh out of values per corner, for calls that make some of them. */
 
 norma_result norma_core_check_indexed(const norma_indexed *indexed);
-norma_result norma_core_check_streams(
-    const norma_stream *streams, size_t stream_count, size_t corner_count, norma_fault *fault);
 
 /* Of checked streams. CAPACITY, OVERFLOW, MEMORY and CANCELLED leave everything as it was. */
 norma_result norma_core_index_corners(core_call *call, const norma_stream *streams,
@@ -231,8 +226,6 @@ void norma_core_decide_sum(const double sum[3], double weight, core_fan *fan);
 void norma_core_star_see_some(
     core_star *star, const uint32_t *members, size_t count, core_fan *fan);
 
-/* The corner at which the face's longest edge begins; ties: the first one's. */
-uint32_t norma_core_longest_edge(const core_mesh *mesh, size_t face);
 /* For flat faces whose longest edge runs between this position and one of higher number: who lends
  * them a direction. longest: by face, UINT32_MAX where nobody has asked yet. */
 void norma_core_star_borrow_directions(const core_prepared_mesh *prepared, core_star *star,
@@ -252,13 +245,8 @@ typedef struct edge {
     edge_side out, back;
 } edge;
 
-/* Sorts the star's edges by the position at the other end, direction, key. O(n log
- * n). */
-void norma_core_list_edges(core_star *star);
 /* Sorts those that are listed already. */
 void norma_core_sort_edges(core_star *star);
-/* The edge that begins at edges[begin]; *end is where the next one does. */
-edge norma_core_edge_at(const core_star *star, size_t begin, size_t *end);
 
 /* Two that run along it opposite ways are partners, unless one is the other's reversed twin: of the
  * same positions in opposite order, back to back. A face that runs both ways is two there, each the
@@ -272,23 +260,6 @@ typedef struct edge_partners {
     size_t count;
     const star_edge *only; /* where there is just one, else NULL */
 } edge_partners;
-/* The partners of own among those that run the other way; by bisection. */
-edge_partners norma_core_partners_of(const star_edge *own, const edge_side *other);
-/* Each other's only one: that of own, or NULL. */
-const star_edge *norma_core_mutual_partner(
-    const star_edge *own, const edge_side *side, const edge_side *other);
-/* The first edge of the side with this key or a higher one; above: with a higher one. */
-size_t norma_core_first_not_below(const edge_side *side, uint64_t key, int above);
-
-/* By the crease rule, out begins at the star's position, back ends there. Swapping the two changes
- * no bit, so both ends of the edge agree. */
-int norma_core_edge_is_smooth(const core_prepared_mesh *prepared, const core_star *star,
-    const star_edge *out, const star_edge *back);
-
-/* Joins all partners at an edge of very many faces; along: its unit direction. 0:
- * not done, each pair must be tried. */
-int norma_core_join_crowded_edge(
-    const core_prepared_mesh *prepared, core_star *star, const edge *e, const double along[3]);
 
 /* ---- the corners of a star, sorted by vertex and by the bits of their normals. */
 
@@ -367,11 +338,6 @@ typedef struct large_star {
     uint32_t *fan;        /* of each corner a lower one of the same fan, or itself */
     size_t room;
 } large_star;
-norma_result norma_core_large_star_allocate(
-    const core_call *call, large_star *large, size_t corners);
-void norma_core_large_star_release(const core_call *call, large_star *large);
-norma_result norma_core_visit_large_star(const core_prepared_mesh *prepared,
-    const position_visit *visit, uint32_t position, large_star *large, stars_part *part);
 
 /* The same for one position, in order, in a star that has room for any position of the surface. */
 void norma_core_make_star(const core_prepared_mesh *prepared, core_join join, uint32_t position,

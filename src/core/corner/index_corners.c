@@ -37,7 +37,7 @@ static norma_result check_indices(const norma_stream *s, size_t corner_count, no
     return NORMA_OK;
 }
 
-norma_result norma_core_check_streams(
+static norma_result core_check_streams(
     const norma_stream *streams, size_t stream_count, size_t corner_count, norma_fault *fault) {
     norma_result result = NORMA_OK;
     if (!streams || !stream_count)
@@ -57,7 +57,7 @@ norma_result norma_find_stream_fault(const norma_stream *streams, size_t stream_
     size_t corner_count, const norma_options *options, norma_fault *fault) {
     norma_core_refuse(fault, NORMA_OK, NULL, SIZE_MAX, NULL);
     const norma_result result = norma_core_check_options(options, fault);
-    return result == NORMA_OK ? norma_core_check_streams(streams, stream_count, corner_count, fault)
+    return result == NORMA_OK ? core_check_streams(streams, stream_count, corner_count, fault)
                               : result;
 }
 
@@ -178,8 +178,7 @@ norma_result norma_index_corners(const norma_stream *streams, size_t stream_coun
     core_call call;
     norma_result result = norma_core_begin(&call, options);
     if (result == NORMA_OK) result = norma_core_check_indexed(indexed);
-    if (result == NORMA_OK)
-        result = norma_core_check_streams(streams, stream_count, corner_count, NULL);
+    if (result == NORMA_OK) result = core_check_streams(streams, stream_count, corner_count, NULL);
     if (result != NORMA_OK) return result;
     norma_core_share(&call, corner_count);
     norma_core_stage(&call, 0, 0.97);

@@ -25,7 +25,8 @@ core_crease norma_core_crease_at(double crease_angle_rad) {
     return (core_crease){angle, angle < 0 ? 2 : angle >= NORMA_PI ? -2 : cos(angle)};
 }
 
-int norma_core_is_within_crease(const core_crease *crease, const double a[3], const double b[3]) {
+/* The same where the cosine does not decide it: by the angle. */
+static int core_is_within_crease(const core_crease *crease, const double a[3], const double b[3]) {
     const double cosine = norma_core_dot(a, b);
     const core_crease_verdict verdict = norma_core_crease_by_cosine(crease, cosine);
     double cross[3];
@@ -85,7 +86,9 @@ void norma_core_sort_edges(core_star *star) {
     }
 }
 
-void norma_core_list_edges(core_star *star) {
+/* Sorts the star's edges by the position at the other end, direction, key. O(n log
+ * n). */
+static void core_list_edges(core_star *star) {
     star->edge_count = 0;
     for (uint32_t i = 0; i < star->count; i++) {
         const star_corner *c = &star->corners[i];
@@ -100,7 +103,8 @@ void norma_core_list_edges(core_star *star) {
 
 /* ---- one edge */
 
-size_t norma_core_first_not_below(const edge_side *side, uint64_t key, int above) {
+/* The first edge of the side with this key or a higher one; above: with a higher one. */
+static size_t core_first_not_below(const edge_side *side, uint64_t key, int above) {
     size_t low = 0, high = side->count;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
@@ -112,23 +116,26 @@ size_t norma_core_first_not_below(const edge_side *side, uint64_t key, int above
     return low;
 }
 
-edge_partners norma_core_partners_of(const star_edge *own, const edge_side *other) {
+/* The partners of own among those that run the other way; by bisection. */
+static edge_partners core_partners_of(const star_edge *own, const edge_side *other) {
     const uint64_t twin = norma_core_key_of_twin(own->key);
-    const size_t begin = norma_core_first_not_below(other, twin, 0),
-                 end = norma_core_first_not_below(other, twin, 1);
+    const size_t begin = core_first_not_below(other, twin, 0),
+                 end = core_first_not_below(other, twin, 1);
     edge_partners partners = {other->count - (end - begin), NULL};
     if (partners.count == 1)
         partners.only = &other->edges[begin ? 0 : end]; /* twins lie together */
     return partners;
 }
 
-const star_edge *norma_core_mutual_partner(
+/* Each other's only one: that of own, or NULL. */
+static const star_edge *core_mutual_partner(
     const star_edge *own, const edge_side *side, const edge_side *other) {
-    const star_edge *partner = norma_core_partners_of(own, other).only;
-    return partner && norma_core_partners_of(partner, side).count == 1 ? partner : NULL;
+    const star_edge *partner = core_partners_of(own, other).only;
+    return partner && core_partners_of(partner, side).count == 1 ? partner : NULL;
 }
 
-edge norma_core_edge_at(const core_star *star, size_t begin, size_t *end) {
+/* The edge that begins at edges[begin]; *end is where the next one does. */
+static edge core_edge_at(const core_star *star, size_t begin, size_t *end) {
     size_t middle = begin, stop;
     const uint32_t other = star->edges[begin].other;
     while (middle < star->edge_count && star->edges[middle].other == other &&
@@ -139,13 +146,15 @@ edge norma_core_edge_at(const core_star *star, size_t begin, size_t *end) {
     return (edge){{star->edges + begin, middle - begin}, {star->edges + middle, stop - middle}};
 }
 
-int norma_core_edge_is_smooth(const core_prepared_mesh *prepared, const core_star *star,
+/* By the crease rule, out begins at the star's position, back ends there. Swapping the two changes
+ * no bit, so both ends of the edge agree. */
+static int core_edge_is_smooth(const core_prepared_mesh *prepared, const core_star *star,
     const star_edge *out, const star_edge *back) {
     const star_corner *a = &star->corners[out->corner], *b = &star->corners[back->corner];
     return (a->flags & STAR_HAS_NORMAL) && (b->flags & STAR_HAS_NORMAL) &&
            norma_core_is_unmarked(
                &prepared->mesh, a->corner, a->face, b->previous_corner, b->face) &&
-           norma_core_is_within_crease(&prepared->crease, a->normal, b->normal);
+           core_is_within_crease(&prepared->crease, a->normal, b->normal);
 }
 
 /* ---- an edge of very many faces under the smooth policy, where looking at every pair would take
@@ -213,7 +222,7 @@ static void join_pair(const fin_set *f, const star_edge *out, const star_edge *b
     if (!norma_core_are_partners(out, back) || norma_core_set_of(f->star->joined, out->corner) ==
                                                    norma_core_set_of(f->star->joined, back->corner))
         return;
-    if (norma_core_edge_is_smooth(f->prepared, f->star, out, back))
+    if (core_edge_is_smooth(f->prepared, f->star, out, back))
         norma_core_join_sets(f->star->joined, out->corner, back->corner);
 }
 
@@ -266,7 +275,7 @@ static void join_leaning(const fin_set *f, const star_edge *own, int back) {
     const edge_side *other = back ? &f->e->out : &f->e->back;
     for (size_t i = 0; i < other->count; i++) {
         if (other->edges[i].key == norma_core_key_of_twin(own->key)) /* its twins lie together */
-            i = norma_core_first_not_below(other, other->edges[i].key, 1) - 1;
+            i = core_first_not_below(other, other->edges[i].key, 1) - 1;
         else
             join_pair(f, back ? &other->edges[i] : own, back ? own : &other->edges[i]);
     }
@@ -325,7 +334,7 @@ static void join_any_angle(
     for (size_t j = 0; j < other->count && count < FIRST_KEYS; j++) {
         if (!(f->star->corners[other->edges[j].corner].flags & STAR_HAS_NORMAL)) continue;
         firsts[count++] = &other->edges[j];
-        j = norma_core_first_not_below(other, other->edges[j].key, 1) - 1; /* on to the next key */
+        j = core_first_not_below(other, other->edges[j].key, 1) - 1; /* on to the next key */
     }
     for (size_t i = 0; i < own->count; i++) {
         const star_edge *mine = &own->edges[i];
@@ -340,7 +349,9 @@ static void join_any_angle(
 
 _Static_assert(sizeof(fin) <= sizeof(star_edge), "fins lie in the room of sorted edges");
 
-int norma_core_join_crowded_edge(
+/* Joins all partners at an edge of very many faces; along: its unit direction. 0:
+ * not done, each pair must be tried. */
+static int core_join_crowded_edge(
     const core_prepared_mesh *prepared, core_star *star, const edge *e, const double along[3]) {
     fin_set f = {.prepared = prepared, .star = star, .e = e};
     edge_frame frame;
@@ -396,7 +407,8 @@ static int is_longer(const face_edge *a, const face_edge *b) {
     return norma_exact_round(&exact).mantissa > 0;
 }
 
-uint32_t norma_core_longest_edge(const core_mesh *mesh, size_t face) {
+/* The corner at which the face's longest edge begins; ties: the first one's. */
+static uint32_t core_longest_edge(const core_mesh *mesh, size_t face) {
     face_edge longest = {.corner = UINT32_MAX};
     for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
         if (!norma_core_is_kept(mesh, face, c)) continue;
@@ -410,8 +422,8 @@ uint32_t norma_core_longest_edge(const core_mesh *mesh, size_t face) {
 static uint32_t find_borrowed_from(const core_prepared_mesh *prepared, const core_star *star,
     const star_edge *flat, const edge_side *own, const edge_side *other) {
     const star_edge *partner = prepared->call->options.non_manifold == NORMA_NON_MANIFOLD_SMOOTH
-                                   ? norma_core_partners_of(flat, other).only
-                                   : norma_core_mutual_partner(flat, own, other);
+                                   ? core_partners_of(flat, other).only
+                                   : core_mutual_partner(flat, own, other);
     if (!partner || !(star->corners[partner->corner].flags & STAR_VOTES)) return UINT32_MAX;
     return star->corners[partner->corner].face;
 }
@@ -423,7 +435,7 @@ static void borrow_for_side(const core_prepared_mesh *prepared, const core_star 
         if (!(c->flags & STAR_FLAT)) continue;
         const uint32_t begin = own->edges[i].back ? c->previous_corner : c->corner;
         if (longest[c->face] == UINT32_MAX)
-            longest[c->face] = norma_core_longest_edge(&prepared->mesh, c->face);
+            longest[c->face] = core_longest_edge(&prepared->mesh, c->face);
         if (longest[c->face] == begin)
             borrowed_from[c->face] = find_borrowed_from(prepared, star, &own->edges[i], own, other);
     }
@@ -431,9 +443,9 @@ static void borrow_for_side(const core_prepared_mesh *prepared, const core_star 
 
 void norma_core_star_borrow_directions(const core_prepared_mesh *prepared, core_star *star,
     uint32_t *longest, uint32_t *borrowed_from) {
-    norma_core_list_edges(star);
+    core_list_edges(star);
     for (size_t begin = 0, end; begin < star->edge_count; begin = end) {
-        const edge e = norma_core_edge_at(star, begin, &end);
+        const edge e = core_edge_at(star, begin, &end);
         if (star->position > star->edges[begin].other) continue;
         borrow_for_side(prepared, star, &e.out, &e.back, longest, borrowed_from);
         borrow_for_side(prepared, star, &e.back, &e.out, longest, borrowed_from);
@@ -459,7 +471,7 @@ static uint32_t least_begin(const core_star *star, const edge *e) {
 
 static int each_has_one_partner(const edge_side *side, const edge_side *other) {
     for (size_t i = 0; i < side->count; i++)
-        if (norma_core_partners_of(&side->edges[i], other).count != 1) return 0;
+        if (core_partners_of(&side->edges[i], other).count != 1) return 0;
     return 1;
 }
 
@@ -502,7 +514,7 @@ static void join_all_partners(
     double along[3];
     edge_direction(prepared, star, other, along);
     if (e->out.count * e->back.count > MOST_PAIRS_TO_TRY &&
-        norma_core_join_crowded_edge(prepared, star, e, along))
+        core_join_crowded_edge(prepared, star, e, along))
         return;
     for (size_t i = 0; i < e->out.count; i++) {
         const star_edge *out = &e->out.edges[i];
@@ -513,7 +525,7 @@ static void join_all_partners(
                 norma_core_set_of(star->joined, out->corner) ==
                     norma_core_set_of(star->joined, back->corner))
                 continue;
-            if (norma_core_edge_is_smooth(prepared, star, out, back))
+            if (core_edge_is_smooth(prepared, star, out, back))
                 norma_core_join_sets(star->joined, out->corner, back->corner);
         }
     }
@@ -524,9 +536,9 @@ static pairs join_only_partners(
     pairs pair = {0, 0};
     for (size_t i = 0; i < e->out.count; i++) {
         const star_edge *out = &e->out.edges[i];
-        const star_edge *back = norma_core_mutual_partner(out, &e->out, &e->back);
+        const star_edge *back = core_mutual_partner(out, &e->out, &e->back);
         if (!back) continue;
-        if (norma_core_edge_is_smooth(prepared, star, out, back)) {
+        if (core_edge_is_smooth(prepared, star, out, back)) {
             norma_core_join_sets(star->joined, out->corner, back->corner);
             pair.smooth++;
         } else {
@@ -608,7 +620,7 @@ static int join_ordinary(const core_prepared_mesh *prepared, core_star *star, st
             edges.open += counted;
         } else {
             const star_edge out = {.corner = i}, back = {.corner = (uint32_t)o.back[i]};
-            const int smooth = norma_core_edge_is_smooth(prepared, star, &out, &back);
+            const int smooth = core_edge_is_smooth(prepared, star, &out, &back);
             if (smooth) norma_core_join_sets(star->joined, out.corner, back.corner);
             *(smooth ? &edges.smooth : &edges.hard) += counted;
         }
@@ -627,7 +639,7 @@ static void settle_fans(core_star *star) {
 void norma_core_star_join_listed(
     const core_prepared_mesh *prepared, core_star *star, star_counts *counts) {
     for (size_t begin = 0, end; begin < star->edge_count; begin = end) {
-        const edge e = norma_core_edge_at(star, begin, &end);
+        const edge e = core_edge_at(star, begin, &end);
         const pairs pair = join_only_partners(prepared, star, &e);
         if (prepared->call->options.non_manifold == NORMA_NON_MANIFOLD_SMOOTH && end - begin > 2)
             join_all_partners(prepared, star, &e, star->edges[begin].other);
@@ -641,7 +653,7 @@ void norma_core_star_join_fans(
         settle_fans(star);
         return;
     }
-    norma_core_list_edges(star);
+    core_list_edges(star);
     norma_core_star_join_listed(prepared, star, counts);
     join_repeated(prepared, star);
     settle_fans(star);

@@ -9,7 +9,7 @@
 
 enum { CORNERS_BETWEEN_TELLING = 1 << 17 };
 
-norma_result norma_core_large_star_allocate(
+static norma_result core_large_star_allocate(
     const core_call *call, large_star *large, size_t corners) {
     large->room = corners;
     large->out = norma_core_allocate(call, corners, sizeof *large->out);
@@ -18,7 +18,7 @@ norma_result norma_core_large_star_allocate(
     return large->out && large->back && large->fan ? NORMA_OK : NORMA_ERROR_MEMORY;
 }
 
-void norma_core_large_star_release(const core_call *call, large_star *large) {
+static void core_large_star_release(const core_call *call, large_star *large) {
     norma_core_release(call, large->out, large->room, sizeof *large->out);
     norma_core_release(call, large->back, large->room, sizeof *large->back);
     norma_core_release(call, large->fan, large->room, sizeof *large->fan);
@@ -204,7 +204,7 @@ static norma_result see_fans(const large_visit *l) {
     return NORMA_OK;
 }
 
-norma_result norma_core_visit_large_star(const core_prepared_mesh *prepared,
+static norma_result core_visit_large_star(const core_prepared_mesh *prepared,
     const position_visit *visit, uint32_t position, large_star *large, stars_part *part) {
     star_room room;
     core_star star;
@@ -398,18 +398,18 @@ static norma_result visit_large_stars(const visit_all *v, stars_part *part) {
     const uint32_t *starts = v->prepared->corners_of.starts;
     const int by_fan = go_by_fan(v);
     if (most <= STAR_ROOM) return NORMA_OK;
-    norma_result result = by_fan ? norma_core_large_star_allocate(call, &large, most)
+    norma_result result = by_fan ? core_large_star_allocate(call, &large, most)
                                  : norma_core_star_allocate(call, &star, most);
     for (size_t p = 0; p < v->prepared->mesh.positions.count && result == NORMA_OK; p++) {
         if (starts[p + 1] - starts[p] <= STAR_ROOM || !star_size(v, p)) continue;
         if (by_fan)
-            result = norma_core_visit_large_star(v->prepared, v->visit, (uint32_t)p, &large, part);
+            result = core_visit_large_star(v->prepared, v->visit, (uint32_t)p, &large, part);
         else
             visit_position(v, (uint32_t)p, &star, part);
         if (result == NORMA_OK && norma_core_progress(call, 1)) result = NORMA_CANCELLED;
     }
     norma_core_star_release(call, &star, most);
-    norma_core_large_star_release(call, &large);
+    core_large_star_release(call, &large);
     return result;
 }
 

@@ -155,11 +155,6 @@ norma_result norma_core_weld_keys(
 norma_result norma_core_weld(core_call *call, core_mesh *mesh);
 void norma_core_unweld(const core_call *call, core_mesh *mesh);
 
-/* Joins, in a map of equal positions, those that a chain of steps of at most
- * distance (in the unit that positions are read in) connects. */
-norma_result norma_core_weld_near(
-    core_call *call, const core_mesh *mesh, double distance, uint32_t *weld);
-
 /* ---- the corners around each position. */
 
 typedef struct core_corners_of_position {

@@ -388,7 +388,9 @@ static norma_result join_sites(core_call *call, const core_mesh *mesh, double di
     return result;
 }
 
-norma_result norma_core_weld_near(
+/* Joins, in a map of equal positions, those that a chain of steps of at most
+ * distance (in the unit that positions are read in) connects. */
+static norma_result core_weld_near(
     core_call *call, const core_mesh *mesh, double distance, uint32_t *weld) {
     uint32_t *sites = norma_core_allocate(call, mesh->positions.count, sizeof *sites);
     if (!sites) return NORMA_ERROR_MEMORY;
@@ -481,7 +483,7 @@ norma_result norma_core_weld(core_call *call, core_mesh *mesh) {
     const int by_distance =
         call->options.weld == NORMA_WELD_DISTANCE && call->options.weld_distance > 0;
     if (result == NORMA_OK && by_distance)
-        result = norma_core_weld_near(call, mesh, call->options.weld_distance * mesh->scale, weld);
+        result = core_weld_near(call, mesh, call->options.weld_distance * mesh->scale, weld);
     if (result == NORMA_OK && (found || by_distance))
         mesh->weld =
             weld; /* a map of each to itself would only cost a look into it for each corner */

@@ -11,7 +11,6 @@
 /* ---- the sum of the votes at one position, and what becomes of it. */
 
 static inline int norma_core_has_votes(const core_vertex_sum *sum) { return !signbit(sum->weight); }
-int norma_core_record_cancels(const core_vertex_sum *sum);
 void norma_core_clear_sums(core_vertex_sum *sums, size_t count);
 void norma_core_add_vote(core_vertex_sum *sum, double weight, const double normal[3]);
 
@@ -24,11 +23,6 @@ typedef struct core_face_adder {
     uint32_t first, count;
     norma_count *degenerate;
 } core_face_adder;
-void norma_core_add_face(void *face_adder, size_t face);
-
-/* Returns NORMA_REASON_NONE and the normal, or the reason why it has no normal. */
-int norma_core_resolve_record(
-    const core_mesh *mesh, const core_vertex_sum *sum, size_t vertex, float normal[3]);
 
 /* ---- what becomes of each vertex, by sums or by cones, before it is written. */
 

@@ -16,7 +16,7 @@ void norma_core_clear_sums(core_vertex_sum *sums, size_t count) {
     for (size_t i = 0; i < count; i++) sums[i] = (core_vertex_sum){0, 0, 0, -0.0};
 }
 
-void norma_core_add_face(void *context, size_t f) {
+static void core_add_face(void *context, size_t f) {
     const core_face_adder *adder = context;
     const core_prepared_mesh *prepared = adder->prepared;
     const core_mesh *mesh = &prepared->mesh;
@@ -44,13 +44,14 @@ static void sum_of(const core_vertex_sum *s, double sum[3]) {
     sum[2] = s->z;
 }
 
-int norma_core_record_cancels(const core_vertex_sum *s) {
+static int core_record_cancels(const core_vertex_sum *s) {
     double sum[3];
     sum_of(s, sum);
     return norma_core_has_votes(s) && norma_core_cancels(sum, s->weight);
 }
 
-int norma_core_resolve_record(
+/* Returns NORMA_REASON_NONE and the normal, or the reason why it has no normal. */
+static int core_resolve_record(
     const core_mesh *mesh, const core_vertex_sum *s, size_t vertex, float normal[3]) {
     double sum[3];
     if (!norma_core_has_votes(s)) {
@@ -196,7 +197,7 @@ static void add_votes_of_bin(const core_prepared_mesh *prepared, const core_bins
         .sums = sums,
         .scattered = scattered,
         .by_distance = o->weld == NORMA_WELD_DISTANCE,
-        .add_face = norma_core_add_face,
+        .add_face = core_add_face,
         .context = &face_adder};
     if (!chunks.begin) norma_core_clear_sums(sums, bin->count);
     norma_core_add_to_bin(norma_core_kernels(prepared->call->level), bins, bin, chunks, &adder);
@@ -224,7 +225,7 @@ typedef struct bin_work {
 static void write_one(
     const bin_work *work, const core_vertex_sum *sum, size_t vertex, core_tally *tally) {
     float normal[3];
-    const int reason = norma_core_resolve_record(&work->prepared->mesh, sum, vertex, normal);
+    const int reason = core_resolve_record(&work->prepared->mesh, sum, vertex, normal);
     norma_core_write_element(work->output, vertex, reason, normal, tally);
 }
 
@@ -419,8 +420,8 @@ static norma_result sum_own(core_vertices *vertices) {
     size_t cancelled = 0;
     if (!mesh->weld) return NORMA_OK; /* a position has the corners of one vertex */
     for (size_t v = 0; v < vertices->count; v++)
-        cancelled += (size_t)norma_core_record_cancels(
-            &vertices->sums[norma_core_welded(mesh, (uint32_t)v)]);
+        cancelled +=
+            (size_t)core_record_cancels(&vertices->sums[norma_core_welded(mesh, (uint32_t)v)]);
     if (!cancelled) return NORMA_OK;
     vertices->own = norma_core_allocate(call, vertices->count, sizeof *vertices->own);
     vertices->own_sums = norma_core_allocate(call, cancelled, sizeof *vertices->own_sums);
@@ -429,7 +430,7 @@ static norma_result sum_own(core_vertices *vertices) {
     uint32_t number = 0;
     for (size_t v = 0; v < vertices->count; v++)
         vertices->own[v] =
-            norma_core_record_cancels(&vertices->sums[mesh->weld[v]]) ? number++ : UINT32_MAX;
+            core_record_cancels(&vertices->sums[mesh->weld[v]]) ? number++ : UINT32_MAX;
     norma_core_clear_sums(vertices->own_sums, cancelled);
     add_all_own(vertices);
     return NORMA_OK;
@@ -439,10 +440,10 @@ int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float n
     const core_mesh *mesh = &vertices->prepared->mesh;
     if (vertices->own && vertices->own[vertex] != UINT32_MAX) {
         const core_vertex_sum *own = &vertices->own_sums[vertices->own[vertex]];
-        return norma_core_has_votes(own) ? norma_core_resolve_record(mesh, own, vertex, normal)
+        return norma_core_has_votes(own) ? core_resolve_record(mesh, own, vertex, normal)
                                          : NORMA_REASON_CANCELLED;
     }
-    return norma_core_resolve_record(
+    return core_resolve_record(
         mesh, &vertices->sums[norma_core_welded(mesh, (uint32_t)vertex)], vertex, normal);
 }
 

@@ -726,11 +726,6 @@ void norma_gltf_add_base64(
 void norma_gltf_edit_views(gltf *g); /* byte_layout.c: the layout's JSON */
 norma_document_result norma_gltf_edit_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error);
-norma_document_result norma_gltf_name_buffers(gltf *g, gltf_destination destination,
-    const char *path, norma_document_error *error); /* gltf_write.c */
-/* The output's name with another ending: "scene.bin" for scene.gltf. NULL: out of memory. */
-norma_document_result norma_gltf_name_images(gltf *g, gltf_destination destination,
-    const char *path, norma_document_error *error); /* gltf_write.c */
 /* By other buffers, one file; -1: out of memory. */
 int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer);
 gltf_storage norma_gltf_storage_of(

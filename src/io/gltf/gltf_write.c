@@ -170,7 +170,7 @@ static void set_uri(gltf *g, uint32_t token, const given_image *image, gltf_dest
     free(name);
 }
 
-norma_document_result norma_gltf_name_images(
+static norma_document_result gltf_name_images(
     gltf *g, gltf_destination destination, const char *path, norma_document_error *error) {
     norma_document *document = g->document;
     for (size_t i = 0; i < document->image_count && destination != GLTF_TO_MEMORY; ++i) {
@@ -317,7 +317,7 @@ static norma_document_result reach_buffer(
     return needed || result == NORMA_DOCUMENT_ERROR_MEMORY ? result : NORMA_DOCUMENT_OK;
 }
 
-norma_document_result norma_gltf_name_buffers(
+static norma_document_result gltf_name_buffers(
     gltf *g, gltf_destination destination, const char *path, norma_document_error *error) {
     gltf_patch *patch = g->patch;
     uint32_t files = 0;
@@ -576,8 +576,8 @@ static norma_document_result gltf_lay_out_for(
     result = patch->buffers && patch->layout ? NORMA_DOCUMENT_OK
                                              : norma_document_fail_memory(g->document, error);
     if (!result) result = norma_gltf_fill_buffers(g, destination, error);
-    if (!result) result = norma_gltf_name_buffers(g, destination, path, error);
-    if (!result) result = norma_gltf_name_images(g, destination, path, error);
+    if (!result) result = gltf_name_buffers(g, destination, path, error);
+    if (!result) result = gltf_name_images(g, destination, path, error);
     if (!result) norma_gltf_edit_views(g);
     if (!result) result = norma_gltf_edit_buffers(g, destination, error);
     if (!result && norma_json_edits_failed(patch->layout))

@@ -91,9 +91,6 @@ static inline size_t norma_obj_normal_offset(const obj_state *state, size_t norm
     return normal < state->offset_count ? state->normal_offsets[normal] : SIZE_MAX;
 }
 
-/* obj_read.c */
-norma_document_result norma_obj_read(norma_document *document, norma_document_error *error);
-
 /* obj_read.c. Flushing makes the changes the document's bytes, which are read again. */
 extern const edited_format norma_obj_edited;
 /* The core's view of positions and faces, without groups. */

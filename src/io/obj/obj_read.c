@@ -459,7 +459,7 @@ static norma_document_result obj_gather(
     return result;
 }
 
-norma_document_result norma_obj_read(norma_document *document, norma_document_error *error) {
+static norma_document_result obj_read(norma_document *document, norma_document_error *error) {
     obj_state *state = document->state;
     const unsigned char *bytes = document->source.data;
     const size_t size = document->source.size;
@@ -519,8 +519,7 @@ static int obj_has_edit(const void *content) {
            state->vertices;
 }
 
-const edited_format norma_obj_edited = {
-    sizeof(obj_state), 1, obj_has_edit, free_content, norma_obj_read};
+const edited_format norma_obj_edited = {sizeof(obj_state), 1, obj_has_edit, free_content, obj_read};
 
 norma_mesh norma_obj_mesh(const obj_state *state) {
     static const double nowhere[3];

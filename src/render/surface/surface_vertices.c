@@ -216,7 +216,10 @@ static double least_of_most(const size_t histogram[TENTHS + 1], size_t count) {
     return 180;
 }
 
-float *render_errors(const render_surface *surface, double *worst_rad, double *most_rad) {
+/* Degrees between the stored and the computed normal of each corner; -1 where either is not there.
+ * Owned by the caller; NULL: out of memory. *worst_rad: NaN if nothing is stored; *most_rad: what
+ * 99 of 100 do not exceed. */
+static float *render_errors(const render_surface *surface, double *worst_rad, double *most_rad) {
     size_t histogram[TENTHS + 1] = {0};
     const size_t count = surface->mesh.corner_count;
     size_t compared = 0;

@@ -68,11 +68,6 @@ enum render_result render_split_make(
     const render_surface *surface, render_split *split, render_error *error);
 void render_split_free(render_split *split);
 
-/* Degrees between the stored and the computed normal of each corner; -1 where either is not there.
- * Owned by the caller; NULL: out of memory. *worst_rad: NaN if nothing is stored; *most_rad: what
- * 99 of 100 do not exceed. */
-float *render_errors(const render_surface *surface, double *worst_rad, double *most_rad);
-
 /* ---- Hedgehog lines along normals, and the edges of a wireframe. */
 
 enum { RENDER_LINE_FLOATS = 7 }; /* from, to (hedgehog: the normal), reach; in the surface's box */
