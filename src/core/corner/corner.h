@@ -103,10 +103,6 @@ norma_result norma_core_prepare_fans(
 /* call stays the caller's. What it returns but NORMA_OK leaves nothing to release. */
 norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, core_use use,
     double crease_angle_rad, core_prepared_mesh *prepared);
-/* For a mesh that was opened for sums: the corners at some positions, or at all (NULL), are sorted
- * and polygons measured, those of the chunks alone, so that stars may be made, or fans. */
-norma_result norma_core_prepare_stars(
-    core_prepared_mesh *prepared, const core_some_positions *some);
 /* From here on, stars that meet a triangle without a direction mark its positions; once all have
  * been made that may: finds whose directions such borrow. */
 norma_result norma_core_watch_for_flat(core_prepared_mesh *prepared);

@@ -13,8 +13,7 @@ typedef struct survey_part {
 
 typedef struct face_survey {
     core_prepared_mesh *prepared;
-    const uint8_t *chunks; /* NULL, or of each CORE_FACES_IN_CHUNK faces: 0 where none is wanted */
-    survey_part *parts;    /* of each chunk of this survey */
+    survey_part *parts; /* of each chunk of this survey */
 } face_survey;
 
 static void survey_face(
@@ -40,10 +39,6 @@ static void survey_chunk(void *context, size_t chunk) {
     core_face faces[CORE_FACES_AT_ONCE];
     for (size_t f = begin, next; f < end; f = next) {
         next = end - f < CORE_FACES_AT_ONCE ? end : f + CORE_FACES_AT_ONCE;
-        if (survey->chunks && !survey->chunks[f / CORE_FACES_IN_CHUNK]) {
-            memset(s->faces + f, 0, (next - f) * sizeof *s->faces);
-            continue;
-        }
         norma_core_faces_geometry(s->call, &s->mesh, f, next - f, faces);
         for (size_t i = 0; i < next - f; i++)
             survey_face(survey, f + i, &faces[i], &survey->parts[chunk]);
@@ -106,9 +101,8 @@ norma_result norma_core_watch_for_flat(core_prepared_mesh *s) {
     return NORMA_OK;
 }
 
-/* For fans: polygons of some chunks, or all. */
-static norma_result survey_for_fans(core_prepared_mesh *s, const uint8_t *chunks) {
-    face_survey survey = {.prepared = s, .chunks = chunks};
+static norma_result survey_for_fans(core_prepared_mesh *s) {
+    face_survey survey = {.prepared = s};
     int any_flat = 0;
     norma_result result = norma_core_watch_for_flat(s);
     if (result == NORMA_OK) result = survey_faces(&survey, &any_flat);
@@ -132,7 +126,7 @@ static norma_result measure_polygons(core_prepared_mesh *s, core_use use) {
     }
     if (!(s->faces = norma_core_allocate(s->call, s->mesh.face_count, sizeof *s->faces)))
         return NORMA_ERROR_MEMORY;
-    return use == CORE_FOR_FANS ? survey_for_fans(s, NULL) : survey_faces(&survey, &any_flat);
+    return use == CORE_FOR_FANS ? survey_for_fans(s) : survey_faces(&survey, &any_flat);
 }
 
 norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, core_use use,
@@ -151,32 +145,6 @@ norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, 
     }
     if (result != NORMA_OK) norma_core_prepared_mesh_close(prepared);
     return result;
-}
-
-/* As for fans, but of some chunks only; faces without corners belong to none. */
-static norma_result measure_some_polygons(core_prepared_mesh *s, const uint8_t *chunks) {
-    const core_call *call = s->call;
-    const size_t faces = s->mesh.face_count;
-    if (s->degenerate_faces.count) chunks = NULL;
-    s->degenerate_faces = (norma_count){0, 0};
-    norma_core_release(call, s->faces, faces, sizeof *s->faces);
-    norma_core_release(call, s->flat_at, s->mesh.positions.count, sizeof *s->flat_at);
-    norma_core_release(call, s->borrowed_from, faces, sizeof *s->borrowed_from);
-    s->flat_at = NULL;
-    s->borrowed_from = NULL;
-    s->faces = norma_core_allocate(call, faces, sizeof *s->faces);
-    return s->faces ? survey_for_fans(s, chunks) : NORMA_ERROR_MEMORY;
-}
-
-norma_result norma_core_prepare_stars(
-    core_prepared_mesh *prepared, const core_some_positions *some) {
-    if (prepared->corners_of.starts)
-        norma_core_corners_of_position_release(prepared->call, &prepared->corners_of);
-    const norma_result result = norma_core_corners_of_some_positions(
-        prepared->call, &prepared->mesh, some, &prepared->corners_of);
-    return result == NORMA_OK && prepared->mesh.face_starts
-               ? measure_some_polygons(prepared, some ? some->chunks : NULL)
-               : result;
 }
 
 norma_result norma_core_begin_with_crease(core_call *call, const norma_options *options,

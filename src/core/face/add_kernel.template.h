@@ -67,44 +67,9 @@ CORE_INLINE int core_all_are_decided(const core_adder *adder, const core_eight *
     return lanes == CORE_LANES && !adder->by_distance && e->sure == CORE_ALL_SURE;
 }
 
-/* The same with chains. */
-CORE_INLINE void core_chain_lane(const core_adder *adder, const core_eight *e, int lane) {
-    const float normal[3] = {
-        (float)e->row[lane][0], (float)e->row[lane][1], (float)e->row[lane][2]};
-    uint32_t at[5]; /* round the face, so that each corner's neighbours follow it */
-    for (int k = 0; k < 3; k++) at[k] = core_eight_at(e, lane, k);
-    at[3] = at[0];
-    at[4] = at[1];
-    for (int k = 0; k < 3; k++) {
-        const uint32_t sum = at[k] - adder->first;
-        if (sum >= adder->count) continue;
-        core_add_row(&adder->sums[sum].x, e->row[lane], e->weight[k][lane]);
-        core_follow_chains(&adder->chains[sum], normal, adder->chain_cosine, at[k + 1], at[k + 2]);
-    }
-}
-
-CORE_INLINE void core_break_lane(const core_adder *adder, const core_eight *e, int lane) {
-    for (int k = 0; k < 3; k++) {
-        const uint32_t sum = core_eight_at(e, lane, k) - adder->first;
-        if (sum < adder->count) core_break_chains(&adder->chains[sum]);
-    }
-}
-
-CORE_INLINE void core_chain_eight(const core_adder *adder, const core_eight *e, int lanes) {
-    for (int i = 0; i < lanes; i++)
-        if (core_is_decided(e, i))
-            core_chain_lane(adder, e, i);
-        else
-            core_break_lane(adder, e, i);
-}
-
 /* Face f is the first of them. */
 CORE_INLINE void core_add_eight(
     const core_adder *adder, const core_eight *e, size_t f, int lanes, norma_weight weight) {
-    if (weight == NORMA_WEIGHT_ANGLE && adder->chains) {
-        core_chain_eight(adder, e, lanes);
-        return;
-    }
     if (adder->owns_all && core_all_are_decided(adder, e, lanes)) {
         core_add_all_lanes(adder, e, weight);
         return;
@@ -328,54 +293,6 @@ CORE_INLINE void add_corners(
     }
 }
 
-/* ---- the same with chains */
-
-/* Two corners at one position: the face may meet itself there. */
-static int has_twice(const uint32_t *at, size_t corners) {
-    for (size_t k = 2; k < corners; k++)
-        for (size_t j = 0; j + 1 < k; j++)
-            if (at[j] == at[k]) return 1;
-    return 0;
-}
-
-CORE_INLINE void chain_face(
-    const core_adder *adder, const core_measured *m, size_t face, size_t corners) {
-    const size_t slot = m->slot[face];
-    const uint32_t *at = m->at + m->first[face];
-    const float normal[3] = {
-        (float)m->row[slot][0], (float)m->row[slot][1], (float)m->row[slot][2]};
-    for (size_t k = 0; k < corners; k++) {
-        const uint32_t sum = at[k] - adder->first;
-        if (sum >= adder->count) continue;
-        core_add_row(
-            &adder->sums[sum].x, m->row[slot], m->weight[slot / CORE_LANES][k][slot % CORE_LANES]);
-        core_follow_chains(&adder->chains[sum], normal, adder->chain_cosine,
-            at[k + 1 < corners ? k + 1 : 0], at[k ? k - 1 : corners - 1]);
-    }
-}
-
-static void break_face(const core_adder *adder, size_t face) {
-    const core_mesh *mesh = adder->mesh;
-    const size_t end = norma_core_face_end(mesh, face);
-    for (size_t c = norma_core_face_begin(mesh, face); c < end; c++) {
-        const uint32_t sum = norma_core_welded_corner(mesh, c) - adder->first;
-        if (sum < adder->count) core_break_chains(&adder->chains[sum]);
-    }
-}
-
-CORE_INLINE void chain_block(
-    const core_adder *adder, const core_measured *m, size_t begin, size_t faces) {
-    for (size_t i = 0; i < faces; i++) {
-        const size_t corners = m->corners[i];
-        if (!corners || !m->flat[i] || has_twice(m->at + m->first[i], corners))
-            break_face(adder, begin + i);
-        else if (corners == 4)
-            chain_face(adder, m, i, 4);
-        else
-            chain_face(adder, m, i, corners);
-    }
-}
-
 CORE_INLINE void add_block(
     const core_adder *adder, const core_measured *m, size_t begin, size_t faces) {
     for (size_t i = 0; i < faces; i++) {
@@ -399,10 +316,7 @@ FOR_VECTORS static void add_polygons(const core_adder *adder, size_t begin, size
             ask_for_polygons(adder->mesh, next,
                 end - next < CORE_FACES_AT_ONCE ? end : next + CORE_FACES_AT_ONCE);
         }
-        if (adder->chains)
-            chain_block(adder, &measured, f, next - f);
-        else
-            add_block(adder, &measured, f, next - f);
+        add_block(adder, &measured, f, next - f);
     }
 }
 

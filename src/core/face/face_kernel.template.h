@@ -268,7 +268,7 @@ typedef struct face_corner {
 typedef struct face_vectors {
     vector at[CORE_MOST_CORNERS][3];
     vector normal[3], twice_area;
-    mask sure, flat;
+    mask sure;
     face_corner corner[CORE_MOST_CORNERS];
 } face_vectors;
 
@@ -407,8 +407,6 @@ IN_VECTORS vector turn_corner(face_vectors *t, const face_corner *c, size_t corn
     const vector along = c->along, size = VECTORS(greater)(along, VECTORS(negative)(along));
     t->sure =
         VECTORS(both)(t->sure, VECTORS(is_less)(VECTORS(all)(0x1p-28) * c->cross_length, size));
-    t->flat = VECTORS(both)(
-        t->flat, VECTORS(is_at_most)(VECTORS(all)(CORE_FLAT_COSINE) * c->cross_length, along));
     return VECTORS(choose)(
         VECTORS(is_less)(along, zero), VECTORS(all)(2 * NORMA_PI) - angle, angle);
 }
@@ -442,7 +440,7 @@ IN_VECTORS void weigh_corner(const core_faces_alike *w, size_t slot, size_t k, s
 
 /* Returns of each face that is kept a bit. */
 IN_VECTORS unsigned measure_lanes(const core_faces_alike *w, const eight_faces *eight,
-    size_t corners, size_t slot, kept_corners *kept, unsigned *flat) {
+    size_t corners, size_t slot, kept_corners *kept) {
     face_vectors t;
     const vector one = VECTORS(all)(1);
     read_faces(eight, slot % CORE_LANES, corners, &t);
@@ -450,22 +448,18 @@ IN_VECTORS unsigned measure_lanes(const core_faces_alike *w, const eight_faces *
         direct_triangles(&t);
     else
         direct_polygons(&t, corners);
-    t.flat = VECTORS(is_equal)(one, one);
     if (w->wanted == CORE_ALL_CORNERS) keep_corners(w, &t, corners, slot, kept);
     VECTORS(store_rows)(t.normal[0], t.normal[1], t.normal[2], one, &w->out->row[slot]);
     VECTORS(store)(&w->out->twice_area[slot / CORE_LANES][slot % CORE_LANES], t.twice_area);
-    *flat |= VECTORS(bits)(t.flat) << slot % CORE_LANES;
     return VECTORS(bits)(t.sure) << slot % CORE_LANES;
 }
 
-IN_VECTORS void keep_faces(
-    const core_faces_alike *w, size_t slot, size_t corners, unsigned sure, unsigned flat) {
+IN_VECTORS void keep_faces(const core_faces_alike *w, size_t slot, size_t corners, unsigned sure) {
     core_measured *out = w->out;
     for (size_t i = 0; i < CORE_LANES; i++) {
         const size_t f = out->face[slot + i];
         const int kept = core_has_kept_corners(out->at + out->first[f], corners);
         out->corners[f] = (uint8_t)((sure >> i & 1U) && kept ? corners : 0);
-        out->flat[f] = flat >> i & 1U;
     }
 }
 
@@ -475,16 +469,16 @@ IN_VECTORS void measure_eights(
     eight_faces eight;
     kept_corners kept;
     for (size_t slot = begin; slot < end; slot += CORE_LANES) {
-        unsigned sure = 0, flat = 0;
+        unsigned sure = 0;
         name_eight(w, slot, corners, &eight);
         copy_eight(w, corners, &eight);
         for (size_t lane = 0; lane < CORE_LANES; lane += LANES)
-            sure |= measure_lanes(w, &eight, corners, slot + lane, &kept, &flat);
+            sure |= measure_lanes(w, &eight, corners, slot + lane, &kept);
         for (size_t k = 0;
              w->wanted == CORE_ALL_CORNERS && k < corners && weight != NORMA_WEIGHT_ANGLE; k++) {
             CORE_LOOP_FOR_WEIGHT(weight, weigh_corner, w, slot, k, corners, &kept)
         }
-        keep_faces(w, slot, corners, sure, flat);
+        keep_faces(w, slot, corners, sure);
     }
 }
 

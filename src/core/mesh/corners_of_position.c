@@ -10,7 +10,6 @@ enum { CORNERS_WORTH_A_PART = 1 << 17, MOST_PARTS = 8, MOST_RANGES = 64 };
 
 typedef struct part_work {
     const core_mesh *mesh;
-    const core_some_positions *some; /* NULL: all */
     core_corners_of_position *corners_of;
     size_t parts, ranges;         /* of corners; of positions */
     uint32_t listed[MOST_RANGES]; /* by each range: how many corners */
@@ -65,44 +64,13 @@ CORE_INLINE void count_range(
     for (size_t c = begin; c < end; c++) counts[position_of(mesh, c, kind)]++;
 }
 
-/* The corners of a chunk of faces that lie in a range; none where no corner of it is wanted. */
-typedef struct corner_range {
-    size_t begin, end;
-} corner_range;
-
-static corner_range corners_in_chunk(const part_work *w, size_t chunk, size_t begin, size_t end) {
-    const size_t first = chunk * CORE_FACES_IN_CHUNK, faces = w->mesh->face_count,
-                 last = faces - first < CORE_FACES_IN_CHUNK ? faces : first + CORE_FACES_IN_CHUNK;
-    const size_t from = norma_core_face_begin(w->mesh, first),
-                 to = norma_core_face_begin(w->mesh, last);
-    if (!w->some->chunks[chunk]) return (corner_range){0, 0};
-    return (corner_range){from < begin ? begin : from, to < end ? to : end};
-}
-
-static size_t count_chunks(const core_mesh *mesh) {
-    return mesh->face_count / CORE_FACES_IN_CHUNK + (mesh->face_count % CORE_FACES_IN_CHUNK != 0);
-}
-
-static void count_some(const part_work *w, size_t begin, size_t end, uint32_t *counts) {
-    for (size_t chunk = 0; chunk < count_chunks(w->mesh); chunk++) {
-        const corner_range r = corners_in_chunk(w, chunk, begin, end);
-        for (size_t c = r.begin; c < r.end; c++) {
-            const uint32_t p = norma_core_welded_corner(w->mesh, c);
-            counts[p] += w->some->wanted[p];
-        }
-    }
-}
-
 static void count_part(void *context, size_t part) {
     const part_work *w = context;
     const size_t begin = begin_of(w->mesh->corner_count, part, w->parts),
                  end = begin_of(w->mesh->corner_count, part + 1, w->parts);
     uint32_t *counts = counts_of_part(w, part);
     memset(counts, 0, w->corners_of->position_count * sizeof *counts);
-    if (w->some)
-        count_some(w, begin, end, counts);
-    else
-        LOOP_FOR_KIND(w->mesh, count_range, w->mesh, begin, end, counts)
+    LOOP_FOR_KIND(w->mesh, count_range, w->mesh, begin, end, counts)
 }
 
 /* The counts of all parts lie where corners will be placed, so all are added up before any is. */
@@ -151,25 +119,12 @@ CORE_INLINE void place_all(const part_work *w, corner_kind kind) {
         corners[places[position_of(w->mesh, c, kind)]++] = (uint32_t)c;
 }
 
-static void place_some(const part_work *w, uint32_t first, uint32_t count) {
-    uint32_t *places = w->corners_of->starts + 1, *corners = w->corners_of->corners;
-    for (size_t chunk = 0; chunk < count_chunks(w->mesh); chunk++) {
-        const corner_range r = corners_in_chunk(w, chunk, 0, w->mesh->corner_count);
-        for (size_t c = r.begin; c < r.end; c++) {
-            const uint32_t p = norma_core_welded_corner(w->mesh, c);
-            if (p - first < count && w->some->wanted[p]) corners[places[p]++] = (uint32_t)c;
-        }
-    }
-}
-
 static void place_range(void *context, size_t range) {
     const part_work *w = context;
     const uint32_t begin = (uint32_t)range_begin(w, range),
                    end = (uint32_t)range_begin(w, range + 1);
     turn_into_places(w, range);
-    if (w->some)
-        place_some(w, begin, end - begin);
-    else if (w->ranges == 1)
+    if (w->ranges == 1)
         LOOP_FOR_KIND(w->mesh, place_all, w)
     else
         LOOP_FOR_KIND(w->mesh, place_between, w, begin, end - begin)
@@ -200,10 +155,10 @@ static norma_result run_step(
     return norma_core_parallel(call, count, task, w);
 }
 
-static norma_result place_corners_by_position(core_call *call, const core_mesh *mesh,
-    const core_some_positions *some, core_corners_of_position *corners_of) {
+static norma_result place_corners_by_position(
+    core_call *call, const core_mesh *mesh, core_corners_of_position *corners_of) {
     const double from = call->progress_from, to = call->progress_to, half = (from + to) / 2;
-    part_work w = {.mesh = mesh, .some = some, .corners_of = corners_of};
+    part_work w = {.mesh = mesh, .corners_of = corners_of};
     choose_parts(call, &w);
     norma_result result = run_step(call, &w, from, half, w.parts, count_part);
     if (result == NORMA_OK) result = run_step(call, &w, half, half, w.ranges, add_up_range);
@@ -216,11 +171,6 @@ static norma_result place_corners_by_position(core_call *call, const core_mesh *
 
 norma_result norma_core_corners_of_position_build(
     core_call *call, const core_mesh *mesh, core_corners_of_position *corners_of) {
-    return norma_core_corners_of_some_positions(call, mesh, NULL, corners_of);
-}
-
-norma_result norma_core_corners_of_some_positions(core_call *call, const core_mesh *mesh,
-    const core_some_positions *some, core_corners_of_position *corners_of) {
     *corners_of = (core_corners_of_position){
         .position_count = mesh->positions.count, .corner_count = mesh->corner_count};
     corners_of->starts =
@@ -232,7 +182,7 @@ norma_result norma_core_corners_of_some_positions(core_call *call, const core_me
             norma_core_allocate(call, corners_of->corner_count, sizeof *corners_of->faces);
     norma_result result = NORMA_ERROR_MEMORY;
     if (corners_of->starts && corners_of->corners && (!mesh->face_starts || corners_of->faces))
-        result = place_corners_by_position(call, mesh, some, corners_of);
+        result = place_corners_by_position(call, mesh, corners_of);
     if (result == NORMA_OK && corners_of->faces) name_faces(mesh, corners_of);
     if (result != NORMA_OK) norma_core_corners_of_position_release(call, corners_of);
     return result;

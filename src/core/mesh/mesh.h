@@ -168,13 +168,6 @@ typedef struct core_corners_of_position {
 /* Two counting passes, O(positions + corners). MEMORY or CANCELLED leave nothing to release. */
 norma_result norma_core_corners_of_position_build(
     core_call *call, const core_mesh *mesh, core_corners_of_position *corners_of);
-/* The same of some positions. */
-typedef struct core_some_positions {
-    const uint8_t *wanted; /* 1 at these, 0 at all others */
-    const uint8_t *chunks; /* of each CORE_FACES_IN_CHUNK faces: 0 where none has a corner there */
-} core_some_positions;
-norma_result norma_core_corners_of_some_positions(core_call *call, const core_mesh *mesh,
-    const core_some_positions *some, core_corners_of_position *corners_of);
 void norma_core_corners_of_position_release(
     const core_call *call, core_corners_of_position *corners_of);
 

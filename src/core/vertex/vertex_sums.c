@@ -64,8 +64,48 @@ static int core_resolve_record(
     return NORMA_REASON_NONE;
 }
 
-/* ---- sums of a range of positions at a time, in memory that stays in the cache: how large such
- * bins are, and which thread works on which. */
+/* ---- work on ranges of positions, each with all faces that touch it, where faces in a row touch
+ * positions near each other. What is kept of a range's positions lies in memory that stays in the
+ * cache from one range to the next. A chunk of faces that touches two ranges is measured for both.
+ */
+
+typedef struct core_bins {
+    const core_mesh *mesh;
+    core_range *ranges; /* of positions, of each chunk of faces */
+    size_t chunks;
+    size_t count, size; /* bins; positions in each but the last */
+    size_t buffers;     /* at most so many are worked on at once */
+    size_t step;        /* each task takes every step-th bin */
+} core_bins;
+
+typedef struct core_bin {
+    size_t number, buffer; /* buffer: below bins->buffers, nobody else's */
+    uint32_t first, count; /* positions */
+} core_bin;
+typedef void core_bin_work(void *context, const core_bin *bin);
+
+/* The next chunk, from this one on, that touches the bin; bins->chunks: none. */
+static size_t core_chunk_of_bin(const core_bins *bins, const core_bin *bin, size_t chunk) {
+    const uint32_t last = bin->first + (bin->count - 1);
+    while (chunk < bins->chunks &&
+           (bins->ranges[chunk].least > last || bins->ranges[chunk].most < bin->first))
+        chunk++;
+    return chunk;
+}
+static int core_bin_owns(const core_bins *bins, const core_bin *bin, size_t chunk) {
+    return bins->ranges[chunk].least >= bin->first &&
+           bins->ranges[chunk].most - bin->first < bin->count;
+}
+static size_t core_chunk_end(const core_bins *bins, size_t chunk) {
+    const size_t begin = chunk * CORE_FACES_IN_CHUNK, faces = bins->mesh->face_count;
+    return faces - begin < CORE_FACES_IN_CHUNK ? faces : begin + CORE_FACES_IN_CHUNK;
+}
+
+typedef struct core_chunks {
+    size_t begin, end;
+} core_chunks;
+
+/* ---- how large such bins are, and which thread works on which */
 
 enum {
     LEAST_IN_BIN = 1 << 10,
@@ -86,9 +126,9 @@ static double average_span(const core_range *ranges, size_t chunks) {
 }
 
 /* What one thread takes. */
-static size_t size_alone(size_t positions, double span, size_t most) {
+static size_t size_alone(size_t positions, double span) {
     size_t size = (size_t)(SPANS_IN_BIN * span);
-    if (size > most) size = most - most % CORE_LANES;
+    if (size > MOST_IN_BIN) size = MOST_IN_BIN;
     if (size < LEAST_IN_BIN) size = LEAST_IN_BIN;
     return size < positions ? size : positions;
 }
@@ -117,29 +157,29 @@ static size_t lesser_of(size_t a, size_t b) { return a < b ? a : b; }
 
 /* One for each who works, as far as they are together a quarter of all positions at most, or no
  * more than one thread takes. */
-static size_t choose_buffers(const core_bins *bins, size_t workers, size_t alone, size_t most) {
+static size_t choose_buffers(const core_bins *bins, size_t workers, size_t alone) {
     const size_t quarter = 1 + (bins->count - 1) / BINS_FOR_EACH, as_alone = alone / bins->size,
-                 fit = most / bins->size, useful = quarter > as_alone ? quarter : as_alone;
-    return lesser_of(lesser_of(workers, MOST_BUFFERS), lesser_of(useful, fit ? fit : 1));
+                 useful = quarter > as_alone ? quarter : as_alone;
+    return lesser_of(lesser_of(workers, MOST_BUFFERS), useful);
 }
 
-int norma_core_plan_bins(const core_call *call, const core_mesh *mesh, core_range *ranges,
-    core_bin_limits limits, core_bins *bins) {
+/* 0: the mesh is in no such order, and bins are not worth it. */
+static int core_plan_bins(
+    const core_call *call, const core_mesh *mesh, core_range *ranges, core_bins *bins) {
     const size_t workers = norma_core_shares(call), positions = mesh->positions.count,
-                 chunks = norma_core_count_chunks(mesh),
-                 most = lesser_of(MOST_IN_BIN, limits.in_one);
+                 chunks = norma_core_count_chunks(mesh);
     const double span = average_span(ranges, chunks);
-    const size_t alone = size_alone(positions, span, most);
+    const size_t alone = size_alone(positions, span);
     if (!positions) return 0;
     *bins = (core_bins){.mesh = mesh,
         .ranges = ranges,
         .chunks = chunks,
         .size = choose_size(workers, positions, span, alone)};
     bins->count = positions / bins->size + (positions % bins->size != 0);
-    bins->buffers = choose_buffers(bins, workers, alone, limits.in_all);
+    bins->buffers = choose_buffers(bins, workers, alone);
     bins->step =
         call->options.parallel_for || bins->buffers < workers ? bins->buffers : bins->count;
-    return bins->size <= most && is_coherent(bins);
+    return bins->size <= MOST_IN_BIN && is_coherent(bins);
 }
 
 /* ---- who does what */
@@ -167,22 +207,24 @@ static void work_on_bins(void *context, size_t task) {
     atomic_store_explicit(&tasks->taken[bin.buffer], 0, memory_order_release);
 }
 
-norma_result norma_core_each_bin(
+/* All bins; MEMORY never, CANCELLED: some were left out. */
+static norma_result core_each_bin(
     core_call *call, const core_bins *bins, core_bin_work *work, void *context) {
     bin_tasks tasks = {bins, work, context, {0}};
     for (size_t i = 0; i < bins->buffers; i++) atomic_init(&tasks.taken[i], 0);
     return norma_core_parallel(call, bins->step, work_on_bins, &tasks);
 }
 
-void norma_core_add_to_bin(const core_kernels *kernels, const core_bins *bins, const core_bin *bin,
+/* Adds all faces of some chunks that touch the bin; sums, first and count of the adder are its. */
+static void core_add_to_bin(const core_kernels *kernels, const core_bins *bins, const core_bin *bin,
     core_chunks chunks, core_adder *adder) {
     adder->first = bin->first;
     adder->count = bin->count;
-    for (size_t chunk = norma_core_chunk_of_bin(bins, bin, chunks.begin); chunk < chunks.end;
-         chunk = norma_core_chunk_of_bin(bins, bin, chunk + 1)) {
-        adder->owns_all = norma_core_bin_owns(bins, bin, chunk);
+    for (size_t chunk = core_chunk_of_bin(bins, bin, chunks.begin); chunk < chunks.end;
+         chunk = core_chunk_of_bin(bins, bin, chunk + 1)) {
+        adder->owns_all = core_bin_owns(bins, bin, chunk);
         norma_core_add_faces(
-            kernels, adder, chunk * CORE_FACES_IN_CHUNK, norma_core_chunk_end(bins, chunk));
+            kernels, adder, chunk * CORE_FACES_IN_CHUNK, core_chunk_end(bins, chunk));
     }
 }
 
@@ -200,7 +242,7 @@ static void add_votes_of_bin(const core_prepared_mesh *prepared, const core_bins
         .add_face = core_add_face,
         .context = &face_adder};
     if (!chunks.begin) norma_core_clear_sums(sums, bin->count);
-    norma_core_add_to_bin(norma_core_kernels(prepared->call->level), bins, bin, chunks, &adder);
+    core_add_to_bin(norma_core_kernels(prepared->call->level), bins, bin, chunks, &adder);
 }
 
 /* ---- vertex normals where faces in a row touch positions near each other. Each bin, a range of
@@ -259,8 +301,7 @@ static void finish_bin(void *context, const core_bin *bin) {
 
 static norma_result finish_bins(bin_work *work, core_tally *sum) {
     memset(work->tallies, 0, work->bins.count * sizeof *work->tallies);
-    const norma_result result =
-        norma_core_each_bin(work->prepared->call, &work->bins, finish_bin, work);
+    const norma_result result = core_each_bin(work->prepared->call, &work->bins, finish_bin, work);
     for (size_t i = 0; i < work->bins.count; i++) norma_core_tally_add(sum, &work->tallies[i]);
     return result;
 }
@@ -273,8 +314,7 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *r
         .prepared = prepared, .output = output, .kernels = norma_core_kernels(call->level)};
     *written = 0;
     if (mesh->weld || call->options.weight == NORMA_WEIGHT_VISIBLE ||
-        !norma_core_plan_bins(
-            call, mesh, ranges, (core_bin_limits){SIZE_MAX, SIZE_MAX}, &work.bins))
+        !core_plan_bins(call, mesh, ranges, &work.bins))
         return NORMA_OK;
     const size_t records = work.bins.buffers * work.bins.size;
     work.sums = norma_core_allocate(call, records, sizeof *work.sums);
@@ -308,7 +348,7 @@ static void range_of_welded(void *bins_of_mesh, size_t chunk) {
     const core_mesh *mesh = bins->mesh;
     core_range touched = {UINT32_MAX, 0};
     const size_t begin = norma_core_face_begin(mesh, chunk * CORE_FACES_IN_CHUNK),
-                 end = norma_core_face_begin(mesh, norma_core_chunk_end(bins, chunk));
+                 end = norma_core_face_begin(mesh, core_chunk_end(bins, chunk));
     for (size_t c = begin; c < end; c++) {
         const uint32_t position = norma_core_welded_corner(mesh, c);
         touched.least = position < touched.least ? position : touched.least;

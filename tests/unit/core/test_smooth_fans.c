@@ -1,6 +1,5 @@
-/* test_smooth_fans.c: corner normals and norma_split find smooth positions by their sums
- * (core/vertex/face_chain.h). With an array of hard edges, even if it marks none, a star is made of
- * every position. Both must give the same bits, vertices and edges, on meshes that are smooth
+/* test_smooth_fans.c: an array of hard edges that marks none changes nothing: corner normals and
+ * norma_split give the same bits, vertices and edges with it and without, on meshes that are smooth
  * nearly everywhere, and on such that only look so: all faces given twice, given once more the
  * other way round, cones that meet at their tips, a turn of more than 360 degrees. */
 #include "check.h"

@@ -1,7 +1,6 @@
-/* corner_normals.c: norma_corner_normals. Positions that are smooth fans first, where they can be
- * found by sums; of all others the stars' fans, written to the corners that are in them. */
+/* corner_normals.c: norma_corner_normals. The fans of all stars, written to the corners that are in
+ * them. */
 #include "core/corner/corner.h"
-#include "core/smooth/smooth_fans.h"
 #include <math.h>
 
 typedef struct corner_work {
@@ -33,9 +32,8 @@ static int is_counting(const core_call *call, const norma_report *report) {
     return report || call->options.edges;
 }
 
-/* The corners that smooth left. */
-static norma_result compute_stars(core_prepared_mesh *prepared, const smooth_fans *smooth,
-    const core_output *output, norma_report *report) {
+static norma_result compute_corners(
+    core_prepared_mesh *prepared, const core_output *output, norma_report *report) {
     core_call *call = prepared->call;
     const size_t count = prepared->mesh.corner_count;
     corner_work work = {.output = output};
@@ -52,44 +50,17 @@ static norma_result compute_stars(core_prepared_mesh *prepared, const smooth_fan
         return NORMA_ERROR_MEMORY;
     if (work.reasons) memset(work.reasons, NORMA_REASON_NONE, count);
     norma_core_stage(call, 0.5, 0.97);
-    norma_result result = NORMA_OK;
-    if (norma_core_has_others(smooth)) result = norma_core_visit_positions(prepared, &visit, &sum);
+    norma_result result = norma_core_visit_positions(prepared, &visit, &sum);
     const size_t without =
         sum.tally.non_finite.count + sum.tally.unreferenced.count + sum.tally.cancelled.count;
-    if (result == NORMA_OK && work.reasons && without) {
-        result = norma_core_prepare_all_stars(prepared, smooth);
-        if (result == NORMA_OK)
-            result = norma_core_fill_corners(
-                prepared, work.reasons, NULL, take_corner_normal, (void *)(uintptr_t)output);
-    }
+    if (result == NORMA_OK && work.reasons && without)
+        result = norma_core_fill_corners(
+            prepared, work.reasons, NULL, take_corner_normal, (void *)(uintptr_t)output);
     norma_core_release(call, work.reasons, count, 1);
     if (result != NORMA_OK) return result;
     norma_core_write_report(report, &sum.tally, &sum.counts.non_manifold, &sum.counts.conflicts);
-    norma_core_edges_add(&sum.counts.edges, &smooth->edges);
     if (call->options.edges) *call->options.edges = sum.counts.edges;
     return NORMA_OK;
-}
-
-static norma_result compute_corners(core_prepared_mesh *prepared, smooth_fans *smooth,
-    const core_output *output, norma_report *report) {
-    const smooth_target target = {.output = output};
-    const norma_result result =
-        norma_core_find_smooth_fans(prepared, &target, is_counting(prepared->call, report), smooth);
-    return result == NORMA_OK ? compute_stars(prepared, smooth, output, report) : result;
-}
-
-/* Checks the mesh's content and does the rest. */
-static norma_result open_and_compute_corners(core_call *call, core_mesh *checked,
-    double crease_angle_rad, const core_output *output, norma_report *report) {
-    smooth_fans smooth;
-    core_prepared_mesh prepared;
-    norma_result result =
-        norma_core_open_smooth_fans(call, checked, crease_angle_rad, &prepared, &smooth);
-    if (result != NORMA_OK) return result;
-    result = norma_core_finish(call, compute_corners(&prepared, &smooth, output, report));
-    norma_core_release_smooth_fans(&prepared, &smooth);
-    norma_core_prepared_mesh_close(&prepared);
-    return result;
 }
 
 norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad,
@@ -97,13 +68,18 @@ norma_result norma_corner_normals(const norma_mesh *mesh, float crease_angle_rad
     core_call call;
     core_mesh checked;
     core_output output;
+    core_prepared_mesh prepared;
     norma_result result =
         norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
     if (result == NORMA_OK)
         result = norma_core_output_open(&call, normals, checked.corner_count, capacity, &output);
     if (result != NORMA_OK) return result;
     norma_core_gather(&call);
-    result = open_and_compute_corners(&call, &checked, (double)crease_angle_rad, &output, report);
+    result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
+    if (result == NORMA_OK) {
+        result = norma_core_finish(&call, compute_corners(&prepared, &output, report));
+        norma_core_prepared_mesh_close(&prepared);
+    }
     norma_core_dismiss(&call);
     return result;
 }

@@ -1,15 +1,13 @@
 /* split.c: norma_split. Corners of one old vertex with one normal are one new vertex, numbered
  * where the first of them stands in the order of corners. Between the passes is kept which corners
  * are such firsts, a byte for each corner, and the normals of positions that need no split, most of
- * them: smooth fans first, where they can be found by sums. The others' corners are sorted out
- * again in the second pass, when they have their numbers. */
+ * them. The others' corners are sorted out again in the second pass, when they have their numbers.
+ */
 #include "core/corner/corner.h"
-#include "core/smooth/smooth_fans.h"
 #include <math.h>
 
 typedef struct split_work {
     core_prepared_mesh *prepared;
-    smooth_fans *smooth;
     core_output output; /* of new vertices; normals may be NULL */
     uint8_t *firsts;    /* of each corner: whether a new vertex begins with it */
     uint32_t *before; /* of each CORNERS_COUNTED corners how many vertices begin before them; and of
@@ -299,10 +297,8 @@ static void take_vertex_normal(void *context, uint32_t first, const float normal
 }
 
 static norma_result fill_vertices(split_work *work) {
-    const norma_result result = norma_core_prepare_all_stars(work->prepared, work->smooth);
-    return result == NORMA_OK ? norma_core_fill_corners(work->prepared, work->reasons, work->wanted,
-                                    take_vertex_normal, work)
-                              : result;
+    return norma_core_fill_corners(
+        work->prepared, work->reasons, work->wanted, take_vertex_normal, work);
 }
 
 /* ---- the call */
@@ -326,11 +322,10 @@ static norma_result allocate_numbers(split_work *work, int lacking) {
 static norma_result write_split(split_work *work, int lacking) {
     core_prepared_mesh *prepared = work->prepared;
     stars_part ignored;
-    const int others = norma_core_has_others(work->smooth);
-    norma_result result = lacking || !others ? NORMA_OK : thin_out(work);
+    norma_result result = lacking ? NORMA_OK : thin_out(work);
     if (result == NORMA_OK) result = allocate_numbers(work, lacking);
     if (result == NORMA_OK) result = write_numbers(work);
-    if (result != NORMA_OK || !others || !(work->numbers || work->output.normals)) return result;
+    if (result != NORMA_OK || !(work->numbers || work->output.normals)) return result;
     const position_visit visit = {
         .join = CORE_JOIN_FANS, .skip = work->single, .see = see_to_write, .context = work};
     norma_core_stage(prepared->call, 0.8, 0.97);
@@ -352,20 +347,14 @@ static norma_result check_split_room(
 /* The first pass. */
 static norma_result find_firsts(split_work *work, stars_part *sum) {
     core_prepared_mesh *prepared = work->prepared;
-    const smooth_target target = {
-        .normals = work->normals, .single = work->single, .firsts = work->firsts};
     const position_visit visit = {.join = CORE_JOIN_FANS,
         .counting = 1,
         .see = see_to_number,
         .context = work,
         .target = work->firsts,
         .target_size = 1};
-    norma_result result = norma_core_find_smooth_fans(prepared, &target, 1, work->smooth);
     norma_core_stage(prepared->call, 0.5, 0.75);
-    if (result == NORMA_OK && norma_core_has_others(work->smooth))
-        result = norma_core_visit_positions(prepared, &visit, sum);
-    norma_core_edges_add(&sum->counts.edges, &work->smooth->edges);
-    return result;
+    return norma_core_visit_positions(prepared, &visit, sum);
 }
 
 static norma_result split_and_report(
@@ -419,12 +408,10 @@ static norma_result allocate_work(const core_call *call, split_work *work, int w
     return NORMA_OK;
 }
 
-static norma_result split_prepared(core_prepared_mesh *prepared, smooth_fans *smooth,
-    const split_output *out, norma_report *report) {
-    split_work work = {.prepared = prepared,
-        .smooth = smooth,
-        .numbers = out->corners,
-        .source_vertices = out->source_vertices};
+static norma_result split_prepared(
+    core_prepared_mesh *prepared, const split_output *out, norma_report *report) {
+    split_work work = {
+        .prepared = prepared, .numbers = out->corners, .source_vertices = out->source_vertices};
     norma_result result = norma_core_output_open(prepared->call, out->normals, 0, 0, &work.output);
     if (result == NORMA_OK) result = allocate_work(prepared->call, &work, out->normals != NULL);
     if (result == NORMA_OK) result = split_and_report(prepared, &work, out, report);
@@ -449,7 +436,6 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
     core_call call;
     core_mesh checked;
     core_prepared_mesh prepared;
-    smooth_fans smooth;
     norma_result result =
         norma_core_begin_with_crease(&call, options, mesh, crease_angle_rad, &checked);
     if (result == NORMA_OK && overlaps_corners(&checked, corners)) result = NORMA_ERROR_ARGUMENT;
@@ -457,11 +443,9 @@ norma_result norma_split(const norma_mesh *mesh, float crease_angle_rad,
         result = NORMA_ERROR_CAPACITY;
     if (result != NORMA_OK) return result;
     norma_core_gather(&call);
-    result =
-        norma_core_open_smooth_fans(&call, &checked, (double)crease_angle_rad, &prepared, &smooth);
+    result = norma_core_prepare_fans(&call, &checked, crease_angle_rad, &prepared);
     if (result == NORMA_OK) {
-        result = norma_core_finish(&call, split_prepared(&prepared, &smooth, &out, report));
-        norma_core_release_smooth_fans(&prepared, &smooth);
+        result = norma_core_finish(&call, split_prepared(&prepared, &out, report));
         norma_core_prepared_mesh_close(&prepared);
     }
     norma_core_dismiss(&call);
