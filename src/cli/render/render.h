@@ -112,6 +112,9 @@ int render_file_keep(render_scene_file *file,
 /* Adds a note to the summary; what does not fit in memory or in the list is left out. */
 void render_file_note(render_scene_file *file, const char *format, ...) CLI_NOTE_FORMAT;
 void render_file_close(render_scene_file *file);
+void render_scene_free(render_scene *scene);
+norma_document_result render_file_fail(
+    norma_document_error *error, norma_document_result result, const char *input, const char *what);
 
 extern const uint32_t render_finding_colours[4]; /* by severity */
 const char *render_up_name(enum render_up up);

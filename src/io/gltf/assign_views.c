@@ -1,6 +1,6 @@
 /* assign_views.c: the runs of new bytes, and which views hold them, compressed again where they
  * were. */
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* bake_mesh.c: --bake: the data of a mesh under a matrix, made once for all that share it, and back
  * in its encoding; and its winding. */
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include "core/call/table.h"
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* byte_layout.c: where in the buffers bytes go, and the JSON that says so. */
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * requires, the files that go with it, and its table of functions. */
 #define _POSIX_C_SOURCE 200809L
 #include "io/gltf/draco_decoder.h"
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * tangents that keeps every direction within an angle. Morph targets are judged by the directions
  * that they give, each alone at full weight, so base and differences are chosen together. */
 #include "core/face/unit_length.h"
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* gltf_write.c: a changed document written: the names of its buffers and images, its layout, its
  * container. */
 #define _POSIX_C_SOURCE 200809L
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

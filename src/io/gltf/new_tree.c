@@ -1,5 +1,5 @@
 /* new_tree.c: the node hierarchy as it is to become, and its JSON. */
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* patch.c: what is put into an asset, gathered; lists that nothing may be added to; and which old
  * accessors are replaced. */
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include "core/call/table.h"
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* repack_views.c: a view in which accessors shrink, laid out without the gaps that they would
  * leave. Where its elements lie side by side in rows, the rows become shorter; else what shrinks
  * leaves for a view of its own, and the rest moves together. */
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,7 +2,7 @@
  * nothing else uses changes itself; else the materials get one of their own, and all others keep
  * theirs. An image in a view or a data: URI stays in one; one in a file becomes a new file, so that
  * the old one, which other assets may show, stays as it is. */
-#include "io/gltf/gltf.h"
+#include "io/gltf/gltf_layout.h"
 #include "io/image/image.h"
 #include <errno.h>
 #include <stdlib.h>
