@@ -463,6 +463,8 @@ norma_document_result norma_fix_document(norma_document *document,
     norma_document_result result =
         begin_fixing(&f, options, options ? options->rules : NULL, &progress);
     f.request.reads_maps = unsafe && f.request.wanted[RULE_N812];
+    if (!result && norma_document_tile(document, 1)) /* to be refused in its words */
+        result = norma_document_edit(document, NULL, error);
     if (!result) result = find_fixes(&f);
     if (!result) result = carry_out(&f);
     end_fixing(&f);

@@ -622,9 +622,53 @@ static const char *name_of_normal_map(void *document, size_t material) {
     return norma_document_normal_map(document, material, &map, NULL) ? NULL : map.name;
 }
 
+/* ---- the models of a composite tile: each is judged by itself, for where their meshes stand is
+ * said beside them, and none hides another */
+
+static int add_of_tile(check_run *run, const norma_finding *finding, size_t tile) {
+    char where[CHECK_MESSAGE], label[CHECK_MESSAGE], message[CHECK_MESSAGE];
+    norma_finding of_tile = *finding;
+    const int is_within = strncmp(finding->where, "byte ", 5) != 0; /* else a tile left out */
+    norma_check_message(where,
+        *finding->where && *finding->where != '/' ? "/tiles/%z/%s" : "/tiles/%z%s", tile,
+        finding->where);
+    norma_check_message(label, *finding->label ? "tile %z %s" : "tile %z", tile, finding->label);
+    norma_check_message(
+        message, "%s; no fix: the composite has several models; split it first", finding->message);
+    of_tile.where = is_within ? where : finding->where;
+    of_tile.label = is_within ? label : finding->label;
+    if (finding->fix != NORMA_FIX_NONE) of_tile.message = message;
+    of_tile.fix = NORMA_FIX_NONE;
+    return norma_findings_copy(run->findings, &of_tile, run->next_order++);
+}
+
+static norma_document_result check_tiles(norma_document *document,
+    const norma_check_options *options, norma_findings **findings, norma_document_error *error) {
+    check_run run;
+    norma_document *tile;
+    const norma_result begun = norma_check_begin(&run, options, norma_document_format(document));
+    norma_document_result result = begun ? norma_check_fail(error, begun) : NORMA_DOCUMENT_OK;
+    for (size_t i = 0; !result && (tile = norma_document_tile(document, i)) != NULL; i++) {
+        norma_findings *own = NULL;
+        result = norma_check_again(tile, NULL, options, &own, error);
+        for (size_t k = 0; !result && k < norma_findings_count(own); k++)
+            if (!add_of_tile(&run, norma_findings_get(own, k), i))
+                result = norma_check_fail(error, NORMA_ERROR_MEMORY);
+        if (norma_findings_partly(own)) norma_check_partly(&run);
+        norma_findings_free(own);
+    }
+    if (!begun && result)
+        norma_check_abandon(&run);
+    else if (!begun)
+        *findings = norma_check_finish(&run);
+    return result;
+}
+
 norma_document_result norma_check_document(norma_document *document,
     const norma_check_options *options, norma_findings **findings, norma_document_error *error) {
-    return norma_check_again(document, NULL, options, findings, error);
+    return findings && norma_document_tile(document, 1)
+               ? check_tiles(document, options, findings, error)
+               : norma_check_again(document, NULL, options, findings, error);
 }
 
 norma_document_result norma_check_again(norma_document *document, const check_known *known,

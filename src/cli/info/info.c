@@ -244,6 +244,7 @@ typedef struct mesh_part {
 
 typedef struct contents {
     const char *path;
+    size_t tile; /* of a composite with several models; SIZE_MAX: of anything else */
     norma_file_format format;
     const norma_document *document; /* NULL: a file that does not fit into memory */
     mesh_part *parts;
@@ -442,6 +443,7 @@ static void write_info_json(const contents *found) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", found->path);
+    if (found->tile != SIZE_MAX) cli_json_size(&json, "tile", found->tile);
     cli_json_string(&json, "format", norma_file_format_name(found->format));
     write_bounds(&json, &found->bounds);
     cli_json_size(&json, "vertices", found->vertices);
@@ -595,7 +597,9 @@ static void print_bounds(const info_bounds *bounds) {
 
 static void print_contents(const contents *found) {
     size_t meshes = 0;
-    cli_say(stdout, "%s: %s", cli_input_name(found->path), norma_file_format_name(found->format));
+    cli_say(stdout, "%s: ", cli_input_name(found->path));
+    if (found->tile != SIZE_MAX) printf("tile %zu: ", found->tile);
+    fputs(norma_file_format_name(found->format), stdout);
     if (found->part_count == 1 && !found->parts[0].info.where[0]) {
         print_name(found->parts[0].info.name);
         fputs(", ", stdout);
@@ -684,10 +688,14 @@ static norma_document_depth depth_of(const info_work *work, const char *path) {
                                                                : NORMA_DOCUMENT_SUMMARY;
 }
 
-static void forget(contents *found, norma_document **document, void **memory) {
+static void forget_contents(contents *found) {
     free(found->parts);
     free(found->nodes);
-    *found = (contents){.path = found->path};
+    *found = (contents){.path = found->path, .tile = SIZE_MAX};
+}
+
+static void forget(contents *found, norma_document **document, void **memory) {
+    forget_contents(found);
     norma_document_close(*document);
     free(*memory);
     *document = NULL;
@@ -714,7 +722,11 @@ static int run_large_file(const info_work *work, const char *path) {
     cli_progress progress;
     norma_document_error error = {0};
     mesh_part part = {.closed = -1};
-    contents found = {.path = path, .format = work->files.format, .parts = &part, .part_count = 1};
+    contents found = {.path = path,
+        .tile = SIZE_MAX,
+        .format = work->files.format,
+        .parts = &part,
+        .part_count = 1};
     cli_progress_start(&progress, "reading", path, work->common.quiet, cli_megabytes(path));
     error.result =
         info_describe_large(path, &found.format, &progress, &part.info, &found.bounds, &error);
@@ -730,8 +742,8 @@ static int info_file(const info_work *work, const char *path) {
     norma_document *document;
     norma_document_error error = {0};
     void *memory;
-    contents found = {.path = path};
-    norma_document_options reading = {.depth = depth_of(work, path)};
+    contents found = {.path = path, .tile = SIZE_MAX};
+    norma_document_options reading = {.depth = depth_of(work, path), .every_tile = 1};
     norma_document_result result =
         cli_read(&work->files, &work->common, path, &reading, &document, &memory, &error);
     if (!result)
@@ -746,7 +758,15 @@ static int info_file(const info_work *work, const char *path) {
         if (!result) result = read_contents(work, 0, document, &found, &error);
     }
     error.result = result;
-    const int status = finish_file(work, &found, &error);
+    if (!result && norma_document_tile(document, 1)) found.tile = 0;
+    int status = finish_file(work, &found, &error);
+    for (size_t i = 1; !result && norma_document_tile(document, i); ++i) {
+        forget_contents(&found);
+        error.result = read_contents(work, reading.depth == NORMA_DOCUMENT_WHOLE,
+            norma_document_tile(document, i), &found, &error);
+        found.tile = i;
+        status = cli_worse(status, finish_file(work, &found, &error));
+    }
     forget(&found, &document, &memory);
     return status;
 }
@@ -758,7 +778,7 @@ static int run_one(void *user, size_t file) {
 
 static void report_lost_info(void *user, size_t file, const char *why) {
     const info_work *work = user;
-    contents none = {.path = work->files.inputs.paths[file]};
+    contents none = {.path = work->files.inputs.paths[file], .tile = SIZE_MAX};
     norma_document_error error;
     cli_lost_error(&error, none.path, why);
     finish_file(work, &none, &error);

@@ -1,6 +1,7 @@
 /* open.c: documents opened from files and from memory, closed, and copied to try changes on. */
 #include "io/format/format.h"
 #include "io/stream/stream.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -20,9 +21,10 @@ norma_document_result norma_document_visit_files(
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "no function that receives the files was given");
     if (!document->folder || !document->functions->visit_files) return NORMA_DOCUMENT_OK;
-    return document->functions->visit_files(document, visit, user) < 0
-               ? norma_document_fail_memory(document, error)
-               : NORMA_DOCUMENT_OK;
+    int stopped = 0;
+    for (size_t i = 0; norma_document_tile(document, i) && !stopped; ++i)
+        stopped = document->functions->visit_files(norma_document_tile(document, i), visit, user);
+    return stopped < 0 ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
 }
 
 typedef struct search {
@@ -95,6 +97,7 @@ norma_document *norma_document_make(
     norma_watch_begin(&document->watch, options->progress, options->progress_user);
     document->lenient = options->lenient;
     document->copied = options->copied;
+    document->every_tile = options->every_tile;
     document->scene = norma_scene_create();
     if (document->scene && document->path && (document->folder || !has_folder)) return document;
     norma_document_close(document);
@@ -129,6 +132,48 @@ int norma_document_changed(const norma_document *document, norma_document_error 
     return changed;
 }
 
+/* ---- the models of a composite tile */
+
+/* What a message says behind the path is said of a tile. */
+static norma_document_result fail_in_tile(
+    const norma_document *tile, norma_document_error *error, norma_document_result result) {
+    char place[40];
+    norma_document_error own;
+    const size_t length = strlen(tile->path);
+    if (!error || tile->tile_count < 2 || strncmp(error->message, tile->path, length) != 0 ||
+        error->message[length] != ':')
+        return result;
+    own = *error;
+    snprintf(place, sizeof place, "tile %zu", tile->tile);
+    return norma_document_fail(tile, error, result, place, "%s",
+        own.message + length + 1 + (own.message[length + 1] == ' '));
+}
+
+static norma_document_result open_tiles(
+    norma_document *first, const norma_document_options *options, norma_document_error *error) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (first->tile_count < 2) return result;
+    first->tiles = norma_io_allocate(first->tile_count, sizeof *first->tiles);
+    if (!first->tiles) return norma_document_fail_memory(first, error);
+    for (size_t i = 1; i < first->tile_count && !result; ++i) {
+        norma_document *made = norma_document_make(first->path, first->folder != NULL, options);
+        if (!made) return norma_document_fail_memory(first, error);
+        first->tiles[i] = made;
+        made->tile = i;
+        made->stamp = first->stamp;
+        made->source = (file_bytes){.data = first->source.data, .size = first->source.size};
+        result = norma_document_read(made, error);
+        if (result) result = fail_in_tile(made, error, result);
+    }
+    return result;
+}
+
+norma_document *norma_document_tile(norma_document *document, size_t index) {
+    if (index == 0 || !document || !document->tiles || index >= document->tile_count)
+        return index == 0 ? document : NULL;
+    return document->tiles[index];
+}
+
 static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory,
     const norma_document_options *given, norma_document **document, norma_document_error *error) {
     norma_document_options options;
@@ -150,6 +195,8 @@ static norma_document_result open_with(const char *name, int has_folder, const f
     }
     if (!result) {
         result = norma_document_read(made, error);
+        if (result && options.every_tile) result = fail_in_tile(made, error, result);
+        if (!result) result = open_tiles(made, &options, error);
         /* What was found in it may come of that. */
         if (result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY &&
             norma_document_changed(made, error))
@@ -198,6 +245,9 @@ norma_document_result norma_document_open_memory(const void *bytes, size_t size,
 
 void norma_document_close(norma_document *document) {
     if (!document) return;
+    for (size_t i = 1; document->tiles && i < document->tile_count; ++i)
+        norma_document_close(document->tiles[i]);
+    free(document->tiles);
     if (document->functions) document->functions->close(document);
     norma_scene_destroy(document->scene);
     for (size_t i = 0; i < document->note_count; ++i) free(document->notes[i]);

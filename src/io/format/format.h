@@ -108,6 +108,9 @@ struct norma_document {
     const shared_normals *shared; /* NULL, or where its normals come from while it is computed */
     int copied;                   /* files are read into memory, for a summary too */
     int lenient;                  /* what norma check judges is read instead of refused */
+    int every_tile;               /* all models of a composite tile are read: */
+    size_t tile, tile_count;      /* this one's number, and how many there are */
+    norma_document **tiles;       /* of the first: the others, open on its bytes; or NULL */
     struct norma_scene *scene;    /* what else is told of it */
 };
 

@@ -352,6 +352,7 @@ static norma_document_result gltf_name_buffers(
  * again. */
 
 enum { BYTE_LENGTH = 8, COMPOSITE_HEADER = 16, TABLES = 12, MODEL_TABLES_END = 28, ALIGNED = 8 };
+enum { MOST_MODELS = 1024 }; /* each takes some kilobytes beside the file */
 
 typedef struct tile_search {
     gltf *g;
@@ -396,7 +397,7 @@ static norma_document_result find_model(
             "has them");
     if (is_outside) {
         leave_out_tile(s, at, "names a glTF file instead of holding one; give that file");
-    } else if (s->found++ == 0) {
+    } else if (s->found++ == s->g->document->tile) {
         s->g->tile = s->path;
         s->g->tile.at = at + (size_t)begin;
         s->g->tile.end = end;
@@ -444,16 +445,19 @@ norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error)
     if (g->document->format == NORMA_FILE_GLB) return NORMA_DOCUMENT_OK;
     const norma_document_result result =
         look_into_tile(&s, 0, g->document->source.size, &next, error);
-    g->tile.left_out = s.without;
+    g->document->tile_count = s.found;
+    g->tile.left_out = g->document->tile ? 0 : s.without; /* told of the first */
     g->tile.left_out_at = s.without_at;
     g->tile.left_out_why = s.instead;
     if (result || s.found == 1) return result;
     if (s.found == 0)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "the tile %s", s.instead ? s.instead : "is empty");
+    if (g->document->every_tile && s.found <= MOST_MODELS) return NORMA_DOCUMENT_OK;
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-        "the composite has %zu tiles with meshes; only one can be read, so split it first",
-        s.found);
+        "the composite has %zu tiles with meshes; norma check and norma info read up to %d, all "
+        "else reads one, so split it first",
+        s.found, MOST_MODELS);
 }
 
 size_t norma_gltf_surplus(const gltf *g) {

@@ -178,7 +178,8 @@ static void test_refused(void **state) {
     add(&two, model.bytes, model.size);
     add(&two, model.bytes, model.size);
     expect_refused(&two, "a.cmpt", unsupported,
-        "a.cmpt: the composite has 2 tiles with meshes; only one can be read, so split it first");
+        "a.cmpt: the composite has 2 tiles with meshes; norma check and norma info read up to "
+        "1024, all else reads one, so split it first");
     add_points(&points);
     expect_refused(
         &points, "a.cmpt", unsupported, "a.cmpt: the tile has points, which have no faces");
@@ -224,6 +225,127 @@ static void test_left_out(void **state) {
     (void)state;
 }
 
+static document_bytes turned_roof(void) {
+    uint8_t faces[4] = {1};
+    document_bytes glb = roof();
+    norma_document *document = bytes_open(glb, "a.glb");
+    const norma_mesh_edit edit = {.reverse_faces = faces};
+    assert_int_equal(norma_document_edit(document, &edit, NULL), NORMA_DOCUMENT_OK);
+    document_bytes turned = bytes_of(document);
+    norma_document_close(document);
+    bytes_free(&glb);
+    return turned;
+}
+
+static norma_document *open_every(document_bytes bytes, norma_document_error *error) {
+    const norma_document_options options = {
+        .struct_size = sizeof options, .lenient = 1, .every_tile = 1};
+    norma_document *document = NULL;
+    (void)norma_document_open_memory(bytes.data, bytes.size, "a.cmpt", &options, &document, error);
+    return document;
+}
+
+/* What is found in a model as a file of its own is found in the composite, in its tile. */
+static size_t expect_findings(const made_tile *alone, const char *name, size_t tile,
+    const norma_findings *all, size_t at, const norma_check_options *checking) {
+    static const char no_fix[] = "; no fix: the composite has several models; split it first";
+    norma_findings *own = NULL;
+    document_bytes bytes = bytes_copy(alone->bytes, alone->size);
+    norma_document *document = bytes_open(bytes, name);
+    assert_int_equal(norma_check_document(document, checking, &own, NULL), NORMA_DOCUMENT_OK);
+    assert_true(norma_findings_count(own) > 1);
+    for (size_t i = 0; i < norma_findings_count(own); ++i) {
+        const norma_finding *want = norma_findings_get(own, i),
+                            *got = norma_findings_get(all, at++);
+        char where[100], label[200], message[2000];
+        assert_non_null(got);
+        snprintf(where, sizeof where, "/tiles/%zu%s%s", tile,
+            strcmp(want->where, "instances") == 0 ? "/" : "", want->where);
+        snprintf(label, sizeof label, "tile %zu%s%s", tile, want->label[0] ? " " : "", want->label);
+        snprintf(message, sizeof message, "%s%s", want->message, want->fix ? no_fix : "");
+        assert_string_equal(got->where, where);
+        assert_string_equal(got->label, label);
+        assert_string_equal(got->message, message);
+        assert_string_equal(got->rule->id, want->rule->id);
+        assert_int_equal(got->severity, want->severity);
+        assert_int_equal(got->count, want->count);
+        assert_int_equal(got->fix, NORMA_FIX_NONE);
+    }
+    norma_findings_free(own);
+    norma_document_close(document);
+    bytes_free(&bytes);
+    return at;
+}
+
+/* b3dm, points, and an i3dm in a composite within. */
+static made_tile composite_of(const made_tile *first, const made_tile *second) {
+    made_tile composite = {.size = 0};
+    add(&composite, "cmpt", 4);
+    add_u32(&composite, 1);
+    add_u32(&composite, 16 + first->size + 32 + 16 + second->size);
+    add_u32(&composite, 3);
+    add(&composite, first->bytes, first->size);
+    add_points(&composite);
+    add(&composite, "cmpt", 4);
+    add_u32(&composite, 1);
+    add_u32(&composite, 16 + second->size);
+    add_u32(&composite, 1);
+    add(&composite, second->bytes, second->size);
+    return composite;
+}
+
+static void test_several(void **state) {
+    const norma_check_options checking = {
+        .struct_size = sizeof checking, .profile = NORMA_CHECK_PROFILE_PRINT};
+    static const char refused[] = "a.cmpt: the composite has 2 tiles with meshes; only one can be "
+                                  "changed, so split it first";
+    document_bytes one = roof(), two = turned_roof();
+    made_tile first = {.size = 0}, second = {.size = 0};
+    norma_document_error error = {0};
+    norma_findings *findings = NULL;
+    add_model(&first, one, 0, 0);
+    add_model(&second, two, 1, 1);
+    const made_tile composite = composite_of(&first, &second);
+    document_bytes bytes = bytes_copy(composite.bytes, composite.size);
+    norma_document *document = open_every(bytes, &error);
+    assert_non_null(document);
+    assert_int_equal(
+        norma_check_document(document, &checking, &findings, &error), NORMA_DOCUMENT_OK);
+    assert_string_equal(norma_findings_get(findings, 0)->rule->id, "N002"); /* the points */
+    size_t at = expect_findings(&first, "a.b3dm", 0, findings, 1, &checking);
+    const size_t turned = at;
+    at = expect_findings(&second, "a.i3dm", 1, findings, at, &checking);
+    assert_int_equal(at, norma_findings_count(findings));
+    int has_turned = 0;
+    for (size_t i = turned; i < at; ++i)
+        has_turned |= strcmp(norma_findings_get(findings, i)->rule->id, "N301") == 0;
+    assert_true(has_turned);
+    assert_true(norma_findings_partly(findings));
+    assert_ptr_equal(norma_document_tile(document, 0), document);
+    assert_int_equal(norma_document_mesh_count(norma_document_tile(document, 1)), 1);
+    assert_null(norma_document_tile(document, 2));
+    assert_int_equal(
+        norma_document_compute(document, NULL, NULL, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);
+    assert_string_equal(error.message, refused);
+    assert_int_equal(
+        norma_fix_document(document, NULL, 1, NULL, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);
+    assert_string_equal(error.message, refused);
+    norma_findings_free(findings);
+    norma_document_close(document);
+    bytes_free(&bytes);
+
+    made_tile harmed = composite; /* the magic of the second GLB */
+    harmed.bytes[16 + first.size + 32 + 16 + B3DM_TABLES + 4] = 'x';
+    bytes = bytes_copy(harmed.bytes, harmed.size);
+    assert_null(open_every(bytes, &error));
+    assert_int_equal(error.result, NORMA_DOCUMENT_ERROR_MALFORMED);
+    assert_true(strncmp(error.message, "a.cmpt:tile 1: byte ", 20) == 0);
+    bytes_free(&bytes);
+    bytes_free(&one);
+    bytes_free(&two);
+    (void)state;
+}
+
 /* Each level is 16 bytes, so a small file could nest thousands deep. */
 static void test_nested(void **state) {
     made_tile deep = {.size = 0};
@@ -244,6 +366,7 @@ int main(void) {
         cmocka_unit_test(test_untouched),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_left_out),
+        cmocka_unit_test(test_several),
         cmocka_unit_test(test_nested),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
