@@ -12,7 +12,10 @@
  * from reference a to reference b has d_b^2 - d_a^2 = D^2 (1 - 2 t), where D is the distance of a
  * and b in the same picture, which tone curves, exposure and environment change as they change
  * those of the subject. It looks like a if t is less than a quarter for each b, and if what is left
- * of its distance from a beside the noise is small as well.
+ * of its distance from a beside the noise is small as well. Another mistake may be like a mistake
+ * in most of the patch: so the subject must be like it where right and mistaken are alike, too.
+ *
+ * Mistakes that give one picture in a cell are told apart by a cell in which they do not.
  */
 #include "acid/acid_judge.h"
 #include <math.h>
@@ -22,7 +25,7 @@
 enum { LEAST_SIDE = 8, MOST_SIDE = 40, RING = 12 };
 
 static const double near_part = 0.3, near_contrast = 0.25, most_way = 0.25, above_noise = 2,
-                    least_noise = 1.0 / 255;
+                    alike_part = 0.25, alike_share = 0.05, least_noise = 1.0 / 255;
 
 typedef struct swatch { /* a patch, resampled */
     float *colors;      /* side * side * 3 */
@@ -104,13 +107,14 @@ static void take_swatch(const judging *j, const acid_box *box, double beside, sw
 
 /* ---- distances */
 
-static double distance_at(
-    const judging *j, const swatch *a, const swatch *b, double dx, double dy) {
-    const int fx = (int)floor(dx), fy = (int)floor(dy), begin = j->inset, end = j->side - j->inset;
-    const float u = (float)(dx - fx), v = (float)(dy - fy);
+/* From (left, top) to behind (right, bottom). */
+static double distance_at(const judging *j, const swatch *a, const swatch *b, const double shift[2],
+    int left, int top, int right, int bottom) {
+    const int fx = (int)floor(shift[0]), fy = (int)floor(shift[1]);
+    const float u = (float)(shift[0] - fx), v = (float)(shift[1] - fy);
     double sum = 0;
-    for (int y = begin; y < end; ++y)
-        for (int x = begin; x < end; ++x) {
+    for (int y = top; y < bottom; ++y)
+        for (int x = left; x < right; ++x) {
             const float *p = a->colors + 3 * (y * j->side + x),
                         *q = b->colors + 3 * ((y + fy) * j->side + x + fx), *r = q + 3 * j->side;
             for (int k = 0; k < 3; ++k) {
@@ -119,23 +123,25 @@ static double distance_at(
                 sum += (double)((p[k] - there) * (p[k] - there));
             }
         }
-    return sqrt(sum / (3.0 * (end - begin) * (end - begin)));
+    return sqrt(sum / (3.0 * (right - left) * (bottom - top)));
 }
 
 /* The least over shifts within reach: a coarse grid, then finer ones around its best. */
-static double swatch_distance(const judging *j, const swatch *a, const swatch *b) {
-    double best = INFINITY, at[2] = {0, 0};
+static double swatch_distance(
+    const judging *j, const swatch *a, const swatch *b, double best_shift[2]) {
+    const int begin = j->inset, end = j->side - begin;
+    double best = INFINITY;
+    best_shift[0] = best_shift[1] = 0;
     for (double step = j->reach / 2, span = 2; step > j->reach / 12; step /= 2, span = 1) {
-        const double middle[2] = {at[0], at[1]};
+        const double middle[2] = {best_shift[0], best_shift[1]};
         for (double y = -span; y <= span; ++y)
             for (double x = -span; x <= span; ++x) {
-                const double dx = middle[0] + x * step, dy = middle[1] + y * step;
-                if (fabs(dx) > j->reach || fabs(dy) > j->reach) continue;
-                const double d = distance_at(j, a, b, dx, dy);
+                const double shift[2] = {middle[0] + x * step, middle[1] + y * step};
+                if (fabs(shift[0]) > j->reach || fabs(shift[1]) > j->reach) continue;
+                const double d = distance_at(j, a, b, shift, begin, begin, end, end);
                 if (d >= best) continue;
                 best = d;
-                at[0] = dx;
-                at[1] = dy;
+                memcpy(best_shift, shift, sizeof shift);
             }
     }
     return best;
@@ -271,21 +277,23 @@ static void judge_missing(const acid_row *row, acid_finding *finding) {
  * pixel beside. */
 static double sampling_noise(judging *j, const acid_row *row) {
     take_swatch(j, &row->references[0].box, 0.5, &j->beside);
-    return swatch_distance(j, &j->references[0], &j->beside);
+    double shift[2];
+    return swatch_distance(j, &j->references[0], &j->beside, shift);
 }
 
 /* The subject against each reference, and those against the nearest one (apart). */
 static void measure(
     judging *j, const acid_row *row, acid_finding *finding, double apart[ACID_MOST_REFERENCES]) {
+    double shift[2];
     for (size_t i = 0; i < row->reference_count; ++i) {
-        finding->distances[i] = swatch_distance(j, &j->subject, &j->references[i]);
+        finding->distances[i] = swatch_distance(j, &j->subject, &j->references[i], shift);
         if (finding->nearest < 0 || finding->distances[i] < finding->distances[finding->nearest])
             finding->nearest = (int)i;
     }
     finding->apart = INFINITY;
     for (size_t i = 0; i < row->reference_count; ++i) {
         if ((int)i == finding->nearest) continue;
-        apart[i] = swatch_distance(j, &j->references[finding->nearest], &j->references[i]);
+        apart[i] = swatch_distance(j, &j->references[finding->nearest], &j->references[i], shift);
         finding->apart = fmin(finding->apart, apart[i]);
     }
 }
@@ -302,6 +310,25 @@ static int is_between(const acid_row *row, const acid_finding *finding, double n
     return 0;
 }
 
+/* How far the subject is from the nearest reference where that one is like the right one, which is
+ * so in much of the patch if a mistake acts in a part of it only; 0: hardly anywhere. */
+static double off_where_alike(const judging *j, int nearest, double apart) {
+    static const double in_place[2] = {0, 0};
+    const swatch *right = &j->references[0], *mistaken = &j->references[nearest];
+    const int begin = j->inset, end = j->side - begin;
+    double shift[2], sum = 0;
+    int count = 0;
+    swatch_distance(j, &j->subject, mistaken, shift);
+    for (int y = begin; y < end; ++y)
+        for (int x = begin; x < end; ++x) {
+            if (distance_at(j, right, mistaken, in_place, x, y, x + 1, y + 1) > alike_part * apart)
+                continue;
+            sum += squared(distance_at(j, &j->subject, mistaken, shift, x, y, x + 1, y + 1));
+            ++count;
+        }
+    return count < alike_share * squared(end - begin) ? 0 : sqrt(sum / count);
+}
+
 static void judge_drawn(judging *j, const acid_row *row, acid_finding *finding) {
     const double noise = fmax(least_noise, fmax(j->noise, sampling_noise(j, row)));
     double apart[ACID_MOST_REFERENCES];
@@ -316,6 +343,9 @@ static void judge_drawn(judging *j, const acid_row *row, acid_finding *finding) 
     else if (is_between(row, finding, noise, apart))
         unclear(finding, ACID_REASON_BETWEEN);
     else if (squared(least) > squared(1.5 * noise) + squared(near))
+        unclear(finding, ACID_REASON_FAR);
+    else if (finding->nearest > 0 && squared(off_where_alike(j, finding->nearest, apart[0])) >
+                                         squared(1.5 * noise) + squared(near_part * apart[0]))
         unclear(finding, ACID_REASON_FAR);
     else
         finding->verdict = finding->nearest == 0 ? ACID_PASS : ACID_FAIL;
@@ -354,7 +384,8 @@ static void judge_control(judging *j, const acid_row *row, acid_finding *finding
         finding->verdict = ACID_MISSING;
         return;
     }
-    finding->distances[0] = swatch_distance(j, &j->subject, &j->references[0]);
+    double shift[2];
+    finding->distances[0] = swatch_distance(j, &j->subject, &j->references[0], shift);
     finding->apart = contrast(j, &j->references[0]);
     if (finding->apart < 0.02)
         finding->reason = ACID_REASON_ALIKE;
@@ -393,6 +424,34 @@ static void free_swatches(judging *j) {
     for (int i = 0; i < ACID_MOST_REFERENCES; ++i) free(j->references[i].colors);
 }
 
+/* ---- mistakes that give one picture in a cell */
+
+/* Under a node that mirrors, with one sign of w throughout, a sign that is kept, a sign that is
+ * lost and a green channel that is flipped all turn the bitangent round. */
+static const struct {
+    const char *cell, *mistake, *told_apart_by;
+} alike[] = {{"tangent-mirror", "sign-kept", "tangent-sign"}};
+
+static int row_passes(const judging *j, const acid_judgement *judgement, const char *id) {
+    for (size_t i = 0; i < j->layout->row_count; ++i)
+        if (strcmp(j->layout->rows[i].id, id) == 0)
+            return judgement->findings[i].verdict == ACID_PASS;
+    return 0;
+}
+
+static void tell_apart(const judging *j, acid_judgement *to) {
+    for (size_t i = 0; i < j->layout->row_count; ++i) {
+        const acid_row *row = &j->layout->rows[i];
+        acid_finding *finding = &to->findings[i];
+        for (size_t k = 0; k < sizeof alike / sizeof *alike; ++k)
+            if (finding->verdict == ACID_FAIL && finding->nearest > 0 &&
+                strcmp(row->id, alike[k].cell) == 0 &&
+                strcmp(row->references[finding->nearest].id, alike[k].mistake) == 0 &&
+                !row_passes(j, to, alike[k].told_apart_by))
+                unclear(finding, ACID_REASON_ELSEWHERE);
+    }
+}
+
 static void judge_rows(judging *j, int is_large, acid_judgement *to) {
     size_t control_at;
     const acid_row *control = find_control(j->layout, &control_at);
@@ -414,8 +473,9 @@ static void judge_rows(judging *j, int is_large, acid_judgement *to) {
             unclear(&to->findings[i], reason);
         else if (row != control)
             judge_row(j, row, &to->findings[i]);
-        ++to->counts[to->findings[i].verdict];
     }
+    tell_apart(j, to);
+    for (size_t i = 0; i < j->layout->row_count; ++i) ++to->counts[to->findings[i].verdict];
 }
 
 int acid_judge(const acid_picture *picture, const acid_layout *layout, const acid_map *map,

@@ -82,7 +82,9 @@ typedef enum acid_reason { /* of ACID_UNCLEAR, and of a control that fails */
     ACID_REASON_NOT_DRAWN, /* the right reference is not drawn */
     ACID_REASON_ALIKE,     /* the references differ by no more than the picture's noise */
     ACID_REASON_BETWEEN,   /* the nearest two are about as near */
-    ACID_REASON_FAR        /* nothing is near */
+    ACID_REASON_FAR,       /* nothing is near, or not everywhere */
+    ACID_REASON_ELSEWHERE  /* other mistakes look the same here; the cell in which they do not does
+                              not pass */
 } acid_reason;
 
 typedef struct acid_finding {

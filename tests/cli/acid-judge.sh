@@ -22,8 +22,10 @@ judge=("$norma" acid --scene "$scratch/acid.json" --judge)
 # ---- verdicts: what was put in, as the generator tells it
 
 verdicts() { sed 's/{"id": /\n/g' "$scratch/out" | sed -nE 's/^"([a-z-]*)", "verdict": "([a-z]*)", "mistake": ("([a-z-]*)"|null).*/\1 \2 \4/p'; }
+# tangent-mirror's mistake can be named only if tangent-sign passes.
 expected() {
-    awk '{ print $1, ($2 == "right" ? "pass " : $2 == "other" ? "unclear " : $2 == "nothing" ? ($1 == "flattened" ? "fail lost" : "missing ") : "fail " $2) }' "$scratch/shows"
+    awk 'NR == FNR { shown[$1] = $2; next }
+        { print $1, ($2 == "right" ? "pass " : $2 == "other" || $2 == "sign-kept" && shown["tangent-sign"] != "right" ? "unclear " : $2 == "nothing" ? ($1 == "flattened" ? "fail lost" : "missing ") : "fail " $2) }' "$scratch/shows" "$scratch/shows"
 }
 for number in 3 4 5; do
     "$screens" shot "$number" "$scratch/shot.png" >"$scratch/shows"
@@ -42,6 +44,13 @@ status "a picture is marked" 1 "${judge[@]}" "$scratch/shot.png" -o "$scratch/ma
 check "nothing else is said" test ! -s "$scratch/out"
 check "it is another picture" bash -c "! cmp -s '$scratch/shot.png' '$scratch/marked.png'"
 status "and can be judged again" 1 "${judge[@]}" "$scratch/marked.png" --quiet
+
+# ---- norma render that reads green downward everywhere (tests/support/mistakes.cmake), with the ACES curve, 691 pixels wide, as a JPEG
+
+status "one mistake in all cells" 1 "$norma" acid --judge tests/cli/pictures/acid-green-flipped.jpg --json
+check "is named where it can be told from others, and never misnamed" test "$(verdicts | grep -v ' pass ' | tr -s ' \n' ' ')" = \
+    "tangent-absent unclear tangent-sign fail green-flipped tangent-non-uniform unclear tangent-mirror unclear tangent-skinned unclear normal-scale unclear "
+check "and why, where other mistakes look the same" grep -q '"tangent-mirror".*sign-kept, sign-lost and green-flipped look the same' "$scratch/out"
 
 # ---- what it refuses
 

@@ -32,15 +32,19 @@ if ! { cmake -S . -B "$built" -G Ninja -DNORMA_MISTAKES=ON -DNORMA_TESTS=OFF -DN
     finish
     exit
 fi
-# verdicts SHOT: "cell verdict mistake" of each cell that has $mistake beside it.
+# verdicts SHOT: "cell verdict mistake" of each cell that has $mistake beside it; others to $scratch/misnamed if they name a mistake that was not made.
 verdicts() {
     "$norma" acid --judge "$1" --json >"$scratch/json"
-    python3 - "$scratch/json" "$scratch/scenes/acid.json" "$mistake" <<'END'
+    python3 - "$scratch/json" "$scratch/scenes/acid.json" "$mistake" tests/support/acid_also.txt 2>"$scratch/misnamed" <<'END'
 import json, sys
 found = {cell["id"]: cell for cell in json.load(open(sys.argv[1]))["cells"]}
 for cell in json.load(open(sys.argv[2]))["cells"]:
     if any(r["id"] == sys.argv[3] for r in cell["references"]):
         print(cell["id"], found[cell["id"]]["verdict"], found[cell["id"]]["mistake"])
+also = {tuple(line.split()[:3]) for line in open(sys.argv[4])}
+for cell in found.values():
+    if cell["verdict"] == "missing" or cell["mistake"] not in (None, sys.argv[3]) and (sys.argv[3], cell["id"], cell["mistake"]) not in also:
+        print(cell["id"], cell["verdict"], cell["mistake"], file=sys.stderr)
 END
 }
 # draw MISTAKE OUT
@@ -53,6 +57,7 @@ for mistake in $(grep -oE '\{"id": "[a-z-]+"' "$scratch/scenes/acid.json" | sed 
     verdicts "$scratch/shot.png" >"$scratch/verdicts"
     # Two mirrors make none.
     wrong=$(grep -v " fail $mistake\$" "$scratch/verdicts" | grep -v "^mirror-twice pass None")
+    check "$mistake: no cell names another mistake" test ! -s "$scratch/misnamed"
     if [ -s "$scratch/verdicts" ] && [ -z "$wrong" ]; then pass "$mistake is named in $(wc -l <"$scratch/verdicts") cells"; else fail "$mistake is named" "$wrong"; fi
 done
 finish

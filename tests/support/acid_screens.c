@@ -136,13 +136,14 @@ static int judge_number(tally *t, const acid_layout *layout, uint32_t number) {
         const acid_row *row = &layout->rows[i];
         const acid_finding *f = &judgement.findings[i];
         const char *shows = shown_name(&shot, layout, i);
-        kind *k = kind_of(t, shows);
+        const int can_name = acid_shot_can_name(&shot, layout, i);
+        kind *k = kind_of(t, can_name ? shows : "sign-kept, another mistake in tangent-sign");
         const int named = is_named(&shot, row, i, f), unclear = f->verdict == ACID_UNCLEAR;
         ++k->count;
         k->named += (size_t)named;
         k->unclear += (size_t)unclear;
         k->wrong += (size_t)(!named && !unclear);
-        if (!named && !(unclear && shot.shows[i] == ACID_SHOWS_OTHER))
+        if (!named && !(unclear && (shot.shows[i] == ACID_SHOWS_OTHER || !can_name)))
             tell_wrong(&shot, number, row, shows, f);
     }
     if (found == 1) free(judgement.findings);

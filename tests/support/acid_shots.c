@@ -309,6 +309,13 @@ int acid_shot_take(const acid_shot *shot, const acid_layout *layout, acid_pictur
 
 /* ---- which distortions */
 
+int acid_shot_can_name(const acid_shot *shot, const acid_layout *layout, size_t row) {
+    if (strcmp(layout->rows[row].id, "tangent-mirror") || shot->shows[row] <= 0) return 1;
+    for (size_t i = 0; i < layout->row_count; ++i)
+        if (strcmp(layout->rows[i].id, "tangent-sign") == 0) return shot->shows[i] == 0;
+    return 0;
+}
+
 static int choose_shown(uint32_t *seed, const acid_row *row) {
     const double dice = between(seed, 0, 1);
     if (strcmp(row->id, "control") == 0 || dice < 0.3) return 0;
