@@ -445,7 +445,6 @@ norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error)
     if (g->document->format == NORMA_FILE_GLB) return NORMA_DOCUMENT_OK;
     const norma_document_result result =
         look_into_tile(&s, 0, g->document->source.size, &next, error);
-    g->document->tile_count = s.found;
     g->tile.left_out = g->document->tile ? 0 : s.without; /* told of the first */
     g->tile.left_out_at = s.without_at;
     g->tile.left_out_why = s.instead;
@@ -453,7 +452,10 @@ norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error)
     if (s.found == 0)
         return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "the tile %s", s.instead ? s.instead : "is empty");
-    if (g->document->every_tile && s.found <= MOST_MODELS) return NORMA_DOCUMENT_OK;
+    if (g->document->every_tile && s.found <= MOST_MODELS) {
+        g->document->tile_count = s.found;
+        return NORMA_DOCUMENT_OK;
+    }
     return norma_document_fail(g->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
         "the composite has %zu tiles with meshes; norma check and norma info read up to %d, all "
         "else reads one, so split it first",

@@ -346,6 +346,32 @@ static void test_several(void **state) {
     (void)state;
 }
 
+/* One more than are read. */
+static void test_too_many(void **state) {
+    enum { COUNT = 1025, TILE = 28 };
+    unsigned char *all = calloc(16 + COUNT * TILE, 1);
+    made_tile head = {.size = 0}, tile = {.size = 0};
+    norma_document_error error = {0};
+    assert_non_null(all);
+    add(&head, "cmpt", 4);
+    add_u32(&head, 1);
+    add_u32(&head, 16 + COUNT * TILE);
+    add_u32(&head, COUNT);
+    add(&tile, "b3dm", 4);
+    add_u32(&tile, 1);
+    add_u32(&tile, TILE);
+    memcpy(all, head.bytes, head.size);
+    for (size_t i = 0; i < COUNT; ++i) memcpy(all + 16 + i * TILE, tile.bytes, tile.size);
+    document_bytes bytes = bytes_copy(all, 16 + COUNT * TILE);
+    assert_null(open_every(bytes, &error));
+    assert_string_equal(error.message,
+        "a.cmpt: the composite has 1025 tiles with meshes; norma check and norma info read up to "
+        "1024, all else reads one, so split it first");
+    bytes_free(&bytes);
+    free(all);
+    (void)state;
+}
+
 /* Each level is 16 bytes, so a small file could nest thousands deep. */
 static void test_nested(void **state) {
     made_tile deep = {.size = 0};
@@ -367,6 +393,7 @@ int main(void) {
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_left_out),
         cmocka_unit_test(test_several),
+        cmocka_unit_test(test_too_many),
         cmocka_unit_test(test_nested),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
