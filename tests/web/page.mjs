@@ -541,7 +541,11 @@ else await attempt("no slider and no press holds the page for longer than 50 ms 
     console.log(`# ${name}: the longest task ${wall.toFixed(0)} ms, ${processor.toFixed(0)} of them of the processor${isBusy ? ", on a busy machine" : ""}`);
     if (!(processor <= 50) || !(isBusy || wall <= 50)) slow.push(name);
   }
+  const plain = await view.picture();
+  await view.click("wireframe");
+  const drawn = differences(plain, await view.picture("view-many-edges"));
   await view.close();
+  expect(drawn > 3000, `${drawn} pixels of a wireframe`);
   expect(slow.length === 0, slow.join("; "));
 });
 
@@ -875,9 +879,9 @@ await attempt("what a copy changed: a face gone, a normal, a face turned, and no
 });
 
 await attempt("seams of texture coordinates: the edge at which a square is cut, none where both sides agree", async () => {
-  const square = [0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0], whole = [0, 0, 1, 0, 1, 1, 0, 0, 1, 1, 0, 1], cut = whole.map((x, i) => (i < 6 ? x / 2 : x)), ends = ({ from, to, count }) => [count, [...from].join(), [...to].join()].sort().join(" ");
+  const square = [0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 1, 0, 0, 1, 0], whole = [0, 0, 1, 0, 1, 1, 0, 0, 1, 1, 0, 1], cut = whole.map((x, i) => (i < 6 ? x / 2 : x)), endsOf = ({ ends, count }) => [count, ends.slice(0, 3).join(), ends.slice(3).join()].sort().join(" ");
   expect(seamsOf(Float32Array.from(square), Float32Array.from(whole)).count === 0, "a seam where there is none");
-  const seen = ends(seamsOf(Float32Array.from(square), Float32Array.from(cut)));
+  const seen = endsOf(seamsOf(Float32Array.from(square), Float32Array.from(cut)));
   expect(seen === "0,0,0 1 1,1,0", seen);
   const parts = [square, cut].map((list) => Buffer.from(Float32Array.from(list).buffer)), accessor = (bufferView, type) => ({ bufferView, count: 6, type, componentType: 5126, ...(type === "VEC3" ? { min: [0, 0, 0], max: [1, 1, 0] } : {}) }), cutPage = await visit(home);
   await dropText(cutPage, "cut.gltf", JSON.stringify({ asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0, TEXCOORD_0: 1 } }] }], accessors: [accessor(0, "VEC3"), accessor(1, "VEC2")],

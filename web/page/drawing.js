@@ -43,10 +43,9 @@ function drawEdges(kind, item, view, pixels, shown) {
   const lines = (shown.edges[kind] ??= []), { colour, pixels: width } = EDGES[kind];
   if (lines[item.mesh] === undefined) {
     lines[item.mesh] = null;
-    page.remote[kind](shown.model.number, item.mesh).then(async ({ from, to, count }) => {
-      const made = { from: page.graphics.reserve(from.byteLength), to: page.graphics.reserve(to.byteLength), count };
-      await page.graphics.fillSlowly(made.from, from);
-      await page.graphics.fillSlowly(made.to, to);
+    page.remote[kind](shown.model.number, item.mesh).then(async ({ ends, count }) => {
+      const made = { ends: page.graphics.reserve(ends.byteLength), count };
+      await page.graphics.fillSlowly(made.ends, ends);
       lines[item.mesh] = made;
       dirty.draw = true;
     }, (error) => notice(error.message));

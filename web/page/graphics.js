@@ -7,6 +7,8 @@ const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3, TANGENT = 5;
 const LIGHTS = [{ from: [-0.66, 0.62, 0.42], strength: 1.05 }, { from: [0.9, 0, 0.3], strength: 0.1 }];
 /* WebGL's longest stride, in floats. */
 const MOST_STRIDE = 63;
+/* More edges than these are drawn a pixel wide. */
+const MOST_WIDE = 50000;
 /* Bytes that are handed over at once. */
 const SLICE = 1 << 19;
 /* Phong's model: ambient, diffuse, specular, exponent. */
@@ -56,7 +58,7 @@ export function makeGraphics(canvas, texts) {
     return made.place;
   };
   for (const define of Object.values(SURFACES)) prepare("surface", "LIGHT_IN_VIEW", define);
-  for (const [stage, ...defines] of [["angle"], ["marked", "MARKED_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"], ["outline"]]) prepare(stage, ...defines);
+  for (const [stage, ...defines] of [["angle"], ["marked", "MARKED_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"], ["line", "THIN"], ["outline"]]) prepare(stage, ...defines);
 
   const lit = makeLit(canvas, gl);
 
@@ -283,17 +285,19 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.BLEND);
   };
 
-  /* Edges: from, to (buffers), count. */
-  const drawWire = (item, camera, { from, to, count }, pixels, colour) => {
-    const place = programOf("line");
+  /* Edges: both ends of each (a buffer), count. Many are lines of the card: software draws a million strips of four vertices in 20 s, and lines in 2. */
+  const drawWire = (item, camera, { ends, count }, pixels, colour) => {
+    const isThin = count > MOST_WIDE, place = isThin ? programOf("line", "THIN") : programOf("line");
     startLines(place, camera, pixels, 0, 0.0015);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
-    attribute(0, from, 3, 0, 0, 1);
-    attribute(1, to, 3, 0, 0, 1);
+    attribute(0, ends, 3, isThin ? 12 : 24, 0, isThin ? 0 : 1);
+    if (isThin) gl.disableVertexAttribArray(1);
+    else attribute(1, ends, 3, 24, 12, 1);
     gl.disableVertexAttribArray(2);
     gl.vertexAttrib4f(2, ...colour);
     gl.disableVertexAttribArray(3);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+    if (isThin) gl.drawArrays(gl.LINES, 0, 2 * count);
+    else gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
     gl.disable(gl.BLEND);
   };
 

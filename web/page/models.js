@@ -92,19 +92,19 @@ export async function startModels(modules) {
     tangents: (number) => models.get(number).meshes.map((mesh) => (mesh.hasTangents || mesh.hasTexcoords.some(Boolean) ? mesh.tangents().slice() : null)),
     /* Both ends of every edge of the file's polygons. */
     wire: (number, index) => {
-      const { positions, edges: read, triangles } = models.get(number).meshes[index], edges = read(), p = positions(), from = new Float32Array(9 * triangles), to = new Float32Array(9 * triangles);
+      const { positions, edges: read, triangles } = models.get(number).meshes[index], edges = read(), p = positions(), ends = new Float32Array(18 * triangles);
       let count = 0;
       for (let i = 0; i < 3 * triangles; i++) {
         if (!edges[i]) continue;
         const next = i % 3 === 2 ? i - 2 : i + 1;
-        for (let k = 0; k < 3; k++) { from[3 * count + k] = p[3 * i + k]; to[3 * count + k] = p[3 * next + k]; }
+        for (let k = 0; k < 3; k++) { ends[6 * count + k] = p[3 * i + k]; ends[6 * count + 3 + k] = p[3 * next + k]; }
         count++;
       }
-      return { from: from.slice(0, 3 * count), to: to.slice(0, 3 * count), count };
+      return { ends: ends.slice(0, 6 * count), count };
     },
     seams: (number, index) => {
       const mesh = models.get(number).meshes[index];
-      return mesh.hasTexcoords[0] ? seamsOf(mesh.positions().slice(), mesh.texcoords(0).slice()) : { from: new Float32Array(), to: new Float32Array(), count: 0 };
+      return mesh.hasTexcoords[0] ? seamsOf(mesh.positions().slice(), mesh.texcoords(0).slice()) : { ends: new Float32Array(), count: 0 };
     },
     /* Middles and normals of faces, and how long their lines are. */
     faceLines: (number, index) => {

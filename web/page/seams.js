@@ -15,7 +15,7 @@ function numbersOf(positions) {
 
 /* positions, texcoords: of each corner of each triangle. Both ends of every such edge. */
 export function seamsOf(positions, texcoords) {
-  const points = numbersOf(positions), edges = new Map(), from = [], to = [];
+  const points = numbersOf(positions), edges = new Map(), ends = [];
   const same = (i, j) => texcoords[2 * i] === texcoords[2 * j] && texcoords[2 * i + 1] === texcoords[2 * j + 1];
   for (let i = 0; i < points.length; i++) {
     const next = i % 3 === 2 ? i - 2 : i + 1, [low, high] = points[i] < points[next] ? [i, next] : [next, i], key = points[low] * points.length + points[high];
@@ -24,7 +24,7 @@ export function seamsOf(positions, texcoords) {
     if (!known) { edges.set(key, { low, high, isSeam: false }); continue; }
     if (known.isSeam || (same(low, known.low) && same(high, known.high))) continue;
     known.isSeam = true;
-    for (let axis = 0; axis < 3; axis++) { from.push(positions[3 * low + axis]); to.push(positions[3 * high + axis]); }
+    for (const end of [low, high]) for (let axis = 0; axis < 3; axis++) ends.push(positions[3 * end + axis]);
   }
-  return { from: Float32Array.from(from), to: Float32Array.from(to), count: from.length / 3 };
+  return { ends: Float32Array.from(ends), count: ends.length / 6 };
 }

@@ -2,6 +2,7 @@
 //
 // Each line is one instance of a strip of four vertices, gl_VertexID 0 to 3 (drawArraysInstanced(TRIANGLE_STRIP, 0, 4, lines), attribute divisors 1).
 // #define HEDGEHOG    from a point along a normal, through the same normal matrix as the surface; otherwise from one point to another
+// #define THIN        a pixel wide, of drawArrays(LINES, 0, 2 * lines): from is each end in turn, and to, width and head are not looked at
 // Attributes (bind by location)
 //   0  vec3  from       local
 //   1  vec3  to         local; HEDGEHOG: the normal, of any length
@@ -38,6 +39,11 @@ vec4 to_clip(vec3 world) {
 
 void main() {
     vec3 start = (local_to_world * vec4(from, 1.0)).xyz;
+    line_colour = colour;
+#if defined(THIN)
+    gl_Position = to_clip(start);
+    line_place = vec4(0.0, 0.0, 0.0, 1.0);
+#else
 #if defined(HEDGEHOG)
     vec3 end = start + reach * reach_scale * norma_transform_normal(normal_matrix, to);
 #else
@@ -57,5 +63,5 @@ void main() {
     vec4 clip = at_end ? b : a;
     gl_Position = clip + vec4(corner * 2.0 / viewport * clip.w, 0.0, 0.0);
     line_place = vec4(at_end ? pixels + half_width : -half_width, side * half_width, pixels, 1.0) * clip.w;
-    line_colour = colour;
+#endif
 }
