@@ -541,10 +541,11 @@ else await attempt("no slider and no press holds the page for longer than 50 ms 
     console.log(`# ${name}: the longest task ${wall.toFixed(0)} ms, ${processor.toFixed(0)} of them of the processor${isBusy ? ", on a busy machine" : ""}`);
     if (!(processor <= 50) || !(isBusy || wall <= 50)) slow.push(name);
   }
-  const plain = await view.picture();
+  const noticed = await view.text("notice"), plain = await view.picture();
   await view.click("wireframe");
   const drawn = differences(plain, await view.picture("view-many-edges"));
   await view.close();
+  expect(noticed === "", noticed);
   expect(drawn > 3000, `${drawn} pixels of a wireframe`);
   expect(slow.length === 0, slow.join("; "));
 });

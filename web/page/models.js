@@ -108,7 +108,7 @@ export async function startModels(modules) {
     },
     /* Middles and normals of faces, and how long their lines are. */
     faceLines: (number, index) => {
-      const { positions: read, reach: readReach, triangles } = models.get(number).meshes[index], to = engine.norma.faceNormals(read()).slice(), positions = read(), reach = readReach();
+      const { positions: read, reach: readReach, triangles } = models.get(number).meshes[index], positions = read().slice(), to = engine.norma.faceNormals(positions).slice(), reach = readReach(); // the call may move the memory that read() looks at
       const from = new Float32Array(3 * triangles), lengths = new Float32Array(triangles);
       for (let t = 0; t < triangles; t++) {
         for (let i = 0; i < 3; i++) from[3 * t + i] = (positions[9 * t + i] + positions[9 * t + 3 + i] + positions[9 * t + 6 + i]) / 3;
