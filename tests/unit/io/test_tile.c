@@ -294,6 +294,46 @@ static made_tile composite_of(const made_tile *first, const made_tile *second) {
     return composite;
 }
 
+/* What a model may stand for goes by its own bytes, whatever else a composite holds. */
+static void test_hollow(void **state) {
+    enum { POINTS = 400000 };
+    static const char json[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"accessors\":[{\"componentType\":5126,\"count\":90000,"
+        "\"type\":\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]}   ";
+    const size_t text = (sizeof json - 1) / 4 * 4;
+    document_bytes one = roof();
+    made_tile glb = {.size = 0}, start = {.size = 0}, model = {.size = 0};
+    norma_document_error error = {0};
+    add(&glb, "glTF\2\0\0", 8);
+    add_u32(&glb, 20 + text);
+    add_u32(&glb, text);
+    add(&glb, "JSON", 4);
+    add(&glb, json, text);
+    add_model(&model, (document_bytes){.data = glb.bytes, .size = glb.size}, 0, 0);
+    add(&start, "cmpt", 4);
+    add_u32(&start, 1);
+    add_u32(&start, 0);
+    add_u32(&start, 3);
+    add_model(&start, one, 0, 0);
+    const size_t size = start.size + POINTS + model.size;
+    for (size_t i = 0; i < 4; ++i) start.bytes[8 + i] = (unsigned char)(size >> (8 * i));
+    const size_t points = start.size;
+    add(&start, "pnts", 4);
+    add_u32(&start, 1);
+    add_u32(&start, POINTS);
+    unsigned char *all = calloc(size, 1);
+    assert_non_null(all);
+    memcpy(all, start.bytes, start.size);
+    memcpy(all + points + POINTS, model.bytes, model.size);
+    document_bytes bytes = bytes_copy(all, size);
+    assert_null(open_every(bytes, &error));
+    assert_true(strncmp(error.message, "a.cmpt:tile 1: ", 15) == 0);
+    bytes_free(&bytes);
+    bytes_free(&one);
+    free(all);
+    (void)state;
+}
+
 static void test_several(void **state) {
     const norma_check_options checking = {
         .struct_size = sizeof checking, .profile = NORMA_CHECK_PROFILE_PRINT};
@@ -327,6 +367,9 @@ static void test_several(void **state) {
     assert_int_equal(
         norma_document_compute(document, NULL, NULL, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);
     assert_string_equal(error.message, refused);
+    assert_int_equal(norma_document_compute(norma_document_tile(document, 1), NULL, NULL, &error),
+        NORMA_DOCUMENT_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(error.message, refused + strlen("a.cmpt: ")));
     assert_int_equal(
         norma_fix_document(document, NULL, 1, NULL, &error), NORMA_DOCUMENT_ERROR_UNSUPPORTED);
     assert_string_equal(error.message, refused);
@@ -393,6 +436,7 @@ int main(void) {
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_left_out),
         cmocka_unit_test(test_several),
+        cmocka_unit_test(test_hollow),
         cmocka_unit_test(test_too_many),
         cmocka_unit_test(test_nested),
     };
