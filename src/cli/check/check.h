@@ -339,4 +339,6 @@ typedef struct check_fixed {
 /* Writes an <svg> of the surface round the worst place of a finding, the faces that it names in
  * red; nothing where it names no place. */
 void check_draw_finding(FILE *out, norma_document *document, const norma_finding *finding);
+/* A place within its model: of a composite's "/tiles/3/meshes/0" what follows the 3, and tile 3. */
+const char *check_where_in_tile(const char *where, size_t *tile);
 #endif

@@ -436,6 +436,9 @@ static void draw_whole(FILE *out, const picture *drawn) {
 /* The mesh that a finding stands at. 0: none, or it was not read. */
 static int check_find_mesh(norma_document *document, const char *where, norma_mesh_data *data) {
     norma_mesh_info info;
+    size_t tile;
+    where = check_where_in_tile(where, &tile);
+    document = norma_document_tile(document, tile);
     for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
         if (!norma_document_mesh_info(document, i, &info) && strcmp(info.where, where) == 0)
             return !info.not_read && !norma_document_mesh_data(document, i, data, NULL);

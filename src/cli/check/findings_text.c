@@ -66,8 +66,9 @@ size_t check_count_same(const check_report *report, const check_item *item) {
 
 /* one that is missing, or cannot be read */
 static int check_is_picture(const check_item *item) {
+    size_t tile;
     return strcmp(item->finding->rule->id, "N002") == 0 &&
-           strncmp(item->finding->where, "/images/", 8) == 0;
+           strncmp(check_where_in_tile(item->finding->where, &tile), "/images/", 8) == 0;
 }
 
 uint64_t check_key(const check_report *report, const check_item *item) {
@@ -151,7 +152,16 @@ void check_write_file(
     format->file(out, report);
 }
 
-/* ---- nodes */
+/* ---- places and nodes */
+
+const char *check_where_in_tile(const char *where, size_t *tile) {
+    static const char tiles[] = "/tiles/";
+    *tile = 0;
+    if (strncmp(where, tiles, sizeof tiles - 1) != 0) return where;
+    where += sizeof tiles - 1;
+    for (; *where >= '0' && *where <= '9'; ++where) *tile = 10 * *tile + (size_t)(*where - '0');
+    return where;
+}
 
 /* The number of the mesh in "/meshes/12/primitives/3". */
 static size_t mesh_number(const char *where) {
@@ -165,6 +175,9 @@ static size_t mesh_number(const char *where) {
 
 const char *check_node_path(norma_document *document, const char *where) {
     norma_node_info node;
+    size_t tile;
+    where = check_where_in_tile(where, &tile);
+    document = norma_document_tile(document, tile);
     const size_t mesh = mesh_number(where),
                  count = document ? norma_document_node_count(document) : 0;
     for (size_t i = 0; i < count; ++i)

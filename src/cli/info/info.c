@@ -439,23 +439,38 @@ static void write_bounds(cli_json *json, const info_bounds *bounds) {
     cli_json_close(json, ']');
 }
 
-static void write_info_json(const contents *found) {
+static void write_model(cli_json *json, const contents *found) {
+    cli_json_string(json, "format", norma_file_format_name(found->format));
+    write_bounds(json, &found->bounds);
+    cli_json_size(json, "vertices", found->vertices);
+    cli_json_size(json, "faces", found->faces);
+    cli_json_size(json, "triangles", found->triangles);
+    cli_json_size(json, "skins", found->skin_count);
+    cli_json_open(json, "meshes", '[');
+    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
+        write_mesh(json, found, first, mesh_end(found, first));
+    cli_json_close(json, ']');
+    write_nodes(json, found);
+    cli_json_notes(json, found->document);
+}
+
+/* One object a file: a composite's models, where they are several, stand in it as tiles. */
+static void write_info_json(const contents *found, size_t count) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "path", found->path);
-    if (found->tile != SIZE_MAX) cli_json_size(&json, "tile", found->tile);
-    cli_json_string(&json, "format", norma_file_format_name(found->format));
-    write_bounds(&json, &found->bounds);
-    cli_json_size(&json, "vertices", found->vertices);
-    cli_json_size(&json, "faces", found->faces);
-    cli_json_size(&json, "triangles", found->triangles);
-    cli_json_size(&json, "skins", found->skin_count);
-    cli_json_open(&json, "meshes", '[');
-    for (size_t first = 0; first < found->part_count; first = mesh_end(found, first))
-        write_mesh(&json, found, first, mesh_end(found, first));
-    cli_json_close(&json, ']');
-    write_nodes(&json, found);
-    cli_json_notes(&json, found->document);
+    if (count == 1) {
+        write_model(&json, found);
+    } else {
+        cli_json_string(&json, "format", norma_file_format_name(found->format));
+        cli_json_open(&json, "tiles", '[');
+        for (size_t i = 0; i < count; ++i) {
+            cli_json_open(&json, NULL, '{');
+            write_model(&json, &found[i]);
+            cli_json_close(&json, '}');
+        }
+        cli_json_close(&json, ']');
+    }
     cli_json_close(&json, '}');
     fputc('\n', stdout);
 }
@@ -688,14 +703,31 @@ static norma_document_depth depth_of(const info_work *work, const char *path) {
                                                                : NORMA_DOCUMENT_SUMMARY;
 }
 
-static void forget_contents(contents *found) {
-    free(found->parts);
-    free(found->nodes);
-    *found = (contents){.path = found->path, .tile = SIZE_MAX};
+/* A document's contents, or those of each model of a composite; forget() frees them, whatever the
+ * result. */
+static norma_document_result read_models(const info_work *work, const char *path, int whole,
+    norma_document *document, contents **found, size_t *count, norma_document_error *error) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t models = 1;
+    while (norma_document_tile(document, models)) ++models;
+    *found = calloc(models, sizeof **found);
+    if (!*found) return NORMA_DOCUMENT_ERROR_MEMORY;
+    for (*count = 0; *count < models && !result; ++*count) {
+        contents *one = &(*found)[*count];
+        *one = (contents){.path = path, .tile = models > 1 ? *count : SIZE_MAX};
+        result = read_contents(work, whole, norma_document_tile(document, *count), one, error);
+    }
+    return result;
 }
 
-static void forget(contents *found, norma_document **document, void **memory) {
-    forget_contents(found);
+static void forget(contents **found, size_t *count, norma_document **document, void **memory) {
+    for (size_t i = 0; i < *count; ++i) {
+        free((*found)[i].parts);
+        free((*found)[i].nodes);
+    }
+    free(*found);
+    *found = NULL;
+    *count = 0;
     norma_document_close(*document);
     free(*memory);
     *document = NULL;
@@ -703,17 +735,20 @@ static void forget(contents *found, norma_document **document, void **memory) {
 }
 
 /* A status. */
-static int finish_file(const info_work *work, const contents *found, norma_document_error *error) {
-    cli_name_error(error, found->path);
+static int finish_file(const info_work *work, const char *path, const contents *found, size_t count,
+    norma_document_error *error) {
+    cli_name_error(error, path);
     if (error->result) {
         cli_print_error(error);
-        if (work->common.json) write_failure(found->path, error);
+        if (work->common.json) write_failure(path, error);
     } else if (work->common.json) {
-        write_info_json(found);
+        write_info_json(found, count);
     } else {
-        print_contents(found);
-        fflush(stdout);
-        if (!work->common.quiet) cli_print_notes(found->path, found->document);
+        for (size_t i = 0; i < count; ++i) {
+            print_contents(&found[i]);
+            fflush(stdout);
+            if (!work->common.quiet) cli_print_notes(path, found[i].document);
+        }
     }
     return cli_status_of(error->result);
 }
@@ -734,7 +769,7 @@ static int run_large_file(const info_work *work, const char *path) {
     found.vertices = part.info.vertices;
     found.faces = part.info.faces;
     found.triangles = part.info.triangles;
-    return finish_file(work, &found, &error);
+    return finish_file(work, path, &found, 1, &error);
 }
 
 static int info_file(const info_work *work, const char *path) {
@@ -742,32 +777,25 @@ static int info_file(const info_work *work, const char *path) {
     norma_document *document;
     norma_document_error error = {0};
     void *memory;
-    contents found = {.path = path, .tile = SIZE_MAX};
+    contents *found = NULL;
+    size_t count = 0;
     norma_document_options reading = {.depth = depth_of(work, path), .every_tile = 1};
     norma_document_result result =
         cli_read(&work->files, &work->common, path, &reading, &document, &memory, &error);
     if (!result)
-        result =
-            read_contents(work, reading.depth == NORMA_DOCUMENT_WHOLE, document, &found, &error);
+        result = read_models(
+            work, path, reading.depth == NORMA_DOCUMENT_WHOLE, document, &found, &count, &error);
     const int again = result && result != NORMA_DOCUMENT_ERROR_MEMORY && !work->deep &&
                       reading.depth == NORMA_DOCUMENT_WHOLE && strcmp(path, "-") != 0;
     if (again) { /* of a file whose body is at fault, the head may still be read */
-        forget(&found, &document, &memory);
+        forget(&found, &count, &document, &memory);
         reading.depth = NORMA_DOCUMENT_SUMMARY;
         result = cli_read(&work->files, &work->common, path, &reading, &document, &memory, &error);
-        if (!result) result = read_contents(work, 0, document, &found, &error);
+        if (!result) result = read_models(work, path, 0, document, &found, &count, &error);
     }
     error.result = result;
-    if (!result && norma_document_tile(document, 1)) found.tile = 0;
-    int status = finish_file(work, &found, &error);
-    for (size_t i = 1; !result && norma_document_tile(document, i); ++i) {
-        forget_contents(&found);
-        error.result = read_contents(work, reading.depth == NORMA_DOCUMENT_WHOLE,
-            norma_document_tile(document, i), &found, &error);
-        found.tile = i;
-        status = cli_worse(status, finish_file(work, &found, &error));
-    }
-    forget(&found, &document, &memory);
+    const int status = finish_file(work, path, found, count, &error);
+    forget(&found, &count, &document, &memory);
     return status;
 }
 
@@ -778,10 +806,10 @@ static int run_one(void *user, size_t file) {
 
 static void report_lost_info(void *user, size_t file, const char *why) {
     const info_work *work = user;
-    contents none = {.path = work->files.inputs.paths[file], .tile = SIZE_MAX};
+    const char *path = work->files.inputs.paths[file];
     norma_document_error error;
-    cli_lost_error(&error, none.path, why);
-    finish_file(work, &none, &error);
+    cli_lost_error(&error, path, why);
+    finish_file(work, path, NULL, 0, &error);
 }
 
 /* ---- the command */
