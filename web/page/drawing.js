@@ -43,12 +43,13 @@ function drawEdges(kind, item, view, pixels, shown) {
   const lines = (shown.edges[kind] ??= []), { colour, pixels: width } = EDGES[kind];
   if (lines[item.mesh] === undefined) {
     lines[item.mesh] = null;
+    page.loading++;
     page.remote[kind](shown.model.number, item.mesh).then(async ({ ends, count }) => {
       const made = { ends: page.graphics.reserve(ends.byteLength), count };
       await page.graphics.fillSlowly(made.ends, ends);
       lines[item.mesh] = made;
       dirty.draw = true;
-    }, (error) => notice(error.message));
+    }).catch((error) => notice(error.message)).finally(() => { page.loading--; });
   }
   if (lines[item.mesh]?.count) page.graphics.drawWire(item, view, lines[item.mesh], width * pixels, colour);
 }
