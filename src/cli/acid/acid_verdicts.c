@@ -29,7 +29,7 @@ static const char *reason_words(acid_reason reason) {
         return "no reference is near";
     case ACID_REASON_ELSEWHERE:
         return "sign-kept, sign-lost and green-flipped look the same here, and tangent-sign, which "
-               "tells them apart, does not pass";
+               "tells them apart, is not judged or does not pass";
     }
     return NULL;
 }
