@@ -81,7 +81,7 @@ await attempt("the first seconds: one model is slowly stretched, a line sweeps o
   expect(words.split(".").filter((part) => part.trim()).length === 1 && words.split(/\s+/).length <= 12, words);
   expect((await first.text("said")) === "", "it talks while it moves");
   await first.evaluate("document.getElementById('breathe').click()");
-  await pause(1000); // the picture that was on its way
+  await first.until("document.body.dataset.busy === ''", 60); // the picture that was on its way is drawn, and the line is where that wants it
   const still = (await state()).join();
   await pause(1000);
   expect((await state()).join() === still, "it does not pause");
