@@ -1,4 +1,4 @@
-/* test_smooth_fans.c: an array of hard edges that marks none changes nothing: corner normals and
+/* test_no_hard_edges.c: an array of hard edges that marks none changes nothing: corner normals and
  * norma_split give the same bits, vertices and edges with it and without, on meshes that are smooth
  * nearly everywhere, and on such that only look so: all faces given twice, given once more the
  * other way round, cones that meet at their tips, a turn of more than 360 degrees. */
@@ -64,7 +64,7 @@ static void compare_all(const norma_mesh *mesh) {
         for (uint32_t threads = 1; threads < 4; threads += 2) compare(mesh, CREASES[i], threads);
 }
 
-/* Its faces from the last to the first, every third one first: chains grow at both ends and meet.
+/* Its faces from the last to the first, every third one first: what is joined grows at both ends and meets.
  */
 static void reorder(mesh_file *mesh) {
     uint32_t *to = test_malloc(4 * mesh->corner_count);
