@@ -64,8 +64,7 @@ static void compare_all(const norma_mesh *mesh) {
         for (uint32_t threads = 1; threads < 4; threads += 2) compare(mesh, CREASES[i], threads);
 }
 
-/* Its faces from the last to the first, every third one first: what is joined grows at both ends and meets.
- */
+/* Its faces from the last to the first, every third one first: what is joined grows both ways. */
 static void reorder(mesh_file *mesh) {
     uint32_t *to = test_malloc(4 * mesh->corner_count);
     size_t at = 0;
