@@ -7,15 +7,18 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* One for this process and its children: the tool does each of several files in a child, and what
+ * happened there has happened. */
 static struct {
     uint32_t left; /* calls until it happens; 0: it does not */
     uint32_t way;
     const char *path;
     int done;
-} intruder;
+} * intruder;
 
 int __real_open(const char *path, int flags, ...);
 ssize_t __real_read(int file, void *bytes, size_t size);
@@ -40,28 +43,30 @@ static void overwrite(const char *path, int flags, size_t size) {
 
 static void intrude(void) {
     struct stat status;
-    if (intruder.left == 0 || --intruder.left > 0 || __real_stat(intruder.path, &status)) return;
-    intruder.done = 1;
-    switch (intruder.way % 6) {
+    if (!intruder || intruder->left == 0 || --intruder->left > 0 ||
+        __real_stat(intruder->path, &status))
+        return;
+    intruder->done = 1;
+    switch (intruder->way % 6) {
     case 0:
-        overwrite(intruder.path, 0, (size_t)status.st_size);
+        overwrite(intruder->path, 0, (size_t)status.st_size);
         break;
     case 1:
-        if (truncate(intruder.path, status.st_size / 2)) fuzz_fail("cannot be cut short");
+        if (truncate(intruder->path, status.st_size / 2)) fuzz_fail("cannot be cut short");
         break;
     case 2:
-        overwrite(intruder.path, O_APPEND, 100);
+        overwrite(intruder->path, O_APPEND, 100);
         break;
     case 3:
         overwrite("other.tmp", O_TRUNC, (size_t)status.st_size);
-        if (rename("other.tmp", intruder.path)) fuzz_fail("cannot be replaced");
+        if (rename("other.tmp", intruder->path)) fuzz_fail("cannot be replaced");
         break;
     case 4:
-        unlink(intruder.path);
+        unlink(intruder->path);
         break;
     default:
-        unlink(intruder.path);
-        if (symlink("/dev/zero", intruder.path)) fuzz_fail("no link");
+        unlink(intruder->path);
+        if (symlink("/dev/zero", intruder->path)) fuzz_fail("no link");
     }
 }
 
@@ -113,19 +118,23 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     command c;
     const uint32_t left = 1 + fuzz_below(&rest, 96);
     const char *path = fuzz_scene_files[fuzz_below(&rest, FUZZ_SCENE_FILES)];
+    if (!intruder)
+        intruder =
+            mmap(NULL, sizeof *intruder, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (intruder == MAP_FAILED) fuzz_fail("no shared memory");
     fuzz_meter_begin(1 << 16);
-    intruder.left = 0;
-    intruder.done = 0;
-    intruder.way = fuzz_u8(&rest);
+    intruder->left = 0;
+    intruder->done = 0;
+    intruder->way = fuzz_u8(&rest);
     fuzz_scene_make(&rest);
     fuzz_command_take(&rest, &c);
     scene_state *before = fuzz_scene_look();
-    intruder.path = path;
-    intruder.left = left;
+    intruder->path = path;
+    intruder->left = left;
     const int status = fuzz_command_run(&c);
-    intruder.left = 0;
+    intruder->left = 0;
     scene_state *after = fuzz_scene_look();
-    fuzz_scene_judge(before, after, &c, status, intruder.done ? path : NULL);
+    fuzz_scene_judge(before, after, &c, status, intruder->done ? path : NULL);
     if (status == 0) read_output(&c);
     fuzz_scene_forget(before);
     fuzz_scene_forget(after);
