@@ -2,7 +2,7 @@
  * Keys are dealt into buckets by their hash, each as a tag and its number, in ascending order; then
  * a table for each bucket, small enough for the nearest cache, finds equal tags, and only then are
  * keys looked at. The first one stands for the rest. One table for all took a miss of every cache
- * for each key. */
+ * for each key; only up to 262,143 keys have one, which fits the second cache, and no buckets. */
 #include "core/mesh/mesh.h"
 #include "core/call/call.h"
 #include <string.h>
@@ -14,8 +14,9 @@ enum {
     RECENT_BITS = 10,
     MOST_BITS = 12,
     IN_BUCKET = 2048,
-    MOST_IN_ONE = 1 << 18, /* of one slice: its table is in the second cache, and each key is hashed
-                              and gone through once instead of twice */
+    NUMBER_BITS = 18, /* in a word of the one table; the others are a tag, so that few keys that
+                         differ are compared. Number and tag of only ones would be EMPTY */
+    MOST_IN_ONE = (1 << NUMBER_BITS) - 1,
     MOST_SLICES = 32,
     FEWEST_IN_SLICE = 1 << 14,
     LARGE_BUCKET = 1 << 16,
@@ -89,9 +90,6 @@ CORE_INLINE size_t for_slice(const welding *w, size_t slice, int first_time, see
     return near;
 }
 
-/* The one bucket of a mesh needs no counts before. */
-static int is_one_bucket(const welding *w) { return !w->bits && w->slices == 1; }
-
 CORE_INLINE void count_key(const welding *w, uint32_t *counts, uint32_t key, uint64_t hash) {
     (void)key;
     if (hash) counts[bucket_of(w, hash)]++;
@@ -111,7 +109,7 @@ CORE_INLINE void deal_key(const welding *w, uint32_t *cursors, uint32_t key, uin
 
 static void deal_slice(void *context, size_t slice) {
     welding *w = context;
-    w->near[slice] = for_slice(w, slice, is_one_bucket(w), deal_key);
+    for_slice(w, slice, 0, deal_key);
 }
 
 /* Those that are one with a recent key are one with the first. A recent key is of the same slice;
@@ -183,43 +181,51 @@ static void weld_group(void *context, size_t group) {
     w->found[group] = found;
 }
 
-/* All in one bucket, without a word to the allocator: in small meshes that takes longer than to
- * weld. */
-static size_t weld_few(const weld_keys *keys, uint32_t *weld) {
-    uint64_t hashes[FEW];
-    weld_entry entries[FEW];
-    uint32_t table[2 * FEW], count = 0;
-    keys->hash(keys->context, 0, keys->count, hashes);
-    for (uint32_t i = 0; i < keys->count; i++) {
-        weld[i] = i;
-        entries[count] = (weld_entry){(uint32_t)(hashes[i] >> 32), i};
-        count += hashes[i] != 0;
+/* All in one table of words: the upper bits a tag, the lower ones the number of the first of equal
+ * keys. A word for each slot is all the memory that it takes, and each key is hashed and gone
+ * through once. Returns how many keys are one with an earlier one. */
+static size_t weld_in_one(const weld_keys *keys, uint32_t *table, uint32_t *weld) {
+    const int bits = table_bits(keys->count);
+    const uint32_t mask = (uint32_t)(((uint64_t)1 << bits) - 1), number = MOST_IN_ONE;
+    uint64_t hashes[IN_BATCH];
+    size_t count, found = 0;
+    memset(table, 0xff, ((size_t)1 << bits) * sizeof *table);
+    for (size_t i = 0; i < keys->count; i += count) {
+        count = keys->count - i < IN_BATCH ? keys->count - i : IN_BATCH;
+        keys->hash(keys->context, i, count, hashes);
+        for (size_t k = 0; k < count; k++) {
+            const uint32_t key = (uint32_t)(i + k),
+                           tag = (uint32_t)(hashes[k] >> (32 - bits)) & ~number;
+            uint32_t slot = (uint32_t)(hashes[k] >> (64 - bits));
+            weld[key] = key;
+            if (!hashes[k]) continue;
+            while (
+                table[slot] != EMPTY && ((table[slot] & ~number) != tag ||
+                                            !keys->same(keys->context, table[slot] & number, key)))
+                slot = (slot + 1) & mask;
+            if (table[slot] == EMPTY) {
+                table[slot] = tag | key;
+                continue;
+            }
+            weld[key] = table[slot] & number;
+            found++;
+        }
     }
-    return weld_bucket(keys, entries, count, table, weld);
-}
-
-/* Returns the most keys in one bucket, or SIZE_MAX where the call was cancelled. */
-static size_t fill_buckets(core_call *call, welding *w) {
-    size_t most = 0;
-    if (is_one_bucket(w)) {
-        w->cursors[0] = w->starts[0] = 0;
-    } else {
-        if (norma_core_parallel(call, w->slices, count_slice, w) != NORMA_OK) return SIZE_MAX;
-        most = place_buckets(w);
-    }
-    if (norma_core_parallel(call, w->slices, deal_slice, w) != NORMA_OK) return SIZE_MAX;
-    return is_one_bucket(w) ? w->starts[1] = w->cursors[0] : most;
+    return found;
 }
 
 /* With memory for all of it. */
 static norma_result run_welding(core_call *call, welding *w, size_t *found) {
-    const size_t most = fill_buckets(call, w);
-    if (most == SIZE_MAX) return NORMA_CANCELLED;
+    norma_result result = norma_core_parallel(call, w->slices, count_slice, w);
+    if (result != NORMA_OK) return result;
+    const size_t most = place_buckets(w);
+    result = norma_core_parallel(call, w->slices, deal_slice, w);
+    if (result != NORMA_OK) return result;
     w->table_size = (size_t)1 << table_bits(most);
     w->groups = most > LARGE_BUCKET || buckets_of(w) < w->slices ? 1 : w->slices;
     w->tables = norma_core_allocate(call, w->groups * w->table_size, sizeof *w->tables);
     if (!w->tables) return NORMA_ERROR_MEMORY;
-    norma_result result = norma_core_parallel(call, w->groups, weld_group, w);
+    result = norma_core_parallel(call, w->groups, weld_group, w);
     if (result == NORMA_OK) result = norma_core_parallel(call, w->slices, follow_slice, w);
     for (size_t i = 0; i < w->groups && result == NORMA_OK; i++) *found += w->found[i];
     for (size_t i = 0; i < w->slices && result == NORMA_OK; i++) *found += w->near[i];
@@ -239,13 +245,18 @@ static size_t slices_for(const core_call *call, size_t count) {
 norma_result norma_core_weld_keys(
     core_call *call, const weld_keys *keys, uint32_t *weld, size_t *found) {
     const size_t count = keys->count;
-    if (count <= FEW) {
-        *found = weld_few(keys, weld);
+    const size_t slices = slices_for(call, count);
+    if (count <= FEW || (slices == 1 && count <= MOST_IN_ONE)) {
+        uint32_t few[2 * FEW]; /* in small meshes the allocator takes longer than to weld */
+        const size_t size = (size_t)1 << table_bits(count);
+        uint32_t *table = count <= FEW ? few : norma_core_allocate(call, size, sizeof *table);
+        if (!table) return NORMA_ERROR_MEMORY;
+        *found = weld_in_one(keys, table, weld);
+        if (table != few) norma_core_release(call, table, size, sizeof *table);
         return NORMA_OK;
     }
-    welding w = {.keys = keys, .weld = weld, .slices = slices_for(call, count)};
-    if (w.slices > 1 || count > MOST_IN_ONE)
-        while (w.bits < MOST_BITS && count >> w.bits > IN_BUCKET) w.bits++;
+    welding w = {.keys = keys, .weld = weld, .slices = slices};
+    while (w.bits < MOST_BITS && count >> w.bits > IN_BUCKET) w.bits++;
     w.entries = norma_core_allocate(call, count, sizeof *w.entries);
     w.cursors = norma_core_allocate(call, w.slices << w.bits, sizeof *w.cursors);
     w.starts = norma_core_allocate(call, buckets_of(&w) + 1, sizeof *w.starts);

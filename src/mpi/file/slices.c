@@ -410,6 +410,21 @@ static int rank_write_output(mpi_ply *p, float *normals) {
 
 /* ---- all */
 
+/* A reader's block of a megabyte, which a small slice alone would hardly need, is there while it is
+ * read from. */
+static void rank_close_reader(mpi_ply *p, large_reader *reader) {
+    const uint64_t before = p->file.budget.used;
+    norma_large_reader_close(reader);
+    p->job->memory -= before - p->file.budget.used;
+}
+
+static int rank_open_reader(mpi_ply *p, large_reader *reader) {
+    const uint64_t before = p->file.budget.used;
+    if (!norma_large_reader_open(&p->file, reader)) return rank_fail_memory(p->job);
+    norma_mpi_count_memory(p->job, (size_t)(p->file.budget.used - before));
+    return 0;
+}
+
 static int rank_copy_unchanged(mpi_job *job) {
     int failed = norma_mpi_open_output(job, job->size);
     if (!failed) failed = norma_mpi_copy_share(job, 0, 0, job->size);
@@ -418,7 +433,9 @@ static int rank_copy_unchanged(mpi_job *job) {
 
 static int rank_compute(mpi_ply *p) {
     mpi_job *job = p->job;
+    rank_close_reader(p, &p->ply.rows); /* of faces */
     if (rank_read_vertices(p)) return 1;
+    rank_close_reader(p, &p->ply.blocks);
     const size_t count = p->own + p->others;
     const norma_mesh mesh = {
         .positions = {.data = p->positions,
@@ -434,6 +451,7 @@ static int rank_compute(mpi_ply *p) {
         failed = norma_mpi_failed_result(
             job, norma_mpi_normals_of(job->call.comm, job->call.sent, &mesh, p->vertex_ids, NULL,
                      &job->options, normals, count, &job->report));
+    if (!failed) failed = norma_mpi_failed(job, rank_open_reader(p, &p->ply.blocks));
     if (!failed) failed = rank_write_output(p, normals);
     norma_core_release(&job->core, normals, count, 3 * sizeof *normals);
     return failed;
