@@ -143,9 +143,10 @@ set(web_flags_here -I${PROJECT_SOURCE_DIR}/web/package/host -isystem ${PROJECT_S
 web_objects(web_file_objects ${web_file_sources})
 web_objects(web_fix_objects ${web_fix_sources})
 web_objects(web_check_objects ${web_check_sources} ${PROJECT_SOURCE_DIR}/web/page/model/no_files.c)
+web_objects(web_compare_objects ${PROJECT_SOURCE_DIR}/src/compare/compare_scene.c)
 web_objects(web_model_objects ${web_model_sources} ${PROJECT_SOURCE_DIR}/src/render/camera/guess_up.c)
 web_module(check.wasm ${web_core_objects} ${web_file_objects} ${web_fix_objects} ${web_check_objects})
-web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects} ${web_fix_objects} ${web_model_objects})
+web_module(page.wasm ${web_core_objects} ${web_call_objects} ${web_file_objects} ${web_fix_objects} ${web_compare_objects} ${web_model_objects})
 
 # The tool under node's WASI (npx norma-mesh): the objects of the modules above, and with files what they do without.
 set(web_tool_dir ${PROJECT_SOURCE_DIR}/web/package/tool)
@@ -155,7 +156,7 @@ list(APPEND web_tool_sources ${PROJECT_SOURCE_DIR}/src/io/file/file_read.c ${PRO
 set(web_flags_here -D_WASI_EMULATED_MMAN -D_WASI_EMULATED_GETPID -I${PROJECT_SOURCE_DIR} -I${PROJECT_SOURCE_DIR}/web/package/host
                    -isystem ${web_tool_dir}/posix -isystem ${PROJECT_SOURCE_DIR}/web/page/model/posix -include ${web_tool_dir}/missing.h)
 web_objects(web_tool_objects ${web_tool_sources})
-set(web_tool_shared ${web_core_objects} ${web_file_objects} ${web_fix_objects})
+set(web_tool_shared ${web_core_objects} ${web_file_objects} ${web_fix_objects} ${web_compare_objects})
 list(FILTER web_tool_shared EXCLUDE REGEX "_no_system\\.c\\.o$")
 add_custom_command(OUTPUT ${web_dir}/tool.wasm
   COMMAND ${NORMA_WASM_CC} --target=wasm32-wasi -Wl,--strip-all -Wl,--gc-sections -Wl,--stack-first -Wl,-z,stack-size=8388608 ${web_tool_shared} ${web_tool_objects} -lm -lwasi-emulated-mman -o ${web_dir}/tool.wasm

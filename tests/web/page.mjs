@@ -8,6 +8,7 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 import { deflateSync } from "node:zlib";
 import { seamsOf } from "../../web/page/seams.js";
 import { changesOf } from "../../web/page/changes.js";
+import { startModels } from "../../web/page/models.js";
 import { findChrome, launch } from "./chrome.mjs";
 import { findFirefox, launchFirefox } from "./firefox.mjs";
 import { countPixels, readPng } from "./png.mjs";
@@ -761,9 +762,13 @@ if (axe)
         await looked.click("fix");
         await looked.click("compute");
         await looked.until("document.querySelector('#computed-files a')");
+        writeFileSync(join(shots, "artists.gltf"), artistsModel());
+        await looked.setFiles("other", [join(shots, "artists.gltf")]);
+        await looked.until("document.querySelector('#compared-facts tbody td')");
+        await looked.settled();
         await looked.click("finding-0");
         await looked.pick("colours", "tangents");
-        expect(await looked.evaluate("['textures', 'normal-maps', 'parts', 'up', 'fix', 'compute', 'finding-0', 'computed-files', 'cofactors'].every((id) => document.getElementById(id).checkVisibility())"), "a control is hidden");
+        expect(await looked.evaluate("['compared-facts', 'textures', 'normal-maps', 'parts', 'up', 'fix', 'compute', 'finding-0', 'computed-files', 'cofactors'].every((id) => document.getElementById(id).checkVisibility())"), "a control is hidden");
         await looked.picture(`everything-${size.join("x")}${dark ? "-dark" : ""}`);
         await looked.evaluate(`${readFileSync(axe, "utf8")};0`);
         const found = await looked.evaluate("axe.run().then(({ violations }) => violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.target.join(' ')).join(', ')}`).join('\\n'))");
@@ -1040,6 +1045,52 @@ await attempt("KTX2 textures: it is said that they are not shown, and the materi
   expect(!/KTX2|missing/.test(await view.text("model-facts")), await view.text("model-facts"));
   expect(view.said.length === 0, view.said.join("\n"));
   await view.close();
+});
+
+await attempt("compare: a second file beside the one that is open, with the numbers of norma compare, in colour where they differ", async () => {
+  const files = ["compared-a.obj", "compared-b.obj"].map((name) => join(shots, name)), short = (x) => String(Number(x.toPrecision(4)));
+  [["--crease", "20"], ["--crease", "180", "--weight", "area"]].forEach((options, i) => execFileSync(tool, ["compute", join(root, "assets/goathead.obj"), ...options, "-o", files[i], "--quiet"]));
+  const view = await visit(home, { size: [1000, 700] }), cells = () => view.evaluate("[...document.querySelectorAll('#compared-facts tbody td')].map((cell) => cell.textContent).join()");
+  const stage = await view.evaluate("[0, 60, canvas.clientWidth, canvas.clientHeight - 80]"), vivid = (colour) => Math.max(...colour.slice(0, 3)) - Math.min(...colour.slice(0, 3)) > 40;
+  expect(await view.evaluate("document.getElementById('comparing').hidden"), "nothing is open, and something may be compared with it");
+  for (const [base, other] of [files, [files[0], join(root, "assets/spider.stl")]]) {
+    const { corners, normals, distances, compared } = JSON.parse(execFileSync(tool, ["compare", base, other, "--json"], { encoding: "utf8" }));
+    await dropFiles(view, [basename(base), readFileSync(base)]);
+    await view.until(`document.getElementById('model').selectedOptions[0].textContent === ${JSON.stringify(basename(base))} && !document.getElementById('comparing').hidden`);
+    await view.settled();
+    await view.setFiles("other", [other]);
+    await view.until("document.querySelector('#compared-facts tbody td')");
+    await pause(3500); // the line sweeps once
+    await view.settled();
+    const expected = [...["p50_deg", "p99_deg", "max_deg"].map((key) => `${short(Math.round(normals[key] * 1e4) / 1e4)}°`), ...["p50", "p99", "max"].map((key) => short(distances[key]))].join();
+    expect((await cells()) === expected, `the page says ${await cells()}, norma compare ${expected}`);
+    const words = await view.text("compared-facts");
+    expect(words.includes(`${corners.toLocaleString("en-US")} corners, ${compared === "corners" ? "each with its counterpart" : "each with the nearest point"}`), words);
+    expect((await view.text("legend-worst")) === `worst ${normals.max_deg.toFixed(2)}°`, `${await view.text("legend-worst")}, not ${normals.max_deg}`);
+    expect((await view.text("side-wrong")).includes(basename(base)) && (await view.text("side-right")).includes(basename(other)), "the sides have other names");
+    const [left, right] = [await (await view.set("split", 100), view.picture(`compared-${compared}-base`)), await (await view.set("split", 0), view.picture(`compared-${compared}`))];
+    expect(countPixels(right, stage, vivid) > 4000 && countPixels(left, stage, vivid) < 200, `${countPixels(left, stage, vivid)} coloured pixels of base, ${countPixels(right, stage, vivid)} of the other`);
+    await view.pick("colours", "distance");
+    expect((await view.text("legend-worst")) === `worst ${short(distances.max)}`, `${await view.text("legend-worst")}, not ${distances.max}`);
+  }
+  await view.setFiles("other", [join(root, "tests/cli/golden/files/malformed.obj")]);
+  expect(/malformed\.obj/.test(await view.until("!/Comparing/.test(document.getElementById('compared-facts').textContent) && !document.querySelector('#compared-facts tbody td') && document.getElementById('compared-facts').textContent")), "a broken file is not named");
+  expect(view.said.length === 0, view.said.join("\n"));
+  await view.close();
+});
+
+await attempt("compare: each corner has its own difference: meshes in another order of names than of nodes, one of them under a mirror", async () => {
+  /* One triangle each; tilts: of each corner's normal about x, which the mirror leaves as they are. */
+  const model = (tilts) => {
+    const normals = tilts.flat().flatMap((tilt) => [0, Math.sin((tilt * Math.PI) / 180), Math.cos((tilt * Math.PI) / 180)]), data = Buffer.from(Float32Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0, ...normals]).buffer), bounds = { min: [0, 0, 0], max: [1, 1, 0] };
+    const accessors = [0, 36, 72].map((byteOffset, i) => ({ bufferView: 0, byteOffset, count: 3, type: "VEC3", componentType: 5126, ...(i ? {} : bounds) })), mesh = (name, NORMAL) => ({ name, primitives: [{ attributes: { POSITION: 0, NORMAL } }] });
+    const json = { asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0, 1] }], nodes: [{ mesh: 0 }, { mesh: 1, scale: [-1, 1, 1], translation: [-2, 0, 0] }], meshes: [mesh("second", 1), mesh("first", 2)], accessors, bufferViews: [{ buffer: 0, byteLength: 108 }], buffers: [{ byteLength: 108, uri: `data:application/octet-stream;base64,${data.toString("base64")}` }] };
+    return { files: [{ path: "model.gltf", bytes: Buffer.from(JSON.stringify(json)) }], path: "model.gltf", name: "model.gltf" };
+  };
+  const models = await startModels({ bytes: readFileSync(join(pageFolder, "page.wasm")), draco: "" }), tilts = [[0, 20, 5], [0, 0, 35]];
+  const { values, degrees, how } = await models.compareFiles(model([[0, 0, 0], [0, 0, 0]]), model(tilts));
+  const seen = values.deviation.map((list) => Array.from(list, (x) => Math.round(1000 * x) / 1000));
+  expect(JSON.stringify(seen) === JSON.stringify(tilts) && how === "corners" && near(degrees[2], 35, 1e-4), `${JSON.stringify(seen)}, ${how}, ${degrees}`);
 });
 
 await attempt("OBJ, PLY and STL: the axis that points up is a guess, and said to be one", async () => {

@@ -1,5 +1,5 @@
 /* The picture: each panel of it with its surfaces, lines and arrows. */
-import { comparison, panelKind, placeStage } from "./comparison.js";
+import { comparison, isOfTwo, panelKind, placeStage } from "./comparison.js";
 import { byId, isChecked, numberOf, value } from "./controls.js";
 import { drawFound, showReadouts } from "./cursor.js";
 import { IDENTITY, multiply, upper } from "./matrix.js";
@@ -19,7 +19,7 @@ function movingItems(side) {
 
 function sideItems(side, user, compared) {
   if (page.moving) return movingItems(side);
-  return side === "wrong" && compared === "change" ? itemsOf(page.norma, page.before, user, "right") : itemsOf(page.norma, page.scene, user, side);
+  return side === "wrong" && isOfTwo(compared) ? itemsOf(page.norma, page.before, user, "right") : itemsOf(page.norma, page.scene, user, side);
 }
 
 /* Faces' lines come from the worker, once. */
@@ -79,12 +79,12 @@ export function draw() {
   for (const panel of page.panels) drawPanel(panel, pixels, (side, view) => {
     /* A scene that plays stands where the model stands. */
     const angle = side === "angle", posed = compared || page.chosen || page.moving || value("colours") !== "lit" ? null : page.animation.root(multiply(multiply(fitOf(user), user), multiply(page.scene.frame, turning(page.scene.up))));
-    const items = posed ? [] : sideItems(angle ? "right" : side, user, compared), how = { posed, ...page.look, tinted: compared === "change" && isChecked("tint"), outlineColour: page.chosen && PIN_COLOURS[page.chosen.grade], outlineWidth: 3.5 * pixels, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), colours: angle ? "angle" : value("colours"), shading: value("shading") };
+    const items = posed ? [] : sideItems(angle ? "right" : side, user, compared), how = { posed, ...page.look, tinted: compared === "change" && isChecked("tint"), outlineColour: page.chosen && PIN_COLOURS[page.chosen.grade], outlineWidth: 3.5 * pixels, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), colours: angle ? "angle" : side === "wrong" && compared === "files" && value("colours") in page.scene.compared.values ? "lit" : value("colours"), shading: value("shading") };
     page.graphics.drawSurfaces(items, view, how);
-    for (const [kind, box] of [["wire", "wireframe"], ["seams", "seams"]]) if (!angle && isChecked(box) && !page.moving) for (const item of items) drawEdges(kind, item, view, pixels, side === "wrong" && compared === "change" ? page.before : page.scene);
-    if (!angle) for (const item of items) drawHedgehog(item, view, pixels, compared === "change" ? colours.before : colours[side]);
+    for (const [kind, box] of [["wire", "wireframe"], ["seams", "seams"]]) if (!angle && isChecked(box) && !page.moving) for (const item of items) drawEdges(kind, item, view, pixels, side === "wrong" && isOfTwo(compared) ? page.before : page.scene);
+    if (!angle) for (const item of items) drawHedgehog(item, view, pixels, isOfTwo(compared) ? colours.before : colours[side]);
     if (!page.moving) drawChosen(view, pixels);
-    if (page.found && !page.chosen && compared && compared !== "change" && !angle && !page.intro.isShown()) drawFound(view, pixels, colours);
+    if (page.found && !page.chosen && compared && !isOfTwo(compared) && !angle && !page.intro.isShown()) drawFound(view, pixels, colours);
   });
   const inCorner = Boolean(page.chosen && (page.look.place || page.look.outline) && value("colours") === "findings");
   byId("whole").hidden = !inCorner;

@@ -85,7 +85,7 @@ export async function startEngine({ bytes, draco: packed }) {
       if (result !== 0) throw new Error(textAt(wasm.web_result_text(result)));
     };
     return {
-      name, meshes, draws, compute, up: UPS[["OBJ", "PLY", "STL", "3MF"].includes(FORMATS[wasm.model_format(address)]) ? wasm.model_guess_up(address) : 0], format: FORMATS[wasm.model_format(address)], unread: wasm.model_unread_count(address),
+      name, address, meshes, draws, compute, up: UPS[["OBJ", "PLY", "STL", "3MF"].includes(FORMATS[wasm.model_format(address)]) ? wasm.model_guess_up(address) : 0], format: FORMATS[wasm.model_format(address)], unread: wasm.model_unread_count(address),
       triangles: meshes.reduce((sum, mesh) => sum + mesh.triangles, 0), faces: meshes.reduce((sum, mesh) => sum + mesh.faces, 0),
       /* What norma check says; null: it was not asked. */
       findings: findingCount === NOT_CHECKED ? null : Array.from({ length: findingCount }, readFinding),
@@ -179,7 +179,31 @@ export async function startEngine({ bytes, draco: packed }) {
   const computeFile = (path, name, { weight, weld, crease }) =>
     changed(path, name, (document, numbers, error) => wasm.document_compute(document, WEIGHTS.indexOf(weight), WELDS.indexOf(weld), crease ?? NaN, numbers, error));
 
-  return { norma, openBytes, setFiles, openFile, fixFile, computeFile };
+  const readDifferences = (pair, model) => lend([13 * 8], (at) => {
+    wasm.compared_numbers(pair, at);
+    const [corners, missing, ...rest] = doubles(at, 13), valuesOf = (distances) => {
+      if (!wasm.compared_values(pair, model.address, distances)) throw new Error("There is no room for the differences.");
+      return model.meshes.map((mesh) => mesh.values().slice());
+    };
+    return { corners, missing, degrees: rest.slice(0, 3), distances: rest.slice(3, 6), computed: rest.slice(6, 8).map(Boolean), worst: rest.slice(8), how: textAt(wasm.compared_how(pair)), values: { deviation: valuesOf(0), distance: valuesOf(1) } };
+  });
+  /* Two of the files as norma compare compares them: { model of other, what both differ by, also at each corner }. base, other: { path, name }. */
+  const compareOnce = (base, other) => withDocument(base.path, (first) => withDocument(other.path, (second) => {
+    const model = packOf(second, other.path, other.name);
+    let pair = 0;
+    try {
+      pair = orError(other.path, (error) => withText(base.name, (baseName) => withText(other.name, (otherName) => wasm.compared_open(first, second, baseName, otherName, error))), isNull);
+      return { model, ...readDifferences(pair, model) };
+    } catch (error) {
+      model.free();
+      throw error;
+    } finally {
+      if (pair) wasm.compared_close(pair);
+    }
+  }));
+  const compareFiles = (base, other) => decoders.reading(() => compareOnce(base, other), ({ model }) => model?.free());
+
+  return { norma, compareFiles, openBytes, setFiles, openFile, fixFile, computeFile };
 }
 
 /* Triangles as a pack: web/page/model/model_pack.h. indices: four bytes each. */

@@ -4,7 +4,8 @@ import { noDecoders } from "../package/decoders.js";
 import { applyAddress, makeAddress, readAddress } from "./address.js";
 import { makeAnimation } from "./animation.js";
 import { steer } from "./camera.js";
-import { WORDS, comparison } from "./comparison.js";
+import { compareWith } from "./compare.js";
+import { comparison, wordsOf } from "./comparison.js";
 import { MATRIX, RANGES, byId, isChecked, numberOf, setMatrix, setRange, spell, value } from "./controls.js";
 import { computeCopy, fix } from "./copies.js";
 import { cursorRay, pointOnPlane } from "./cursor.js";
@@ -142,7 +143,7 @@ function turnUp() {
 }
 
 /* What a saved picture says. */
-const shownNow = () => [page.panels, { title: document.title, words: WORDS[comparison() ?? "matrix"], compared: comparison() !== null, angle: byId("worst").textContent }];
+const shownNow = () => [page.panels, { title: document.title, words: wordsOf(comparison()), compared: comparison() !== null, angle: byId("worst").textContent }];
 
 /* Once round the model; the line sweeps to and fro meanwhile, where there is one. */
 async function turnOnce() {
@@ -172,6 +173,7 @@ function wireControls() {
   }
   byId("model").addEventListener("change", () => { stopIntro(); pickModel(); });
   for (const id of ["file", "folder"]) byId(id).addEventListener("change", () => openGiven(filesOfInput(byId(id))));
+  byId("other").addEventListener("change", () => compareWith(filesOfInput(byId("other"))));
   const onClick = (id, act) => byId(id).addEventListener("click", () => { act(); dirty.draw = true; });
   onClick("reset-matrix", () => { stopIntro(); setMatrix(); });
   onClick("reset-view", () => camera.reset(page.moving ? { azimuth: 0, elevation: 34, distance: 3.3 } : { azimuth: 0, elevation: 0 }));

@@ -46,6 +46,14 @@ export async function startModels(modules) {
     giveFiles: (files) => engine.setFiles(files),
     fix: async (path, name, options) => addChanged(await engine.fixFile(path, name, options)),
     computeFile: async (path, name, options) => addChanged(await engine.computeFile(path, name, options)),
+    /* base, other: { files, path, name }. The files of base are then those that there are. */
+    compareFiles: async (base, other) => {
+      const within = (folder, { files }) => files.map(({ path, bytes }) => ({ path: `${folder}/${path}`, bytes }));
+      engine.setFiles([...within("base", base), ...within("other", other)]);
+      try {
+        return addChanged(await engine.compareFiles({ path: `base/${base.path}`, name: base.name }, { path: `other/${other.path}`, name: other.name }));
+      } finally { engine.setFiles(base.files); }
+    },
     /* Of each mesh what a changed copy changed; null: it has other meshes. Leaves the normals of both as they are stored. */
     changes: (one, other) => {
       const [before, after] = [models.get(one), models.get(other)];

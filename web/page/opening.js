@@ -43,6 +43,8 @@ export function showModel(model, { changed = false, files = model.files } = {}) 
   page.scene.files = files;
   const stored = model.meshes.some((mesh) => mesh.stored);
   option("source", "stored").disabled = option("colours", "error").disabled = !stored;
+  for (const kind of ["deviation", "distance"]) option("colours", kind).disabled = true;
+  byId("compared-facts").replaceChildren();
   byId("source").value = stored ? "stored" : "computed";
   listFindings(model.findings, chooseFinding, (finding) => (model.meshes[finding.mesh] ? page.thumbs.add(finding) : null));
   byId("finding-seen").textContent = "";
@@ -95,8 +97,8 @@ export function showSections() {
   byId("matrix-section").hidden = byId("normals-section").hidden = live;
   byId("moving-section").hidden = !live;
   option("shading", "flat").disabled = option("hedgehog", "face").disabled = option("colours", "angle").disabled = live;
-  if (live) for (const kind of ["error", "findings"]) option("colours", kind).disabled = true;
-  byId("fixing").hidden = byId("computing").hidden = !page.source;
+  if (live) for (const kind of ["error", "findings", "deviation", "distance"]) option("colours", kind).disabled = true;
+  byId("fixing").hidden = byId("computing").hidden = byId("comparing").hidden = !page.source;
   const isFile = Boolean(page.scene?.model?.format);
   if (lessonOf !== isFile) byId("matrix-box").open = !isFile;      /* whoever brings a model did not come for the lesson */
   lessonOf = isFile;
@@ -145,7 +147,7 @@ export function showMoving() {
   const surface = page.graphics.makeSurface({ positions: page.moving.positions(), normals: page.moving.normals(), indices: page.moving.indices });
   page.scene = { model: null, hidden: new Set(), surfaces: [surface], still: page.graphics.makeBuffer(page.moving.still), free: () => surface.free() };
   byId("model-facts").textContent = `${count(page.moving.triangles)} triangles, computed anew for every picture.`;
-  if (["error", "findings", "angle", "tangents"].includes(value("colours"))) byId("colours").value = "lit";
+  if (["error", "findings", "angle", "tangents", "deviation", "distance"].includes(value("colours"))) byId("colours").value = "lit";
   if (value("shading") === "flat") byId("shading").value = "phong";
   listFindings(null);
   listParts(page.scene);
@@ -183,6 +185,7 @@ function openFile(files, path) {
     return model;
   }, (model) => {
     page.source = model.source;
+    byId("other").value = "";
     for (const id of ["fix-facts", "computed-facts", "fixed-list", "stays"]) byId(id).textContent = "";
     byId("stays-box").hidden = byId("tint-row").hidden = true;
     for (const id of ["fixed-files", "computed-files"]) listFiles(id, []);

@@ -2,6 +2,8 @@
 
 const byId = (id) => document.getElementById(id);
 export const degrees = (angle) => `${angle.toFixed(2)}°`;
+/* As %.4g prints it. */
+export const short = (x) => String(Number(x.toPrecision(4)));
 export const count = (number) => number.toLocaleString("en-US");
 
 const number = (x) => {

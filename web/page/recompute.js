@@ -42,7 +42,8 @@ export async function compute() {
       const { normals, errors } = await page.remote.compute(one.model.number, options);
       if (one !== page.scene && one !== page.before) continue;
       for (const [i, list] of normals.entries()) await page.graphics.fillSlowly(one.surfaces[i].normals, list);
-      if (errors) uploadErrors(one, errors);
+      const differences = one.compared?.values[value("colours")];
+      if (errors ?? differences) uploadErrors(one, errors ?? { worst: one.compared.worstOf[value("colours")], values: differences });
       if (wantsTangents(one)) await uploadTangents(one);
     }
     if (page.scene === shown[0] && value("colours") === "findings") for (const one of shown) await uploadMarks(one, one === page.scene ? page.chosen?.index : undefined);
@@ -70,14 +71,14 @@ function uploadErrors(one, { worst, values }) {
     else surface.values = page.graphics.makeBuffer(values[i], page.graphics.gl.DYNAMIC_DRAW);
   });
   if (one !== page.scene) return;
-  page.look.errorTop = topOfScale(values, worst);
+  page.look.errorTop = topOfScale(values, worst, value("colours") === "distance" ? 1e-9 : 0.01);
   page.look.errorWorst = worst;
 }
 
 /* The scale ends where 99 of 100 corners lie below, so that a single bad one does not make all others look right. */
-function topOfScale(lists, worst) {
+function topOfScale(lists, worst, least) {
   const sample = [], total = lists.reduce((most, list) => most + list.length, 0), step = Math.max(1, Math.floor(total / 20000));
   for (const list of lists) for (let i = 0; i < list.length; i += step) sample.push(list[i]);
   sample.sort((a, b) => a - b);
-  return Math.max(0.01, Math.min(worst, 1.05 * (sample[Math.floor(0.99 * sample.length)] ?? 0)));
+  return Math.max(least, Math.min(worst, 1.05 * (sample[Math.floor(0.99 * sample.length)] ?? 0)));
 }

@@ -1,5 +1,6 @@
 /* compare_command.c: norma compare: by how much the normals of one file differ from another's. */
 #include "cli/compare/compare.h"
+#include "compare/compare_scene.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,17 +49,9 @@ typedef struct compare_work {
     compare_limits limits;
     const char *output, *names[2]; /* names: BASE and OTHER */
     FILE *out;
-    compared_scene base, other;
-    norma_compare_sample *samples; /* of each corner of other */
-    size_t corners;
-    struct compared_group {
-        size_t first, end; /* pieces of other */
-        int named;         /* compared with the mesh of that name */
-        int same_faces;
-        norma_comparison sum;
-    } * groups; /* pieces of one name */
-    size_t group_count;
-    norma_comparison all;
+    compared_pair pair;
+    norma_document *documents[2];
+    void *memory[2]; /* what standard input held */
 } compare_work;
 
 const cli_option compare_limit_options[] = {
@@ -73,78 +66,19 @@ static const cli_option compare_options[] = {
     {"output", 'o', CLI_TO(CLI_TEXT, compare_work, output), .expected = "a file"},
 };
 
-/* ---- comparing */
-
-static size_t end_of_name(const compared_scene *scene, size_t first) {
-    size_t end = first + 1;
-    while (end < scene->count && strcmp(scene->pieces[end].name, scene->pieces[first].name) == 0)
-        ++end;
-    return end;
-}
-
-/* Of BASE: where the pieces of that name begin; its count where there are none. */
-static size_t find_name(const compared_scene *scene, const char *name) {
-    size_t low = 0, high = scene->count;
-    while (low < high && name[0]) {
-        const size_t middle = low + (high - low) / 2;
-        if (strcmp(scene->pieces[middle].name, name) < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < scene->count && name[0] && strcmp(scene->pieces[low].name, name) == 0
-               ? low
-               : scene->count;
-}
-
-static norma_result compare_group(compare_work *work, struct compared_group *group,
-    const norma_surface *whole_base, const norma_options *options) {
-    const compared_piece *first = &work->other.pieces[group->first],
-                         *last = &work->other.pieces[group->end - 1];
-    const size_t named = find_name(&work->base, first->name),
-                 corners = last->first_corner + last->corners - first->first_corner;
-    norma_surface base = *whole_base, other;
-    group->named = named < work->base.count;
-    norma_result result = NORMA_OK;
-    if (group->named &&
-        !compared_surface_make(&work->base, named, end_of_name(&work->base, named), &base))
-        result = NORMA_ERROR_MEMORY;
-    if (!compared_surface_make(&work->other, group->first, group->end, &other))
-        result = NORMA_ERROR_MEMORY;
+static norma_document_result open_compared(
+    compare_work *work, const cli_files *files, int which, norma_document_error *error) {
+    static const norma_document_options reading = {.struct_size = 0};
+    compared_scene *scene = which ? &work->pair.other : &work->pair.base;
+    const char *input = work->names[which];
+    norma_document_result result = cli_read(files, &work->common, input, &reading,
+        &work->documents[which], &work->memory[which], error);
+    *scene = (compared_scene){.name = cli_input_name(input)};
     if (!result)
-        result = norma_compare(&base, &other, options, work->samples + first->first_corner, corners,
-            &group->same_faces);
-    if (!result)
-        result = norma_compare_summary(work->samples + first->first_corner, corners,
-            work->limits.max_rad, options, &group->sum);
-    if (group->named) compared_surface_free(&base);
-    compared_surface_free(&other);
-    return result;
-}
-
-static norma_result compare_groups(compare_work *work, const norma_options *options) {
-    const compared_piece *last = &work->other.pieces[work->other.count - 1];
-    norma_surface whole;
-    norma_result result = NORMA_OK;
-    work->corners = last->first_corner + last->corners;
-    work->samples = malloc((work->corners + 1) * sizeof *work->samples);
-    work->groups = calloc(work->other.count, sizeof *work->groups);
-    if (!compared_surface_make(&work->base, 0, work->base.count, &whole) || !work->samples ||
-        !work->groups)
-        result = NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < work->other.count && !result;) {
-        struct compared_group *group = &work->groups[work->group_count++];
-        group->first = i;
-        group->end = i = end_of_name(&work->other, i);
-        result = compare_group(work, group, &whole, options);
-    }
-    compared_surface_free(&whole);
-    if (result || work->group_count == 1) {
-        work->all = work->groups ? work->groups->sum : work->all;
-        return result;
-    }
-    return norma_compare_summary(
-        work->samples, work->corners, work->limits.max_rad, options, &work->all);
+        result = compared_scene_make(
+            work->documents[which], scene->name, work->common.threads, scene, error);
+    return result || scene->count ? result
+                                  : cli_fail_empty(scene->document, input, "compare", error);
 }
 
 static norma_document_result compare_files(compare_work *work, norma_document_error *error) {
@@ -155,32 +89,17 @@ static norma_document_result compare_files(compare_work *work, norma_document_er
         .progress_user = &progress};
     const int standard = strcmp(work->names[0], "-") == 0 || strcmp(work->names[1], "-") == 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
+    work->pair = (compared_pair){.corners = 0};
     for (int i = 0; i < 2 && !result; ++i) {
         cli_files files = work->files;
         if (standard && strcmp(work->names[i], "-") != 0) files.format = NORMA_FILE_UNKNOWN;
-        result = compared_scene_open(
-            &files, &work->common, work->names[i], i ? &work->other : &work->base, error);
+        result = open_compared(work, &files, i, error);
     }
     if (result) return error->result = result;
-    cli_progress_start(&progress, "comparing", work->other.input, work->common.quiet, 0);
-    const norma_result compared = compare_groups(work, &options);
+    cli_progress_start(&progress, "comparing", work->names[1], work->common.quiet, 0);
+    result = compared_pair_measure(&work->pair, work->limits.max_rad, &options, error);
     cli_progress_stop(&progress);
-    if (compared) {
-        error->result = compared == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY
-                                                       : NORMA_DOCUMENT_ERROR_MALFORMED;
-        snprintf(error->message, sizeof error->message, "%.800s: cannot be compared: %s",
-            cli_input_name(work->other.input),
-            compared == NORMA_ERROR_OVERFLOW
-                ? "too many triangles are equally far from its corners, so comparing them "
-                  "would take too long"
-                : norma_result_text(compared));
-    } else if (work->all.area == 0) {
-        error->result = NORMA_DOCUMENT_ERROR_UNSUPPORTED;
-        snprintf(error->message, sizeof error->message,
-            "%.800s: nothing can be compared: no face has an area",
-            cli_input_name(work->other.input));
-    }
-    return error->result;
+    return result;
 }
 
 /* ---- the worst places */
@@ -192,7 +111,7 @@ typedef struct worst_place {
 } worst_place;
 
 static void describe_place(const compare_work *work, size_t corner, worst_place *place) {
-    const compared_scene *scene = &work->other;
+    const compared_scene *scene = &work->pair.other;
     const compared_piece *piece = scene->pieces;
     while (corner - piece->first_corner >= piece->corners) ++piece;
     size_t face = 0, end = piece->first_corner;
@@ -222,14 +141,14 @@ static double size_of_base(const compared_scene *scene) {
 /* One after the other the worst corner that is not near one before: a twentieth of the size of
  * BASE. */
 static size_t find_worst(const compare_work *work, worst_place places[MOST_WORST]) {
-    const compared_scene *scene = &work->other;
-    const double near = size_of_base(&work->base) / 20;
+    const compared_scene *scene = &work->pair.other;
+    const double near = size_of_base(&work->pair.base) / 20;
     size_t count = 0;
     for (; count < MOST_WORST; ++count) {
         const norma_compare_sample *worst = NULL;
         for (const compared_piece *p = scene->pieces; p < scene->pieces + scene->count; ++p)
             for (size_t i = p->first_corner; i < p->first_corner + p->corners; ++i) {
-                const norma_compare_sample *s = &work->samples[i];
+                const norma_compare_sample *s = &work->pair.samples[i];
                 const double *at = scene->positions + 3 * (p->first_position + scene->corners[i]);
                 size_t k = 0;
                 if (!(s->area > 0) || !(s->angle_rad > 2e-5f)) continue; /* 0.001 degrees */
@@ -238,18 +157,12 @@ static size_t find_worst(const compare_work *work, worst_place places[MOST_WORST
                 if (k == count) worst = s;
             }
         if (!worst) break;
-        describe_place(work, (size_t)(worst - work->samples), &places[count]);
+        describe_place(work, (size_t)(worst - work->pair.samples), &places[count]);
     }
     return count;
 }
 
 /* ---- for programs */
-
-static const char *way_of(const compare_work *work) {
-    size_t same = 0;
-    for (size_t i = 0; i < work->group_count; ++i) same += work->groups[i].same_faces != 0;
-    return same == work->group_count ? "corners" : same ? "mixed" : "nearest";
-}
 
 static void write_comparison(
     cli_json *json, const compare_work *work, const norma_comparison *sum) {
@@ -276,10 +189,10 @@ static void write_vector(cli_json *json, const char *key, const double v[3]) {
 
 static void write_groups(cli_json *json, const compare_work *work) {
     cli_json_open(json, "meshes", '[');
-    for (size_t i = 0; i < work->group_count; ++i) {
-        const struct compared_group *group = &work->groups[i];
+    for (size_t i = 0; i < work->pair.group_count; ++i) {
+        const compared_group *group = &work->pair.groups[i];
         cli_json_open(json, NULL, '{');
-        cli_json_string(json, "name", work->other.pieces[group->first].name);
+        cli_json_string(json, "name", work->pair.other.pieces[group->first].name);
         cli_json_bool(json, "same_name", group->named);
         cli_json_string(json, "compared", group->same_faces ? "corners" : "nearest");
         write_comparison(json, work, &group->sum);
@@ -292,10 +205,10 @@ static void write_worst_places(
     cli_json *json, const compare_work *work, const worst_place *places, size_t count) {
     cli_json_open(json, "worst", '[');
     for (size_t i = 0; i < count; ++i) {
-        const norma_compare_sample *s = &work->samples[places[i].corner];
+        const norma_compare_sample *s = &work->pair.samples[places[i].corner];
         const double normal[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
         norma_mesh_info info = {.where = ""};
-        norma_document_mesh_info(work->other.document, places[i].piece->mesh, &info);
+        norma_document_mesh_info(work->pair.other.document, places[i].piece->mesh, &info);
         cli_json_open(json, NULL, '{');
         cli_json_number(json, "angle_deg", cli_to_degrees((double)s->angle_rad));
         cli_json_number(json, "distance", s->distance < 0 ? NAN : (double)s->distance);
@@ -312,7 +225,7 @@ static void write_worst_places(
 
 static int passes_gate(const compare_work *work) {
     return !(work->limits.given & COMPARE_MAX) ||
-           work->all.share_above <= work->limits.share + 1e-9;
+           work->pair.all.share_above <= work->limits.share + 1e-9;
 }
 
 static void write_compare_json(
@@ -324,18 +237,18 @@ static void write_compare_json(
     if (error) {
         cli_json_string(&json, "error", error);
     } else {
-        cli_json_string(&json, "compared", way_of(work));
+        cli_json_string(&json, "compared", compared_way(&work->pair));
         cli_json_number(&json, "max_deg",
             work->limits.given & COMPARE_MAX ? cli_given_degrees(work->limits.max_rad) : NAN);
         cli_json_number(
             &json, "share", work->limits.given & COMPARE_MAX ? work->limits.share : NAN);
-        write_comparison(&json, work, &work->all);
+        write_comparison(&json, work, &work->pair.all);
         cli_json_bool(&json, "ok", passes_gate(work));
-        cli_json_bool(&json, "base_computed", work->base.computed);
-        cli_json_bool(&json, "other_computed", work->other.computed);
+        cli_json_bool(&json, "base_computed", work->pair.base.computed);
+        cli_json_bool(&json, "other_computed", work->pair.other.computed);
         write_groups(&json, work);
         write_worst_places(&json, work, places, count);
-        cli_json_notes(&json, work->other.document);
+        cli_json_notes(&json, work->pair.other.document);
     }
     cli_json_close(&json, '}');
 }
@@ -354,7 +267,7 @@ static void print_vector(FILE *out, const char *before, const double v[3]) {
 
 static void print_place(const compare_work *work, const worst_place *place) {
     FILE *out = work->out;
-    const norma_compare_sample *s = &work->samples[place->corner];
+    const norma_compare_sample *s = &work->pair.samples[place->corner];
     const double base[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
     fprintf(out, "  %.4g degrees at ", shown_degrees((double)s->angle_rad));
     print_vector(out, "", place->position);
@@ -371,11 +284,10 @@ static void print_place(const compare_work *work, const worst_place *place) {
 
 static void print_comparison(const compare_work *work, const worst_place *places, size_t count) {
     FILE *out = work->out;
-    const norma_comparison *all = &work->all;
-    const char *way = way_of(work);
+    const norma_comparison *all = &work->pair.all;
+    const char *way = compared_way(&work->pair);
     char max[32], share[32], allowed[32];
-    cli_say(out, "%s against %s: ", cli_input_name(work->other.input),
-        cli_input_name(work->base.input));
+    cli_say(out, "%s against %s: ", work->pair.other.name, work->pair.base.name);
     cli_counted(out, all->corners, "corner", "corners");
     fputs(way[0] == 'c' ? ", each with its counterpart: the faces are the same\n"
           : way[0] == 'm'
@@ -403,7 +315,7 @@ static void print_comparison(const compare_work *work, const worst_place *places
 static void print_computed(const compare_work *work, const compared_scene *scene) {
     if (scene->computed && !work->common.quiet)
         cli_error("%s: note: some normals were missing and were computed, as norma compute does",
-            cli_input_name(scene->input));
+            scene->name);
 }
 
 /* ---- the command */
@@ -414,19 +326,19 @@ static int compare_into(compare_work *work, norma_document_error *error) {
     worst_place places[MOST_WORST];
     const norma_document_result result = compare_files(work, error);
     const size_t count = result ? 0 : find_worst(work, places);
-    if (result) cli_name_error(error, work->other.input ? work->other.input : work->base.input);
+    if (result) cli_name_error(error, work->names[work->pair.other.name != NULL]);
     if (work->common.json)
         write_compare_json(work, places, count, result ? error->message : NULL);
     else if (!result)
         print_comparison(work, places, count);
     const int status = result ? cli_status_of(result) : passes_gate(work) ? CLI_OK : CLI_FINDINGS;
-    free(work->samples);
-    free(work->groups);
-    compared_scene_close(&work->base);
-    compared_scene_close(&work->other);
-    work->samples = NULL;
-    work->groups = NULL;
-    work->group_count = 0;
+    compared_pair_close(&work->pair);
+    for (int i = 0; i < 2; ++i) {
+        norma_document_close(work->documents[i]);
+        free(work->memory[i]);
+        work->documents[i] = NULL;
+        work->memory[i] = NULL;
+    }
     return status;
 }
 
@@ -446,8 +358,8 @@ static int compare_and_report(compare_work *work) {
     if (error.result) {
         cli_print_error(&error);
     } else {
-        print_computed(work, &work->base);
-        print_computed(work, &work->other);
+        print_computed(work, &work->pair.base);
+        print_computed(work, &work->pair.other);
     }
     if (work->common.json) fputc('\n', stdout);
     fflush(stdout);

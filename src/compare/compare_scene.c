@@ -1,7 +1,9 @@
-/* compare_scene.c: a file that is compared: every mesh at its places in the scene, with node
- * transforms, skins and morph targets applied, and normals computed where there are none. */
-#include "cli/compare/compare.h"
+/* compare_scene.c: files that are compared: every mesh at its places in the scene, with node
+ * transforms, skins and morph targets applied, and normals computed where there are none; then the
+ * pieces of each name with those of the same name. */
+#include "compare/compare_scene.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,8 +12,7 @@ static const size_t most_instanced_vertices = (size_t)1 << 26;
 
 static norma_document_result fail_compared(const compared_scene *scene, norma_document_error *error,
     norma_document_result result, const char *what) {
-    snprintf(
-        error->message, sizeof error->message, "%.800s: %s", cli_input_name(scene->input), what);
+    snprintf(error->message, sizeof error->message, "%.800s: %s", scene->name, what);
     return error->result = result;
 }
 
@@ -75,9 +76,8 @@ static norma_document_result find_pieces(compared_scene *scene, norma_document_e
         if (!result) result = add_pieces_of(scene, &node, i, &vertices, error);
     }
     if (!nodes) result = add_pieces_of(scene, NULL, SIZE_MAX, &vertices, error);
-    if (!result && !scene->count)
-        result = cli_fail_empty(scene->document, scene->input, "compare", error);
-    if (!result) qsort(scene->pieces, scene->count, sizeof *scene->pieces, piece_order);
+    if (!result && scene->count)
+        qsort(scene->pieces, scene->count, sizeof *scene->pieces, piece_order);
     return result;
 }
 
@@ -136,16 +136,15 @@ static uint32_t stored_normal(
     return number < count ? number : UINT32_MAX;
 }
 
-/* Faces are turned under a mirror, as renderers and exporters do. */
 static void fill_corners(const compared_scene *scene, const compared_piece *piece,
-    const norma_mesh_data *data, int per_facet, int mirrored) {
+    const norma_mesh_data *data, int per_facet) {
     const uint32_t *starts = data->mesh.face_starts;
     for (size_t face = 0; face < piece->faces; ++face) {
         const size_t begin = starts ? starts[face] : 3 * face,
                      count = starts ? starts[face + 1] - begin : 3;
         scene->sizes[piece->first_face + face] = (uint32_t)count;
         for (size_t i = 0; i < count; ++i) {
-            const size_t from = begin + (mirrored ? (count - i) % count : i),
+            const size_t from = begin + (piece->mirrored ? (count - i) % count : i),
                          to = piece->first_corner + begin + i;
             scene->corners[to] = norma_mesh_corner(&data->mesh, from);
             scene->numbers[to] = stored_normal(data, per_facet, piece->normals, face, from);
@@ -155,7 +154,7 @@ static void fill_corners(const compared_scene *scene, const compared_piece *piec
 
 static norma_document_result fill_piece(
     compared_scene *scene, size_t number, norma_document_error *error) {
-    const compared_piece *piece = &scene->pieces[number];
+    compared_piece *piece = &scene->pieces[number];
     norma_mesh_info info;
     norma_mesh_data data;
     norma_drawn_mesh drawn;
@@ -168,7 +167,8 @@ static norma_document_result fill_piece(
     norma_transform_positions_double(drawn.world, drawn.positions,
         scene->positions + 3 * piece->first_position, 0, piece->positions);
     normals_in_scene(drawn.world, drawn.normals, scene->normals + 3 * piece->first_normal);
-    fill_corners(scene, piece, &data, info.normals == NORMA_NORMALS_PER_FACET, matrix.mirrored);
+    piece->mirrored = matrix.mirrored;
+    fill_corners(scene, piece, &data, info.normals == NORMA_NORMALS_PER_FACET);
     return NORMA_DOCUMENT_OK;
 }
 
@@ -192,37 +192,34 @@ static norma_document_result fill_pieces(compared_scene *scene, norma_document_e
     return result;
 }
 
-norma_document_result compared_scene_open(const cli_files *files, const cli_common *common,
-    const char *input, compared_scene *scene, norma_document_error *error) {
-    static const norma_document_options reading = {.struct_size = 0};
+norma_document_result compared_scene_make(norma_document *document, const char *name,
+    uint32_t threads, compared_scene *scene, norma_document_error *error) {
     const norma_compute_options computing = {
-        .struct_size = sizeof computing, .only = NORMA_ONLY_MISSING, .threads = common->threads};
+        .struct_size = sizeof computing, .only = NORMA_ONLY_MISSING, .threads = threads};
     norma_compute_summary summary;
-    *scene = (compared_scene){.input = input};
-    norma_document_result result =
-        cli_read(files, common, input, &reading, &scene->document, &scene->memory, error);
-    if (!result) result = norma_document_compute(scene->document, &computing, &summary, error);
+    *scene = (compared_scene){.name = name, .document = document};
+    norma_document_result result = norma_document_compute(document, &computing, &summary, error);
     if (result) return result;
     scene->computed = summary.changed;
     result = find_pieces(scene, error);
-    return result ? result : fill_pieces(scene, error);
+    return result || !scene->count ? result : fill_pieces(scene, error);
 }
 
-void compared_scene_close(compared_scene *scene) {
+static void close_scene(compared_scene *scene) {
     free(scene->pieces);
     free(scene->positions);
     free(scene->normals);
     free(scene->corners);
     free(scene->numbers);
     free(scene->sizes);
-    norma_document_close(scene->document);
-    free(scene->memory);
-    *scene = (compared_scene){.input = scene->input, .computed = scene->computed};
+    *scene = (compared_scene){.name = scene->name, .computed = scene->computed};
 }
 
 /* ---- some of them as one surface */
 
-int compared_surface_make(
+/* The pieces from first up to end as one surface, whose arrays are to be freed. 0: out of memory.
+ */
+static int make_surface(
     const compared_scene *scene, size_t first, size_t end, norma_surface *surface) {
     const compared_piece *begin = &scene->pieces[first], *last = &scene->pieces[end - 1];
     const size_t corner_count = last->first_corner + last->corners - begin->first_corner,
@@ -255,9 +252,113 @@ int compared_surface_make(
     return 1;
 }
 
-void compared_surface_free(norma_surface *surface) {
+static void free_surface(norma_surface *surface) {
     free((void *)(uintptr_t)surface->mesh.corners);
     free((void *)(uintptr_t)surface->corner_normals);
     free((void *)(uintptr_t)surface->mesh.face_starts);
     *surface = (norma_surface){.corner_normals = NULL};
+}
+
+/* ---- comparing */
+
+static size_t end_of_name(const compared_scene *scene, size_t first) {
+    size_t end = first + 1;
+    while (end < scene->count && strcmp(scene->pieces[end].name, scene->pieces[first].name) == 0)
+        ++end;
+    return end;
+}
+
+/* Of BASE: where the pieces of that name begin; its count where there are none. */
+static size_t find_name(const compared_scene *scene, const char *name) {
+    size_t low = 0, high = scene->count;
+    while (low < high && name[0]) {
+        const size_t middle = low + (high - low) / 2;
+        if (strcmp(scene->pieces[middle].name, name) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < scene->count && name[0] && strcmp(scene->pieces[low].name, name) == 0
+               ? low
+               : scene->count;
+}
+
+static norma_result compare_group(compared_pair *pair, compared_group *group,
+    const norma_surface *whole_base, double max_rad, const norma_options *options) {
+    const compared_piece *first = &pair->other.pieces[group->first],
+                         *last = &pair->other.pieces[group->end - 1];
+    const size_t named = find_name(&pair->base, first->name),
+                 corners = last->first_corner + last->corners - first->first_corner;
+    norma_surface base = *whole_base, other;
+    group->named = named < pair->base.count;
+    norma_result result = NORMA_OK;
+    if (group->named && !make_surface(&pair->base, named, end_of_name(&pair->base, named), &base))
+        result = NORMA_ERROR_MEMORY;
+    if (!make_surface(&pair->other, group->first, group->end, &other)) result = NORMA_ERROR_MEMORY;
+    if (!result)
+        result = norma_compare(&base, &other, options, pair->samples + first->first_corner, corners,
+            &group->same_faces);
+    if (!result)
+        result = norma_compare_summary(
+            pair->samples + first->first_corner, corners, max_rad, options, &group->sum);
+    if (group->named) free_surface(&base);
+    free_surface(&other);
+    return result;
+}
+
+static norma_result compare_groups(
+    compared_pair *pair, double max_rad, const norma_options *options) {
+    const compared_piece *last = &pair->other.pieces[pair->other.count - 1];
+    norma_surface whole;
+    norma_result result = NORMA_OK;
+    pair->corners = last->first_corner + last->corners;
+    pair->samples = malloc((pair->corners + 1) * sizeof *pair->samples);
+    pair->groups = calloc(pair->other.count, sizeof *pair->groups);
+    if (!make_surface(&pair->base, 0, pair->base.count, &whole) || !pair->samples || !pair->groups)
+        result = NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < pair->other.count && !result;) {
+        compared_group *group = &pair->groups[pair->group_count++];
+        group->first = i;
+        group->end = i = end_of_name(&pair->other, i);
+        result = compare_group(pair, group, &whole, max_rad, options);
+    }
+    free_surface(&whole);
+    if (result || pair->group_count == 1) {
+        pair->all = pair->groups ? pair->groups->sum : pair->all;
+        return result;
+    }
+    return norma_compare_summary(pair->samples, pair->corners, max_rad, options, &pair->all);
+}
+
+norma_document_result compared_pair_measure(compared_pair *pair, double max_rad,
+    const norma_options *options, norma_document_error *error) {
+    const norma_result compared = compare_groups(pair, max_rad, options);
+    if (compared == NORMA_OK && pair->all.area > 0) return error->result = NORMA_DOCUMENT_OK;
+    if (compared == NORMA_OK)
+        return fail_compared(&pair->other, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
+            "nothing can be compared: no face has an area");
+    snprintf(error->message, sizeof error->message, "%.800s: cannot be compared: %s",
+        pair->other.name,
+        compared == NORMA_ERROR_OVERFLOW
+            ? "too many triangles are equally far from its corners, so comparing them would take "
+              "too long"
+            : norma_result_text(compared));
+    return error->result = compared == NORMA_ERROR_MEMORY ? NORMA_DOCUMENT_ERROR_MEMORY
+                                                          : NORMA_DOCUMENT_ERROR_MALFORMED;
+}
+
+void compared_pair_close(compared_pair *pair) {
+    free(pair->samples);
+    free(pair->groups);
+    close_scene(&pair->base);
+    close_scene(&pair->other);
+    pair->samples = NULL;
+    pair->groups = NULL;
+    pair->group_count = 0;
+}
+
+const char *compared_way(const compared_pair *pair) {
+    size_t same = 0;
+    for (size_t i = 0; i < pair->group_count; ++i) same += pair->groups[i].same_faces != 0;
+    return same == pair->group_count ? "corners" : same ? "mixed" : "nearest";
 }
