@@ -1,9 +1,12 @@
-"""Normals of a mesh whose faces lie on the ranks of mpi4py, by norma_mpi_vertex_normals through ctypes.
+"""Normals of a mesh whose faces lie on the ranks of mpi4py, by norma_mpi_vertex_normals through ctypes, beside what is usually done instead.
 
-A slope of small triangles with high, thin walls on it. Where a wall stands, its two sides weigh up to a million times as much as the slope, and cancel. Ranks that add up their own faces in
-float32, and then the sums of all ranks (Allreduce), get normals that are off by degrees and that depend on the number of ranks. libnorma-mpi sums at one place, in doubles and in the order of faces.
+    mpirun -n 4 python3 mpi4py_seams.py LIBRARY [MODEL.obj]    LIBRARY: libnorma-mpi.so, of the MPI that mpi4py was built with
 
-    mpirun -n 4 python3 mpi4py_seams.py [LIBRARY]    LIBRARY: libnorma-mpi.so, of the MPI that mpi4py was built with
+With a model, each rank has a run of its faces. A rank that sums its own faces alone gets other normals than its neighbour along the border between them, and the mean of the ranks' normals is wrong as well.
+To add up the sums of all ranks (Allreduce) is right, but for the last bits, which depend on the number of ranks.
+
+Without one, the mesh is a slope of small triangles with high, thin walls on it, and each face is on a random rank. Where a wall stands, its two sides weigh up to a million times as much as the slope, and
+cancel. Sums of float32, with Allreduce too, get normals that are off by degrees. libnorma-mpi sums at one place, in doubles and in the order of faces.
 """
 import ctypes
 import hashlib
@@ -50,8 +53,8 @@ def normals_of(library, comm, points, corners, vertex_ids, face_ids):
 SIDE, HIGH, EVERY = 65, 1200.0, 8  # vertices along the slope, height of walls in squares, columns between walls
 
 
-def whole():
-    """All points (the slope's first), all faces."""
+def walls():
+    """Points (the slope's first), faces, and the exact normals of the slope: its walls cancel."""
     x, y = np.meshgrid(np.arange(SIDE), np.arange(SIDE))
     slope = np.stack([x, y, 0.3 * x + 0.7 * y], -1).reshape(-1, 3).astype(float)
     at = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
@@ -62,46 +65,75 @@ def whole():
     front = np.concatenate([np.stack([p, q, r], -1), np.stack([p, r, s], -1)])
     faces = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1), front, front[:, ::-1]])
     way = np.arange(feet.size) * 1.7
-    return np.concatenate([slope, slope[feet.ravel()] + HIGH * np.stack([np.sin(way), np.cos(way), np.ones_like(way)], -1)]), faces.astype(np.uint32)
+    points = np.concatenate([slope, slope[feet.ravel()] + HIGH * np.stack([np.sin(way), np.cos(way), np.ones_like(way)], -1)])
+    return points, faces.astype(np.uint32), np.tile([-0.3, -0.7, 1], (len(slope), 1))
 
 
-def naive(comm, points, faces):
-    """Each rank adds up what its faces weigh, MPI adds up the ranks."""
+def model(path):
+    """Points and triangles of an OBJ, and the sums of all its faces in doubles."""
+    with open(path) as file:
+        rows = [line.split() for line in file]
+    points = np.array([row[1:4] for row in rows if row[:1] == ["v"]], float)
+    faces = np.array([[int(word.split("/")[0]) - 1 for word in row[1:4]] for row in rows if row[:1] == ["f"]], np.uint32)
+    return points, faces, sums_of(points, faces, np.float64)
+
+
+def sums_of(points, faces, kind):
+    """At each point, the sum of the faces' normals, weighted by area."""
     a, b, c = (points[faces[:, k]] for k in range(3))
-    votes = (0.5 * np.cross(b - a, c - a)).astype(np.float32)
-    mine = np.zeros(points.shape, np.float32)
+    votes = (0.5 * np.cross(b - a, c - a)).astype(kind)
+    sums = np.zeros(points.shape, kind)
     for k in range(3):
-        np.add.at(mine, faces[:, k], votes)
-    sums = np.empty_like(mine)
-    comm.Allreduce(mine, sums)
-    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-30)
+        np.add.at(sums, faces[:, k], votes)
+    return sums
+
+
+def unit(vectors):
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-30)
+
+
+def degrees(normals, exact):
+    return np.degrees(np.arctan2(np.linalg.norm(np.cross(normals, exact), axis=1), (normals * exact).sum(1)))
+
+
+def report(name, normals, exact):
+    normals = normals[:len(exact)]
+    if not (np.linalg.norm(normals, axis=1) > 0.99).all():
+        raise RuntimeError(name + " normals are missing")
+    print("%-28s worst %8.5f degrees, bits %s" % (
+        name, degrees(normals.astype(float), exact).max(), hashlib.sha256(normals.astype(np.float32).tobytes()).hexdigest()[:16]))
 
 
 def main():
     comm = MPI.COMM_WORLD
     library = ctypes.CDLL(sys.argv[1] if len(sys.argv) > 1 else "libnorma-mpi.so")
-    points, faces = whole()
-    owners = np.random.default_rng(1).integers(0, comm.size, len(faces))  # any distribution will do
+    if len(sys.argv) > 2:
+        points, faces, exact = model(sys.argv[2])
+        owners = np.arange(len(faces)) * comm.size // len(faces)
+    else:
+        points, faces, exact = walls()
+        owners = np.random.default_rng(1).integers(0, comm.size, len(faces))
     face_ids = np.flatnonzero(owners == comm.rank).astype(np.uint64)
     vertex_ids, corners = np.unique(faces[face_ids], return_inverse=True)
     corners = corners.reshape(-1, 3).astype(np.uint32)
     ours = normals_of(library, comm, points[vertex_ids].copy(), corners, vertex_ids.astype(np.uint64), face_ids)
     parts = comm.gather((vertex_ids, ours))
-    summed = naive(comm, points, faces[face_ids])
+    mine = sums_of(points, faces[face_ids], np.float32)
+    sums, means = np.empty_like(mine), np.empty_like(mine)
+    comm.Allreduce(mine, sums)
+    comm.Allreduce(unit(mine), means)
+    known = vertex_ids[vertex_ids < len(exact)]
+    alone = comm.reduce(degrees(unit(mine[known]), exact[known]).max(), MPI.MAX)
     if comm.rank:
         return
     joined = np.zeros(points.shape, np.float32)
     for ids, normals in parts:
         joined[ids] = normals
-    exact = np.array([-0.3, -0.7, 1]) / np.sqrt(1 + 0.3**2 + 0.7**2)  # of the slope; walls cancel
-    for name, normals in (("sums of float32, Allreduce:", summed), ("norma_mpi_vertex_normals:", joined)):
-        slope = normals[:SIDE * SIDE].astype(float)
-        lengths = np.linalg.norm(slope, axis=1)
-        if not (lengths > 0.99).all():
-            raise RuntimeError("%s %d normals are missing" % (name, (lengths <= 0.99).sum()))
-        worst = np.degrees(np.arctan2(np.linalg.norm(np.cross(slope, exact), axis=1), slope @ exact)).max()
-        bits = hashlib.sha256(normals[:SIDE * SIDE].astype(np.float32).tobytes()).hexdigest()[:16]
-        print("%-28s worst %8.5f degrees, bits %s" % (name, worst, bits))
+    if len(sys.argv) > 2:
+        print("%-28s worst %8.5f degrees" % ("each rank's faces alone:", alone))
+        report("mean of the ranks' normals:", unit(means), exact)
+    report("sums of float32, Allreduce:", unit(sums), exact)
+    report("norma_mpi_vertex_normals:", joined, exact)
 
 
 main()

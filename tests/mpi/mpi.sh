@@ -188,6 +188,9 @@ test_tool() { # TREE MPI RANKS...
         for n in 1 2 3 5; do ranks "$tree" "$n" /usr/bin/python3 examples/mpi/mpi4py_seams.py "$tree/lib/libnorma-mpi.so"; done >"$scratch/mpi4py" 2>&1
         check "$mpi: the example with mpi4py: exact normals, the same bits on 1, 2, 3 and 5 ranks" bash -c '[ "$(grep "^norma_mpi_vertex_normals: *worst *0.0000" "$0" | sort | uniq -c | awk "{print \$1}")" = 4 ]' "$scratch/mpi4py"
         check "$mpi: and plain sums are wrong, by degrees, differently on each" bash -c '[ "$(grep -cE "^sums .* worst +[2-9]\." "$0")" = 4 ] && [ "$(grep "^sums" "$0" | sort -u | wc -l)" = 4 ]' "$scratch/mpi4py"
+        for n in 1 2 3 5; do ranks "$tree" "$n" /usr/bin/python3 examples/mpi/mpi4py_seams.py "$tree/lib/libnorma-mpi.so" assets/goathead.obj; done >"$scratch/mpi4py.model" 2>&1
+        check "$mpi: the example with mpi4py, a model: exact normals, the same bits on 1, 2, 3 and 5 ranks" bash -c '[ "$(grep "^norma_mpi_vertex_normals: *worst *0.0000" "$0" | sort | uniq -c | awk "{print \$1}")" = 4 ]' "$scratch/mpi4py.model"
+        check "$mpi: and what ranks sum alone is wrong by 7.6 degrees and more, unless one rank has all; the mean of ranks as well" awk '/alone:/ {one++; if ($(NF - 1) >= 7.6) far++} /^mean/ {for (i = 1; i < NF; i++) if ($i == "worst" && $(i + 1) >= 7.6) mean++} END {exit !(one == 4 && far == 3 && mean == 3)}' "$scratch/mpi4py.model"
     else
         skip "$mpi: the example with mpi4py (Debian's python3-mpi4py, for Open MPI)"
     fi
