@@ -50,16 +50,21 @@ norma_mistake(src/render/gl/device.c [==[    snprintf(defines, sizeof defines, "
 
 # ---- the normal matrix of a node or an instance
 
-# A surface is kept in a box, and the world is shrunk to a ball: its length is that of a unit of the file.
+# A surface is kept in a box, and the world is shrunk to a ball: its length is that of a unit of the file. Each patch of the scene has a mesh of its own, so that
+# a mesh that is drawn twice is instanced; the nodes of instances have no transform but a translation.
 norma_mistake(src/render/sheet/draw.c [==[/* From the node's local space to lit space, once]==] [==[static double length = 1;
+static int instanced;
 /* From the node's local space to lit space, once]==])
 norma_mistake(src/render/sheet/draw.c [==[    set_material(p, at, placed->surface);]==] [==[    length = p->stage->shrunk / v->box.scale;
+    size_t placed_so = 0;
+    for (size_t i = 0; i < p->stage->placed_count; ++i) placed_so += p->stage->placed[i].upload == placed->upload;
+    instanced = placed_so > 1;
     set_normal_matrix(p, at, placed->to_world, p->stage->panel->space == RENDER_SPACE_VIEW, &mirrored);
     set_material(p, at, placed->surface);]==])
 norma_mistake(src/render/sheet/draw.c [==[    p->gl->UniformMatrix3fv(at->normal_matrix,]==] [==[    norma_matrix_info info;
     double matrix[9];
     if (is_mistaken("model-matrix")) memcpy(right, plain, sizeof right);
-    if (is_mistaken("object-space") || is_mistaken("instance-ignored"))
+    if (is_mistaken("object-space") || (is_mistaken("instance-ignored") && instanced))
         for (int i = 0; i < 9; ++i) right[i] = i % 4 == 0;
     if (is_mistaken("reversed") && *mirrored)
         for (int i = 0; i < 9; ++i) right[i] = -right[i];
