@@ -91,4 +91,36 @@ static inline int norma_vec3_unit(double v[3]) {
     for (int i = 0; i < 3; i++) v[i] /= length;
     return 1;
 }
+
+/* ---- What the files about skins share. */
+
+/* A matrix as a row of sixteen doubles, two registers of AVX-512: the first nine of it, its
+ * translation, and its size, the largest of the nine. Rows are added up whole. */
+enum { SKIN_TRANSLATION = 9, SKIN_SIZE = 12, SKIN_ROW = 16, SKIN_MOST_INFLUENCES = 64 };
+
+typedef struct skin_stream {
+    core_call call;
+    const norma_skin *skin;
+    const unsigned char *joints;
+    size_t joint_size, influences;
+    /* Of each joint; zeros where it is not finite, and so not in use. For dual quaternions the rows
+     * are stretches, and eight doubles are the rotation (x, y, z, w) and the dual part. */
+    double (*rows)[SKIN_ROW], (*duals)[8];
+    double largest; /* size of them all */
+    norma_vec3_view in;
+    const float *tangents;
+    core_output out;
+    core_tally *tallies; /* of each task */
+} skin_stream;
+
+/* Moves count vertices, from first on. tally: for normals only. */
+void norma_skin_move(const skin_stream *s, size_t first, size_t count, core_tally *tally);
+
+/* The matrix in row becomes its stretch, and dual its rotation and translation; B of one vertex. */
+void norma_skin_prepare_dual(double row[SKIN_ROW], double dual[8]);
+void norma_skin_blend_dual(const skin_stream *s, size_t vertex, double b[SKIN_ROW]);
+
+/* A multiple of sign(det B) cof(B) n; 0 where that is exactly zero. */
+int norma_skin_exact_normal(const skin_stream *s, size_t vertex, const double n[3], double out[3]);
+int norma_skin_exactly_mirrors(const skin_stream *s, size_t vertex);
 #endif

@@ -1,0 +1,391 @@
+/* skin_block.c: skinned vertices, 32 side by side: their joints' rows are weighted and added up one
+ * after the other, turned over, and finished in lanes. A vertex whose normal doubles do not decide
+ * is done again in exact arithmetic (skin_exact.c). Every instruction set gives the same bits. */
+#include "core/matrix/matrix.h"
+#include "core/face/eight_vectors.h"
+
+enum { BLOCK = 32, COLUMNS = 12 }; /* vertices; columns of B and its translation */
+
+/* A vector below this part of what it was summed from is computed exactly. With at most 64
+ * influences, a double's direction is then within 2^-24 of the exact one, and a sign right. */
+#define CERTAIN_VECTOR 0x1p-18
+#define CERTAIN_SIGN   0x1p-36
+
+/* ---- the matrices of a block of vertices: B's rows, made one after the other and turned over */
+
+typedef struct skin_block {
+    _Alignas(64) double row[BLOCK][SKIN_ROW];
+    double b[COLUMNS][BLOCK], in[3][BLOCK], weight[BLOCK * SKIN_MOST_INFLUENCES];
+    double size; /* what entries of B were summed from, at most: the same for all */
+} skin_block;
+
+/* The weights as doubles; the largest of them, without their signs. */
+CORE_INLINE float read_weights(const float *from, size_t count, double *to) {
+    uint32_t most = 0;
+    float largest;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        memcpy(&bits, from + i, sizeof bits);
+        bits &= UINT32_C(0x7fffffff);
+        most = bits > most ? bits : most;
+        to[i] = (double)from[i];
+    }
+    memcpy(&largest, &most, sizeof largest);
+    return largest;
+}
+
+/* Rows of the joints of a vertex, weighted and added up. */
+CORE_INLINE void add_joints(double (*rows)[SKIN_ROW], const unsigned char *joints,
+    size_t joint_size, const double *weights, size_t count, double row[SKIN_ROW]) {
+    double sum[COLUMNS] = {0};
+    for (size_t k = 0; k < count; k++) {
+        const double *from = rows[norma_index_read(joints, joint_size, k)], weight = weights[k];
+        for (int i = 0; i < COLUMNS; i++) sum[i] += weight * from[i];
+    }
+    memcpy(row, sum, sizeof sum);
+}
+
+/* Four joints of 16 bits are what nearly all files have. */
+static int is_usual(const skin_stream *s) { return s->influences == 4 && s->joint_size == 2; }
+
+CORE_INLINE void blend_rows(const skin_stream *s, size_t first, size_t count, skin_block *block) {
+    const size_t influences = s->influences, size = s->joint_size, bytes = influences * size;
+    const unsigned char *joints = s->joints + first * bytes;
+    double(*const rows)[SKIN_ROW] = s->rows;
+    if (s->skin->blend == NORMA_BLEND_DUAL_QUATERNION)
+        for (size_t i = 0; i < count; i++) norma_skin_blend_dual(s, first + i, block->row[i]);
+    else if (is_usual(s))
+        for (size_t i = 0; i < count; i++)
+            add_joints(rows, joints + 8 * i, 2, block->weight + 4 * i, 4, block->row[i]);
+    else
+        for (size_t i = 0; i < count; i++)
+            add_joints(rows, joints + i * bytes, size, block->weight + i * influences, influences,
+                block->row[i]);
+}
+
+/* Rows to lanes. With few registers shuffles go through memory, number by number, and take three
+ * times as long as plain copies. */
+CORE_INLINE void turn_rows(skin_block *block, int columns, int is_wide) {
+#if defined(CORE_HAS_SHUFFLES)
+    for (int i = 0; i < BLOCK && is_wide; i += 4)
+        for (int column = 0; column < columns; column += 4) {
+            core_d4 r[4];
+            for (int k = 0; k < 4; k++) r[k] = core_load_row(block->row[i + k] + column);
+            core_turn_rows(r);
+            for (int k = 0; k < 4; k++) core_store_row(block->b[column + k] + i, r[k]);
+        }
+    if (is_wide) return;
+#endif
+    for (int i = 0; i < BLOCK; i++)
+        for (int column = 0; column < columns; column++)
+            block->b[column][i] = block->row[i][column];
+}
+
+#if defined(CORE_HAS_AVX512)
+#include <immintrin.h>
+/* The product of two floats is exact in a double, so that it may be rounded with the sum. */
+CORE_IN_REGISTERS void add_joints_avx512(double (*rows)[SKIN_ROW], const unsigned char *joints,
+    size_t joint_size, const double *weights, size_t count, double row[SKIN_ROW]) {
+    __m512d low = _mm512_set1_pd(0.0), high = low;
+    for (size_t k = 0; k < count; k++) {
+        const double *from = rows[norma_index_read(joints, joint_size, k)];
+        const __m512d weight = _mm512_set1_pd(weights[k]);
+        low = _mm512_fmadd_pd(weight, _mm512_loadu_pd(from), low);
+        high = _mm512_fmadd_pd(weight, _mm512_loadu_pd(from + 8), high);
+    }
+    _mm512_storeu_pd(row, low);
+    _mm512_storeu_pd(row + 8, high);
+}
+
+CORE_IN_REGISTERS void blend_rows_avx512(
+    const skin_stream *s, size_t first, size_t count, skin_block *block) {
+    const size_t influences = s->influences, size = s->joint_size, bytes = influences * size;
+    const unsigned char *joints = s->joints + first * bytes;
+    double(*const rows)[SKIN_ROW] = s->rows;
+    if (is_usual(s))
+        for (size_t i = 0; i < count; i++)
+            add_joints_avx512(rows, joints + 8 * i, 2, block->weight + 4 * i, 4, block->row[i]);
+    else
+        for (size_t i = 0; i < count; i++)
+            add_joints_avx512(rows, joints + i * bytes, size, block->weight + i * influences,
+                influences, block->row[i]);
+}
+
+/* Four columns of eight vertices. */
+CORE_IN_REGISTERS void turn_columns_avx512(skin_block *block, int i, int column) {
+    const __m512i low = _mm512_set_epi64(13, 12, 5, 4, 9, 8, 1, 0),
+                  high = _mm512_set_epi64(15, 14, 7, 6, 11, 10, 3, 2);
+    __m512d r[4];
+    for (int k = 0; k < 4; k++)
+        r[k] =
+            _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(block->row[i + k] + column)),
+                _mm256_loadu_pd(block->row[i + k + 4] + column), 1);
+    const __m512d even01 = _mm512_unpacklo_pd(r[0], r[1]), odd01 = _mm512_unpackhi_pd(r[0], r[1]),
+                  even23 = _mm512_unpacklo_pd(r[2], r[3]), odd23 = _mm512_unpackhi_pd(r[2], r[3]);
+    _mm512_storeu_pd(block->b[column] + i, _mm512_permutex2var_pd(even01, low, even23));
+    _mm512_storeu_pd(block->b[column + 1] + i, _mm512_permutex2var_pd(odd01, low, odd23));
+    _mm512_storeu_pd(block->b[column + 2] + i, _mm512_permutex2var_pd(even01, high, even23));
+    _mm512_storeu_pd(block->b[column + 3] + i, _mm512_permutex2var_pd(odd01, high, odd23));
+}
+#endif
+
+/* ---- what is moved */
+
+CORE_INLINE void read_vectors(
+    const norma_vec3_view *in, size_t first, size_t count, double (*to)[BLOCK]) {
+    if (in->format == NORMA_FORMAT_FLOAT && norma_view_stride(in) == 12 && count == BLOCK) {
+        float v[3 * BLOCK];
+        memcpy(v, (const unsigned char *)in->data + 12 * first, sizeof v);
+        for (int i = 0; i < BLOCK; i++)
+            for (int k = 0; k < 3; k++) to[k][i] = (double)v[3 * i + k];
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        double v[3];
+        norma_view_read(in, first + i, v);
+        for (int k = 0; k < 3; k++) to[k][i] = v[k];
+    }
+}
+
+/* ---- normals */
+
+/* cof(B) n of each vertex of a block, and the unit of it times sign(det B). */
+typedef struct normal_lanes {
+    double v[3][BLOCK], square[BLOCK], determinant[BLOCK];
+    float unit[3][BLOCK], about[BLOCK];
+    uint64_t certain[BLOCK];
+} normal_lanes;
+
+/* What the entries of one B were summed from, at most. */
+static double size_of_sum(const skin_stream *s, size_t vertex) {
+    double size = 0.0;
+    for (size_t k = 0, at = vertex * s->influences; k < s->influences; k++, at++)
+        size += fabs((double)s->skin->weights[at]) *
+                s->rows[norma_index_read(s->joints, s->joint_size, at)][SKIN_SIZE];
+    return size;
+}
+
+/* Whether doubles decide, for a B that was summed from size at most. */
+CORE_INLINE int is_certain_sign(double determinant, double size) {
+    return fabs(determinant) > CERTAIN_SIGN * size * size * size;
+}
+CORE_INLINE int is_certain(double determinant, double square, double normal_square, double size) {
+    return is_certain_sign(determinant, size) &
+           (square >
+               CERTAIN_VECTOR * CERTAIN_VECTOR * (size * size) * (size * size) * normal_square);
+}
+
+/* Whether a float holds the square of a length well. */
+CORE_INLINE int fits_float(double square) { return (square > 0x1p-120) & (square < 0x1p120); }
+
+/* The columns of cof(B) are the cross products of B's. Nonzero: all are certain. */
+CORE_INLINE int products_of_lanes(const skin_block *of, normal_lanes *l) {
+    const double size = of->size;
+    uint64_t certain = 1;
+    for (int i = 0; i < BLOCK; i++) {
+        const double a0 = of->b[0][i], a1 = of->b[1][i], a2 = of->b[2][i], b0 = of->b[3][i],
+                     b1 = of->b[4][i], b2 = of->b[5][i], c0 = of->b[6][i], c1 = of->b[7][i],
+                     c2 = of->b[8][i], x = of->in[0][i], y = of->in[1][i], z = of->in[2][i];
+        const double u0 = b1 * c2 - b2 * c1, u1 = b2 * c0 - b0 * c2, u2 = b0 * c1 - b1 * c0;
+        const double v0 = u0 * x + (c1 * a2 - c2 * a1) * y + (a1 * b2 - a2 * b1) * z,
+                     v1 = u1 * x + (c2 * a0 - c0 * a2) * y + (a2 * b0 - a0 * b2) * z,
+                     v2 = u2 * x + (c0 * a1 - c1 * a0) * y + (a0 * b1 - a1 * b0) * z;
+        const double determinant = a0 * u0 + a1 * u1 + a2 * u2;
+        const double square = v0 * v0 + v1 * v1 + v2 * v2;
+        l->v[0][i] = v0;
+        l->v[1][i] = v1;
+        l->v[2][i] = v2;
+        l->square[i] = square;
+        l->determinant[i] = determinant;
+        l->certain[i] = (uint64_t)(is_certain(determinant, square, x * x + y * y + z * z, size) &
+                                   fits_float(square));
+    }
+    for (int i = 0; i < BLOCK; i++) certain &= l->certain[i];
+    return (int)certain;
+}
+
+/* 1 / length: a float's root and quotient are quick, and a step of Newton's method squares their
+ * error, to below 2^-43. */
+CORE_INLINE void units_of_lanes(normal_lanes *l) {
+    for (int i = 0; i < BLOCK; i++) l->about[i] = 1.0F / sqrtf((float)l->square[i]);
+    for (int i = 0; i < BLOCK; i++) {
+        const double about = (double)l->about[i],
+                     factor = about * (1.5 - 0.5 * l->square[i] * (about * about));
+        for (int k = 0; k < 3; k++)
+            l->unit[k][i] = (float)(l->v[k][i] * (l->determinant[i] < 0.0 ? -factor : factor)) +
+                            0.0F; /* no -0 */
+    }
+}
+
+/* Where doubles do not decide: the reason why there is no normal, or none. v: cof(B) n, sign(det B)
+ * times, as they have it. */
+static int decide_normal(const skin_stream *s, size_t vertex, const double given[3], double v[3]) {
+    double n[3] = {given[0], given[1], given[2]};
+    if (!norma_core_finite(n)) return NORMA_REASON_NON_FINITE;
+    if (!norma_vec3_scale(n)) return NORMA_REASON_CANCELLED;
+    const int found = s->skin->blend == NORMA_BLEND_LINEAR
+                          ? norma_skin_exact_normal(s, vertex, n, v)
+                          : norma_vec3_scale(v);
+    return found ? NORMA_REASON_NONE : NORMA_REASON_CANCELLED;
+}
+
+/* The size that a block has in common is more than that of most of its vertices. */
+static int decide_one(const skin_stream *s, size_t vertex, const skin_block *block,
+    const normal_lanes *l, size_t i, float unit[3]) {
+    const double n[3] = {block->in[0][i], block->in[1][i], block->in[2][i]}, square = l->square[i],
+                 sign = l->determinant[i] < 0.0 ? -1.0 : 1.0;
+    double v[3] = {sign * l->v[0][i], sign * l->v[1][i], sign * l->v[2][i]};
+    int reason = NORMA_REASON_NONE;
+    if (is_certain(l->determinant[i], square, norma_core_dot(n, n), size_of_sum(s, vertex))) {
+        if (fits_float(square)) return reason;
+    } else
+        reason = decide_normal(s, vertex, n, v);
+    if (reason == NORMA_REASON_NONE) norma_core_direction(v, unit);
+    return reason;
+}
+
+static void write_uncertain(const skin_stream *s, size_t first, size_t count,
+    const skin_block *block, const normal_lanes *l, core_tally *tally) {
+    for (size_t i = 0; i < count; i++) {
+        float unit[3] = {l->unit[0][i], l->unit[1][i], l->unit[2][i]};
+        const int reason =
+            l->certain[i] ? NORMA_REASON_NONE : decide_one(s, first + i, block, l, i, unit);
+        norma_core_write_element(&s->out, first + i, reason, unit, tally);
+    }
+}
+
+/* Tight floats go where they belong at once: what is written in parts cannot soon be read whole. */
+CORE_INLINE void write_lanes(
+    const skin_stream *s, size_t first, size_t count, float (*axis)[BLOCK], int is_wide) {
+    const int tight = s->out.stride == sizeof(float[3]) && count == BLOCK;
+    float block[BLOCK][3];
+    float(*out)[3] = tight ? (void *)(s->out.normals + first * sizeof *out) : block;
+    for (int i = 0; i < BLOCK && is_wide; i += CORE_LANES)
+        core_floats_to_threes(axis[0] + i, axis[1] + i, axis[2] + i, out + i);
+    for (int i = 0; i < BLOCK && !is_wide; i++)
+        for (int k = 0; k < 3; k++) out[i][k] = axis[k][i];
+    if (!tight)
+        for (size_t i = 0; i < count; i++) norma_core_write_normal(&s->out, first + i, block[i]);
+}
+
+CORE_INLINE void normals_of_block(const skin_stream *s, size_t first, size_t count,
+    const skin_block *block, core_tally *tally, int is_wide) {
+    normal_lanes lanes;
+    const int certain = products_of_lanes(block, &lanes);
+    units_of_lanes(&lanes);
+    if (certain && count == BLOCK) {
+        write_lanes(s, first, BLOCK, lanes.unit, is_wide);
+        if (s->out.reasons) memset(s->out.reasons + first, NORMA_REASON_NONE, BLOCK);
+    } else
+        write_uncertain(s, first, count, block, &lanes, tally);
+}
+
+/* ---- positions and tangents */
+
+CORE_INLINE void move_block(
+    const skin_stream *s, size_t first, size_t count, const skin_block *of, int is_wide) {
+    float moved[3][BLOCK];
+    for (int r = 0; r < 3; r++)
+        for (int i = 0; i < BLOCK; i++)
+            moved[r][i] = (float)(of->b[r][i] * of->in[0][i] + of->b[3 + r][i] * of->in[1][i] +
+                                  of->b[6 + r][i] * of->in[2][i] + of->b[9 + r][i]);
+    write_lanes(s, first, count, moved, is_wide);
+}
+
+static int mirrors(const skin_stream *s, size_t vertex, const double b[SKIN_ROW], double size) {
+    double cross[3];
+    norma_core_cross(b + 3, b + 6, cross);
+    const double determinant = norma_core_dot(b, cross);
+    if (s->skin->blend != NORMA_BLEND_LINEAR || is_certain_sign(determinant, size) ||
+        is_certain_sign(determinant, size_of_sum(s, vertex)))
+        return determinant < 0.0;
+    return norma_skin_exactly_mirrors(s, vertex);
+}
+
+static void tangents_of_block(
+    const skin_stream *s, size_t first, size_t count, const skin_block *block) {
+    for (size_t i = 0; i < count; i++) {
+        const double *b = block->row[i],
+                     normal[3] = {block->in[0][i], block->in[1][i], block->in[2][i]};
+        double moved[3], unit[3];
+        float in[4], out[4];
+        memcpy(in, s->tangents + 4 * (first + i), sizeof in);
+        for (int r = 0; r < 3; r++)
+            moved[r] = b[r] * (double)in[0] + b[3 + r] * (double)in[1] + b[6 + r] * (double)in[2];
+        norma_core_perpendicular_tangent(normal, moved, unit);
+        for (int r = 0; r < 3; r++) out[r] = (float)unit[r] + 0.0F;
+        out[3] = mirrors(s, first + i, b, block->size) ? -in[3] : in[3];
+        memcpy(s->out.normals + (first + i) * s->out.stride, out, sizeof out);
+    }
+}
+
+/* ---- kernels by instruction set */
+
+CORE_INLINE void read_block_weights(
+    const skin_stream *s, size_t first, size_t count, skin_block *block) {
+    const float *weights = s->skin->weights + first * s->influences;
+    block->size = (double)s->influences * s->largest *
+                  (double)read_weights(weights, count * s->influences, block->weight);
+}
+
+/* Of B's columns: normals need nine, positions all twelve, and tangents go by rows. */
+static int columns_to_turn(const skin_stream *s, const core_tally *tally) {
+    return s->tangents ? 0 : tally ? 8 : 12;
+}
+
+CORE_INLINE void finish_block(const skin_stream *s, size_t first, size_t count, skin_block *block,
+    core_tally *tally, int is_wide) {
+    for (int i = 0; i < BLOCK && tally; i++) block->b[8][i] = block->row[i][8];
+    read_vectors(&s->in, first, count, block->in);
+    if (s->tangents)
+        tangents_of_block(s, first, count, block);
+    else if (tally)
+        normals_of_block(s, first, count, block, tally, is_wide);
+    else
+        move_block(s, first, count, block, is_wide);
+}
+
+CORE_INLINE void skin_in_c(const skin_stream *s, size_t first, size_t count, skin_block *block,
+    core_tally *tally, int is_wide) {
+    read_block_weights(s, first, count, block);
+    blend_rows(s, first, count, block);
+    turn_rows(block, columns_to_turn(s, tally), is_wide);
+    finish_block(s, first, count, block, tally, is_wide);
+}
+
+typedef void skin_kernel(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally);
+
+static void skin_block_portable(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
+    skin_in_c(s, first, count, block, tally, 0);
+}
+#if defined(CORE_HAS_X86)
+CORE_FOR_AVX2 static void skin_block_avx2(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
+    skin_in_c(s, first, count, block, tally, 1);
+}
+#endif
+#if defined(CORE_HAS_AVX512)
+CORE_FOR_AVX512 static void skin_block_avx512(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
+    const int columns = columns_to_turn(s, tally);
+    read_block_weights(s, first, count, block);
+    if (s->skin->blend == NORMA_BLEND_LINEAR)
+        blend_rows_avx512(s, first, count, block);
+    else
+        blend_rows(s, first, count, block);
+    for (int i = 0; i < BLOCK; i += 8)
+        for (int column = 0; column < columns; column += 4) turn_columns_avx512(block, i, column);
+    finish_block(s, first, count, block, tally, 1);
+}
+#endif
+
+void norma_skin_move(const skin_stream *s, size_t first, size_t count, core_tally *tally) {
+    static skin_kernel *const kernels[] = CORE_KERNELS(skin_block);
+    const size_t end = first + count;
+    skin_block block;
+    memset(block.row, 0, sizeof block.row);
+    for (size_t v = first; v < end; v += BLOCK)
+        kernels[s->call.level](s, v, end - v < BLOCK ? end - v : BLOCK, &block, tally);
+}
