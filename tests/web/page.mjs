@@ -344,6 +344,28 @@ const dropFiles = (on, ...files) => on.after(() => on.evaluate(`(() => {
   for (const [name, text] of ${JSON.stringify(files.map(([name, bytes]) => [name, bytes.toString("base64")]))}) data.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], name));
   document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data }));
 })()`));
+
+/* A box of these sides, as OBJ. */
+const boxOf = (...sides) => `${[0, 1, 2, 3, 4, 5, 6, 7].map((i) => `v ${sides.map((side, axis) => (i >> axis & 1 ? side : 0)).join(" ")}`).join("\n")}\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n`;
+await attempt("a dropped file fills the picture and stays in it, whatever its proportions; 0 comes back to that", async () => {
+  const fresh = await visit(home, { intro: true, calm: true });   // the first is dropped into the first seconds, which have no panel
+  for (const [name, sides] of [["beam", [9, 1, 1]], ["pole", [1, 9, 1]], ["cube", [1, 1, 1]], ["plate", [8, 0.2, 8]]]) {
+    await dropFiles(fresh, [`${name}.obj`, Buffer.from(boxOf(...sides))]);
+    await fresh.click("reset-matrix");
+    await fresh.pick("colours", "winding");
+    const { width, height } = await fresh.evaluate("(({ clientWidth: width, clientHeight: height }) => ({ width, height }))(canvas)"), png = await fresh.picture(`fills-${name}`), across = [], down = [];
+    countPixels(png, [0, 0, width, height], ([r, g, b], x, y) => g > r + 50 && g > b + 25 && across.push(x) && down.push(y));
+    const ends = (list) => [list.reduce((a, b) => Math.min(a, b), Infinity), list.reduce((a, b) => Math.max(a, b), 0)], [left, right] = ends(across), [top, bottom] = ends(down);
+    const filled = Math.max((right - left) / width, (bottom - top) / height), margin = Math.min(left, top, width - 1 - right, height - 1 - bottom);
+    console.log(`# ${name}: ${(100 * filled).toFixed(0)} % of the picture, ${margin} pixels to its border`);
+    expect(filled >= 0.86 && margin >= 4, `${name}: it takes ${filled.toFixed(2)} of the picture, ${margin} pixels to its border`);
+    await fresh.evaluate("canvas.focus()");
+    for (const key of ["ArrowLeft", "0"]) await fresh.after(() => fresh.press(key));
+    expect(differences(png, await fresh.picture(), [8, 8, width - 8, height - 8]) < 20, `${name}: 0 does not come back`); // within the ring of what has the keyboard
+    await fresh.pick("colours", "lit");
+  }
+  await fresh.close();
+});
 const shown = (on) => on.evaluate("document.getElementById('model').selectedOptions[0].textContent");
 /* What a list of links hands out, by name. */
 const handedOut = async (on, list) => new Map((await on.evaluate(`Promise.all([...document.querySelectorAll("#${list} a")].map(async (link) => {

@@ -27,18 +27,18 @@ export function applyAddress(asked, camera) {
   const numbers = (asked.get("camera") ?? "").split(",").map(Number);
   if (numbers.length < CAMERA.length || !numbers.every(Number.isFinite) || !(numbers[2] > 0)) return;
   CAMERA.forEach((name, i) => { camera[name] = numbers[i]; });
-  if (numbers.length === CAMERA.length + 3) camera.centre = numbers.slice(CAMERA.length);
+  camera.centre = numbers.length === CAMERA.length + 3 ? numbers.slice(CAMERA.length) : [0, 0, 0];
 }
 
 /* A function to call after every change; it writes when nothing has changed for a while. pressed(): the key of the finding that is shown, or null. */
 export function makeAddress(camera, pressed) {
   let timer = null;
-  const first = Object.fromEntries(kept().map((id) => [id, stateOf(control(id))])), pose = poseOf(camera).join();
+  const first = Object.fromEntries(kept().map((id) => [id, stateOf(control(id))]));
   const write = () => {
     const state = new URLSearchParams();
     for (const id of kept()) if (stateOf(control(id)) !== first[id] && !(id === "model" && /^(file|embedded)/.test(control(id).value))) state.set(id, stateOf(control(id)));
     const now = poseOf(camera);
-    if (now.join() !== pose) state.set("camera", (now.slice(CAMERA.length).some((x) => x !== 0) ? now : now.slice(0, CAMERA.length)).join());
+    if (now.join() !== poseOf(camera.home).join()) state.set("camera", (now.slice(CAMERA.length).some((x) => x !== 0) ? now : now.slice(0, CAMERA.length)).join());
     if (pressed()) state.set("finding", pressed());
     const text = state.toString().replaceAll("%2C", ",");
     if (text !== location.hash.slice(1)) history.replaceState(null, "", text ? `#${text}` : location.pathname + location.search);

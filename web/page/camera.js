@@ -3,14 +3,15 @@ import { dot } from "./matrix.js";
 
 const FRONT = { azimuth: 38, elevation: 18, distance: 3.4, centre: [0, 0, 0] };
 const FIELD_OF_VIEW = (38 * Math.PI) / 180;
+/* Of the picture's sides what a model may fill; and how close the camera begins to a ball of radius 1. */
+const FILLED = 0.9, CLOSEST = 2.3;
 
 export function makeCamera() {
-  const camera = { ...FRONT, centre: [0, 0, 0], aspect: 1 };
-  const radians = (degrees) => (degrees * Math.PI) / 180;
+  const camera = { ...FRONT, centre: [0, 0, 0], aspect: 1, home: FRONT };
 
   /* Right, up and back (to the eye), unit, in the world. */
-  const axes = () => {
-    const [a, e] = [radians(camera.azimuth), radians(camera.elevation)];
+  const axes = ({ azimuth, elevation } = camera) => {
+    const [a, e] = [azimuth, elevation].map((degrees) => (degrees * Math.PI) / 180);
     return { right: [Math.cos(a), 0, -Math.sin(a)], up: [-Math.sin(a) * Math.sin(e), Math.cos(e), -Math.cos(a) * Math.sin(e)], back: [Math.sin(a) * Math.cos(e), Math.sin(e), Math.cos(a) * Math.cos(e)] };
   };
   const eye = () => axes().back.map((x, i) => camera.centre[i] + camera.distance * x);
@@ -58,9 +59,31 @@ export function makeCamera() {
       for (let i = 0; i < 3; i++) camera.centre[i] = begin[i] + right[i] * (x * size - toX * height()) + up[i] * (y * size - toY * height());
     };
   };
-  const reset = (start) => Object.assign(camera, FRONT, { centre: [0, 0, 0] }, start);
+  /* To where it stood first, but for what start says. */
+  const reset = (start) => Object.assign(camera, camera.home, { centre: [...camera.home.centre] }, start);
+  /* What it comes back to from now on. */
+  const settle = (start) => { camera.home = { ...FRONT, ...start }; reset(); };
 
-  return Object.assign(camera, { axes, eye, worldToView, viewToClip, ray, orbit, pan, zoom, grasp, reset });
+  /* The pose in which the points fill the picture, seen from there. Turned about, what is long may then reach beyond it: so never closer than CLOSEST. Through the planes at the picture's borders: each
+   * point wants |x| <= t (eye's z - z), so the outermost of x + t z and of x - t z say how far off the eye is, and where. */
+  const framing = (points, { azimuth, elevation } = FRONT) => {
+    const { right, up, back } = axes({ azimuth, elevation }), at = [0, 0];
+    let distance = CLOSEST;
+    [right, up].forEach((axis, i) => {
+      const t = FILLED * tangents()[i];
+      let high = -Infinity, low = Infinity;
+      for (const one of points) {
+        const x = dot(axis, one), z = t * dot(back, one);
+        high = Math.max(high, x + z);
+        low = Math.min(low, x - z);
+      }
+      at[i] = (high + low) / 2;
+      distance = Math.max(distance, (high - low) / (2 * t));
+    });
+    return { azimuth, elevation, distance, centre: right.map((x, i) => x * at[0] + up[i] * at[1]) };
+  };
+
+  return Object.assign(camera, { axes, eye, worldToView, viewToClip, ray, orbit, pan, zoom, grasp, reset, settle, framing });
 }
 
 /* Mouse, touch and keyboard. taken(event, phase) may claim a drag for itself ("down", "move", "up"); changed() is called after every change. */

@@ -176,7 +176,7 @@ function wireControls() {
   byId("other").addEventListener("change", () => compareWith(filesOfInput(byId("other"))));
   const onClick = (id, act) => byId(id).addEventListener("click", () => { act(); dirty.draw = true; });
   onClick("reset-matrix", () => { stopIntro(); setMatrix(); });
-  onClick("reset-view", () => camera.reset(page.moving ? { azimuth: 0, elevation: 34, distance: 3.3 } : { azimuth: 0, elevation: 0 }));
+  onClick("reset-view", () => camera.reset(page.moving ? { azimuth: 0 } : page.scene.model.format ? camera.framing(page.scene.corners(), { azimuth: 0, elevation: 0 }) : { azimuth: 0, elevation: 0 }));
   onClick("flatten", () => { if (page.moving) { page.moving.flatten(); uploadMoving(); } });
   onClick("intro-open", () => byId("file").click());
   onClick("intro-more", stopIntro);

@@ -163,6 +163,12 @@ export function uploadMoving() {
   page.graphics.fillBuffer(page.scene.surfaces[0].normals, page.moving.normals());
 }
 
+/* The model fills the picture, as large as that is now: the first seconds had all of the window. */
+function settle() {
+  camera.aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
+  camera.settle(camera.framing(page.scene.corners()));
+}
+
 export async function openGiven(given) {
   notice("");
   page.atFirst = null;
@@ -193,7 +199,7 @@ function openFile(files, path) {
     if (value("sides") === "beside") byId("sides").value = "split";
     byId("colours").value = "lit";
     setRange("crease", 60);
-    camera.reset();
+    settle();
     document.title = `${page.source.name} · Norma`;
     byId("model").title = byId("model").selectedOptions[0].textContent;
     showSections();
@@ -208,6 +214,7 @@ function openEmbedded() {
     return { ...(await page.remote.openText(text, name)), files };
   }, () => {
     page.source = files && { path: files.path, name };
+    settle();
     showSections();
   });
 }
@@ -237,5 +244,5 @@ export function pickModel() {
   else if (key === "sculpture") show(async () => ({ ...(await page.remote.openTriangles({ ...page.sculpture, positions: page.sculpture.positions.slice(), indices: page.sculpture.indices.slice() })), isWooden: true }), () => setRange("crease", 180));
   else if (key.startsWith("file")) { const { files, path } = fileChoices[Number(key.slice(4))]; openFile(files, path); }
   else if (SHAPES[key]) show(() => page.remote.openShape(key), () => setRange("crease", SHAPES[key].crease ?? 60));
-  camera.reset(VIEWS[key] ?? {});
+  camera.settle(VIEWS[key]);
 }

@@ -68,7 +68,7 @@ export async function chooseFinding(finding, which = 0) {
     if (isOfWhole(shown, finding, place)) {
       page.look = { ...page.look, outline: partOf(finding), unpainted: finding.severity < 2 };
       byId("finding-seen").textContent = "This is about a whole part: the line goes round it.";
-      await fly({ distance: 3.4, centre: [0, 0, 0], ...poseOfPart(finding, items) });
+      await fly({ ...camera.home, ...poseOfPart(finding, items) });
       return;
     }
     page.look.dim = true;
@@ -90,7 +90,7 @@ export async function chooseFinding(finding, which = 0) {
 
 /* The camera goes from the whole to a place; whoever moves it stops it. */
 export async function fly(to) {
-  const mine = ++page.flights, whole = makeCamera(), mix = (a, b, part) => a + (b - a) * part;
+  const mine = ++page.flights, whole = { ...camera.home }, mix = (a, b, part) => a + (b - a) * part;
   whole.azimuth = to.azimuth + Math.max(-40, Math.min(40, ((camera.azimuth - to.azimuth + 540) % 360) - 180));
   for (const begin = performance.now(); mine === page.flights; await new Promise(requestAnimationFrame)) {
     const time = isCalm() ? 1 : Math.min(1, (performance.now() - begin) / FLIGHT), part = time * time * (3 - 2 * time);
