@@ -22,12 +22,21 @@ function readJson(bytes) {
 }
 export const hasAnimations = (files, path) => { const main = files.find((file) => file.path === path); return Boolean(main && ENDING.test(path) && readJson(main.bytes).json.animations?.length); };
 
+/* What lacks its image is as grey as clay, times its factor: white shows no shape, and metal is a mirror of the sky. */
+const CLAY = 0.5;
+const greyed = ([r, g, b, a = 1] = [1, 1, 1]) => [CLAY * r, CLAY * g, CLAY * b, a];
+
 /* Textures that are KTX2 alone: nothing here decodes those, and what refers to them goes without. Gives their number. */
 function leaveOutKtx2(json) {
   const left = new Set((json.textures ?? []).flatMap(({ source, extensions }, i) => (source === undefined && extensions?.KHR_texture_basisu ? [i] : [])));
   const clear = (part) => {
     if (!part || typeof part !== "object") return;
-    for (const [key, value] of Object.entries(part)) if (/texture$/i.test(key) && left.has(value?.index)) delete part[key]; else clear(value);
+    for (const [key, value] of Object.entries(part)) {
+      if (!/texture$/i.test(key) || !left.has(value?.index)) { clear(value); continue; }
+      delete part[key];
+      if (key === "baseColorTexture") part.baseColorFactor = greyed(part.baseColorFactor);
+      if (key === "metallicRoughnessTexture") part.metallicFactor = 0;
+    }
   };
   if (left.size) clear(json.materials);
   if (left.size && json.extensionsRequired) json.extensionsRequired = json.extensionsRequired.filter((name) => name !== "KHR_texture_basisu");
@@ -73,7 +82,13 @@ export async function loadGltf(files, path, bare) {
   manager.onError = (url) => missing.add(url);
   const loader = new GLTFLoader(manager), materials = [];
   let parser = null;
-  loader.register((made) => { parser = made; return { name: "norma" }; });
+  const lacks = async (texture) => texture !== undefined && !(await parser.getDependency("texture", texture.index).catch(() => null));
+  const extendMaterialParams = async (index, made) => {
+    const { baseColorTexture, metallicRoughnessTexture } = parser.json.materials[index].pbrMetallicRoughness ?? {};
+    if (await lacks(baseColorTexture)) made.color.multiplyScalar(CLAY);
+    if (await lacks(metallicRoughnessTexture)) made.metalness = 0;
+  };
+  loader.register((made) => { parser = made; return { name: "norma", extendMaterialParams }; });
   const quiet = console.warn, quietError = console.error;
   console.warn = console.error = () => undefined;      /* the page says itself what is missing */
   try {
