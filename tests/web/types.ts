@@ -44,7 +44,8 @@ export async function uses(): Promise<void> {
   normals = norma.vertexNormals({ array: new Float32Array(24), stride: 8, offset: 2 }, indices);
   const written = await norma.fix(new Uint8Array(4), { name: "a.glb", unsafe: true, select: ["N3"], files: { "a.bin": new ArrayBuffer(4) } }), errors: number = written.report.summary.errors, size: number = written.bytes.length + written.files["a.bin"]!.length + errors;
   const { summary } = await norma.compute(new ArrayBuffer(4), { name: "a.obj", crease: 30 + size, weight: "area", only: "missing" }), listed: object = { ...summary, ...(await norma.info(new ArrayBuffer(4), { name: "a.stl", deep: true })) };
-  if (!listed) return;
+  const tiles: number = ((await norma.info(new ArrayBuffer(4), { name: "a.cmpt" })).tiles ?? []).filter((tile) => tile["faces"] === 0).length;
+  if (!listed || tiles) return;
   normals = norma.tangents(positions, normals, new Float32Array(6), indices, { mode: "steady", weight: "area" });
   const degenerate: number = report.degenerateFaces + norma.tangents(positions, normals, new Float32Array(6), { report: true }).report.degenerate;
   const found: CheckReport = await norma.check(new Uint8Array(8), { name: "chair.glb", profile: "render" });

@@ -194,7 +194,10 @@ export interface Finding {
   /** "inconsistent-winding" */
   name: string;
   severity: "error" | "warning" | "info";
-  /** JSON pointer of the glTF primitive, node or skin; "" for a whole OBJ, PLY or STL. */
+  /**
+   * JSON pointer of the glTF primitive, node or skin; "" for a whole OBJ, PLY or STL. In a .cmpt with several models it begins with the model's tile:
+   * "/tiles/1/meshes/0/primitives/0".
+   */
   where: string;
   count: number;
   worst: { value: number | null; unit: string; vertex: number | null; face: number | null; position: Point | null };
@@ -280,7 +283,11 @@ export interface WrittenFile {
 }
 
 /** What `norma compute --json` and `norma info --json` print. */
-export type Summary = Record<string, unknown>;
+export interface Summary {
+  [key: string]: unknown;
+  /** What info says of each model of a .cmpt with several, which has these, its path and its format alone. */
+  tiles?: Summary[] | undefined;
+}
 
 type Reporting<Options> = Options & { report: true };
 type Plain<Options> = Options & { report?: false | undefined };
