@@ -47,18 +47,17 @@ typedef struct finding_place {
     size_t node; /* whose finding it is; SIZE_MAX: no node's */
 } finding_place;
 
-static finding_place place_of_finding(const check_names *names, const norma_finding *finding) {
+static finding_place place_of_finding(const check_names *names, const char *where) {
     norma_mesh_info mesh;
     norma_node_info node;
     finding_place place = {SIZE_MAX, SIZE_MAX};
     const size_t meshes = norma_document_mesh_count(names->document);
     for (size_t i = 0; i < meshes; ++i)
-        if (!norma_document_mesh_info(names->document, i, &mesh) &&
-            strcmp(mesh.where, finding->where) == 0)
+        if (!norma_document_mesh_info(names->document, i, &mesh) && strcmp(mesh.where, where) == 0)
             return (finding_place){i, SIZE_MAX};
     for (size_t i = 0; i < norma_document_node_count(names->document); ++i)
         if (!norma_document_node_info(names->document, i, &node) &&
-            strcmp(node.where, finding->where) == 0) {
+            strcmp(node.where, where) == 0) {
             place.node = i;
             break;
         }
@@ -88,16 +87,20 @@ int check_is_meant(
     const check_names *names, const check_override *override, const norma_finding *finding) {
     char *const *const *lists = (char *const *const *) override->lists;
     norma_mesh_info info;
+    size_t tile;
     if (!is_file_meant(names, override)) return 0;
     if (!lists[CHECK_MESHES] && !lists[CHECK_MATERIALS] && !lists[CHECK_NODES]) return 1;
+    const char *where = check_where_in_tile(finding->where, &tile);
+    const check_names own = {
+        names->config, names->path, norma_document_tile(names->document, tile)};
     const finding_place place =
-        names->document ? place_of_finding(names, finding) : (finding_place){SIZE_MAX, SIZE_MAX};
-    if (place.mesh == SIZE_MAX || norma_document_mesh_info(names->document, place.mesh, &info))
+        own.document ? place_of_finding(&own, where) : (finding_place){SIZE_MAX, SIZE_MAX};
+    if (place.mesh == SIZE_MAX || norma_document_mesh_info(own.document, place.mesh, &info))
         return 0;
     return (!lists[CHECK_MESHES] || any_matches(lists[CHECK_MESHES], info.name)) &&
            (!lists[CHECK_MATERIALS] ||
-               any_matches(lists[CHECK_MATERIALS], material_name(names, place.mesh))) &&
-           (!lists[CHECK_NODES] || are_nodes_meant(names, lists[CHECK_NODES], place));
+               any_matches(lists[CHECK_MATERIALS], material_name(&own, place.mesh))) &&
+           (!lists[CHECK_NODES] || are_nodes_meant(&own, lists[CHECK_NODES], place));
 }
 
 /* ---- which patterns match something */
@@ -105,22 +108,26 @@ int check_is_meant(
 /* Calls for each name of a kind in a file. */
 typedef void see_name(void *user, const char *name);
 
-static void visit_names(const check_names *names, int list, see_name *see, void *user) {
+static void visit_names_of(const check_names *names, int list, see_name *see, void *user) {
     norma_mesh_info mesh;
     norma_node_info node;
-    if (list == CHECK_FILES) see(user, below_folder(names->config, names->path));
-    for (size_t i = 0; names->document && i < norma_document_mesh_count(names->document); ++i) {
+    for (size_t i = 0; i < norma_document_mesh_count(names->document); ++i) {
         if (list == CHECK_MESHES && !norma_document_mesh_info(names->document, i, &mesh))
             see(user, mesh.name);
         if (list == CHECK_MATERIALS) see(user, material_name(names, i));
     }
-    for (size_t i = 0;
-         names->document && list == CHECK_NODES && i < norma_document_node_count(names->document);
-         ++i)
+    for (size_t i = 0; list == CHECK_NODES && i < norma_document_node_count(names->document); ++i)
         if (!norma_document_node_info(names->document, i, &node)) {
             see(user, node.name);
             see(user, node.path);
         }
+}
+
+static void visit_names(const check_names *names, int list, see_name *see, void *user) {
+    check_names own = *names;
+    if (list == CHECK_FILES) see(user, below_folder(names->config, names->path));
+    for (size_t tile = 0; (own.document = norma_document_tile(names->document, tile)); ++tile)
+        visit_names_of(&own, list, see, user);
 }
 
 typedef struct name_marks {
@@ -205,8 +212,10 @@ static int is_searched(const check_config *config, const cli_inputs *inputs) {
 /* Looks into the files again, as far as names are. */
 static void find_nearest_name(check_configs *configs, const cli_inputs *inputs,
     const check_override *override, int list, const check_config *config, nearest_name *nearest) {
-    const norma_document_options options = {
-        .struct_size = sizeof options, .depth = NORMA_DOCUMENT_SUMMARY, .lenient = 1};
+    const norma_document_options options = {.struct_size = sizeof options,
+        .depth = NORMA_DOCUMENT_SUMMARY,
+        .lenient = 1,
+        .every_tile = 1};
     for (size_t i = 0; i < inputs->count && !nearest->name[0]; ++i) {
         if (check_config_of(configs, inputs->paths[i]) != config) continue;
         char *absolute = realpath(inputs->paths[i], NULL);
