@@ -30,8 +30,9 @@ typedef struct fixing {
     norma_findings *given;           /* what a check found in the document; NULL: not known */
     uint8_t again[CHECK_RULE_COUNT]; /* of which the given findings do not have every element */
     fix_measure before;
-    fix_trial best; /* whose plans do no harm; count 0: none yet */
-    size_t checks;  /* so far */
+    fix_trial best;            /* whose plans do no harm; count 0: none yet */
+    size_t checks;             /* so far */
+    norma_document *composite; /* whose tile the document is, of several, which are not changed */
     norma_fix_summary *summary;
     norma_document_error *error;
 } fixing;
@@ -129,6 +130,10 @@ static norma_document_result try_request(
     if (norma_fix_plan_is_empty(&plan)) {
         trial->plans[trial->count++] = plan;
         return result;
+    }
+    if (f->composite) { /* refuses in its words */
+        norma_fix_plan_free(&plan);
+        return norma_document_edit(f->composite, NULL, f->error);
     }
     f->request.changes_maps |= plan.greens != NULL;
     if (!f->before.has_shape)
@@ -450,24 +455,37 @@ static norma_document_result carry_out(fixing *f) {
     return result;
 }
 
+static norma_document_result fix_one(fixing *f, const norma_check_options *options) {
+    fix_progress progress;
+    norma_document_result result =
+        begin_fixing(f, options, options ? options->rules : NULL, &progress);
+    f->request.reads_maps = f->request.unsafe && f->request.wanted[RULE_N812];
+    if (!result) result = find_fixes(f);
+    if (!result) result = carry_out(f);
+    end_fixing(f);
+    return result;
+}
+
 norma_document_result norma_fix_document(norma_document *document,
     const norma_check_options *options, int unsafe, norma_fix_summary *summary,
     norma_document_error *error) {
     norma_fix_summary unwanted;
-    fix_progress progress;
-    fixing f = {.document = document,
-        .request.unsafe = unsafe,
-        .summary = summary ? summary : &unwanted,
-        .error = error};
-    *f.summary = (norma_fix_summary){0};
-    norma_document_result result =
-        begin_fixing(&f, options, options ? options->rules : NULL, &progress);
-    f.request.reads_maps = unsafe && f.request.wanted[RULE_N812];
-    if (!result && norma_document_tile(document, 1)) /* to be refused in its words */
-        result = norma_document_edit(document, NULL, error);
-    if (!result) result = find_fixes(&f);
-    if (!result) result = carry_out(&f);
-    end_fixing(&f);
+    norma_document *composite = norma_document_tile(document, 1) ? document : NULL, *tile;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!summary) summary = &unwanted;
+    *summary = (norma_fix_summary){0};
+    for (size_t i = 0; !result && (i == 0 || norma_document_tile(document, i)); i++) {
+        tile = norma_document_tile(document, i);
+        fixing f = {.document = tile,
+            .composite = composite,
+            .request.unsafe = unsafe,
+            .summary = summary,
+            .error = error};
+        const size_t notes = i ? norma_document_note_count(tile) : 0;
+        result = fix_one(&f, options);
+        for (size_t k = notes; i && k < norma_document_note_count(tile); k++)
+            norma_document_add_note(document, "tile %zu: %s", i, norma_document_note(tile, k));
+    }
     return result;
 }
 
