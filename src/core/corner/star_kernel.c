@@ -24,18 +24,21 @@ CORE_INLINE void measure_waiting(
     const core_prepared_mesh *s, const star_list *list, uint32_t first, kept_faces *out) {
     core_batch b;
     core_rows normals, weights;
+    double(*rows)[8] = out->row;
+    uint32_t(*welded)[8] = out->at;
     load_edges(&s->mesh, list->at[first], &b);
     norma_core_kernels(s->call->level)->measure(&b, s->call->options.weight);
     core_lanes_to_rows(b.normal[0], b.normal[1], b.normal[2], b.sure, &normals);
     core_lanes_to_rows(b.weight[0], b.weight[1], b.weight[2], b.sure, &weights);
     for (size_t i = 0; i < CORE_LANES; i++) {
-        const uint32_t *at = list->at[first + i], place = list->place[first + i];
-        uint32_t *welded = out->at[place];
-        memcpy(out->row[place], normals.row[i], sizeof normals.row[i]);
-        memcpy(out->row[place] + 4, weights.row[i], sizeof weights.row[i]);
-        for (int k = 0; k < 3; k++) welded[k] = norma_core_welded(&s->mesh, at[k]);
-        welded[3] = welded[0];
-        welded[4] = welded[1];
+        const uint32_t *at = list->at[first + i], place = list->place[first + i],
+                       own = norma_core_welded(&s->mesh, at[0]),
+                       next = norma_core_welded(&s->mesh, at[1]),
+                       previous = norma_core_welded(&s->mesh, at[2]);
+        const uint32_t around[5] = {own, next, previous, own, next};
+        memcpy(rows[place], normals.row[i], sizeof normals.row[i]);
+        memcpy(rows[place] + 4, weights.row[i], sizeof weights.row[i]);
+        memcpy(welded[place], around, sizeof around);
     }
 }
 
@@ -53,7 +56,7 @@ CORE_INLINE void measure_all_waiting(
  * so that memory is never idle: the mesh's corners two batches ahead, the positions that these name
  * one batch ahead, the places where the normals go when the star is first touched. */
 
-enum { CORNERS_AHEAD = 2 * BATCH_CORNERS, NEAR = 1 << 17 };
+enum { CORNERS_AHEAD = 2 * BATCH_CORNERS };
 
 int norma_core_can_batch(const core_prepared_mesh *prepared) {
     const norma_options *o = &prepared->call->options;
@@ -118,31 +121,6 @@ void norma_core_kept_release(const core_prepared_mesh *prepared, size_t count, k
     norma_core_release(prepared->call, kept, count, sizeof *kept);
 }
 
-void norma_core_clear_list(star_list *list, const position_visit *visit) {
-    list->visit = visit;
-    list->corner_count = 0;
-    list->star_count = 0;
-    list->scattered = 0;
-    list->least = UINT32_MAX;
-    list->most = 0;
-}
-
-/* Those in a row: corners of other positions, left out, end a list. */
-int norma_core_list_star(
-    const core_prepared_mesh *prepared, uint32_t position, uint32_t count, star_list *list) {
-    const uint32_t *corners = prepared->corners_of.corners + prepared->corners_of.starts[position],
-                   at = (uint32_t)list->corner_count;
-    if (!at) list->corners = corners;
-    if (at + count > BATCH_CORNERS || corners != list->corners + at) return 0;
-    list->stars[list->star_count++] =
-        (listed_star){.position = position, .begin = (uint16_t)at, .count = (uint16_t)count};
-    list->corner_count += count;
-    list->scattered |= corners[count - 1] - corners[0] > NEAR;
-    list->least = corners[0] < list->least ? corners[0] : list->least;
-    list->most = corners[count - 1] > list->most ? corners[count - 1] : list->most;
-    return 1;
-}
-
 static uint32_t place_behind(const kept_faces *kept, size_t corner) {
     return kept->room + (uint32_t)corner;
 }
@@ -185,6 +163,15 @@ static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *l
         read_face_corners(mesh, list->face[i], list->at[i]);
 }
 
+/* Where normals of neighbours go, once for each face, when it is first met: corner normals take 2 %
+ * less. */
+static void ask_for_faces_targets(const star_list *list) {
+    const position_visit *visit = list->visit;
+    const unsigned char *target = visit->target;
+    for (uint32_t i = 0; target && i < list->waiting; i++)
+        __builtin_prefetch(target + 3 * visit->target_size * list->face[i], 1);
+}
+
 static void read_polygon_corners(
     const core_prepared_mesh *prepared, const kept_faces *kept, star_list *list) {
     const core_mesh *mesh = &prepared->mesh;
@@ -218,7 +205,10 @@ void norma_core_read_list(const core_prepared_mesh *prepared, fan_batch *batch, 
         read_polygon_corners(prepared, batch->kept, list);
     else
         read_triangles(&prepared->mesh, batch->kept, list);
-    if (list->scattered) ask_for_positions(prepared, list);
+    if (list->scattered)
+        ask_for_positions(prepared, list);
+    else if (!prepared->faces)
+        ask_for_faces_targets(list);
 }
 
 static void ask_for_targets(const star_list *list, const listed_star *star) {
@@ -538,20 +528,22 @@ static void count_edges(
     }
 }
 
-/* Returns how many there are. */
-static uint32_t number_linked_fans(const star_links *l, uint32_t count, uint32_t *fan_of) {
-    uint32_t left = (1U << count) - 1, first = left, fans = 0;
+/* Numbers them from fan on, and returns how many there are. */
+static uint32_t number_linked_fans(
+    const star_links *l, uint32_t count, uint32_t fan, uint32_t *fan_of) {
+    uint32_t left = (1U << count) - 1, first = left;
+    const uint32_t given = fan;
     for (uint32_t c = 0; c < count; c++) first &= ~l->link[c];
-    for (; left; fans++) {
+    for (; left; fan++) {
         uint32_t at = lowest(first & left ? first & left : left), next;
         do {
-            fan_of[at] = fans;
+            fan_of[at] = fan;
             left &= ~(1U << at);
             next = l->link[at] & left;
             at = lowest(next | 1U << 31);
         } while (next);
     }
-    return fans;
+    return fan - given;
 }
 
 /* The one fan of most stars, in a register: a sum in memory would wait for its last store. */
@@ -561,15 +553,15 @@ CORE_INLINE void sum_one_fan(fan_batch *t, const uint32_t *key, const listed_sta
     for (uint32_t i = 0; i < star->count; i++)
         sum += load_row(rows + (key[i] & ~7U)) * rows[key[i] + 4];
     memcpy(t->row[star->first_fan], &sum, sizeof sum);
-    memset(t->fan_of + star->begin, 0, ORDINARY_CORNERS * sizeof *t->fan_of);
+    for (uint32_t i = 0; i < ORDINARY_CORNERS; i++) t->fan_of[star->begin + i] = star->first_fan;
 }
 
 /* Several fans, each in the order of its corners. */
 static void sum_fans(fan_batch *t, const uint32_t *key, const listed_star *star, uint32_t fans) {
     const double *rows = t->kept->row[0];
     const uint32_t *fan_of = t->fan_of + star->begin;
-    double(*sums)[4] = t->row + star->first_fan;
-    memset(sums, 0, fans * sizeof *sums);
+    double(*sums)[4] = t->row;
+    memset(sums + star->first_fan, 0, fans * sizeof *sums);
     for (uint32_t i = 0; i < star->count; i++)
         core_add_row(sums[fan_of[i]], rows + (key[i] & ~7U), rows[key[i] + 4]);
 }
@@ -585,7 +577,7 @@ CORE_INLINE uint32_t settle_star(
     if (found == ONE_FAN) {
         sum_one_fan(t, key, star);
     } else {
-        fans = number_linked_fans(&l, star->count, t->fan_of + star->begin);
+        fans = number_linked_fans(&l, star->count, star->first_fan, t->fan_of + star->begin);
         sum_fans(t, key, star, fans);
     }
     if (edges) count_edges(t, star, &l, edges);
@@ -656,7 +648,6 @@ CORE_INLINE int settle(
     for (size_t i = 0; i < list->star_count; i++) {
         listed_star *star = &list->stars[i];
         star->first_fan = (uint16_t)fans;
-        for (uint32_t c = 0; c < ORDINARY_CORNERS; c++) t->first_fan[star->begin + c] = fans;
         if (star->fan_count)
             star->fan_count = (uint16_t)settle_star(t, list->key + star->begin, star, edges);
         fans += star->fan_count;

@@ -70,16 +70,11 @@ typedef struct fan_batch {
     double decided[BATCH_ROOM];             /* of each fan, from here on */
     float direction[3][BATCH_ROOM];
     core_fan fans[BATCH_CORNERS];
-    int all_decided;                /* each fan has a normal */
-    uint32_t fan_of[BATCH_ROOM];    /* of each corner: its fan, numbered from its star's first */
-    uint32_t first_fan[BATCH_ROOM]; /* which is this one */
+    int all_decided;             /* each fan has a normal */
+    uint32_t fan_of[BATCH_ROOM]; /* of each corner: its fan in the batch */
 } fan_batch;
 
 int norma_core_can_batch(const core_prepared_mesh *prepared);
-void norma_core_clear_list(star_list *list, const position_visit *visit);
-/* Adds a star. 0: the list is full. */
-int norma_core_list_star(
-    const core_prepared_mesh *prepared, uint32_t position, uint32_t count, star_list *list);
 /* Reads the corners of the faces that are not kept yet, and asks for their positions; once the list
  * before the last is settled. */
 void norma_core_read_list(const core_prepared_mesh *prepared, fan_batch *batch, star_list *list);

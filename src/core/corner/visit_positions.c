@@ -234,7 +234,7 @@ static norma_result core_visit_large_star(const core_prepared_mesh *prepared,
  * few, and come last, one after the other, in memory that is taken once. Where triangles without a
  * direction turn up, their stars wait until it is known whose they borrow. */
 
-enum { POSITIONS_IN_CHUNK = 2048 };
+enum { POSITIONS_IN_CHUNK = 2048, FAR_APART = 1 << 17 };
 
 typedef struct visit_all {
     core_prepared_mesh *prepared;
@@ -305,21 +305,27 @@ static void visit_singly(const visit_all *v, const star_list *list, stars_part *
  * normals take 4 % less. */
 static void write_ordinary(
     const core_output *output, const star_list *list, const fan_batch *batch) {
-    for (size_t i = 0; i < list->corner_count; i++)
-        norma_core_write_normal(
-            output, list->corners[i], batch->fans[batch->first_fan[i] + batch->fan_of[i]].normal);
+    const core_output to = *output; /* known not to change with what is written */
+    const uint32_t *corners = list->corners;
+    const size_t count = list->corner_count;
+    for (size_t i = 0; i < count; i++)
+        norma_core_write_normal(&to, corners[i], batch->fans[batch->fan_of[i]].normal);
 }
 
 static void see_ordinary(
     const visit_all *v, const star_list *list, fan_batch *batch, stars_part *part) {
     star_member members[ORDINARY_CORNERS];
+    uint32_t fan_of[ORDINARY_CORNERS];
     const core_corners_of_position *corners_of = &v->prepared->corners_of;
     for (size_t i = 0; i < list->star_count; i++) {
         const listed_star *r = &list->stars[i];
         const core_fans fans = {r->position, r->count, r->fan_count,
-            corners_of->corners + corners_of->starts[r->position], batch->fan_of + r->begin,
+            corners_of->corners + corners_of->starts[r->position], fan_of,
             batch->fans + r->first_fan, members, NULL};
-        if (r->fan_count) v->visit->see(v->visit->context, &fans, &part->tally);
+        if (!r->fan_count) continue;
+        for (uint32_t c = 0; c < r->count; c++)
+            fan_of[c] = batch->fan_of[r->begin + c] - r->first_fan;
+        v->visit->see(v->visit->context, &fans, &part->tally);
     }
 }
 
@@ -327,15 +333,33 @@ static void see_ordinary(
  * once. Returns where the next list begins. */
 static size_t list_stars(const visit_all *v, size_t position, size_t end, fan_batch *batch,
     star_list *list, stars_part *part) {
-    norma_core_clear_list(list, v->visit);
-    const uint32_t *starts = v->prepared->corners_of.starts;
+    const uint32_t *starts = v->prepared->corners_of.starts,
+                   *corners = v->prepared->corners_of.corners;
+    uint32_t count = 0, stars = 0, least = UINT32_MAX, most = 0, widest = 0;
+    list->corners = NULL;
     for (; position < end; position++) {
-        const size_t size = starts[position] < starts[position + 1] ? star_size(v, position) : 0;
-        if (size > ORDINARY_CORNERS && size <= STAR_ROOM)
-            visit_chunk_singly(v, position, position + 1, part);
-        if (size == 0 || size > ORDINARY_CORNERS) continue;
-        if (!norma_core_list_star(v->prepared, (uint32_t)position, (uint32_t)size, list)) break;
+        const uint32_t size = starts[position + 1] - starts[position],
+                       *at = corners + starts[position];
+        if (!size || !star_size(v, position)) continue;
+        if (size > ORDINARY_CORNERS) {
+            if (size <= STAR_ROOM) visit_chunk_singly(v, position, position + 1, part);
+            continue;
+        }
+        if (count + size > BATCH_CORNERS || (count && at != list->corners + count)) break;
+        if (!count) list->corners = at;
+        list->stars[stars++] = (listed_star){
+            .position = (uint32_t)position, .begin = (uint16_t)count, .count = (uint16_t)size};
+        count += size;
+        least = at[0] < least ? at[0] : least;
+        most = at[size - 1] > most ? at[size - 1] : most;
+        widest = at[size - 1] - at[0] > widest ? at[size - 1] - at[0] : widest;
     }
+    list->visit = v->visit;
+    list->corner_count = count;
+    list->star_count = stars;
+    list->least = least;
+    list->most = most;
+    list->scattered = widest > FAR_APART;
     norma_core_read_list(v->prepared, batch, list);
     return position;
 }
