@@ -38,6 +38,10 @@ void norma_matrix_describe(
  * orthonormal. The largest entry must be near 1. */
 void norma_singular_values(const double matrix[9], double values[3], double v[9]);
 
+/* Below this part of a tangent's length, what is perpendicular to the normal is rounding noise
+ * rather than a direction. */
+#define NOTHING_LEFT 0x1p-20
+
 /* A tangent made unit and perpendicular to the normal; the normal may be zero or not finite: then
  * it asks nothing of the tangent. */
 void norma_core_perpendicular_tangent(

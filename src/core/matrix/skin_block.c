@@ -292,31 +292,96 @@ CORE_INLINE void move_block(
     write_lanes(s, first, count, moved, is_wide);
 }
 
-static int mirrors(const skin_stream *s, size_t vertex, const double b[SKIN_ROW], double size) {
-    double cross[3];
-    norma_core_cross(b + 3, b + 6, cross);
-    const double determinant = norma_core_dot(b, cross);
-    if (s->skin->blend != NORMA_BLEND_LINEAR || is_certain_sign(determinant, size) ||
+static int mirrors(const skin_stream *s, size_t vertex, double determinant) {
+    if (s->skin->blend != NORMA_BLEND_LINEAR ||
         is_certain_sign(determinant, size_of_sum(s, vertex)))
         return determinant < 0.0;
     return norma_skin_exactly_mirrors(s, vertex);
 }
 
-static void tangents_of_block(
-    const skin_stream *s, size_t first, size_t count, const skin_block *block) {
+/* B t, and the unit of what is perpendicular to the normal in it. */
+typedef struct tangent_lanes {
+    double moved[3][BLOCK], determinant[BLOCK];
+    float unit[3][BLOCK], sign[BLOCK];
+    uint64_t certain[BLOCK];
+} tangent_lanes;
+
+CORE_INLINE void move_tangents(
+    const skin_stream *s, size_t first, size_t count, const skin_block *of, tangent_lanes *l) {
+    double t[3][BLOCK] = {{0}};
+    memset(l->sign, 0, sizeof l->sign);
     for (size_t i = 0; i < count; i++) {
-        const double *b = block->row[i],
-                     normal[3] = {block->in[0][i], block->in[1][i], block->in[2][i]};
-        double moved[3], unit[3];
-        float in[4], out[4];
+        float in[4];
         memcpy(in, s->tangents + 4 * (first + i), sizeof in);
-        for (int r = 0; r < 3; r++)
-            moved[r] = b[r] * (double)in[0] + b[3 + r] * (double)in[1] + b[6 + r] * (double)in[2];
-        norma_core_perpendicular_tangent(normal, moved, unit);
-        for (int r = 0; r < 3; r++) out[r] = (float)unit[r] + 0.0F;
-        out[3] = mirrors(s, first + i, b, block->size) ? -in[3] : in[3];
-        memcpy(s->out.normals + (first + i) * s->out.stride, out, sizeof out);
+        for (int k = 0; k < 3; k++) t[k][i] = (double)in[k];
+        l->sign[i] = in[3];
     }
+    for (int r = 0; r < 3; r++)
+        for (int i = 0; i < BLOCK; i++)
+            l->moved[r][i] =
+                of->b[r][i] * t[0][i] + of->b[3 + r][i] * t[1][i] + of->b[6 + r][i] * t[2][i];
+}
+
+/* norma_core_perpendicular_tangent's steps, where both vectors are of ordinary length and not
+ * parallel. */
+CORE_INLINE void units_of_tangents(const skin_block *of, tangent_lanes *l) {
+    for (int i = 0; i < BLOCK; i++) {
+        double n[3], t[3], out[3];
+        for (int k = 0; k < 3; k++) n[k] = of->in[k][i], t[k] = l->moved[k][i];
+        const double n_square = norma_core_dot(n, n), t_square = norma_core_dot(t, t),
+                     n_length = sqrt(n_square), t_length = sqrt(t_square);
+        for (int k = 0; k < 3; k++) n[k] /= n_length, t[k] /= t_length;
+        const double along = norma_core_dot(n, t);
+        for (int k = 0; k < 3; k++) out[k] = t[k] - along * n[k];
+        const double left = norma_core_dot(out, out), length = sqrt(left);
+        for (int k = 0; k < 3; k++) l->unit[k][i] = (float)(out[k] / length) + 0.0F;
+        l->certain[i] = (uint64_t)((n_square > NORMA_TINIEST) & (n_square < NORMA_HUGEST) &
+                                   (t_square > NORMA_TINIEST) & (t_square < NORMA_HUGEST) &
+                                   (left > NOTHING_LEFT * NOTHING_LEFT));
+    }
+}
+
+CORE_INLINE void signs_of_tangents(const skin_block *of, tangent_lanes *l) {
+    for (int i = 0; i < BLOCK; i++) {
+        double cross[3], b[9];
+        for (int k = 0; k < 9; k++) b[k] = of->b[k][i];
+        norma_core_cross(b + 3, b + 6, cross);
+        const double determinant = norma_core_dot(b, cross);
+        l->determinant[i] = determinant;
+        l->sign[i] = determinant < 0.0 ? -l->sign[i] : l->sign[i];
+        l->certain[i] &= (uint64_t)is_certain_sign(determinant, of->size);
+    }
+}
+
+static void decide_tangent(const skin_stream *s, size_t vertex, const skin_block *of,
+    const tangent_lanes *l, size_t i, float out[4]) {
+    const double normal[3] = {of->in[0][i], of->in[1][i], of->in[2][i]},
+                 moved[3] = {l->moved[0][i], l->moved[1][i], l->moved[2][i]},
+                 determinant = l->determinant[i];
+    double unit[3];
+    norma_core_perpendicular_tangent(normal, moved, unit);
+    for (int r = 0; r < 3; r++) out[r] = (float)unit[r] + 0.0F;
+    if ((determinant < 0.0) != mirrors(s, vertex, determinant)) out[3] = -out[3];
+}
+
+CORE_INLINE void tangents_of_block(
+    const skin_stream *s, size_t first, size_t count, const skin_block *block) {
+    tangent_lanes l;
+    float out[BLOCK][4];
+    move_tangents(s, first, count, block, &l);
+    units_of_tangents(block, &l);
+    signs_of_tangents(block, &l);
+    for (int i = 0; i < BLOCK; i++) {
+        for (int k = 0; k < 3; k++) out[i][k] = l.unit[k][i];
+        out[i][3] = l.sign[i];
+    }
+    for (size_t i = 0; i < count; i++)
+        if (!l.certain[i]) decide_tangent(s, first + i, block, &l, i, out[i]);
+    if (s->out.stride == sizeof out[0])
+        memcpy(s->out.normals + first * sizeof out[0], out, count * sizeof out[0]);
+    else
+        for (size_t i = 0; i < count; i++)
+            memcpy(s->out.normals + (first + i) * s->out.stride, out[i], sizeof out[i]);
 }
 
 /* ---- kernels by instruction set */
@@ -328,14 +393,14 @@ CORE_INLINE void read_block_weights(
                   (double)read_weights(weights, count * s->influences, block->weight);
 }
 
-/* Of B's columns: normals need nine, positions all twelve, and tangents go by rows. */
+/* Of B's columns: positions need all twelve, normals and tangents nine. */
 static int columns_to_turn(const skin_stream *s, const core_tally *tally) {
-    return s->tangents ? 0 : tally ? 8 : 12;
+    return s->tangents || tally ? 8 : 12;
 }
 
 CORE_INLINE void finish_block(const skin_stream *s, size_t first, size_t count, skin_block *block,
     core_tally *tally, int is_wide) {
-    for (int i = 0; i < BLOCK && tally; i++) block->b[8][i] = block->row[i][8];
+    for (int i = 0; i < BLOCK; i++) block->b[8][i] = block->row[i][8];
     read_vectors(&s->in, first, count, block->in);
     if (s->tangents)
         tangents_of_block(s, first, count, block);

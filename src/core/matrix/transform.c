@@ -476,10 +476,6 @@ norma_result norma_transform_positions_double(
  * made perpendicular to the new normal (Gram-Schmidt). The sign, which gives the bitangent as sign
  * * cross(normal, tangent), turns where M mirrors. */
 
-/* Below this part of a tangent's length, what is perpendicular to the normal is rounding noise
- * rather than a direction. */
-#define NOTHING_LEFT 0x1p-20
-
 /* Any unit vector perpendicular to the unit vector n: the axis that n leans on least, made
  * perpendicular. */
 static void perpendicular_to(const double n[3], double out[3]) {

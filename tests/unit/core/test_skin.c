@@ -235,11 +235,121 @@ static void by_definition(void **state) {
     assert_true(held > 30000);
 }
 
+/* B and B t; what entries of B were summed from, at most. */
+static long double long_blend(
+    const some_skin *m, size_t v, const float in[4], long double b[3][3], long double t[3]) {
+    long double size = 0;
+    memset(b, 0, 9 * sizeof b[0][0]);
+    for (size_t k = 0, i = v * m->skin.influences; k < m->skin.influences; k++, i++)
+        for (int c = 0; c < 3; c++)
+            for (int r = 0; r < 3; r++) {
+                const long double part = (long double)m->weights[i] *
+                                         (long double)m->matrices[joint_of(m, i)][4 * c + r];
+                b[c][r] += part;
+                size += fabsl(part);
+            }
+    for (int r = 0; r < 3; r++)
+        t[r] = b[0][r] * (long double)in[0] + b[1][r] * (long double)in[1] +
+               b[2][r] * (long double)in[2];
+    return size;
+}
+
+/* B t made perpendicular to n, unit, and the sign of det B; 0 where 64 bits of a mantissa are too
+ * few. */
+static int long_tangent(const some_skin *m, size_t v, const float in[4], long double out[4]) {
+    long double b[3][3], t[3], n[3], det = 0, along = 0, left = 0;
+    const long double size = long_blend(m, v, in, b, t);
+    for (int r = 0; r < 3; r++) {
+        const int q = (r + 1) % 3, p = (r + 2) % 3;
+        det += b[0][r] * (b[1][q] * b[2][p] - b[1][p] * b[2][q]);
+        n[r] = (long double)m->floats[v][r];
+    }
+    const long double n_length = hypotl(hypotl(n[0], n[1]), n[2]),
+                      t_length = hypotl(hypotl(t[0], t[1]), t[2]);
+    for (int r = 0; r < 3; r++) along += n[r] / n_length * (t[r] / t_length);
+    for (int r = 0; r < 3; r++) {
+        out[r] = t[r] / t_length - along * (n[r] / n_length);
+        left += out[r] * out[r];
+    }
+    for (int r = 0; r < 3; r++) out[r] /= sqrtl(left);
+    out[3] = det < 0 ? -(long double)in[3] : (long double)in[3];
+    return t_length > 0x1p-20L * size && left > 0x1p-20L &&
+           fabsl(det) > 0x1p-40L * size * size * size;
+}
+
+/* Whatever is given, a tangent is unit and perpendicular to the normal. */
+static void assert_tangent(const float t[4], const float n[3]) {
+    double square = 0, along = 0, length = 0;
+    for (int k = 0; k < 3; k++) {
+        square += (double)t[k] * (double)t[k];
+        along += (double)t[k] * (double)n[k];
+        length += (double)n[k] * (double)n[k];
+    }
+    assert_true(fabs(square - 1) < 1e-6 && fabs(along) <= 1e-6 * sqrt(length));
+}
+
+/* Of every skin of by_definition, a few tangents are zero, not finite, or along the normal. */
+static void tangents_by_definition(void **state) {
+    (void)state;
+    static some_skin m;
+    static float in[SOME][4], first[SOME][4], again[SOME][4], wide[SOME][6];
+    size_t held = 0, turned = 0;
+    for (uint64_t seed = 1; seed < 300; seed++) {
+        make_some(&m, seed);
+        uint64_t random = seed;
+        const size_t count = m.skin.vertex_count;
+        for (size_t v = 0; v < count; v++) {
+            const uint32_t kind = random_below(&random, 64);
+            for (int k = 0; k < 3; k++) in[v][k] = kind == 1 ? 0 : random_float(&random, 0);
+            in[v][3] = v % 3 ? 1 : -1;
+            if (kind == 2) in[v][1] = NAN;
+            if (kind == 3) memset(m.floats[v], 0, sizeof m.floats[v]);
+            if (kind == 4) { /* up to rounding */
+                long double b[3][3], t[3];
+                (void)long_blend(&m, v, in[v], b, t);
+                const long double length = hypotl(hypotl(t[0], t[1]), t[2]);
+                for (int k = 0; k < 3; k++)
+                    m.floats[v][k] = length > 0 ? (float)(t[k] / length) : 0;
+            }
+        }
+        const norma_vec3_view normals = {m.floats, SOME, sizeof m.floats[0], NORMA_FORMAT_FLOAT};
+        const norma_options portable = {.isa = NORMA_ISA_PORTABLE}, strided = {.normal_stride = 24};
+        assert_ok(norma_skin_tangents(&m.skin, in[0], normals, &portable, first[0], count));
+        for (size_t v = 0; v < count; v++) {
+            long double t[4], square = 0;
+            assert_tangent(first[v], m.floats[v]);
+            if (!long_tangent(&m, v, in[v], t)) continue;
+            for (int k = 0; k < 3; k++) {
+                const long double apart = (long double)first[v][k] - t[k];
+                square += apart * apart;
+            }
+            assert_true(square < 4e-14L && (long double)first[v][3] == t[3]);
+            turned += first[v][3] != in[v][3];
+            held++;
+        }
+        for (int isa = NORMA_ISA_BEST; isa <= NORMA_ISA_AVX512; isa++) {
+            const norma_options options = {.isa = (norma_isa)isa};
+            const norma_result result =
+                norma_skin_tangents(&m.skin, in[0], normals, &options, again[0], count);
+            if (result != NORMA_OK) continue; /* this machine has it not */
+            assert_memory_equal(first, again, count * sizeof *first);
+        }
+        for (size_t v = 0; v < count; v++) /* lengths whose squares are no ordinary numbers */
+            for (int k = 0; k < 3; k++) m.doubles[v][k] = ldexp((double)m.floats[v][k], -525);
+        const norma_vec3_view tiny = {m.doubles, SOME, 0, NORMA_FORMAT_DOUBLE};
+        assert_ok(norma_skin_tangents(&m.skin, in[0], tiny, NULL, again[0], count));
+        assert_memory_equal(first, again, count * sizeof *first);
+        assert_ok(norma_skin_tangents(&m.skin, in[0], normals, &strided, wide[0], count));
+        for (size_t v = 0; v < count; v++) assert_memory_equal(wide[v], first[v], sizeof first[v]);
+    }
+    assert_true(held > 15000 && turned > 5000);
+}
+
 /* A large joint's part that is taken away again after a small joint's leaves the small one: doubles
  * have rounded most of it off by then. */
 static void what_is_left_of_a_difference(void **state) {
     (void)state;
-    float out[3];
+    float out[3], tangent[4] = {1, 2, 3, 1};
     size_t mirrored = 0;
     made_skin *m = make_skin(17, 3);
     m->skin.vertex_count = 1;
@@ -251,12 +361,16 @@ static void what_is_left_of_a_difference(void **state) {
         long n[3];
         m->joints[0] = small, m->weights[0] = 1;
         m->skin.influences = 1;
-        mirrored += whole_normal(alone, 0, n) < 0;
+        const int sign = whole_normal(alone, 0, n);
+        mirrored += sign < 0;
         m->skin.influences = 3;
         m->joints[0] = m->joints[2] = 0;
         m->joints[1] = small;
         m->weights[0] = 0x1.234567p30F, m->weights[1] = 0x1p-20F, m->weights[2] = -m->weights[0];
         assert_ok(norma_skin_normals(&m->skin, view_of(m->vectors), NULL, out, 1, NULL));
+        tangent[3] = 1;
+        assert_ok(norma_skin_tangents(&m->skin, tangent, view_of(m->vectors), NULL, tangent, 1));
+        assert_true(tangent[3] == (sign < 0 ? -1 : 1));
         if (n[0] || n[1] || n[2])
             assert_true(angle_to(out, n) < 2e-7);
         else
@@ -319,6 +433,16 @@ static void one_joint_is_a_matrix(void **state) {
         for (size_t v = 0; v < VERTICES; v++)
             for (int k = 0; k < 3; k++)
                 assert_true(fabs((double)(skinned[v][k] - moved[v][k])) < 2e-7);
+        for (size_t v = 7; v < VERTICES; v += 50) { /* along the tangent, up to rounding */
+            const float *t = tangents[v], *b = m->matrices[2];
+            double along[3], square = 0;
+            for (int r = 0; r < 3; r++) {
+                along[r] = (double)(b[r] * t[0] + b[4 + r] * t[1] + b[8 + r] * t[2]);
+                square += along[r] * along[r];
+            }
+            for (int r = 0; r < 3 && square > 0; r++)
+                skinned[v][r] = (float)(along[r] / sqrt(square));
+        }
         assert_ok(norma_skin_tangents(
             &m->skin, tangents[0], view_of(skinned), NULL, turned[0], VERTICES));
         assert_ok(norma_transform_tangents(
@@ -468,8 +592,9 @@ static void refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(whole_numbers),
-        cmocka_unit_test(by_definition), cmocka_unit_test(what_is_left_of_a_difference),
-        cmocka_unit_test(sums_of_many_parts), cmocka_unit_test(one_joint_is_a_matrix),
-        cmocka_unit_test(half_a_screw), cmocka_unit_test(same_bits), cmocka_unit_test(refused)};
+        cmocka_unit_test(by_definition), cmocka_unit_test(tangents_by_definition),
+        cmocka_unit_test(what_is_left_of_a_difference), cmocka_unit_test(sums_of_many_parts),
+        cmocka_unit_test(one_joint_is_a_matrix), cmocka_unit_test(half_a_screw),
+        cmocka_unit_test(same_bits), cmocka_unit_test(refused)};
     return cmocka_run_group_tests_name("skin", tests, NULL, NULL);
 }
