@@ -47,8 +47,9 @@ static int is_finite_matrix(const float m[16]) {
     return zero == 0.0F;
 }
 
-/* The largest of count numbers of 1, 2 or 4 bytes: loops that compilers make vector code of. */
-static uint32_t largest_joint(const void *joints, size_t size, size_t count) {
+/* The largest of count numbers of 1, 2 or 4 bytes: loops that compilers make vector code
+ * of. */
+CORE_INLINE uint32_t largest_joint(const void *joints, size_t size, size_t count) {
     uint32_t most = 0;
     if (size == sizeof(uint16_t)) {
         const unsigned char *at = joints;
@@ -67,7 +68,7 @@ static uint32_t largest_joint(const void *joints, size_t size, size_t count) {
 }
 
 /* Whether all are finite: an exponent of ones, and one more, is a sign. */
-static int all_numbers_finite(const float *numbers, size_t count) {
+CORE_INLINE int all_numbers_finite(const float *numbers, size_t count) {
     uint32_t signs = 0;
     for (size_t i = 0; i < count; i++) {
         uint32_t bits;
@@ -77,20 +78,36 @@ static int all_numbers_finite(const float *numbers, size_t count) {
     return !(signs >> 31);
 }
 
-static norma_result check_influences(const norma_skin *s, norma_fault *fault) {
-    const size_t count = s->vertex_count * s->influences, size = s->joint_size ? s->joint_size : 2;
+/* Whether all joints exist and all weights are finite. */
+CORE_INLINE int influences_in_c(const norma_skin *s, size_t size) {
+    const size_t count = s->vertex_count * s->influences;
+    return largest_joint(s->joints, size, count) < s->joint_count &&
+           all_numbers_finite(s->weights, count);
+}
+
+static int influences_portable(const norma_skin *s, size_t size) {
+    return influences_in_c(s, size);
+}
+#if defined(CORE_HAS_X86)
+CORE_FOR_AVX2 static int influences_avx2(const norma_skin *s, size_t size) {
+    return influences_in_c(s, size);
+}
+#endif
+#if defined(CORE_HAS_AVX512)
+#define influences_avx512 influences_avx2 /* memory is no faster for it */
+#endif
+
+static norma_result check_influences(const norma_skin *s, norma_isa isa, norma_fault *fault) {
+    static int (*const kernels[])(const norma_skin *, size_t) = CORE_KERNELS(influences);
+    const size_t size = s->joint_size ? s->joint_size : 2;
     size_t i = 0;
-    if (largest_joint(s->joints, size, count) >= s->joint_count) {
-        while (norma_index_read(s->joints, size, i) < s->joint_count) i++;
-        return norma_core_refuse(fault, NORMA_ERROR_INDEX, "skin->joints", i,
-            "the number of a joint, below skin->joint_count");
-    }
-    if (!all_numbers_finite(s->weights, count)) {
-        while (s->weights[i] * 0.0F == 0.0F) i++;
-        return norma_core_refuse(
-            fault, NORMA_ERROR_ARGUMENT, "skin->weights", i, "a finite number");
-    }
-    return NORMA_OK;
+    if (kernels[norma_core_level(isa)](s, size)) return NORMA_OK;
+    for (const size_t count = s->vertex_count * s->influences; i < count; i++)
+        if (norma_index_read(s->joints, size, i) >= s->joint_count)
+            return norma_core_refuse(fault, NORMA_ERROR_INDEX, "skin->joints", i,
+                "the number of a joint, below skin->joint_count");
+    for (i = 0; s->weights[i] * 0.0F == 0.0F;) i++;
+    return norma_core_refuse(fault, NORMA_ERROR_ARGUMENT, "skin->weights", i, "a finite number");
 }
 
 /* Only the matrices of joints that weigh something have to be finite. */
@@ -108,9 +125,9 @@ static norma_result check_matrices(const norma_skin *s, norma_fault *fault) {
     return NORMA_OK;
 }
 
-static norma_result check_skin(const norma_skin *skin, norma_fault *fault) {
+static norma_result check_skin(const norma_skin *skin, norma_isa isa, norma_fault *fault) {
     norma_result result = check_sizes(skin, fault);
-    if (result == NORMA_OK && skin->vertex_count) result = check_influences(skin, fault);
+    if (result == NORMA_OK && skin->vertex_count) result = check_influences(skin, isa, fault);
     if (result == NORMA_OK && skin->vertex_count) result = check_matrices(skin, fault);
     return result;
 }
@@ -119,7 +136,7 @@ norma_result norma_find_skin_fault(
     const norma_skin *skin, const norma_options *options, norma_fault *fault) {
     norma_core_refuse(fault, NORMA_OK, NULL, SIZE_MAX, NULL);
     const norma_result result = norma_core_check_options(options, fault);
-    return result == NORMA_OK ? check_skin(skin, fault) : result;
+    return result == NORMA_OK ? check_skin(skin, NORMA_ISA_BEST, fault) : result;
 }
 
 /* ---- joints, and tasks */
@@ -147,7 +164,7 @@ static size_t chunk_count(const skin_stream *s) {
 static norma_result open_skin_stream(skin_stream *s, const norma_options *options,
     const norma_vec3_view *in, float *out, size_t capacity) {
     norma_result result = norma_core_begin(&s->call, options);
-    if (result == NORMA_OK) result = check_skin(s->skin, NULL);
+    if (result == NORMA_OK) result = check_skin(s->skin, s->call.options.isa, NULL);
     if (result == NORMA_OK && s->call.options.fallback == NORMA_FALLBACK_NEAREST)
         result = NORMA_ERROR_ARGUMENT;
     if (result == NORMA_OK) result = norma_input_check(in);
