@@ -379,7 +379,10 @@ static void pose_vertex(const acid_cell *cell, const acid_patch *subject, size_t
             place_texel(cell, subject, index % subject->columns, index / subject->columns, uv);
         n = perturbed(cell, vertex, &m, fault, n, subject->texels + texel);
     }
-    if (fault == ACID_NOT_NORMALIZED) color_by_length(cell, n, out->color);
+    if (fault == ACID_NOT_NORMALIZED) {
+        color_by_length(cell, n, out->color);
+        out->length = (float)acid_length(n);
+    }
     round_vector(acid_unit(n), out->normal);
 }
 

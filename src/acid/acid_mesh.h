@@ -27,7 +27,8 @@ typedef struct acid_vertex {
     float position[3], normal[3], tangent[4], uv[2];
     float moved[3], turned[3]; /* morph target */
     float weights[4];
-    float color[3]; /* of references */
+    float color[3], length; /* of references with a colour; length: of the normal, 0 where it is
+                               lost */
 } acid_vertex;
 
 typedef struct acid_patch {

@@ -798,6 +798,76 @@ if (axe)
         expect(found === "", found);
       });
 
+/* Of a file of norma acid: its triangles by node, { at, normals, colours } of each one's corners, and the directions to its three lights. */
+function readScene(path) {
+  const bytes = readFileSync(path), size = bytes.readUInt32LE(12), json = JSON.parse(bytes.toString("utf8", 20, 20 + size)), data = bytes.subarray(28 + size);
+  const numbers = (index) => {
+    const { bufferView, byteOffset = 0, count, type, componentType } = json.accessors[index], view = json.bufferViews[bufferView], width = { SCALAR: 1, VEC3: 3, VEC4: 4 }[type], from = (view.byteOffset ?? 0) + byteOffset;
+    return Array.from({ length: count }, (_, i) => Array.from({ length: width }, (__, k) => (componentType === 5126 ? data.readFloatLE(from + i * (view.byteStride ?? 4 * width) + 4 * k) : data.readUInt16LE(from + 2 * i))));
+  };
+  const lights = json.nodes.filter(({ extensions }) => extensions?.KHR_lights_punctual).map(({ rotation: [x, y, z, w] }) => [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]);
+  const read = (name) => {
+    const { attributes, indices, material } = json.meshes[json.nodes.find((node) => node.name === name).mesh].primitives[0], [at, normals, colours] = ["POSITION", "NORMAL", "COLOR_0"].map((key) => attributes[key] !== undefined && numbers(attributes[key]));
+    const middle = [0, 1].map((axis) => (Math.min(...at.map((p) => p[axis])) + Math.max(...at.map((p) => p[axis]))) / 2), corners = numbers(indices).map(([i]) => i);
+    return { middle, white: json.materials[material].pbrMetallicRoughness.baseColorFactor[0], corners: Array.from({ length: corners.length / 3 }, (_, i) => corners.slice(3 * i, 3 * i + 3)), at, normals, colours };
+  };
+  return { lights, read };
+}
+
+await attempt("the lesson's cells: each mistake beside what is right, as the files of norma acid have them, with the words of its page and lines of norma.glsl", async () => {
+  const folder = join(shots, "acid"), AMBIENT = 0.03, BRIGHT = 0.6, HALF = 0.45;
+  execFileSync(tool, ["acid", "-o", folder, "--quiet"]);
+  const { cells } = JSON.parse(readFileSync(join(folder, "acid.json"))), shader = readFileSync(join(root, "include/norma/shaders/norma.glsl"), "utf8").split("\n");
+  const page = readFileSync(join(folder, "index.html"), "utf8").replace(/&(lt|gt|amp|quot|#39|#x27);/g, (_, name) => ({ lt: "<", gt: ">", amp: "&", quot: '"' })[name] ?? "'");
+  const wrong = cells.filter(({ references }) => references.length > 1), view = await visit(home, { size: [1000, 700], calm: true });
+  const encoded = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055), unit = (v) => v.map((x) => x / Math.hypot(...v));
+  const mean = (points) => [0, 1, 2].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
+  await view.evaluate("document.getElementById('cells').open = true");
+  await view.until(`document.querySelectorAll('.cell').length === ${wrong.length}`);
+  expect((await view.evaluate("document.getElementById('cells-play').textContent")) === "Play", "it moves where that is not wished");
+  for (const [i, { id, references }] of wrong.entries()) {
+    const article = `document.querySelectorAll('.cell')[${i}]`, { lights, read } = readScene(join(folder, "cells", `${id}.glb`));
+    await view.evaluate(`${article}.querySelector('canvas').scrollIntoView()`);
+    await view.until(`${article}.querySelector('canvas').dataset.light === "0"`);
+    const [width, height, ...pixels] = await view.evaluate(`(() => { const canvas = ${article}.querySelector('canvas'), { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height); return [canvas.width, canvas.height, ...data]; })()`);
+    const { white } = read(`${id} right`), seen = references.map((reference, patch) => {
+      const { middle, corners, at, normals, colours } = read(`${id} ${reference.id}`);
+      let off = 0, count = 0;
+      for (let t = 7; t < corners.length; t += 13) {
+        const p = mean(corners[t].map((k) => at[k])), n = unit(mean(corners[t].map((k) => normals[k]))), colour = colours && mean(corners[t].map((k) => colours[k]));
+        const x = Math.floor(height * (patch + 0.5 + (p[0] - middle[0]) / HALF / 2)), y = Math.floor(height * (0.5 - (p[1] - middle[1]) / HALF / 2)), pixel = pixels.slice(4 * (y * width + x), 4 * (y * width + x) + 3);
+        lights.forEach((light, k) => {
+          const falls = Math.max(0, light.reduce((sum, part, axis) => sum + part * n[axis], 0)) * (reference.id === "lost" ? 0 : colour ? colour[k] / white : 1);
+          const more = pixel[k] - encoded(AMBIENT + (1 - AMBIENT) * BRIGHT * falls), isLeast = colour && (colour[k] > 0.999 || falls > 0.999); // no colour of a file makes it brighter
+          off += isLeast ? Math.max(0, -more) : Math.abs(more);
+          count++;
+        });
+      }
+      expect(count > 60 && off / count < 3, `${id}, ${reference.id}: ${count} colours are off by ${(off / count).toFixed(1)} of 255`);
+      return { id: reference.id, off: off / count };
+    });
+    console.log(`# ${id}: ${seen.map(({ id: name, off }) => `${name} ${off.toFixed(2)}`).join(", ")}`);
+    const [names, said, ...code] = await view.evaluate(`[[...${article}.querySelectorAll('.names b')].map((b) => b.textContent).join(), [...${article}.querySelectorAll('p')].map((p) => p.textContent).join("\\n"), ...[...${article}.querySelectorAll('pre')].map((pre) => pre.textContent)]`);
+    expect(names === references.map((reference) => reference.id).join(), `${id}: ${names}`);
+    for (const { id: name } of references.slice(1)) {
+      const [, words, mend] = page.match(new RegExp(`<dt>${name}</dt><dd>What happens: (.*)\\.</dd><dd>Instead: (.*)\\.</dd>`));
+      expect(said.includes(`${name}: ${words}. Instead: ${mend}.`), `${id}: ${said}`);
+    }
+    expect(code.every((text) => text.split("\n").every((line) => !line || shader.includes(line))) && code.length === references.slice(1).filter(({ id: name }) => name !== "normals-not-morphed").length, `${id}: ${code}`);
+  }
+  /* The light turns when that is wanted, by the slider too. */
+  const first = "document.querySelector('.cell canvas')", light = () => view.evaluate(`${first}.dataset.light`);
+  await view.evaluate(`${first}.scrollIntoView(); document.getElementById('cells-play').click()`);
+  await view.until(`Number(${first}.dataset.light) > 10`);
+  await view.evaluate("(() => { const e = document.getElementById('cells-light'); e.value = 120; e.dispatchEvent(new Event('input', { bubbles: true })); })()");
+  await view.until(`${first}.dataset.light === "120"`);
+  await pause(500);
+  expect((await light()) === "120", `it turns on, to ${await light()}`);
+  await view.picture("cells");
+  expect(view.said.length === 0, view.said.join("\n"));
+  await view.close();
+});
+
 await attempt("without WebGL 2 the page says so", async () => {
   const without = await visit(home, { before: "HTMLCanvasElement.prototype.getContext = () => null" });
   expect(await without.evaluate("document.getElementById('fallback').offsetHeight > 100 && /WebGL 2/.test(document.getElementById('fallback').innerText)"), "no message");

@@ -203,7 +203,31 @@ export async function startEngine({ bytes, draco: packed }) {
   }));
   const compareFiles = (base, other) => decoders.reading(() => compareOnce(base, other), ({ model }) => model?.free());
 
-  return { norma, compareFiles, openBytes, setFiles, openFile, fixFile, computeFile };
+  const CELL_TEXTS = { tested: 0, sentence: 1, section: 2 }, PATCH_TEXTS = { id: 0, words: 1, mend: 2 };
+  /* Functions without their comments. */
+  const shaderOf = (cell, patch) => lend([8], (at) => {
+    const texts = [];
+    while (wasm.patch_shader(cell, patch, texts.length, at)) {
+      const [from, size] = new Uint32Array(memory(), at, 2);
+      texts.push(new TextDecoder().decode(new Uint8Array(memory(), from, size)).replace(/^\/\/.*\n/gm, ""));
+    }
+    return texts.join("\n");
+  });
+  const readPatch = (cell, patch) => {
+    const made = wasm.patch_make(cell, patch) >>> 0;
+    if (!made) throw new Error("There is no room for the lesson's scenes.");
+    const [points, corners, positions, normals, indices] = new Uint32Array(memory(), made, 5);
+    const texts = Object.fromEntries(Object.entries(PATCH_TEXTS).map(([name, which]) => [name, longTextAt(wasm.patch_text(cell, patch, which))]));
+    try {
+      return { ...texts, shader: shaderOf(cell, patch), positions: floats(positions, 3 * points).slice(), normals: floats(normals, 3 * points).slice(), indices: new Uint32Array(memory(), indices, corners).slice() };
+    } finally { wasm.patch_free(made); }
+  };
+  const cells = () => Array.from({ length: wasm.cell_count() }, (_, cell) => ({
+    ...Object.fromEntries(Object.entries(CELL_TEXTS).map(([name, which]) => [name, longTextAt(wasm.cell_text(cell, which))])),
+    patches: Array.from({ length: wasm.cell_patches(cell) }, (__, patch) => readPatch(cell, patch)),
+  })).filter(({ patches }) => patches.length > 1);
+
+  return { norma, cells, compareFiles, openBytes, setFiles, openFile, fixFile, computeFile };
 }
 
 /* Triangles as a pack: web/page/model/model_pack.h. indices: four bytes each. */

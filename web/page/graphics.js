@@ -13,6 +13,8 @@ const MOST_WIDE = 50000;
 const SLICE = 1 << 19;
 /* Phong's model: ambient, diffuse, specular, exponent. */
 const PHONG = [0.06, 0.94, 0.16, 26];
+/* Of the lesson's patches; their lights; half of what a picture of one spans, in metres. */
+const MATT = [0.03, 0.97, 0, 1], BRIGHT = 0.6, HALF = 0.45;
 /* Where a surface with one side is not drawn from behind; errors, winding and findings are looked for on either. */
 const HAS_SIDES = new Set(["lit", "normals", "matcap", "zebra", "tangents"]);
 /* In narrower pictures arrows are thinner. */
@@ -58,7 +60,7 @@ export function makeGraphics(canvas, texts) {
     return made.place;
   };
   for (const define of Object.values(SURFACES)) prepare("surface", "LIGHT_IN_VIEW", define);
-  for (const [stage, ...defines] of [["angle"], ["marked", "MARKED_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"], ["line", "THIN"], ["outline"]]) prepare(stage, ...defines);
+  for (const [stage, ...defines] of [["angle"], ["marked", "MARKED_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"], ["line", "THIN"], ["outline"], ["patch"]]) prepare(stage, ...defines);
 
   const lit = makeLit(canvas, gl);
 
@@ -406,6 +408,20 @@ export function makeGraphics(canvas, texts) {
     more();
   }));
 
+  /* Patches of the lesson beside each other, each so many pixels wide, in the light of the acid scenes turned about the eye's axis. */
+  const drawPatches = (patches, size, turn) => pictureOf(`patches ${patches.length}`, size * patches.length, size, [0, 0, 0, 0], () => patches.forEach(({ surface, keepsLength }, i) => {
+    const place = programOf("patch");
+    gl.viewport(size * i, 0, size, size);
+    gl.uniform4f(place("eye"), 0, 0, 1, 0);
+    gl.uniform1i(place("light_count"), 3);
+    gl.uniform3fv(place("light_direction"), [0, 1, 2].flatMap((k) => [0.5 * Math.cos(turn + (2 * Math.PI * k) / 3), 0.5 * Math.sin(turn + (2 * Math.PI * k) / 3), Math.sqrt(0.75)]));
+    gl.uniform3fv(place("light_colour"), [BRIGHT, 0, 0, 0, BRIGHT, 0, 0, 0, BRIGHT]);
+    gl.uniform4f(place("phong"), ...MATT);
+    gl.uniform1f(place("half_side"), HALF);
+    gl.uniform1f(place("keeps_length"), keepsLength ? 1 : 0);
+    drawTriangles({ surface, normals: surface.normals, mirrored: false }, null);
+  }));
+
   /* Asks after all programs while the card has nothing else to do. */
   const warmUp = async () => {
     for (const made of programs.values()) {
@@ -440,5 +456,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, drawSmall, clear, paint, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, drawSmall, drawPatches, clear, paint, within };
 }

@@ -4,6 +4,7 @@ import { noDecoders } from "../package/decoders.js";
 import { applyAddress, makeAddress, readAddress } from "./address.js";
 import { makeAnimation } from "./animation.js";
 import { steer } from "./camera.js";
+import { wireCells } from "./cells.js";
 import { compareWith } from "./compare.js";
 import { comparison, wordsOf } from "./comparison.js";
 import { MATRIX, RANGES, byId, isChecked, numberOf, setMatrix, setRange, spell, value } from "./controls.js";
@@ -300,6 +301,7 @@ export async function startPage(texts) {
   wireDivider();
   wireControls();
   wireLesson();
+  wireCells();
   wireDrop();
   if (isCalm()) byId("waves").checked = false;
   const pack = textOf("pack");
