@@ -1,5 +1,5 @@
 # The core as WebAssembly, the npm package and the page. clang with wasi-libc compiles; node, puts the files together; esbuild makes one script of the page's modules.
-# Five modules: norma.wasm is the core; skin.wasm skins alone, for norma-mesh/skin; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a
+# Six modules: norma.wasm is the core; skin.wasm skins alone, for norma-mesh/skin; normals.wasm the calls of norma-mesh/normals, made small instead of fast; check.wasm the core with the readers of io and the rules, which the package loads when it first checks a
 # file; tool.wasm the command line; page.wasm all that the page draws of; three.js draws it. All that the latter three import beside WASI are decoders: npm's draco3dgltf and meshoptimizer for
 # compressed glTF, fflate for 3MF (web/package/decoders.js).
 find_program(NORMA_WASM_CC NAMES clang)
@@ -73,9 +73,14 @@ function(web_objects list)
   foreach(source ${ARGN})
     file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${source})
     string(REPLACE "/" "_" name ${name})
-    set(object ${web_objects_dir}/${name}.o)
+    set(object ${web_objects_dir}/${web_prefix_here}${name}.o)
     # Pages and packages are downloaded: kernels are made fast, where more code is faster; the readers and the rules small.
-    if(name MATCHES "^src_core_(${web_seldom})")
+    if(web_prefix_here STREQUAL small_)
+      set(optimise -Oz -fno-unroll-loops -DNORMA_SMALL)
+      if(NOT name MATCHES "small_heap") # what the linker calls by itself
+        list(APPEND optimise -flto)
+      endif()
+    elseif(name MATCHES "^src_core_(${web_seldom})")
       set(optimise -Os)
     elseif(name MATCHES "^src_core_(corner_fans_simd|face_face_normals)")
       set(optimise -O3)
@@ -92,9 +97,10 @@ function(web_objects list)
   set(${list} ${objects} PARENT_SCOPE)
 endfunction()
 
+# No -O: with one, clang runs the wasm-opt that it finds on the path, which may know neither SIMD nor bulk memory.
 function(web_module name)
   add_custom_command(OUTPUT ${web_dir}/${name}
-    COMMAND ${NORMA_WASM_CC} --target=wasm32-wasi -nostartfiles -O3 -Wl,--no-entry -Wl,--strip-all -Wl,--gc-sections -Wl,--stack-first -Wl,-z,stack-size=1048576
+    COMMAND ${NORMA_WASM_CC} --target=wasm32-wasi -nostartfiles -Wl,--no-entry -Wl,--strip-all -Wl,--gc-sections -Wl,--stack-first -Wl,-z,stack-size=1048576
             ${ARGN} -o ${web_dir}/${name}
     DEPENDS ${ARGN} COMMENT "WebAssembly ${name}" VERBATIM)
 endfunction()
@@ -107,6 +113,10 @@ web_objects(web_call_objects ${web_call_sources})
 web_module(norma.wasm ${web_core_objects} ${web_call_objects})
 web_objects(web_skin_objects ${PROJECT_SOURCE_DIR}/web/package/skin/skin_calls.c)
 web_module(skin.wasm ${web_core_objects} ${web_skin_objects})
+set(web_prefix_here small_)
+web_objects(web_small_objects ${web_core_sources} ${PROJECT_SOURCE_DIR}/web/package/wasm/calls.c ${PROJECT_SOURCE_DIR}/web/package/normals/small_heap.c)
+unset(web_prefix_here)
+web_module(normals.wasm ${web_small_objects})
 
 # The readers and the rules, without what a browser lacks.
 set(web_file_sources ${io_sources})
@@ -167,10 +177,10 @@ add_custom_command(OUTPUT ${web_dir}/tool.wasm
   DEPENDS ${web_tool_shared} ${web_tool_objects} COMMENT "WebAssembly tool.wasm" VERBATIM)
 
 file(GLOB web_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/package/* ${PROJECT_SOURCE_DIR}/web/*.mjs ${PROJECT_SOURCE_DIR}/web/package-lock.json ${PROJECT_SOURCE_DIR}/web/licences/* ${PROJECT_SOURCE_DIR}/include/norma/shaders/*)
-list(FILTER web_inputs EXCLUDE REGEX "/(check|host|skin|tool|wasm)$")
+list(FILTER web_inputs EXCLUDE REGEX "/(check|host|normals|skin|tool|wasm)$")
 add_custom_command(OUTPUT ${web_dir}/npm/norma.wasm
   COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs package ${web_dir} ${NORMA_WEB_MODULES}
-  DEPENDS ${web_inputs} ${web_dir}/norma.wasm ${web_dir}/check.wasm ${web_dir}/skin.wasm ${web_dir}/tool.wasm COMMENT "npm package" VERBATIM)
+  DEPENDS ${web_inputs} ${web_dir}/norma.wasm ${web_dir}/check.wasm ${web_dir}/skin.wasm ${web_dir}/normals.wasm ${web_dir}/tool.wasm COMMENT "npm package" VERBATIM)
 file(GLOB web_page_inputs CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/web/page/* ${PROJECT_SOURCE_DIR}/web/page/shaders/* ${PROJECT_SOURCE_DIR}/src/render/shaders/* ${PROJECT_SOURCE_DIR}/assets/goathead.obj)
 add_custom_command(OUTPUT ${web_dir}/norma.html ${web_dir}/page.html
   COMMAND ${CMAKE_COMMAND} -E env ESBUILD=${NORMA_ESBUILD} ${NORMA_NODE} ${PROJECT_SOURCE_DIR}/web/build.mjs page ${web_dir} ${NORMA_WEB_MODULES}

@@ -1,12 +1,12 @@
 /* Puts together what `make web` leaves.
- *   node build.mjs package FOLDER MODULES    FOLDER/npm, from FOLDER/norma.wasm, check.wasm, tool.wasm and skin.wasm
+ *   node build.mjs package FOLDER MODULES    FOLDER/npm, from FOLDER/norma.wasm, check.wasm, tool.wasm, skin.wasm and normals.wasm
  *   node build.mjs page FOLDER MODULES       FOLDER/norma.html, one file with everything in it, from FOLDER/page.wasm
  * MODULES: the npm packages of web/package-lock.json, whose licences go along; what is not there is left out. */
 import { execFileSync } from "node:child_process";
 import { copyFileSync, existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
-import { deflateRawSync } from "node:zlib";
+import { deflateRawSync, deflateSync } from "node:zlib";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
@@ -58,6 +58,7 @@ function buildPackage(folder, modules) {
     textModule(`${name}-text.js`, `${name}.wasm in base64.`, bytes.toString("base64"));
   }
   textModule("skin-text.js", "skin.wasm in base64.", readFileSync(join(folder, "skin.wasm")).toString("base64"));
+  textModule("normals-text.js", "normals.wasm, deflated, in base64.", deflateSync(readFileSync(join(folder, "normals.wasm")), { level: 9 }).toString("base64"));
   const shaders = ["glsl", "hlsl", "wgsl"].map((language) => `export const ${language} = ${JSON.stringify(readFileSync(join(here, `../include/norma/shaders/norma.${language}`), "utf8"))};\n`);
   writeFileSync(join(out, "shaders.js"), `/* norma.glsl, norma.hlsl and norma.wgsl. */\n${shaders.join("")}`);
   textModule("worker-text.js", "The worker of norma-mesh/inline as one script.", bundle(join(source, "worker-inline.js"), folder, modules));

@@ -39,6 +39,8 @@ done
 
 check "the native program compiles" gcc -std=c11 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -O1 -Iinclude tests/web/native.c -o "$scratch/native" "$tree/lib/libnorma.a" -lmeshoptimizer -ldraco -lstdc++ -lpng -ljpeg -lz -lm -pthread
 relay bits node tests/web/bits.mjs "$installed" "$scratch/native"
+relay "bits of norma-mesh/normals" node tests/web/bits.mjs "$installed" "$scratch/native" normals
+relay "norma-mesh/normals" node tests/web/normals.mjs "$installed"
 relay calls node tests/web/calls.mjs "$installed"
 relay arguments node tests/web/arguments.mjs "$installed"
 relay skins node tests/web/skin.mjs "$installed"

@@ -2,6 +2,7 @@
 import { load, loadWorker, NormaError, type CheckReport, type MatrixInfo, type Norma, type NormaWorker, type Plan, type Report, type SplitMesh } from "norma-mesh";
 import { load as loadInline } from "norma-mesh/inline";
 import { loadSkin, type Skin, type Skins } from "norma-mesh/skin";
+import { load as loadNormals, type Normals } from "norma-mesh/normals";
 import { glsl, hlsl, wgsl } from "norma-mesh/shaders";
 
 for (const text of [glsl, hlsl, wgsl]) text.includes("norma_normal_matrix") satisfies boolean;
@@ -12,6 +13,13 @@ export async function skinned(): Promise<Float32Array> {
   // @ts-expect-error: a blend that does not exist
   skins.normals({ ...skin, blend: "cubic" }, normals);
   return skins.tangents({ ...skin, influences: 4, blend: "dual-quaternion" }, new Float32Array(4), normals);
+}
+
+export async function small(): Promise<Float32Array> {
+  const norma: Normals = await loadNormals(), normals = norma.vertexNormals(new Float32Array(9), null, { weight: "visible", fallback: "nearest" });
+  // @ts-expect-error: a call of norma-mesh alone
+  norma.plan(new Float32Array(9));
+  return norma.tangents(new Float32Array(9), normals, new Float32Array(6), null, { mode: "steady" });
 }
 
 export async function uses(): Promise<void> {

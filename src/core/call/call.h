@@ -20,10 +20,11 @@ int norma_core_has_isa(norma_isa isa);
 typedef enum core_level { CORE_PORTABLE = 0, CORE_AVX2, CORE_AVX512 } core_level;
 core_level norma_core_level(norma_isa isa); /* the highest that the machine has and isa allows */
 
-#if defined(NORMA_COVERAGE) || defined(NORMA_SANITIZED)
+#if defined(NORMA_COVERAGE) || defined(NORMA_SANITIZED) || defined(NORMA_SMALL)
 #define CORE_INLINE                                                                                \
     static inline /* what is counted is the source, once, not each copy of a kernel; with the      \
-                     checks of a sanitizer one file would be 16 MB */
+                     checks of a sanitizer one file would be 16 MB; and the small module of        \
+                     norma-mesh/normals has each function once */
 #elif defined(__GNUC__) || defined(__clang__)
 #define CORE_INLINE static inline __attribute__((always_inline))
 #else

@@ -51,7 +51,12 @@ CORE_INLINE double norma_core_weight_of(
     return 1;
 }
 
-/* loop(..., weight), where the compiler knows the weight, so that nothing inside asks for it. */
+/* loop(..., weight), where the compiler knows the weight, so that nothing inside asks for it; made
+ * small (norma-mesh/normals), once for all weights. */
+#if defined(NORMA_SMALL)
+#define CORE_LOOP_FOR_WEIGHT(weight, loop, ...)                                                    \
+    loop(__VA_ARGS__, (weight) == NORMA_WEIGHT_VISIBLE ? NORMA_WEIGHT_UNIFORM : (weight));
+#else
 #define CORE_LOOP_FOR_WEIGHT(weight, loop, ...)                                                    \
     switch (weight) {                                                                              \
         CORE_SUMMED_WEIGHTS(CORE_CASE_OF_LOOP, loop, __VA_ARGS__)                                  \
@@ -59,4 +64,5 @@ CORE_INLINE double norma_core_weight_of(
         loop(__VA_ARGS__, NORMA_WEIGHT_UNIFORM);                                                   \
         break;                                                                                     \
     }
+#endif
 #endif

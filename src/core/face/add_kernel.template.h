@@ -218,7 +218,7 @@ IN_VECTORS void add_copied(const core_adder *adder, size_t f, int lanes, norma_w
 }
 
 /* In WebAssembly, what is seldom asked for goes through one loop, for the module's size. */
-#if defined(__wasm__)
+#if defined(__wasm__) && !defined(NORMA_SMALL)
 #define EACH_WEIGHT(adder, begin, end, doubles)                                                    \
     if ((adder)->weight == NORMA_WEIGHT_ANGLE && !(doubles))                                       \
         add_weighted(adder, begin, end, doubles, NORMA_WEIGHT_ANGLE);                              \
