@@ -5,7 +5,7 @@ Nothing here needs Blender. Corners are Blender's loops, faces its polygons.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import List, Optional
+from typing import List, Optional, Tuple
 
 import numpy as np
 
@@ -76,12 +76,11 @@ def primitives(surface: Surface) -> List[Primitive]:
 def _primitive(surface: Surface, slot: int, triangles: np.ndarray) -> Primitive:
     """Corners with the same position, normal, texture coordinates and tangent share a vertex."""
     corners = surface.triangles[triangles].reshape(-1)
-    columns = [surface.corners[corners, None].view(np.uint32), _bits(surface.normals[corners])]
-    for attribute in (surface.texcoords, surface.tangents):
+    columns = [surface.corners[corners]]
+    for attribute in (surface.normals, surface.texcoords, surface.tangents):
         if attribute is not None:
-            columns.append(_bits(attribute[corners]))
-    rows = np.ascontiguousarray(np.concatenate(columns, axis=1))
-    _, first, indices = np.unique(rows.view(f"V{rows.shape[1] * 4}").reshape(-1), return_index=True, return_inverse=True)
+            columns.extend(np.ascontiguousarray(_bits(attribute[corners]).T))
+    first, indices = _distinct(columns)
     kept = corners[first]
     return Primitive(
         slot,
@@ -92,6 +91,36 @@ def _primitive(surface: Surface, slot: int, triangles: np.ndarray) -> Primitive:
         indices.reshape(-1, 3).astype(np.uint32),
         triangles,
     )
+
+
+_ROUNDS = 16
+
+
+def _distinct(columns: List[np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
+    """The first of each of the rows that differ, in order, and which of these each row is.
+
+    Rows that differ in the first column, a vertex, are not compared: each round takes one row of each
+    vertex, and all rows that are like it. Most vertices have few. What is left of those with many is sorted.
+    """
+    vertices = columns[0]
+    own, left = np.arange(len(vertices)), np.arange(len(vertices))
+    first_at = np.empty(int(vertices.max(initial=0)) + 1, np.int64)
+    for _ in range(_ROUNDS):
+        if not left.size:
+            break
+        first_at[vertices[left[::-1]]] = left[::-1]
+        first = first_at[vertices[left]]
+        alike = np.ones(len(left), bool)
+        for column in columns[1:]:
+            alike &= column[left] == column[first]
+        own[left[alike]] = first[alike]
+        left = left[~alike]
+    if left.size:
+        rows = np.ascontiguousarray(np.stack([column[left] for column in columns], 1).astype(np.uint32))
+        _, first, of = np.unique(rows.view(f"V{rows.shape[1] * 4}").reshape(-1), return_index=True, return_inverse=True)
+        own[left] = left[first[of.reshape(-1)]]
+    is_first = own == np.arange(len(own))
+    return np.flatnonzero(is_first), (np.cumsum(is_first) - 1)[own]
 
 
 def _bits(values: np.ndarray) -> np.ndarray:

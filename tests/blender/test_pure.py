@@ -50,6 +50,14 @@ class Files(unittest.TestCase):
         (part,) = surface.primitives(smooth)
         self.assertEqual(len(part.positions), 8)
 
+    def test_rows_are_told_apart_as_by_sorting(self):
+        random = np.random.default_rng(41)
+        for vertices, kinds, count in ((50, 3, 2000), (1, 40, 500), (400, 1, 400), (1, 1, 0)):
+            rows = np.stack([random.integers(0, vertices, count), random.integers(0, kinds, count), random.integers(0, 2, count)], 1).astype(np.uint32)
+            first, of = surface._distinct(list(rows.T))
+            self.assertTrue(np.array_equal(rows[first][of], rows))
+            self.assertEqual(first.tolist(), sorted(np.unique(rows, axis=0, return_index=True)[1].tolist()))
+
     def test_each_material_is_a_primitive(self):
         parts = surface.primitives(cube(face_materials=np.array([0, 0, 1, 1, 1, 2])))
         self.assertEqual([(part.material, len(part.indices)) for part in parts], [(0, 4), (1, 6), (2, 2)])
