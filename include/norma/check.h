@@ -179,6 +179,10 @@ typedef struct norma_check_options {
      * NORMA_SEVERITY_NONE: for all. norma check --fix-unsafe does not touch informations unless
      * their rules are selected. */
     norma_severity fix_from;
+
+    /* Nonzero: an N302 has all faces of its components among its samples, behind those that stand
+     * for one each, as far as max_samples reaches. For whoever draws them. */
+    int whole_components;
 } norma_check_options;
 
 /* A surface in memory, described as a document describes one primitive. Set members without data to

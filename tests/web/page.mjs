@@ -1070,6 +1070,23 @@ await attempt("findings are listed with pictures, worst first; a finding about a
   await whole.close();
 });
 
+await attempt("a solid that is inside out is marked as a whole, and is one place", async () => {
+  const two = `${boxOf(1, 1, 1)}${boxOf(1, 1, 1).replaceAll(/^v (\S+)/gm, (_, x) => `v ${Number(x) + 3}`).replaceAll(/^f (\d+) (\d+) (\d+) (\d+)/gm, (_, ...corners) => `f ${corners.slice(0, 4).reverse().map((i) => Number(i) + 8).join(" ")}`)}`;
+  const view = await visit(home, { calm: true });
+  await dropText(view, "inside-out.obj", two);
+  const at = await view.evaluate("[...document.querySelectorAll('#findings button')].findIndex((b) => /N302/.test(b.textContent))");
+  expect(at >= 0, await view.text("findings"));
+  await view.click(`finding-${at}`);
+  /* Each face that is seen has a light of its own. */
+  const lights = new Map(), place = await view.evaluate("document.getElementById('places').hidden");
+  countPixels(await view.picture("inside-out"), STAGE, ([r, g, b]) => r > g + 50 && g > b + 50 && lights.set(r, (lights.get(r) ?? 0) + 1));
+  const faces = [...lights].filter(([, count]) => count > 400).map(([red]) => red).sort((a, b) => a - b).filter((red, i, all) => !i || red > all[i - 1] + 3);
+  console.log(`# faces marked, by their red: ${faces}`);
+  expect(faces.length > 1 && place, `${faces.length} faces marked, buttons from place to place ${place ? "are not" : "are"} there`);
+  expect(view.said.length === 0, view.said.join("\n"));
+  await view.close();
+});
+
 /* Squares in a row, each two wide: vertices red on the left and blue on the right; cut away by its mask; half green before white; seen from behind; unlit; hidden by its alpha. What is seen of each follows from glTF. */
 function materialsModel() {
   const square = (x, z, flip) => [[x, 0, z], [x + 2, 0, z], [x + 2, 2, z], [x, 2, z]].map((p, i, all) => (flip ? all[3 - i] : p)).flat();

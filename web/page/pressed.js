@@ -26,8 +26,8 @@ export function placeIn(finding, { point: at, direction, size, points }, shown =
   return { at: where, normal: length(normal) > 0 ? unit(normal) : camera.axes().back, size: size * meanColumn(toWorld), pins: pins.length ? pins : [where] };
 }
 
-/* Whether a finding is about a part rather than about places on it. */
-export const isOfWhole = (shown, { mesh, places, severity }, place) => shown.model.meshes[mesh] !== undefined && (!place || (severity < 2 && places > shown.model.meshes[mesh].faces / 2));
+/* Whether a finding is about a part rather than about places on it; N304 measures the faces of an open surface. */
+export const isOfWhole = (shown, { id, mesh, places, worst, severity }, place) => shown.model.meshes[mesh] !== undefined && (!place || (severity < 2 && (id === "N304" ? worst : places) > shown.model.meshes[mesh].faces / 2));
 /* What is drawn of a part that a finding is about: of its node, if that is what it names. */
 const partOf = ({ mesh, draw }) => (item) => item.mesh === mesh && (draw < 0 || item.draw === draw);
 

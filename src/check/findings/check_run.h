@@ -128,6 +128,8 @@ void *norma_check_grow(void *block, size_t count, size_t *room, size_t size);
 
 /* value: how bad (NaN: nothing to compare). */
 void norma_check_hit(const check_run *run, check_hits *hits, double value, check_spot spot);
+/* One more place of something that was counted: a sample alone. */
+void norma_check_also(const check_run *run, check_hits *hits, check_spot spot);
 /* into is followed by from; from is emptied. */
 void norma_check_hits_merge(const check_run *run, check_hits *into, check_hits *from);
 void norma_check_hits_free(check_hits *hits);

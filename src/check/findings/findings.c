@@ -224,6 +224,10 @@ void norma_check_hit(const check_run *run, check_hits *hits, double value, check
     keep_sample(run, hits, spot);
 }
 
+void norma_check_also(const check_run *run, check_hits *hits, check_spot spot) {
+    keep_sample(run, hits, run->part ? spot_in_file(run->part, spot) : spot);
+}
+
 void norma_check_hits_merge(const check_run *run, check_hits *into, check_hits *from) {
     if (from->count) {
         keep_worst(into, from->worst, from->worst_spot);

@@ -61,19 +61,31 @@ static int is_cut_out(const core_components *c, size_t number) {
     return c->each[number].flags & COMPONENT_MANY && c->starts[number + 1] - c->starts[number] <= 4;
 }
 
+/* Those of its faces that no sample stands for yet. */
+static void add_faces(const check_solids *s, size_t number, check_hits *hits) {
+    const core_components *c = s->components;
+    for (size_t i = c->starts[number] + 1; i < c->starts[number + 1]; i++)
+        if (c->faces[i] >= s->begin && c->faces[i] < s->end)
+            norma_check_also(s->m->run, hits, norma_check_face(c->faces[i] - s->begin));
+}
+
 static norma_result tell_inward(const check_solids *s) {
     check_mesh *m = s->m;
     const core_components *c = s->components;
     check_hits inward = {.least = 1}, nested = {0};
     norma_result result = NORMA_OK;
-    for (size_t i = 0; i < c->count; i++) {
-        const core_component *component = &c->each[i];
-        if (is_cut_out(c, i)) continue;
-        if (component->verdict == COMPONENT_INWARD && is_here(s, i))
-            norma_check_hit(m->run, &inward, component->volume / 6, spot_of(s, i));
-        else if (component->verdict == COMPONENT_NESTED && is_here(s, i))
-            norma_check_hit(m->run, &nested, component->volume / 6, spot_of(s, i));
-    }
+    for (int faces = 0; faces <= (m->run->options.whole_components != 0); faces++)
+        for (size_t i = 0; i < c->count; i++) {
+            const core_component *component = &c->each[i];
+            check_hits *hits = component->verdict == COMPONENT_INWARD   ? &inward
+                               : component->verdict == COMPONENT_NESTED ? &nested
+                                                                        : NULL;
+            if (!hits || is_cut_out(c, i) || !is_here(s, i)) continue;
+            if (faces)
+                add_faces(s, i, hits);
+            else
+                norma_check_hit(m->run, hits, component->volume / 6, spot_of(s, i));
+        }
     if (inward.count) result = add_inward(m, &inward, count_here(s));
     if (!result && nested.count) result = add_nested(m, &nested);
     norma_check_hits_free(&inward);

@@ -336,7 +336,8 @@ static int mark_finding(marks *m, const norma_finding *finding) {
     int good = 1;
     for (size_t i = 0; i < finding->sample_count && good && !is_of_the_whole(m, finding); ++i) {
         mark_sample(m, &finding->samples[i], finding->severity);
-        if (finding->sample_count <= most_dots && finding->severity >= NORMA_SEVERITY_WARNING)
+        if (i < finding->count && finding->count <= most_dots &&
+            finding->severity >= NORMA_SEVERITY_WARNING)
             good = add_dot(m, &finding->samples[i], finding->severity);
     }
     return good;
@@ -407,6 +408,7 @@ static norma_document_result render_file_mark(const render_settings *settings,
     cli_progress progress;
     const norma_check_options options = {.struct_size = sizeof options,
         .max_samples = MOST_SAMPLES,
+        .whole_components = 1,
         .rules = settings->has_select ? settings->select : NULL,
         .threads = settings->common.threads,
         .progress = cli_progress_elapsed,

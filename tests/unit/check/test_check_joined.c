@@ -229,6 +229,34 @@ static void test_cavity(void **state) {
         }
 }
 
+/* The faces from begin to end are the samples of the one N302, the first that stands for all ahead;
+ * without the option that one alone. */
+static void has_whole_component(norma_document *document, size_t begin, size_t end) {
+    uint8_t mask[128] = {0};
+    norma_findings *findings;
+    assert_int_equal(norma_rules_select("N302", mask, NULL), NORMA_OK);
+    for (int whole = 0; whole < 2; whole++) {
+        const norma_check_options options = {.struct_size = sizeof options,
+            .rules = mask,
+            .max_samples = 100,
+            .whole_components = whole};
+        assert_int_equal(
+            norma_check_document(document, &options, &findings, NULL), NORMA_DOCUMENT_OK);
+        assert_int_equal(norma_findings_count(findings), 1);
+        const norma_finding *f = norma_findings_get(findings, 0);
+        uint8_t seen[MOST] = {0};
+        assert_int_equal(f->count, 1);
+        assert_int_equal(f->sample_count, whole ? end - begin : 1);
+        assert_int_equal(f->samples[0].face, begin);
+        assert_true(f->worst.face == begin);
+        for (size_t i = 0; i < f->sample_count; i++) {
+            assert_in_range(f->samples[i].face, begin, end - 1);
+            assert_int_equal(seen[f->samples[i].face]++, 0);
+        }
+        norma_findings_free(findings);
+    }
+}
+
 /* ---- two boxes, each closed in its own primitive, that share an edge: one of them looks inward */
 
 static void test_touching(void **state) {
@@ -246,6 +274,7 @@ static void test_touching(void **state) {
     norma_document *document = open_parts(&a, parts, 2);
     has_only(
         document, &(expected){"N302", "/meshes/0/primitives/1", 1, 0, NORMA_SEVERITY_WARNING}, 1);
+    has_whole_component(document, 0, 12);
     mends(document, 0, "N302", turned, parts, 2);
     norma_document_close(document);
     asset_free(&a);
@@ -264,6 +293,7 @@ static void test_one_of_two(void **state) {
     norma_document *document = open_parts(&a, parts, 1);
     has_only(
         document, &(expected){"N302", "/meshes/0/primitives/0", 1, 12, NORMA_SEVERITY_WARNING}, 1);
+    has_whole_component(document, 12, 24);
     mends(document, 0, "N302", turned, parts, 1);
     norma_document_close(document);
     asset_free(&a);

@@ -46,7 +46,11 @@ static view_pack_sample sample_of(const norma_sample *sample) {
         .normal = number_of(sample->normal)};
 }
 
-/* The worst one first. */
+static int is_same(view_pack_sample a, view_pack_sample b) {
+    return a.face == b.face && a.vertex == b.vertex && a.normal == b.normal;
+}
+
+/* The worst one first, and not again. */
 static uint32_t append_samples(view_pack *pack, const norma_finding *finding, uint32_t *count) {
     view_pack_sample *samples = malloc((finding->sample_count + 1) * sizeof *samples);
     if (!samples) {
@@ -55,8 +59,10 @@ static uint32_t append_samples(view_pack *pack, const norma_finding *finding, ui
     }
     *count = 0;
     samples[(*count)++] = sample_of(&finding->worst);
-    for (size_t i = 0; i < finding->sample_count; ++i)
-        samples[(*count)++] = sample_of(&finding->samples[i]);
+    for (size_t i = 0; i < finding->sample_count; ++i) {
+        samples[*count] = sample_of(&finding->samples[i]);
+        *count += !is_same(samples[*count], samples[0]);
+    }
     const uint32_t at = view_pack_append(pack, samples, *count, sizeof *samples);
     free(samples);
     return at;
@@ -85,8 +91,10 @@ static view_pack_finding pack_finding(
 norma_document_result view_pack_findings(norma_document *document, const uint32_t *record_of,
     const uint32_t *draw_of_node, const view_pack_mesh *meshes, uint32_t threads, view_pack *pack,
     view_pack_head *head, norma_document_error *error) {
-    const norma_check_options options = {
-        .struct_size = sizeof options, .max_samples = MOST_SAMPLES, .threads = threads};
+    const norma_check_options options = {.struct_size = sizeof options,
+        .max_samples = MOST_SAMPLES,
+        .whole_components = 1,
+        .threads = threads};
     norma_findings *findings = NULL;
     head->finding_count = VIEW_PACK_NONE;
     norma_document_result result = norma_check_document(document, &options, &findings, error);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { MOST_SEVERITY = NORMA_SEVERITY_ERROR };
+static const double REACH_SEEN = 0.3; /* the camera stands nine sizes off */
 
 /* Red, green, blue, alpha, linear: those of norma render --show findings; what is not meant is
  * nothing. */
@@ -201,6 +202,22 @@ static int point_of(const model_mesh *mesh, const view_pack_sample *sample, doub
     return count && isfinite(out[0] + out[1] + out[2]);
 }
 
+/* Whether it has the faces of whole components, behind the one that stands for it. */
+static int is_of_component(const view_pack_finding *f) {
+    return f->count == 1 && f->sample_count > 1;
+}
+
+/* How far the places of its samples reach from one of them. */
+static double reach_of(const model *m, const view_pack_finding *f, const double from[3]) {
+    const view_pack_sample *samples =
+        (const view_pack_sample *)(const void *)(m->pack + f->samples);
+    double most = 0, at[3];
+    for (uint32_t i = 0; i < f->sample_count; ++i)
+        if (point_of(&m->meshes[f->mesh], &samples[i], at))
+            most = fmax(most, hypot(hypot(at[0] - from[0], at[1] - from[1]), at[2] - from[2]));
+    return most;
+}
+
 /* which: 0: where it is worst; otherwise one of its samples. out: a point, a direction (of any
  * length) from which its faces are seen, and how long their edges are, in the space of
  * draw_positions. 0: the finding has no place. */
@@ -226,19 +243,22 @@ int WEB_EXPORT(model_finding_place)(const model *m, uint32_t index, uint32_t whi
     }
     double drawn[3];
     if (point_of(mesh, sample, drawn)) memcpy(out, drawn, sizeof drawn);
+    if (is_of_component(f)) out[6] = fmax(out[6], REACH_SEEN * reach_of(m, f, out));
     return isfinite(out[0] + out[1] + out[2]);
 }
 
 /* ---- points to show, where faces have no area or are too small to be seen */
 
-/* points: room for most; where its samples are, in the space of draw_positions. How many. */
+/* points: room for most; where its places are, in the space of draw_positions. How many. */
 uint32_t WEB_EXPORT(model_finding_points)(
     const model *m, uint32_t index, uint32_t most, double *points) {
     const view_pack_finding *f = finding_at(m, index);
     const view_pack_sample *samples =
         (const view_pack_sample *)(const void *)(m->pack + f->samples);
     uint32_t count = 0;
-    for (uint32_t i = 0; f->mesh != VIEW_PACK_NONE && i < f->sample_count && count < most; ++i)
+    for (uint32_t i = 0; f->mesh != VIEW_PACK_NONE && i < f->sample_count && i <= f->count &&
+                         count < most && !(i && is_of_component(f));
+         ++i)
         count += (uint32_t)point_of(&m->meshes[f->mesh], &samples[i], points + 3 * count);
     return count;
 }
