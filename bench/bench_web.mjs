@@ -1,18 +1,19 @@
 /* The npm package beside three.js and meshoptimizer, one thread, in one run: computeVertexNormals (weighted by area, vertices shared by index), also by a plan of the mesh, toCreasedNormals, and generateNormals (one normal
  * per corner, creases at 60 degrees, equal positions shared); tangents beside meshoptimizer's and those of three.js's addon (which takes corners, not indices). Then the page, in headless
  * Chromium with its software renderer, where there is one: how long it takes to compute 200,000 triangles anew when a slider or a choice changes.
- *   node bench/bench_web.mjs [--json] [--page] [PACKAGE] [NODE_MODULES]        build/web/npm and build/npm-web/node_modules; the page is norma.html beside the package
- *   --page: the page only
+ *   node bench/bench_web.mjs [--json] [--page] [PACKAGE] [NODE_MODULES] [MESH.obj...]        build/web/npm and build/npm-web/node_modules; the page is norma.html beside the package
+ *   --page: the page only; with meshes these and nothing else
  * Times are the least of several calls, in milliseconds, output arrays reused where the interface allows it; ratio: three.js over Norma. */
 import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { dirname, join, resolve } from "node:path";
+import { basename, dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { findChrome, launch } from "../tests/web/chrome.mjs";
 import { waves } from "../tests/web/shapes.mjs";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "..");
-const words = process.argv.slice(2).filter((word) => !word.startsWith("--"));
+const files = process.argv.slice(2).filter((word) => word.endsWith(".obj"));
+const words = process.argv.slice(2).filter((word) => !word.startsWith("--") && !word.endsWith(".obj"));
 const json = process.argv.includes("--json"), onlyPage = process.argv.includes("--page");
 const folder = resolve(words[0] ?? join(root, "build/web/npm")), modules = resolve(words[1] ?? join(root, "build/npm-web/node_modules"));
 if (!existsSync(join(folder, "node.js")) || !existsSync(join(modules, "three"))) {
@@ -72,6 +73,24 @@ function shuffled({ positions, indices }) {
   return { positions: moved, indices: corners };
 }
 
+/* The faces of an OBJ as fans of triangles, as large as the waves. */
+function readObj(path) {
+  const rows = readFileSync(path, "utf8").split("\n").map((line) => line.trim().split(/\s+/)), faces = rows.filter(([word]) => word === "f");
+  const positions = rows.filter(([word]) => word === "v").flatMap((row) => row.slice(1, 4).map(Number)), size = positions.reduce((most, x) => Math.max(most, Math.abs(x)), 0), vertex = (word) => { const number = parseInt(word, 10); return number < 0 ? positions.length / 3 + number : number - 1; };
+  const indices = faces.flatMap(([, ...corners]) => corners.slice(2).flatMap((_, i) => [corners[0], corners[i + 1], corners[i + 2]].map(vertex)));
+  return { name: basename(path, ".obj").slice(0, 8), positions: Float32Array.from(positions, (x) => (100 * x) / size), indices: Uint32Array.from(indices) };
+}
+
+/* Those that were named, or waves in two orders. */
+function* meshes() {
+  for (const path of files) yield readObj(path);
+  for (const [columns, lines] of onlyPage || files.length ? [] : [[25, 20], [100, 50], [400, 250], [1000, 500]]) {
+    const plain = enlarged(waves(columns, lines));
+    yield { name: "rows", ...plain };
+    yield { name: "shuffled", ...shuffled(plain) };
+  }
+}
+
 /* The least times of tangents: vertices' normals, and a flat texture that leans a little. */
 function timeTangents(positions, indices, budget) {
   const normals = norma.vertexNormals(positions, indices), texcoords = new Float32Array((positions.length / 3) * 2), out = new Float32Array(4 * indices.length);
@@ -90,24 +109,23 @@ function timeTangents(positions, indices, budget) {
 }
 
 const rows = [];
-for (const [columns, lines] of onlyPage ? [] : [[25, 20], [100, 50], [400, 250], [1000, 500]])
-  for (const order of ["rows", "shuffled"]) {
-    const plain = enlarged(waves(columns, lines)), { positions, indices } = order === "rows" ? plain : shuffled(plain), budget = indices.length > 1e6 ? 1500 : 500;
-    const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3)).setIndex(new BufferAttribute(indices, 1)), ours = geometry.clone();
-    const out = new Float32Array(positions.length), corners = new Float32Array(3 * indices.length);
-    const plan = norma.plan(positions, indices, { weight: "area", weld: "none" });
-    plan.positions.set(positions);
-    const planned = least(budget, () => plan.update(plan.positions, { out: plan.normals }));
-    plan.free();
-    rows.push({
-      triangles: indices.length / 3, order,
-      three_vertex: least(budget, () => geometry.computeVertexNormals()), norma_vertex: least(budget, () => computeNormals(ours, { weight: "area", weld: "none" })), norma_plan: planned,
-      norma_vertex_default: least(budget, () => norma.vertexNormals(positions, indices, { out })),
-      three_creased: least(budget, () => toCreasedNormals(geometry, Math.PI / 3)), norma_creased: least(budget, () => toCreased(ours, { crease: 60 })),
-      meshopt_corners: meshopt ? least(budget, () => meshopt.generateNormals(indices, positions, 3, Math.PI / 3)) : NaN, norma_corners: least(budget, () => norma.cornerNormals(positions, indices, { crease: 60, out: corners })),
-      ...timeTangents(positions, indices, budget),
-    });
-  }
+for (const { name: order, positions, indices } of meshes()) {
+  const budget = indices.length > 1e6 ? 1500 : 500;
+  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3)).setIndex(new BufferAttribute(indices, 1)), ours = geometry.clone();
+  const out = new Float32Array(positions.length), corners = new Float32Array(3 * indices.length);
+  const plan = norma.plan(positions, indices, { weight: "area", weld: "none" });
+  plan.positions.set(positions);
+  const planned = least(budget, () => plan.update(plan.positions, { out: plan.normals }));
+  plan.free();
+  rows.push({
+    triangles: indices.length / 3, order,
+    three_vertex: least(budget, () => geometry.computeVertexNormals()), norma_vertex: least(budget, () => computeNormals(ours, { weight: "area", weld: "none" })), norma_plan: planned,
+    norma_vertex_default: least(budget, () => norma.vertexNormals(positions, indices, { out })),
+    three_creased: least(budget, () => toCreasedNormals(geometry, Math.PI / 3)), norma_creased: least(budget, () => toCreased(ours, { crease: 60 })),
+    meshopt_corners: meshopt ? least(budget, () => meshopt.generateNormals(indices, positions, 3, Math.PI / 3)) : NaN, norma_corners: least(budget, () => norma.cornerNormals(positions, indices, { crease: 60, out: corners })),
+    ...timeTangents(positions, indices, budget),
+  });
+}
 
 /* ---- the page: what its own clock says of each change, from the control's event to the normals, drawing left out; and the whole of it, upload and picture included. A fourth entry is chosen
  * before each value, and not measured. */
@@ -152,7 +170,7 @@ async function measurePage(file, chrome) {
 }
 
 const file = join(folder, "../norma.html"), chrome = findChrome();
-const page = existsSync(file) && chrome ? await measurePage(file, chrome) : null;
+const page = existsSync(file) && chrome && !files.length ? await measurePage(file, chrome) : null;
 
 if (json) {
   console.log(JSON.stringify({ node: process.version, three: REVISION, rows, page }));
