@@ -70,11 +70,15 @@ def walls():
 
 
 def model(path):
-    """Points and triangles of an OBJ, and the sums of all its faces in doubles."""
+    """The triangles of an OBJ, the points that they use, and the sums of all faces in doubles."""
     with open(path) as file:
         rows = [line.split() for line in file]
     points = np.array([row[1:4] for row in rows if row[:1] == ["v"]], float)
-    faces = np.array([[int(word.split("/")[0]) - 1 for word in row[1:4]] for row in rows if row[:1] == ["f"]], np.uint32)
+    faces = [[int(word.split("/")[0]) for word in row[1:]] for row in rows if row[:1] == ["f"]]
+    if not faces or any(len(face) != 3 or min(face) < 1 or max(face) > len(points) for face in faces):
+        sys.exit(path + ": expected triangles alone, with positive indices")
+    used, corners = np.unique(np.array(faces) - 1, return_inverse=True)
+    points, faces = points[used], corners.reshape(-1, 3).astype(np.uint32)
     return points, faces, sums_of(points, faces, np.float64)
 
 
@@ -123,7 +127,7 @@ def main():
     comm.Allreduce(mine, sums)
     comm.Allreduce(unit(mine), means)
     known = vertex_ids[vertex_ids < len(exact)]
-    alone = comm.reduce(degrees(unit(mine[known]), exact[known]).max(), MPI.MAX)
+    alone = comm.reduce(degrees(unit(mine[known]), exact[known]).max(initial=0), MPI.MAX)
     if comm.rank:
         return
     joined = np.zeros(points.shape, np.float32)
