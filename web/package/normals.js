@@ -13,6 +13,6 @@ async function open() {
 }
 
 let first = null;
-export const load = () => (first ??= open());
+export const load = () => (first ??= open().catch((error) => { first = null; throw error; }));      // it may be asked for again
 
 export { NormaError } from "./arguments.js";

@@ -48,7 +48,7 @@ static void *take_from_top(size_t size) {
 }
 
 void *malloc(size_t bytes) {
-    if (bytes > SIZE_MAX - PAGE) return NULL;
+    if (bytes > SIZE_MAX - 2 * PAGE) return NULL;
     const size_t size = (bytes + 2 * HEAD - 1) & ~(size_t)(HEAD - 1);
     void *found = take_from_list(size);
     return found ? found : take_from_top(size);
