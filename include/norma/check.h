@@ -180,8 +180,9 @@ typedef struct norma_check_options {
      * their rules are selected. */
     norma_severity fix_from;
 
-    /* Nonzero: an N302 has all faces of its components among its samples, behind those that stand
-     * for one each, as far as max_samples reaches. For whoever draws them. */
+    /* Nonzero: samples of N302 go on, behind the count faces that stand for a component each, with
+     * the other faces of those components, as far as these lie in the finding's own mesh and
+     * max_samples reaches: sample_count may exceed count. For whoever draws them. */
     int whole_components;
 } norma_check_options;
 

@@ -123,6 +123,11 @@ typedef struct check_report { /* one finding to be added */
     const norma_deviation *deviation;
 } check_report;
 
+/* The fields that the caller's header has: a struct_size of 0 is that of the first version, what it
+ * does not know is zero. ARGUMENT: a later caller asks for what this library does not know. */
+norma_result norma_check_take_options(
+    const norma_check_options *given, norma_check_options *options);
+
 /* Room for one more element of size bytes than count. NULL: out of memory; the block stays. */
 void *norma_check_grow(void *block, size_t count, size_t *room, size_t size);
 

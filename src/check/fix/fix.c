@@ -63,8 +63,9 @@ static int report_fix_progress(void *user, double fraction) {
 /* wanted: a byte for each rule; NULL: all. progress: made by the caller. */
 static norma_document_result begin_fixing(
     fixing *f, const norma_check_options *options, const uint8_t *wanted, fix_progress *progress) {
-    if (options) f->request.options = *options;
     norma_check_options *own = &f->request.options;
+    const norma_result result = norma_check_take_options(options, own);
+    if (result) return norma_check_fail(f->error, result);
     own->struct_size = sizeof *own;
     own->max_samples = SIZE_MAX; /* every element is wanted */
     own->rules = NULL;

@@ -3,6 +3,7 @@
 #include "check/run/run.h"
 #include "check/findings/check_run.h"
 #include "check/rules/rules.h"
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,18 +15,16 @@ static norma_check_profile profile_of(
                                                                 : NORMA_CHECK_PROFILE_RENDER;
 }
 
-/* The fields that the caller's header has. A later caller may not ask for what this library does
- * not know. */
-static norma_result fill_options(const norma_check_options *given, norma_check_options *options) {
+norma_result norma_check_take_options(
+    const norma_check_options *given, norma_check_options *options) {
+    const size_t first = offsetof(norma_check_options, whole_components),
+                 size = !given               ? 0
+                        : given->struct_size ? given->struct_size
+                                             : first;
     *options = (norma_check_options){0};
-    if (given) {
-        const unsigned char *bytes = (const unsigned char *)given;
-        size_t size = given->struct_size ? given->struct_size : sizeof *given;
-        if (size < sizeof *given) return NORMA_ERROR_ARGUMENT;
-        for (size_t i = sizeof *given; i < size; i++)
-            if (bytes[i]) return NORMA_ERROR_ARGUMENT;
-        *options = *given;
-    }
+    if (given) memcpy(options, given, size < sizeof *options ? size : sizeof *options);
+    for (size_t i = sizeof *options; i < size; i++)
+        if (((const unsigned char *)given)[i]) return NORMA_ERROR_ARGUMENT;
     if (options->profile < NORMA_CHECK_PROFILE_AUTO ||
         options->profile > NORMA_CHECK_PROFILE_GENERATED)
         return NORMA_ERROR_ARGUMENT;
@@ -36,7 +35,7 @@ static norma_result fill_options(const norma_check_options *given, norma_check_o
 norma_result norma_check_begin(
     check_run *run, const norma_check_options *options, norma_file_format format) {
     *run = (check_run){.format = format};
-    norma_result result = fill_options(options, &run->options);
+    norma_result result = norma_check_take_options(options, &run->options);
     if (result) return result;
     run->profile = profile_of(&run->options, format);
     if (run->options.rules)

@@ -299,6 +299,49 @@ static void test_one_of_two(void **state) {
     asset_free(&a);
 }
 
+/* ---- options of other headers than this: blocks of their sizes, so that a reader beyond is seen
+ */
+
+static void takes(norma_document *document, size_t size, size_t said, int surplus, int good) {
+    norma_check_options options = {.struct_size = said, .max_samples = 100, .whole_components = 1};
+    unsigned char *block = calloc(size, 1);
+    norma_findings *findings = NULL;
+    norma_fix_summary summary;
+    memcpy(block, &options, size < sizeof options ? size : sizeof options);
+    if (size > sizeof options) block[size - 1] = (unsigned char)surplus;
+    const norma_check_options *given = (const norma_check_options *)(const void *)block;
+    const norma_document_result wanted = good ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_ARGUMENT;
+    assert_int_equal(norma_check_document(document, given, &findings, NULL), wanted);
+    for (size_t i = 0; i < norma_findings_count(findings); i++) {
+        const norma_finding *f = norma_findings_get(findings, i);
+        if (strcmp(f->rule->id, "N302") == 0)
+            assert_int_equal(f->sample_count, size < sizeof options ? 1 : 12);
+    }
+    assert_int_equal(norma_findings_count(findings) > 0, good);
+    norma_findings_free(findings);
+    assert_int_equal(norma_fix_document(document, given, 0, &summary, NULL), wanted);
+    free(block);
+}
+
+static void test_other_headers(void **state) {
+    (void)state;
+    static part parts[1];
+    gltf_asset a = {0};
+    const size_t first = offsetof(norma_check_options, whole_components),
+                 size = sizeof(norma_check_options);
+    memset(parts, 0, sizeof parts);
+    add_box(&parts[0], 0, 1, 0);
+    add_box(&parts[0], 2, 3, 1);
+    norma_document *document = open_parts(&a, parts, 1);
+    takes(document, first, first, 0, 1);
+    takes(document, first, 0, 0, 1);
+    takes(document, size, size, 0, 1);
+    takes(document, size + 8, size + 8, 0, 1);
+    takes(document, size + 8, size + 8, 1, 0);
+    norma_document_close(document);
+    asset_free(&a);
+}
+
 /* ---- a quarter of a cylinder of two materials: at the border the second one's normals are turned
  * by five degrees */
 
@@ -399,6 +442,7 @@ int main(void) {
         cmocka_unit_test(test_cavity),
         cmocka_unit_test(test_touching),
         cmocka_unit_test(test_one_of_two),
+        cmocka_unit_test(test_other_headers),
         cmocka_unit_test(test_seam),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
