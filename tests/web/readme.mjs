@@ -9,7 +9,7 @@ const text = readFileSync(join(modules, "norma-mesh/README.md"), "utf8");
 const blocks = [...text.matchAll(/^```js( config)?\n(.*?)^```\n(?:\n```text\n(.*?)^```)?/gms)].map(([, isConfig, code, output]) => ({ isConfig: Boolean(isConfig), code, output, title: text.slice(0, text.indexOf(code)).match(/^#+ .*$/gm).at(-1).replace(/^#+ /, "") }));
 const ENTRIES = ["three", "react", "@babylonjs", "playcanvas", "@gltf-transform"];
 const examples = blocks.filter(({ isConfig }) => !isConfig), compiled = [];
-check("the README has examples", examples.length === 9 && blocks.length === 10, blocks.length);
+check("the README has examples", examples.length === 10 && blocks.length === 11, blocks.length);
 examples.forEach(({ code, output, title }, i) => {
   const missing = ENTRIES.find((name) => code.includes(`"${name}`) && !has(name));
   if (missing) { skip(`README, ${title} (${missing} is not installed)`); return; }
