@@ -49,6 +49,17 @@ written() {
     if [ $status -le 1 ] && [ -s "now/$file" ] && ! cmp -s "fresh/$file" "now/$file"; then pass "written: $*"; else fail "written: $*" "status $status: $said"; fi
 }
 
+# kept LIMIT: too little memory to read an asset frees no buffer of it, whether its names could be read or not.
+kept() {
+    local status=0 said
+    rm -rf now && cp -a fresh now
+    gltf tall.bin '' | sed 's/"buffers":\[{"uri":"tall.bin","byteLength":36/"buffers":[{"uri":"tall.bin","byteLength":6000000/; s/"bufferView":0,"componentType":5126,"count":3/"bufferView":0,"componentType":5126,"count":500000/; s/"byteLength":36}\],"buffers"/"byteLength":6000000}],"buffers"/' >now/tall.gltf
+    head -c 6000000 /dev/zero >now/tall.bin
+    said=$(cd now && "$NORMA" check tall.gltf --max-memory "$1" -o tall.bin 2>&1 </dev/null) || status=$?
+    if [ $status -ge 2 ] && [ "$(stat -c %s now/tall.bin)" = 6000000 ]; then pass "kept: a buffer of an asset that takes more than $1"; else fail "kept: a buffer of an asset that takes more than $1" "status $status: $said"; fi
+}
+
+for limit in 500K 1M 2M 3M 4M 6M 9M; do kept $limit; done
 refused check plate.obj -o plate.obj
 refused check plate.obj -o link.obj
 refused check . -o plate.obj

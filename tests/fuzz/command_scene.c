@@ -345,19 +345,6 @@ static int is_report(const command *c, int status, const char *path) {
     return status == 3 && same_path(c->baseline, path);
 }
 
-/* Whether the file is there as before under another name: of an asset that another program kept
- * from being read, the tool does not know which files it names. */
-static int has_other_name(
-    const scene_state *before, const scene_state *after, const scene_file *file) {
-    for (size_t i = 0; i < before->count; ++i) {
-        const scene_file *other = &before->files[i];
-        if (other != file && other->inode == file->inode &&
-            !differ(other, find(after, other->path)))
-            return 1;
-    }
-    return 0;
-}
-
 static void judge_files(const scene_state *before, const scene_state *after, const command *c,
     int status, const char *disturbed) {
     const int may_write =
@@ -369,7 +356,6 @@ static void judge_files(const scene_state *before, const scene_state *after, con
         if (!differ(f, now) || (was && f->inode == was->inode)) continue;
         if (!may_write && !is_report(c, status, f->path)) FAIL("%s has changed", f->path);
         if (is_output(c, f->path) && !is_read(before, c, f)) continue;
-        if (disturbed && is_output(c, f->path) && has_other_name(before, after, f)) continue;
         if (c->in_place && (is_input(before, c, f->path) || ends_with(f->path, ".bin"))) {
             if (!now) FAIL("%s is gone", f->path);
             if (ends_with(f->path, ".bin") && now->size < f->size) FAIL("%s is shorter", f->path);

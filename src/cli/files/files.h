@@ -18,8 +18,10 @@ typedef struct cli_guard cli_guard;
 
 /* A file that is read; "-" is standard input. Safe in any thread, as are all of these. */
 void cli_guard_read(cli_guard *guard, const char *path);
-/* The files that an open document was read from or names. Cheap unless an output exists already. */
-void cli_guard_document(cli_guard *guard, norma_document *document, const char *input);
+/* The files that a glTF names, whose buffers are not read; nothing where it cannot be opened, or no
+ * output exists already. Where memory is too short for that, nothing that exists is written any
+ * more. */
+void cli_guard_names(cli_guard *guard, const char *path, norma_file_format format);
 int cli_guard_watches(const cli_guard *guard); /* an output exists already */
 
 /* What was read and named in a worker (process.h), through its channel: *first is behind what was

@@ -126,13 +126,32 @@ static int add_named(void *user, const char *path) {
     return 0;
 }
 
-void cli_guard_document(cli_guard *guard, norma_document *document, const char *input) {
+static void cli_guard_document(cli_guard *guard, norma_document *document, const char *input) {
     named names = {guard, cli_input_name(input)};
     norma_document_error error;
     if (!guard || !guard->watches) return;
     if (norma_document_visit_files(document, add_named, &names, &error) ==
         NORMA_DOCUMENT_ERROR_MEMORY)
         guard->incomplete = 1;
+}
+
+void cli_guard_names(cli_guard *guard, const char *path, norma_file_format format) {
+    const norma_file_format kind = format ? format : norma_file_format_of_path(path);
+    const norma_document_options options = {.struct_size = sizeof options,
+        .format = format,
+        .depth = NORMA_DOCUMENT_SUMMARY,
+        .lenient = 1};
+    norma_document *document;
+    norma_document_error error; /* reported where the file is read for the work */
+    /* Opening a pipe, even to refuse it, would take it away from who writes into it. */
+    if (!cli_guard_watches(guard) || !norma_file_format_is_gltf(kind) || strcmp(path, "-") == 0 ||
+        cli_is_stream(path))
+        return;
+    const norma_document_result result = norma_document_open(path, &options, &document, &error);
+    if (result == NORMA_DOCUMENT_ERROR_MEMORY) guard->incomplete = 1;
+    if (result) return;
+    cli_guard_document(guard, document, path);
+    norma_document_close(document);
 }
 
 /* ---- between processes */
@@ -333,7 +352,10 @@ norma_document_result cli_open(const cli_files *files, const char *input,
     const norma_document_options *options, norma_document **document, void **memory,
     norma_document_error *error) {
     const norma_document_result result = open_input(input, options, document, memory, error);
-    if (!result) cli_guard_document(files->guard, *document, input);
+    if (!result)
+        cli_guard_document(files->guard, *document, input);
+    else /* a buffer of it that cannot be read makes no other one free to be overwritten */
+        cli_guard_names(files->guard, input, options->format);
     return result;
 }
 
