@@ -182,7 +182,7 @@ typedef struct norma_check_options {
 
     /* Nonzero: samples of N302 go on, behind the count faces that stand for a component each, with
      * the other faces of those components, as far as these lie in the finding's own mesh and
-     * max_samples reaches: sample_count may exceed count. For whoever draws them. */
+     * max_samples reaches: sample_count may exceed count. A picture marks whole solids by it. */
     int whole_components;
 } norma_check_options;
 

@@ -143,9 +143,10 @@ void cli_guard_names(cli_guard *guard, const char *path, norma_file_format forma
         .lenient = 1};
     norma_document *document;
     norma_document_error error; /* reported where the file is read for the work */
+    struct stat status;
     /* Opening a pipe, even to refuse it, would take it away from who writes into it. */
     if (!cli_guard_watches(guard) || !norma_file_format_is_gltf(kind) || strcmp(path, "-") == 0 ||
-        cli_is_stream(path))
+        !regular_file(path, STDIN_FILENO, &status))
         return;
     const norma_document_result result = norma_document_open(path, &options, &document, &error);
     if (result == NORMA_DOCUMENT_ERROR_MEMORY) guard->incomplete = 1;

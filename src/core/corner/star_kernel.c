@@ -163,8 +163,8 @@ static void read_triangles(const core_mesh *mesh, kept_faces *kept, star_list *l
         read_face_corners(mesh, list->face[i], list->at[i]);
 }
 
-/* Where normals of neighbours go, once for each face, when it is first met: corner normals take 2 %
- * less. */
+/* Where normals of neighbours go, once for each face, when it is first met: corner normals of real
+ * meshes take 2 to 7 % less. */
 static void ask_for_faces_targets(const star_list *list) {
     const position_visit *visit = list->visit;
     const unsigned char *target = visit->target;

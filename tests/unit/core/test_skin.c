@@ -174,9 +174,10 @@ static size_t joint_of(const some_skin *m, size_t i) {
     return four;
 }
 
-/* sign(det B) cof(B) n as norma.h defines it; 0 where 64 bits of a mantissa are too few. */
-static int long_normal(const some_skin *m, size_t v, long double out[3]) {
-    long double b[3][3] = {{0}}, size = 0, length = 0;
+/* B by columns; what its entries were summed from, at most. */
+static long double long_matrix(const some_skin *m, size_t v, long double b[3][3]) {
+    long double size = 0;
+    memset(b, 0, 9 * sizeof b[0][0]);
     for (size_t k = 0, i = v * m->skin.influences; k < m->skin.influences; k++, i++)
         for (int c = 0; c < 3; c++)
             for (int r = 0; r < 3; r++) {
@@ -185,6 +186,12 @@ static int long_normal(const some_skin *m, size_t v, long double out[3]) {
                 b[c][r] += part;
                 size += fabsl(part);
             }
+    return size;
+}
+
+/* sign(det B) cof(B) n as norma.h defines it; 0 where 64 bits of a mantissa are too few. */
+static int long_normal(const some_skin *m, size_t v, long double out[3]) {
+    long double b[3][3], size = long_matrix(m, v, b), length = 0;
     long double det = 0;
     for (int r = 0; r < 3; r++) {
         const int s = (r + 1) % 3, t = (r + 2) % 3;
@@ -238,16 +245,7 @@ static void by_definition(void **state) {
 /* B and B t; what entries of B were summed from, at most. */
 static long double long_blend(
     const some_skin *m, size_t v, const float in[4], long double b[3][3], long double t[3]) {
-    long double size = 0;
-    memset(b, 0, 9 * sizeof b[0][0]);
-    for (size_t k = 0, i = v * m->skin.influences; k < m->skin.influences; k++, i++)
-        for (int c = 0; c < 3; c++)
-            for (int r = 0; r < 3; r++) {
-                const long double part = (long double)m->weights[i] *
-                                         (long double)m->matrices[joint_of(m, i)][4 * c + r];
-                b[c][r] += part;
-                size += fabsl(part);
-            }
+    const long double size = long_matrix(m, v, b);
     for (int r = 0; r < 3; r++)
         t[r] = b[0][r] * (long double)in[0] + b[1][r] * (long double)in[1] +
                b[2][r] * (long double)in[2];
