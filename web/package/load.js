@@ -1,5 +1,5 @@
 /* Loading, the same for every entry: what differs is where the modules lie. */
-import { bindCalls } from "./calls.js";
+import { bindCalls } from "./more-calls.js";
 import { makeCheck } from "./check.js";
 import { makeTool } from "./tool.js";
 import { allLibraries, makeDecoders } from "./decoders.js";

@@ -1,5 +1,5 @@
 /* The page's module: the package's calls; models, which are packs; documents, which are files read, fixed and written by the library's own code. */
-import { bindCalls } from "../package/calls.js";
+import { bindCalls } from "../package/more-calls.js";
 import { allLibraries, makeDecoders } from "../package/decoders.js";
 import { moduleOf } from "./inflate.js";
 

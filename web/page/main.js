@@ -1,5 +1,5 @@
 /* The page: what its controls say is computed (in a worker) and drawn (here). Nothing is drawn but when something changed; what moves, moves by itself. */
-import { bindCalls } from "../package/calls.js";
+import { bindCalls } from "../package/more-calls.js";
 import { noDecoders } from "../package/decoders.js";
 import { applyAddress, makeAddress, readAddress } from "./address.js";
 import { makeAnimation } from "./animation.js";

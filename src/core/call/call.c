@@ -105,7 +105,7 @@ void *norma_core_default_block(size_t bytes) {
 void *norma_core_allocate(const core_call *call, size_t count, size_t size) {
     if (count && size > SIZE_MAX / count) return NULL;
     const size_t bytes = block_size(count, size);
-    if (call->options.allocator.allocate)
+    if (!CORE_IS_SMALL && call->options.allocator.allocate)
         return call->options.allocator.allocate(
             call->options.allocator.user, bytes, SCRATCH_ALIGNMENT);
     return norma_core_default_block(bytes);
@@ -113,7 +113,7 @@ void *norma_core_allocate(const core_call *call, size_t count, size_t size) {
 
 void norma_core_release(const core_call *call, void *block, size_t count, size_t size) {
     if (!block) return;
-    if (call->options.allocator.release)
+    if (!CORE_IS_SMALL && call->options.allocator.release)
         call->options.allocator.release(
             call->options.allocator.user, block, block_size(count, size));
     else
@@ -126,6 +126,7 @@ void norma_core_stage(core_call *call, double from, double to) {
 }
 
 int norma_core_progress(core_call *call, double fraction_of_stage) {
+    if (CORE_IS_SMALL) return 0;
     if (!call->options.progress || call->cancelled) return call->cancelled;
     double fraction =
         call->progress_from + (call->progress_to - call->progress_from) * fraction_of_stage;

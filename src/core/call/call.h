@@ -59,6 +59,15 @@ core_level norma_core_level(norma_isa isa); /* the highest that the machine has 
     { name##_portable }
 #endif
 
+/* norma-mesh/normals is made without polygons, marked edges, the most visible normal, welding over
+ * a distance, steady tangents and what only speed or little memory needs: the linker drops all that
+ * this constant shuts. */
+#if defined(NORMA_SMALL)
+enum { CORE_IS_SMALL = 1 };
+#else
+enum { CORE_IS_SMALL = 0 };
+#endif
+
 /* ---- one vector of a view, of any format, stride and alignment, as three doubles, and one index
  * of an array. Every format fits a double exactly. */
 
@@ -251,6 +260,14 @@ typedef struct core_call {
 /* ARGUMENT where an option is out of its range; options and fault may be NULL. */
 norma_result norma_core_check_options(const norma_options *options, norma_fault *fault);
 norma_result norma_core_begin(core_call *call, const norma_options *options);
+
+/* Whether weights are those of the most visible normal, and whether a distance welds. */
+static inline int norma_core_sees(const core_call *call) {
+    return !CORE_IS_SMALL && call->options.weight == NORMA_WEIGHT_VISIBLE;
+}
+static inline int norma_core_welds_near(const core_call *call) {
+    return !CORE_IS_SMALL && call->options.weld == NORMA_WELD_DISTANCE;
+}
 
 /* Scratch memory from the caller's allocator, aligned for any type; NULL when memory runs out or
  * count * size overflows. */

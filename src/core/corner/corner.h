@@ -48,6 +48,7 @@ static inline core_crease_verdict norma_core_crease_by_cosine(
  * and in the face that runs along it the other way. */
 static inline int norma_core_is_unmarked(const core_mesh *mesh, uint32_t corner, uint32_t face,
     uint32_t other_corner, uint32_t other_face) {
+    if (CORE_IS_SMALL) return 1;
     if (mesh->hard_edges && (mesh->hard_edges[corner] || mesh->hard_edges[other_corner])) return 0;
     return !mesh->smoothing_groups ||
            (mesh->smoothing_groups[face] & mesh->smoothing_groups[other_face]);
@@ -94,6 +95,9 @@ typedef enum core_use {
     CORE_FOR_FANS
 } core_use; /* sums need no corners sorted; fans are stars cut at edges */
 
+static inline const core_face *norma_core_kept_faces(const core_prepared_mesh *prepared) {
+    return CORE_IS_SMALL ? NULL : prepared->faces;
+}
 /* The beginning of a call that cuts fans: options, crease and the mesh's shape are checked. */
 norma_result norma_core_begin_with_crease(core_call *call, const norma_options *options,
     const norma_mesh *mesh, float crease_angle_rad, core_mesh *checked);
@@ -114,7 +118,7 @@ void norma_core_prepared_mesh_close(core_prepared_mesh *prepared);
 
 static inline void norma_core_prepared_mesh_face(
     const core_prepared_mesh *prepared, size_t face, core_face *out) {
-    if (prepared->faces)
+    if (norma_core_kept_faces(prepared))
         *out = prepared->faces[face];
     else
         norma_core_face_geometry(&prepared->mesh, face, out);

@@ -139,7 +139,7 @@ norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, 
         norma_core_stage(call, 0.2, 0.35);
         result = norma_core_corners_of_position_build(call, &prepared->mesh, &prepared->corners_of);
     }
-    if (result == NORMA_OK && prepared->mesh.face_starts) {
+    if (result == NORMA_OK && norma_core_face_starts(&prepared->mesh)) {
         norma_core_stage(call, 0.35, 0.5);
         result = measure_polygons(prepared, use);
     }

@@ -182,9 +182,9 @@ void norma_core_star_fill(const core_prepared_mesh *prepared, const uint32_t *co
         c->face = (uint32_t)norma_core_face_of(&prepared->corners_of, c->corner);
         star->joined[i] = i;
         c->flags = 0;
-        if (prepared->faces) load_polygon_corner(prepared, with_weights, star, c);
+        if (norma_core_kept_faces(prepared)) load_polygon_corner(prepared, with_weights, star, c);
     }
-    if (prepared->faces) return;
+    if (norma_core_kept_faces(prepared)) return;
     for (size_t i = 0; i < count; i += CORE_LANES)
         load_triangle_corners(prepared, with_weights, star, star->corners + i,
             count - i < CORE_LANES ? count - i : CORE_LANES);
@@ -266,7 +266,7 @@ void norma_core_star_sum(const core_prepared_mesh *prepared, core_star *star) {
     for (size_t i = 0; i < star->count; i++)
         norma_core_star_vote(&star->corners[i], &star->sums[star->fan_of[i]]);
     if (!star->finite) return;
-    if (prepared->call->options.weight == NORMA_WEIGHT_VISIBLE) {
+    if (norma_core_sees(prepared->call)) {
         decide_cones(star);
         return;
     }

@@ -283,7 +283,8 @@ static void join_leaning(const fin_set *f, const star_edge *own, int back) {
 
 /* The key of a triangle is that of its twins as well; but no triangle is its own reverse. */
 static int is_own_reverse(const core_mesh *mesh, const star_corner *c, const star_edge *run) {
-    return mesh->face_starts && mesh->face_starts[c->face + 1] - mesh->face_starts[c->face] > 3 &&
+    return norma_core_face_starts(mesh) &&
+           mesh->face_starts[c->face + 1] - mesh->face_starts[c->face] > 3 &&
            run->key == norma_core_key_of_twin(run->key);
 }
 
@@ -550,7 +551,7 @@ static pairs join_only_partners(
 
 /* A corner that the next one of its face repeats shares that one's fan. */
 static void join_repeated(const core_prepared_mesh *prepared, core_star *star) {
-    if (!prepared->faces) return;
+    if (!norma_core_kept_faces(prepared)) return;
     for (uint32_t i = 0; i < star->count; i++) {
         const star_corner *c = &star->corners[i];
         if ((c->flags & STAR_KEPT) || !(prepared->faces[c->face].flags & CORE_FACE_EDGED)) continue;

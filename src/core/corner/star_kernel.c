@@ -59,9 +59,8 @@ CORE_INLINE void measure_all_waiting(
 enum { CORNERS_AHEAD = 2 * BATCH_CORNERS };
 
 int norma_core_can_batch(const core_prepared_mesh *prepared) {
-    const norma_options *o = &prepared->call->options;
-    return o->weight != NORMA_WEIGHT_VISIBLE &&
-           !(prepared->mesh.weld && o->weld == NORMA_WELD_DISTANCE);
+    return !norma_core_sees(prepared->call) &&
+           !(prepared->mesh.weld && norma_core_welds_near(prepared->call));
 }
 
 /* Of a triangle that is kept: its row, positions, and which it is. */
@@ -92,8 +91,9 @@ static size_t choose_room(const core_prepared_mesh *prepared, size_t count) {
     enum { LEAST = 64, BYTES_A_FACE = 23 };
     const size_t faces = prepared->mesh.face_count, alone = kept_bytes(FACES_KEPT) + faces;
     const size_t bytes = faces < alone / BYTES_A_FACE ? BYTES_A_FACE * faces : alone;
-    size_t room = prepared->faces ? 1 : LEAST;
-    while (room < FACES_KEPT && !prepared->faces && kept_bytes(2 * room) <= bytes / count)
+    size_t room = norma_core_kept_faces(prepared) ? 1 : LEAST;
+    while (room < FACES_KEPT && !norma_core_kept_faces(prepared) &&
+           kept_bytes(2 * room) <= bytes / count)
         room *= 2;
     return room;
 }
@@ -190,7 +190,7 @@ static void read_polygon_corners(
 static void ask_for_positions(const core_prepared_mesh *prepared, const star_list *list) {
     const core_mesh *mesh = &prepared->mesh;
     for (size_t i = 0; i < list->waiting; i++) {
-        if (prepared->faces) __builtin_prefetch(&prepared->faces[list->face[i]]);
+        if (norma_core_kept_faces(prepared)) __builtin_prefetch(&prepared->faces[list->face[i]]);
         for (size_t k = 0; k < 3; k++) {
             const uint32_t at = list->at[i][k];
             __builtin_prefetch(
@@ -201,13 +201,13 @@ static void ask_for_positions(const core_prepared_mesh *prepared, const star_lis
 }
 
 void norma_core_read_list(const core_prepared_mesh *prepared, fan_batch *batch, star_list *list) {
-    if (prepared->faces)
+    if (norma_core_kept_faces(prepared))
         read_polygon_corners(prepared, batch->kept, list);
     else
         read_triangles(&prepared->mesh, batch->kept, list);
     if (list->scattered)
         ask_for_positions(prepared, list);
-    else if (!prepared->faces)
+    else if (!norma_core_kept_faces(prepared))
         ask_for_faces_targets(list);
 }
 
@@ -408,8 +408,8 @@ CORE_INLINE int meet_star(
 /* 0: the star is not ordinary, and of its corners each is across from itself. */
 CORE_INLINE int meet_any_star(
     const core_prepared_mesh *s, fan_batch *t, const listed_star *star, int counting) {
-    const int plain =
-        counting || s->faces != NULL || s->call->options.non_manifold != NORMA_NON_MANIFOLD_HARD;
+    const int plain = counting || norma_core_kept_faces(s) != NULL ||
+                      s->call->options.non_manifold != NORMA_NON_MANIFOLD_HARD;
     if (star->count <= HALF ? meet_star(t, star, 1, plain, counting)
                             : meet_star(t, star, 2, plain, counting))
         return 1;
@@ -621,7 +621,7 @@ CORE_INLINE void name_fans(fan_batch *t, size_t count) {
 
 CORE_INLINE void measure_list(const core_prepared_mesh *s, star_list *list, fan_batch *t) {
     const uint32_t *at = t->kept->at[0];
-    if (s->faces)
+    if (norma_core_kept_faces(s))
         weigh_polygons(s, list, t->kept);
     else
         measure_all_waiting(s, list, t->kept);

@@ -410,8 +410,8 @@ static void visit_chunk(void *context, size_t chunk) {
 
 /* Where fans may come one by one, the memory for them all can be had for a tenth. */
 static int go_by_fan(const visit_all *v) {
-    return v->visit->by_fan && v->visit->join == CORE_JOIN_FANS && !v->prepared->faces &&
-           v->prepared->call->options.weight != NORMA_WEIGHT_VISIBLE;
+    return !CORE_IS_SMALL && v->visit->by_fan && v->visit->join == CORE_JOIN_FANS &&
+           !norma_core_kept_faces(v->prepared) && !norma_core_sees(v->prepared->call);
 }
 
 static norma_result visit_large_stars(const visit_all *v, stars_part *part) {

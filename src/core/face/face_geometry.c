@@ -373,8 +373,7 @@ static norma_result compute_faces(
     const core_elements faces = {mesh, mesh->face_count, mesh, normal_of_face, place_of_face};
     core_tally tally = {{0, 0}, {0, 0}, {0, 0}, {0, 0}};
     norma_core_stage(call, 0.1, 0.3);
-    norma_result result =
-        call->options.weld == NORMA_WELD_DISTANCE ? norma_core_weld(call, mesh) : NORMA_OK;
+    norma_result result = norma_core_welds_near(call) ? norma_core_weld(call, mesh) : NORMA_OK;
     norma_core_stage(call, 0.3, 0.95);
     if (result == NORMA_OK)
         result = norma_core_write_chunks(

@@ -28,7 +28,7 @@ static const uint32_t *list_block_corners(
 static size_t count_alike(const core_mesh *mesh, size_t begin, size_t end) {
     const size_t corners = norma_core_face_end(mesh, begin) - norma_core_face_begin(mesh, begin);
     uint32_t other = 0;
-    if (mesh->face_starts)
+    if (norma_core_face_starts(mesh))
         for (size_t f = begin; f < end; f++)
             other |= (mesh->face_starts[f + 1] - mesh->face_starts[f]) ^ (uint32_t)corners;
     return !other && corners >= 3 && corners <= CORE_MOST_CORNERS ? corners : 0;
@@ -121,7 +121,7 @@ static void add_widened(
 
 void norma_core_add_faces(
     const core_kernels *kernels, const core_adder *adder, size_t begin, size_t end) {
-    if (adder->mesh->face_starts) {
+    if (norma_core_face_starts(adder->mesh)) {
         kernels->add_polygons(adder, begin, end);
         return;
     }

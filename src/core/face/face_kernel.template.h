@@ -448,7 +448,7 @@ IN_VECTORS unsigned measure_lanes(const core_faces_alike *w, const eight_faces *
         direct_triangles(&t);
     else
         direct_polygons(&t, corners);
-    if (w->wanted == CORE_ALL_CORNERS) keep_corners(w, &t, corners, slot, kept);
+    if (!CORE_IS_SMALL && w->wanted == CORE_ALL_CORNERS) keep_corners(w, &t, corners, slot, kept);
     VECTORS(store_rows)(t.normal[0], t.normal[1], t.normal[2], one, &w->out->row[slot]);
     VECTORS(store)(&w->out->twice_area[slot / CORE_LANES][slot % CORE_LANES], t.twice_area);
     return VECTORS(bits)(t.sure) << slot % CORE_LANES;
@@ -474,8 +474,9 @@ IN_VECTORS void measure_eights(
         copy_eight(w, corners, &eight);
         for (size_t lane = 0; lane < CORE_LANES; lane += LANES)
             sure |= measure_lanes(w, &eight, corners, slot + lane, &kept);
-        for (size_t k = 0;
-             w->wanted == CORE_ALL_CORNERS && k < corners && weight != NORMA_WEIGHT_ANGLE; k++) {
+        for (size_t k = 0; !CORE_IS_SMALL && w->wanted == CORE_ALL_CORNERS && k < corners &&
+                           weight != NORMA_WEIGHT_ANGLE;
+             k++) {
             CORE_LOOP_FOR_WEIGHT(weight, weigh_corner, w, slot, k, corners, &kept)
         }
         keep_faces(w, slot, corners, sure);
@@ -495,7 +496,7 @@ FOR_VECTORS static void measure_others(
 }
 
 static void measure_alike(const core_faces_alike *w, size_t begin, size_t end, size_t corners) {
-    if (corners == 3)
+    if (CORE_IS_SMALL || corners == 3)
         measure_alike_triangles(w, begin, end);
     else if (corners == 4)
         measure_quads(w, begin, end);

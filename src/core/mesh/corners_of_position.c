@@ -177,13 +177,14 @@ norma_result norma_core_corners_of_position_build(
         norma_core_allocate(call, corners_of->position_count + 1, sizeof *corners_of->starts);
     corners_of->corners =
         norma_core_allocate(call, corners_of->corner_count, sizeof *corners_of->corners);
-    if (mesh->face_starts)
+    if (norma_core_face_starts(mesh))
         corners_of->faces =
             norma_core_allocate(call, corners_of->corner_count, sizeof *corners_of->faces);
     norma_result result = NORMA_ERROR_MEMORY;
-    if (corners_of->starts && corners_of->corners && (!mesh->face_starts || corners_of->faces))
+    if (corners_of->starts && corners_of->corners &&
+        (!norma_core_face_starts(mesh) || corners_of->faces))
         result = place_corners_by_position(call, mesh, corners_of);
-    if (result == NORMA_OK && corners_of->faces) name_faces(mesh, corners_of);
+    if (result == NORMA_OK && norma_core_face_starts(mesh)) name_faces(mesh, corners_of);
     if (result != NORMA_OK) norma_core_corners_of_position_release(call, corners_of);
     return result;
 }

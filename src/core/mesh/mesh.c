@@ -221,9 +221,10 @@ norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh) {
 }
 
 norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range *ranges) {
-    const norma_result starts = norma_core_check_face_starts(mesh, NULL);
+    const norma_result starts =
+        norma_core_face_starts(mesh) ? norma_core_check_face_starts(mesh, NULL) : NORMA_OK;
     if (starts != NORMA_OK) return starts;
-    if (mesh->face_starts && all_are_triangles(mesh)) mesh->face_starts = NULL;
+    if (norma_core_face_starts(mesh) && all_are_triangles(mesh)) mesh->face_starts = NULL;
     const norma_result result = check_corners(call, mesh, ranges);
     if (result == NORMA_OK && mesh->positions.format == NORMA_FORMAT_DOUBLE)
         mesh->scale = norma_core_scale_for(norma_core_largest_coordinate(mesh));

@@ -89,17 +89,14 @@ static inline uint32_t norma_core_welded_corner(const core_mesh *mesh, size_t co
     return norma_core_welded(mesh, norma_core_corner(mesh, corner));
 }
 
-/* norma-mesh/normals has triangles only, and is made without what polygons need. */
-#if defined(NORMA_SMALL)
-#define CORE_FACE_STARTS(mesh) ((void)(mesh), (const uint32_t *)NULL)
-#else
-#define CORE_FACE_STARTS(mesh) ((mesh)->face_starts)
-#endif
+static inline const uint32_t *norma_core_face_starts(const core_mesh *mesh) {
+    return CORE_IS_SMALL ? NULL : mesh->face_starts;
+}
 static inline size_t norma_core_face_begin(const core_mesh *mesh, size_t face) {
-    return CORE_FACE_STARTS(mesh) ? CORE_FACE_STARTS(mesh)[face] : 3 * face;
+    return norma_core_face_starts(mesh) ? norma_core_face_starts(mesh)[face] : 3 * face;
 }
 static inline size_t norma_core_face_end(const core_mesh *mesh, size_t face) {
-    return CORE_FACE_STARTS(mesh) ? CORE_FACE_STARTS(mesh)[face + 1] : 3 * face + 3;
+    return norma_core_face_starts(mesh) ? norma_core_face_starts(mesh)[face + 1] : 3 * face + 3;
 }
 
 /* ---- from corner to corner within a face. Corners in a row at one (welded) position count as one:

@@ -251,9 +251,8 @@ static uint32_t look_at_every_site(const core_nearest *nearest, const double poi
 
 /* Equal positions ask for the same; those that are one by a distance need not be at one place. */
 static uint32_t place_to_ask(const core_nearest *nearest, uint32_t position) {
-    return nearest->call->options.weld == NORMA_WELD_DISTANCE
-               ? position
-               : norma_core_welded(nearest->mesh, position);
+    return norma_core_welds_near(nearest->call) ? position
+                                                : norma_core_welded(nearest->mesh, position);
 }
 
 static uint32_t look_up(const core_nearest *nearest, uint32_t position) {

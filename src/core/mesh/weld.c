@@ -491,8 +491,7 @@ norma_result norma_core_weld(core_call *call, core_mesh *mesh) {
     size_t found;
     const weld_keys keys = {mesh->positions.count, mesh, hash_positions, same_position};
     norma_result result = norma_core_weld_keys(call, &keys, weld, &found);
-    const int by_distance =
-        call->options.weld == NORMA_WELD_DISTANCE && call->options.weld_distance > 0;
+    const int by_distance = norma_core_welds_near(call) && call->options.weld_distance > 0;
     if (result == NORMA_OK && by_distance)
         result = core_weld_near(call, mesh, call->options.weld_distance * mesh->scale, weld);
     if (result == NORMA_OK && (found || by_distance))

@@ -440,7 +440,7 @@ static norma_result core_mikk_triangles(mikk_mesh *m) {
     uint32_t *starts = NULL;
     size_t most = 3;
     m->count = mesh->face_count;
-    if (mesh->face_starts) {
+    if (norma_core_face_starts(mesh)) {
         starts = norma_core_allocate(m->call, tasks, sizeof *starts);
         if (!starts) return NORMA_ERROR_MEMORY;
         m->count = count_mikk_triangles(mesh, starts, &most);
@@ -450,8 +450,8 @@ static norma_result core_mikk_triangles(mikk_mesh *m) {
         return NORMA_ERROR_OVERFLOW;
     }
     c.starts = starts;
-    m->has_quads = mesh->face_starts && most > 3;
-    norma_result result = allocate_triangles(m, mesh->face_starts != NULL);
+    m->has_quads = norma_core_face_starts(mesh) && most > 3;
+    norma_result result = allocate_triangles(m, norma_core_face_starts(mesh) != NULL);
     if (result == NORMA_OK)
         result = norma_core_parallel(m->call, tasks, m->records ? record_task : cut_task, &c);
     if (result == NORMA_OK && most > 4) result = cut_large_faces(&c, most);

@@ -27,7 +27,8 @@ norma_result norma_core_corner_tangents(const norma_mesh *mesh, const norma_attr
     if (result == NORMA_OK) norma_core_share(&call, checked.mesh.corner_count);
     if (result == NORMA_OK)
         result = norma_core_tangent_attributes(&checked,
-            maker == norma_core_steady_tangents ? NORMA_TANGENTS_STEADY : NORMA_TANGENTS_MIKK,
+            !CORE_IS_SMALL && maker == norma_core_steady_tangents ? NORMA_TANGENTS_STEADY
+                                                                  : NORMA_TANGENTS_MIKK,
             normals, texcoords);
     if (result == NORMA_OK)
         result = norma_core_tangent_output_open(
@@ -44,9 +45,10 @@ norma_result norma_core_corner_tangents(const norma_mesh *mesh, const norma_attr
 norma_result norma_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
     const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
     float *tangents, size_t capacity, norma_report *report) {
-    tangent_maker *maker = mode == NORMA_TANGENTS_MIKK     ? norma_core_mikk_tangents
-                           : mode == NORMA_TANGENTS_STEADY ? norma_core_steady_tangents
-                                                           : NULL;
+    tangent_maker *maker = mode == NORMA_TANGENTS_MIKK ? norma_core_mikk_tangents
+                           : !CORE_IS_SMALL && mode == NORMA_TANGENTS_STEADY
+                               ? norma_core_steady_tangents
+                               : NULL;
     return norma_core_corner_tangents(
         mesh, normals, texcoords, maker, options, tangents, capacity, report);
 }

@@ -49,7 +49,7 @@ static void write_vertex_normals(const void *context, size_t begin, size_t end, 
 
 static norma_result sum_vertices(
     core_prepared_mesh *prepared, core_range *ranges, core_vertices *vertices, core_tally *tally) {
-    return prepared->call->options.weight == NORMA_WEIGHT_VISIBLE
+    return norma_core_sees(prepared->call)
                ? norma_core_cone_vertices(prepared, vertices, tally)
                : norma_core_sum_vertices(prepared, ranges, vertices, tally);
 }
@@ -97,9 +97,8 @@ static norma_result open_and_compute(core_call *call, core_mesh *checked, core_r
     norma_core_stage(call, 0, 0.05);
     norma_result result = norma_core_mesh_ranges(call, checked, ranges);
     if (result == NORMA_OK)
-        result = norma_core_prepared_mesh_open(call, checked,
-            call->options.weight == NORMA_WEIGHT_VISIBLE ? CORE_FOR_STARS : CORE_FOR_SUMS, 0,
-            &prepared);
+        result = norma_core_prepared_mesh_open(
+            call, checked, norma_core_sees(call) ? CORE_FOR_STARS : CORE_FOR_SUMS, 0, &prepared);
     if (result != NORMA_OK) return result;
     result = norma_core_finish(call, compute_vertices(&prepared, ranges, output, report));
     norma_core_prepared_mesh_close(&prepared);

@@ -238,7 +238,7 @@ static void add_votes_of_bin(const core_prepared_mesh *prepared, const core_bins
         .weight = o->weight,
         .sums = sums,
         .scattered = scattered,
-        .by_distance = o->weld == NORMA_WELD_DISTANCE,
+        .by_distance = norma_core_welds_near(prepared->call),
         .add_face = core_add_face,
         .context = &face_adder};
     if (!chunks.begin) norma_core_clear_sums(sums, bin->count);
@@ -313,8 +313,7 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *r
     bin_work work = {
         .prepared = prepared, .output = output, .kernels = norma_core_kernels(call->level)};
     *written = 0;
-    if (mesh->weld || call->options.weight == NORMA_WEIGHT_VISIBLE ||
-        !core_plan_bins(call, mesh, ranges, &work.bins))
+    if (mesh->weld || norma_core_sees(call) || !core_plan_bins(call, mesh, ranges, &work.bins))
         return NORMA_OK;
     const size_t records = work.bins.buffers * work.bins.size;
     work.sums = norma_core_allocate(call, records, sizeof *work.sums);
@@ -443,7 +442,7 @@ static void add_all_own(core_vertices *vertices) {
     size_t faces[CORE_LANES], count = 0;
     for (size_t f = 0; f < mesh->face_count; f++) {
         if (!touches_own(vertices, f)) continue;
-        if (mesh->face_starts)
+        if (norma_core_face_starts(mesh))
             add_own(vertices, f);
         else
             faces[count++] = f;
