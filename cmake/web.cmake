@@ -40,8 +40,8 @@ endif()
 
 # Files of the core that run seldom, or once for a mesh that moves: they are made small as well.
 set(web_seldom "call_|topology_|mesh_(kdtree|nearest)|plan_(plan_(groups|blocks|build)|overflow|morph)")
-string(APPEND web_seldom "|tangent_(build|mikk_groups|steady|tangent_plan|tangent_vertices|tangents)|matrix_(matrix|encode|normal_matrix)|vertex_open_sum")
-string(APPEND web_seldom "|corner_(star_fans|star.c|fallback|index_corners|normal_cone|visit|prepared)|face_(face_exact|cut)|smooth_split")
+string(APPEND web_seldom "|tangent_(steady|tangent_plan|tangent_vertices)|matrix_(matrix|encode|normal_matrix)|vertex_open_sum")
+string(APPEND web_seldom "|corner_(star_fans|star.c|fallback|index_corners|normal_cone|prepared)|face_(face_exact|cut)|smooth_split")
 
 # Compressed glTF.
 set(web_has_meshopt OFF)
@@ -82,8 +82,6 @@ function(web_objects list)
       endif()
     elseif(name MATCHES "^src_core_(${web_seldom})")
       set(optimise -Os)
-    elseif(name MATCHES "^src_core_(corner_fans_simd|face_face_normals)")
-      set(optimise -O3)
     elseif(name MATCHES "^(src_core|web_package_wasm_(keep|merge)_)")
       set(optimise -O2)
     else()
