@@ -6,15 +6,14 @@
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"
 
-CORE_INLINE void load_edges(
-    const core_mesh *mesh, const uint32_t at[3 * CORE_LANES], core_batch *batch) {
+CORE_INLINE void load_edges(const core_mesh *mesh, const uint32_t (*at)[3], core_batch *batch) {
     double p[3][3];
     if (core_can_gather(mesh)) {
-        core_gather_edges(core_points_of(mesh, at, 3), batch);
+        core_gather_edges(core_points_of(mesh, *at, 3), batch);
         return;
     }
     for (int i = 0; i < CORE_LANES; i++) {
-        for (int k = 0; k < 3; k++) norma_core_position(mesh, at[3 * i + k], p[k]);
+        for (int k = 0; k < 3; k++) norma_core_position(mesh, at[i][k], p[k]);
         core_set_edges(batch, i, (const double(*)[3])p);
     }
 }
@@ -26,7 +25,7 @@ CORE_INLINE void measure_waiting(
     core_rows normals, weights;
     double(*rows)[8] = out->row;
     uint32_t(*welded)[8] = out->at;
-    load_edges(&s->mesh, list->at[first], &b);
+    load_edges(&s->mesh, (const uint32_t(*)[3])list->at + first, &b);
     norma_core_kernels(s->call->level)->measure(&b, s->call->options.weight);
     core_lanes_to_rows(b.normal[0], b.normal[1], b.normal[2], b.sure, &normals);
     core_lanes_to_rows(b.weight[0], b.weight[1], b.weight[2], b.sure, &weights);
@@ -234,79 +233,74 @@ static void ask_for_corners(const core_prepared_mesh *prepared, const listed_sta
 /* ---- weights of polygons' corners; triangles are measured as faces  */
 
 typedef struct polygon_lanes {
-    _Alignas(64) core_lane at[3], next_at[3], previous_at[3]; /* in: positions */
-    core_lane normal[3], area, is_triangle;                   /* in: of the face; twice the area */
-    core_lane sure, weight; /* in and out: 1 where doubles are enough, else 0; out */
+    core_batch edges; /* to the next corner and to the previous one: u and v */
+    core_lane is_triangle,
+        is_whole;           /* in: whole faces keep all their corners and have a direction */
+    core_lane sure, weight; /* out: 1 where doubles are enough, else 0 */
 } polygon_lanes;
 
 /* A polygon's corner: its direction and area are there. Weights are those of face_geometry.c. */
 CORE_INLINE void measure_polygon_corner(polygon_lanes *t, size_t i, norma_weight weight) {
+    const core_batch *e = &t->edges;
     const int by_angle = core_weighed(weight) == CORE_BY_ANGLE,
               is_triangle = t->is_triangle[i] != 0;
-    double a[3], b[3], cross[3];
-    for (int k = 0; k < 3; k++) {
-        a[k] = t->next_at[k][i] - t->at[k][i];
-        b[k] = t->previous_at[k][i] - t->at[k][i];
-    }
+    const double a[3] = {e->u[0][i], e->u[1][i], e->u[2][i]},
+                 b[3] = {e->v[0][i], e->v[1][i], e->v[2][i]};
+    double cross[3];
     norma_core_cross(a, b, cross);
     const double aa = norma_core_dot(a, a), bb = norma_core_dot(b, b),
                  square = norma_core_dot(cross, cross), own = sqrt(square),
-                 length = is_triangle ? t->area[i] : own,
-                 along = cross[0] * t->normal[0][i] + cross[1] * t->normal[1][i] +
-                         cross[2] * t->normal[2][i];
+                 length = is_triangle ? e->twice_area[i] : own,
+                 along = cross[0] * e->normal[0][i] + cross[1] * e->normal[1][i] +
+                         cross[2] * e->normal[2][i];
     const double turn = by_angle ? norma_core_weight_angle(length, norma_core_dot(a, b)) : 0,
                  angle = along < 0 && !is_triangle ? 2 * NORMA_PI - turn : turn;
     const int sure = core_weighed(weight) == CORE_BY_FACE || is_triangle ||
                      (norma_core_corner_is_sure(square, aa * bb) &
                          ((by_angle == 0) | norma_core_turn_is_sure(along, length)));
-    t->sure[i] = sure ? t->sure[i] : 0;
-    t->weight[i] = norma_core_weight_of(weight, aa, bb, angle, length, t->area[i]);
+    t->sure[i] = sure ? t->is_whole[i] : 0;
+    t->weight[i] = norma_core_weight_of(weight, aa, bb, angle, length, e->twice_area[i]);
 }
 
 CORE_INLINE void measure_lanes(polygon_lanes *t, norma_weight weight) {
     for (size_t i = 0; i < CORE_LANES; i++) measure_polygon_corner(t, i, weight);
 }
 
-CORE_INLINE void load_position(
-    const core_mesh *mesh, uint32_t index, core_lane to[3], size_t lane) {
-    double p[3];
-    if (mesh->positions.format == NORMA_FORMAT_DOUBLE) /* of polygons, nearly always: OBJ */
-        norma_core_double_position(mesh, index, p);
-    else
-        norma_core_position(mesh, index, p);
-    for (int k = 0; k < 3; k++) to[k][lane] = p[k];
-}
-
-/* Sure are polygons that keep all their corners and have a direction. */
-static void load_polygon(const core_prepared_mesh *s, const star_list *list, size_t corner,
-    polygon_lanes *t, size_t lane) {
-    const size_t f = list->face[corner],
-                 corners = norma_core_face_end(&s->mesh, f) - norma_core_face_begin(&s->mesh, f);
-    const core_face *face = &s->faces[f];
-    load_position(&s->mesh, norma_core_welded(&s->mesh, list->at[corner][0]), t->at, lane);
-    load_position(&s->mesh, list->at[corner][1], t->next_at, lane);
-    load_position(&s->mesh, list->at[corner][2], t->previous_at, lane);
-    for (int k = 0; k < 3; k++) t->normal[k][lane] = face->normal[k];
-    t->area[lane] = face->twice_area;
-    t->is_triangle[lane] = corners == 3 ? 1 : 0;
-    t->sure[lane] = (face->flags & CORE_FACE_DIRECTED) && face->kept == corners ? 1 : 0;
+/* What is known of the faces of eight corners. */
+CORE_INLINE void load_faces(const core_prepared_mesh *s, const uint32_t *faces, polygon_lanes *t) {
+    core_rows rows;
+    core_batch *e = &t->edges;
+    for (size_t i = 0; i < CORE_LANES; i++) {
+        const size_t f = faces[i], corners = norma_core_face_end(&s->mesh, f) -
+                                             norma_core_face_begin(&s->mesh, f);
+        const core_face *face = &s->faces[f];
+        memcpy(rows.row[i], face->normal, sizeof face->normal);
+        rows.row[i][3] = face->twice_area;
+        t->is_triangle[i] = corners == 3 ? 1 : 0;
+        t->is_whole[i] = (face->flags & CORE_FACE_DIRECTED) && face->kept == corners ? 1 : 0;
+    }
+    core_rows_to_lanes(
+        (const double(*)[4])rows.row, e->normal[0], e->normal[1], e->normal[2], e->twice_area);
 }
 
 /* Each corner's face has a place of its own, its corner there the first. */
-CORE_INLINE void weigh_polygons(
-    const core_prepared_mesh *s, const star_list *list, kept_faces *out) {
+CORE_INLINE void weigh_polygons(const core_prepared_mesh *s, star_list *list, kept_faces *out) {
+    const size_t count = list->corner_count;
     polygon_lanes t;
-    for (size_t from = 0; from < list->corner_count; from += CORE_LANES) {
-        const size_t left = list->corner_count - from,
-                     count = left < CORE_LANES ? left : CORE_LANES;
-        for (size_t i = 0; i < CORE_LANES; i++)
-            load_polygon(s, list, from + (i < count ? i : 0), &t, i);
+    for (size_t i = count; i % CORE_LANES; i++) {
+        memcpy(list->at[i], list->at[0], sizeof list->at[i]);
+        list->face[i] = list->face[0];
+    }
+    for (size_t from = 0; from < count; from += CORE_LANES) {
+        core_rows rows;
+        load_edges(&s->mesh, (const uint32_t(*)[3])list->at + from, &t.edges);
+        load_faces(s, list->face + from, &t);
         CORE_LOOP_FOR_WEIGHT(s->call->options.weight, measure_lanes, &t)
-        for (size_t i = 0; i < count; i++) {
+        core_lanes_to_rows(t.edges.normal[0], t.edges.normal[1], t.edges.normal[2], t.sure, &rows);
+        for (size_t i = 0; i < CORE_LANES && from + i < count; i++) {
             const uint32_t place = place_behind(out, from + i);
-            const double row[5] = {
-                t.normal[0][i], t.normal[1][i], t.normal[2][i], t.sure[i], t.weight[i]};
-            memcpy(out->row[place], row, sizeof row);
+            memcpy(out->row[place], rows.row[i], sizeof rows.row[i]);
+            out->row[place][4] = t.weight[i];
             for (int k = 1; k < 3; k++)
                 out->at[place][k] = norma_core_welded(&s->mesh, list->at[from + i][k]);
         }
