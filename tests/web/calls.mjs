@@ -27,10 +27,11 @@ const server = createServer((request, response) => (request.url === "/norma.wasm
 await new Promise((ready) => server.once("listening", ready));
 const address = `http://127.0.0.1:${server.address().port}`;
 await attempt("load takes an address", async () => { if (!(await load(`${address}/norma.wasm`)).version) throw new Error("no version"); });
-await attempt("an address where nothing is is an Error", async () => {
-  const outcome = await load(`${address}/nothing`).then(() => "loaded", (error) => error.message);
-  if (!/404/.test(outcome)) throw new Error(outcome);
-});
+for (const [where, why] of [[`${address}/nothing`, /404/], [`${folder}/nothing.wasm`, /ENOENT/]])
+  await attempt(`where nothing is, a NormaError says so and what bundles need: ${why}`, async () => {
+    const error = await load(where).then(() => Error("loaded"), (error) => error);
+    if (error.name !== "NormaError" || !why.test(error.message) || !error.message.startsWith(`load: ${where} `) || !error.message.includes("norma-mesh/inline")) throw error;
+  });
 server.close();
 
 /* ---- closed forms */

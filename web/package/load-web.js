@@ -1,10 +1,9 @@
 /* load for browsers and whatever else has fetch: the modules lie beside this file. Bundlers know this way to name a file and copy it. */
-import { fail } from "./arguments.js";
 import { makeLoad } from "./load.js";
 
 export async function read(address) {
   const response = await fetch(address);
-  if (!response.ok) fail(`load: ${address}: ${response.status} ${response.statusText}`.trim());
+  if (!response.ok) throw new Error(`${response.status} ${response.statusText}`.trim());
   return response.arrayBuffer();
 }
 

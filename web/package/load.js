@@ -14,15 +14,24 @@ const isModule = (source) => Object.prototype.toString.call(source) === "[object
 export const isBytes = (source) => ArrayBuffer.isView(source) || Object.prototype.toString.call(source) === "[object ArrayBuffer]";
 const isAddress = (source) => typeof source === "string" || source instanceof URL;
 
+const OTHERWISE = "A bundler that does not copy the package's .wasm files needs `norma-mesh/inline`, or load(address)";
 const MAGIC = [0x00, 0x61, 0x73, 0x6d];
+
+async function readModule(address, read, what) {
+  try {
+    return await read(address);
+  } catch (error) {
+    return fail(`${what}: ${address} cannot be read (${error.message}). ${OTHERWISE}`);
+  }
+}
 
 async function compile(source, read, what) {
   if (isModule(source)) return source;
   if (!isBytes(source) && !isAddress(source)) fail(`${what}: ${spell(source)} is neither an address, nor bytes, nor a WebAssembly.Module`);
-  const bytes = isBytes(source) ? source : await read(source);
+  const bytes = isBytes(source) ? source : await readModule(source, read, what);
   const head = new Uint8Array(bytes.buffer ?? bytes, bytes.byteOffset ?? 0, Math.min(4, bytes.byteLength));
   if (!MAGIC.every((byte, i) => head[i] === byte)) {
-    fail(`${what}: ${isBytes(source) ? "these bytes are" : `${source} is`} not a WebAssembly module. A bundler that does not copy the package's .wasm files needs \`norma-mesh/inline\`, or load(address)`);
+    fail(`${what}: ${isBytes(source) ? "these bytes are" : `${source} is`} not a WebAssembly module. ${OTHERWISE}`);
   }
   return WebAssembly.compile(bytes);
 }
