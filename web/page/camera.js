@@ -94,7 +94,7 @@ export function steer(canvas, camera, { changed, hover, taken }) {
   const twoFingers = () => [...pointers.values()].slice(0, 2);
   const spread = () => { const [a, b] = twoFingers(); return Math.max(1, Math.hypot(a.x - b.x, a.y - b.y)); };
   const between = () => {
-    const [a, b] = twoFingers(), { left, top, width, height } = canvas.getBoundingClientRect();
+    const [a, b] = twoFingers(), { left, top, width, height } = canvas.parentElement.getBoundingClientRect();
     return [((a.x + b.x) / 2 - left - width / 2) / (height || 1), (top + height / 2 - (a.y + b.y) / 2) / (height || 1)];
   };
 

@@ -48,8 +48,7 @@ async function uploadTint(changes) {
   for (const [shown, name] of [[page.before, "before"], [page.scene, "after"]])
     for (const [i, one] of (changes ?? []).entries()) {
       if (mine !== page.opening) return;
-      shown.surfaces[i].tint ??= page.graphics.reserve(one.marks[name].byteLength);
-      await page.graphics.fillSlowly(shown.surfaces[i].tint, one.marks[name]);
+      await page.graphics.fillMarks(shown.surfaces[i], "tint", one.marks[name]);
     }
   dirty.draw = true;
 }

@@ -10,7 +10,7 @@ import { fitOf, itemsOf, turning } from "./scene.js";
 import { PIN_COLOURS, REACH, UNMARKED, camera, canvas, dirty, isDark, page, userMatrix } from "./state.js";
 
 const COLOURS = { light: { wrong: [0.75, 0.03, 0.02, 1], right: [0.02, 0.45, 0.12, 1], before: [0.2, 0.2, 0.2, 1] }, dark: { wrong: [1, 0.25, 0.18, 1], right: [0.2, 0.85, 0.45, 1], before: [0.8, 0.8, 0.8, 1] } };
-const MOST_LINES = 60000, ANGLE_TOPS = [1, 2, 5, 10, 15, 30, 45, 60, 90, 180];
+const COARSE = 0.5, MOST_LINES = 60000, ANGLE_TOPS = [1, 2, 5, 10, 15, 30, 45, 60, 90, 180];
 
 function movingItems(side) {
   const surface = page.scene.surfaces[0];
@@ -70,8 +70,11 @@ function drawPanel({ side, box, from, to }, pixels, draw) {
   page.graphics.within(part, () => draw(side, { worldToView: camera.worldToView(), viewToClip: camera.viewToClip(REACH + Math.abs(page.moving ? 0 : numberOf("move"))) }), cut);
 }
 
-export function draw() {
-  const pixels = canvas.width / (canvas.clientWidth || 1), user = userMatrix(), compared = comparison();
+/* coarse: with half of the pixels each way, in the canvas' lower left quarter, which is then shown twice as large: another size of the canvas would have to wait for the card. */
+export function draw(coarse = false) {
+  page.coarse = coarse;
+  canvas.classList.toggle("coarse", coarse);
+  const pixels = (canvas.width / (canvas.clientWidth || 1)) * (coarse ? COARSE : 1), user = userMatrix(), compared = comparison();
   const info = page.norma.matrixInfo(user), colours = isDark() ? COLOURS.dark : COLOURS.light;
   page.panels = panelsOf(panelKind(compared), canvas.clientWidth, canvas.clientHeight, numberOf("split") / 100);
   page.look.angleTop = ANGLE_TOPS.find((top) => top >= info.worstErrorDeg - 0.005) ?? 180;
@@ -86,7 +89,7 @@ export function draw() {
     if (!page.moving) drawChosen(view, pixels);
     if (page.found && !page.chosen && compared && !isOfTwo(compared) && !angle && !page.intro.isShown()) drawFound(view, pixels, colours);
   });
-  const inCorner = Boolean(page.chosen && (page.look.place || page.look.outline) && value("colours") === "findings");
+  const inCorner = Boolean(!coarse && page.chosen && (page.look.place || page.look.outline) && value("colours") === "findings");
   byId("whole").hidden = !inCorner;
   if (inCorner) drawCorner(pixels, (view) => page.graphics.drawSurfaces(sideItems("right", user, null), view, { ...UNMARKED, outline: page.look.outline, outlineColour: page.chosen && PIN_COLOURS[page.chosen.grade], outlineWidth: 2 * pixels, materials: isChecked("textures"), normalMaps: false, colours: "lit", shading: "phong" }));
   placeStage();

@@ -1,6 +1,6 @@
 /* WebGL 2: what three.js draws (lit.js) and, over it, lines, marks, and values as colours. Programs are made of the texts of norma.glsl and src/render/shaders, the same as natively, and of web/page/shaders; light is computed in view space, so that it stays with the camera. */
 import { makeLit } from "./lit.js";
-import { multiply3, upper } from "./matrix.js";
+import { meetsPicture, multiply, multiply3, upper } from "./matrix.js";
 
 const SURFACES = { gouraud: "SHADING_GOURAUD", phong: "SHADING_PHONG", normals: "SHOW_NORMALS", winding: "SHOW_WINDING", error: "SHOW_ERROR", deviation: "SHOW_ERROR", distance: "SHOW_ERROR", matcap: "SHOW_MATCAP", zebra: "SHOW_ZEBRA", tangents: "SHOW_TANGENTS" };
 const POSITION = 0, NORMAL = 1, COLOUR = 2, VALUE = 3, TANGENT = 5;
@@ -11,6 +11,8 @@ const MOST_STRIDE = 63;
 const MOST_WIDE = 50000;
 /* Bytes that are handed over at once. */
 const SLICE = 1 << 19;
+/* More places than these that are marked are drawn with all that lies between. */
+const MOST_RUNS = 200;
 /* Phong's model: ambient, diffuse, specular, exponent. */
 const PHONG = [0.06, 0.94, 0.16, 26];
 /* Of the lesson's patches; their lights; half of what a picture of one spans, in metres. */
@@ -103,6 +105,20 @@ export function makeGraphics(canvas, texts) {
     gl.bufferData(gl.ARRAY_BUFFER, size, gl.DYNAMIC_DRAW);
     return buffer;
   };
+  /* Into a surface's buffer of that name, four bytes a corner; and where those lie that are marked, if that is in few places: of a large surface a few triangles are drawn then. */
+  const runsOf = new WeakMap();
+  const fillMarks = async (surface, name, list) => {
+    const colours = new Uint32Array(list.buffer, list.byteOffset, list.length / 4), runs = [];
+    for (let i = 0; i < colours.length && runs.length <= MOST_RUNS; i += 3) {
+      if (!(colours[i] | colours[i + 1] | colours[i + 2])) continue;
+      const last = runs.at(-1);
+      if (last && last[0] + last[1] === i) last[1] += 3;
+      else runs.push([i, 3]);
+    }
+    const buffer = (surface[name] ??= reserve(list.byteLength));
+    await fillSlowly(buffer, list);
+    runsOf.set(buffer, runs.length > MOST_RUNS ? null : runs);
+  };
   /* When all is done that the card was told so far. */
   const drained = () => {
     const sync = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -140,7 +156,7 @@ export function makeGraphics(canvas, texts) {
     surface.colour = (buffer) => {
       if (buffer) { attribute(COLOUR, buffer, 4, 0, 0, 0, gl.UNSIGNED_BYTE); return; }
       gl.disableVertexAttribArray(COLOUR);
-      gl.vertexAttrib4f(COLOUR, 1, 1, 1, 1);
+      gl.vertexAttrib4f(COLOUR, 1, 1, 1, buffer === null ? 1 : 0);
     };
     surface.free = () => {
       for (const name of ["positions", "normals", "reach", "values", "marks", "trial", "tint", "colours", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
@@ -170,11 +186,13 @@ export function makeGraphics(canvas, texts) {
     gl.uniform3fv(place("light_colour"), LIGHTS.flatMap(({ strength }) => [strength, strength, strength]));
   };
 
-  const drawTriangles = (item, colours) => {
+  /* runs: which corners, [first, count], where it is not all of them. */
+  const drawTriangles = (item, colours, runs = null) => {
     gl.frontFace(item.mirrored ? gl.CW : gl.CCW);
     item.surface.use(item.normals);
     item.surface.colour(colours);
-    if (item.surface.indices) gl.drawElements(gl.TRIANGLES, item.surface.count, gl.UNSIGNED_INT, 0);
+    if (runs) for (const run of runs) gl.drawArrays(gl.TRIANGLES, ...run);
+    else if (item.surface.indices) gl.drawElements(gl.TRIANGLES, item.surface.count, gl.UNSIGNED_INT, 0);
     else gl.drawArrays(gl.TRIANGLES, 0, item.surface.count);
   };
 
@@ -197,8 +215,15 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.CULL_FACE);
   };
 
+  /* Those that may be in the picture: what a close view leaves out costs nothing. The surface that moves fills no ball. */
+  const inPicture = (items, { viewToClip, worldToView }) => {
+    const toClip = multiply(viewToClip, worldToView);
+    return items.filter(({ surface, localToWorld }) => surface.indices || meetsPicture(multiply(toClip, localToWorld)));
+  };
+
   /* All of them: in light by three.js, values as colours here. */
-  const drawSurfaces = (items, camera, look) => {
+  const drawSurfaces = (all, camera, look) => {
+    const items = inPicture(all, camera);
     if (look.posed || look.colours === "findings" || (look.colours === "lit" && look.shading !== "gouraud")) lit.draw(items, camera, look, box, seen);
     else for (const item of items) drawSurface(item, camera, look);
     if (look.colours === "findings" && !look.unpainted) drawMarks(items, camera, look.through);
@@ -250,12 +275,12 @@ export function makeGraphics(canvas, texts) {
     drawTriangles(item, null);
   };
 
-  /* marks: a buffer; null: all of it. */
+  /* marks: a buffer; null: all of it; undefined: nothing of it. */
   const drawMarked = (item, camera, marks, ...defines) => {
     const place = programOf("marked", ...defines);
     setCamera(place, camera);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
-    drawTriangles(item, marks);
+    drawTriangles(item, marks, defines.includes("MARKED_ONLY") ? runsOf.get(marks) : null);
   };
 
   const startLines = (place, camera, width, head, lift = 0.002) => {
@@ -394,7 +419,7 @@ export function makeGraphics(canvas, texts) {
     const height = Math.max(16, Math.round(TILE / aspect)), width = TILE * Math.min(ACROSS, cameras.length), all = height * Math.ceil(cameras.length / ACROSS), counts = cameras.map(() => 0);
     const read = await pictureOf("count", width, all, [0, 0, 0, 0], () => cameras.forEach((camera, i) => {
       gl.viewport(TILE * (i % ACROSS), height * Math.floor(i / ACROSS), TILE, height);
-      for (const item of items) if (item.surface[marks]) drawMarked(item, camera, item.surface[marks], "COUNT", ...(through ? ["MARKED_ONLY"] : []));
+      for (const item of inPicture(items, camera)) if (item.surface[marks] || (marks === "marks" && !through)) drawMarked(item, camera, item.surface[marks] ?? undefined, "COUNT", ...(through ? ["MARKED_ONLY"] : []));
     }));
     for (let y = 0; y < all; y++)
       for (let x = 0; x < width; x++) if (read[4 * (y * width + x)] > 127) counts[ACROSS * Math.floor(y / height) + Math.floor(x / TILE)]++;
@@ -402,7 +427,7 @@ export function makeGraphics(canvas, texts) {
   };
   /* A small picture in clay, of what a surface's trial marks. */
   const drawSmall = (items, camera, width, height, colour, look, more) => pictureOf("small", width, height, colour, () => within({ x: 0, y: 0, width, height }, () => {
-    for (const item of items) drawSurface(item, camera, { colours: "lit", shading: "phong", errorTop: 1 });
+    for (const item of inPicture(items, camera)) drawSurface(item, camera, { colours: "lit", shading: "phong", errorTop: 1 });
     drawMarks(items, camera, look.through, "trial");
     if (look.outline) drawOutline(items.filter(look.outline), camera, look.outlineColour, look.outlineWidth);
     more();
@@ -456,5 +481,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, fillSlowly, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, drawSmall, drawPatches, clear, paint, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, fillMarks, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, drawSmall, drawPatches, clear, paint, within };
 }

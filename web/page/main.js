@@ -26,10 +26,12 @@ import { startRemote } from "./remote.js";
 import { CREDIT, unpackSculpture } from "./sculpture.js";
 import { filesServed, servedPath } from "./served.js";
 import { SHAPES } from "./shapes.js";
-import { DEFAULT_CURSOR, camera, canvas, dirty, isCalm, page, stage } from "./state.js";
+import { DEFAULT_CURSOR, camera, canvas, dirty, hurry, isCalm, isSlow, page, stage } from "./state.js";
 import { makeThumbs } from "./thumbs.js";
 
 const timer = { last: 0, frames: 0 };
+/* Milliseconds without movement, after which a picture is drawn with all of its pixels. */
+const STILL = 150;
 
 /* ---- the loop */
 
@@ -47,7 +49,7 @@ function moveOn(now) {
 
 /* Whether something is still to come, for those who wait. */
 function showBusy() {
-  const busy = page.calls > 0 || page.computing || page.picking || page.measuring || page.loading > 0 || page.seeking > 0 || dirty.compute || (!page.animation.isPlaying() && (page.drawing || dirty.draw)) ? "1" : "";
+  const busy = page.calls > 0 || page.computing || page.picking || page.measuring || page.loading > 0 || page.seeking > 0 || dirty.compute || (!page.animation.isPlaying() && (page.drawing || dirty.draw || page.coarse)) ? "1" : "";
   if (document.body.dataset.busy !== busy) document.body.dataset.busy = busy;
 }
 
@@ -55,16 +57,19 @@ function frame(now) {
   requestAnimationFrame(frame);
   if (page.graphics.gl.isContextLost() || !page.scene) { showBusy(); return; }
   try {
-    resize();
+    if (!page.drawing && !page.aiming) resize();      /* an empty canvas is drawn at once */
     page.intro.tick(now);
     page.animation.tick(now);
     if (page.moving) { moveOn(now); dirty.compute = false; }
     else if (dirty.compute && !page.computing) compute();
-    if (dirty.draw && (page.moving || page.computed) && !page.drawing) {
+    const coarse = isSlow() && performance.now() - page.hurried < STILL;
+    if (page.coarse && !coarse) dirty.draw = true;
+    if (dirty.draw && (page.moving || page.computed) && !page.drawing && !page.aiming) {
       dirty.draw = false;
-      draw();
       page.drawing = true;
-      page.graphics.drained().catch(() => undefined).then(() => { page.drawing = false; });
+      const begin = performance.now();
+      draw(coarse);
+      page.graphics.drained().catch(() => undefined).then(() => { page.drawing = false; if (!coarse) page.cost = performance.now() - begin; });
       document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
     }
   } catch (error) {
@@ -89,13 +94,13 @@ function brushAt(event) {
 }
 
 function placeCursor(event) {
-  const box = canvas.getBoundingClientRect();
+  const box = stage.getBoundingClientRect();
   page.cursor = { x: (event.clientX - box.left) / box.width, y: (event.clientY - box.top) / box.height };
 }
 
 function wireCanvas() {
   steer(canvas, camera, {
-    changed: () => { page.flights++; page.intro.pause(); dirty.draw = true; },
+    changed: () => { page.flights++; page.intro.pause(); hurry(); },
     hover: (event) => { if (event) placeCursor(event); else page.cursor = DEFAULT_CURSOR; dirty.draw = true; },
     taken: (event, phase) => (phase === "up" ? true : brushAt(event)),
   });
@@ -290,7 +295,7 @@ export async function startPage(texts) {
   page.graphics = makeGraphics(canvas, texts);
   if (!page.graphics) { fallBack(""); return; }
   await startEngines();
-  page.thumbs = makeThumbs(page.graphics, page.remote, seenSmall, () => !(page.computing || page.picking || page.measuring || page.loading || page.seeking || dirty.compute || page.intro.isPlaying()) && (page.animation.isPlaying() || !(page.drawing || dirty.draw)) && page.computed > 0);
+  page.thumbs = makeThumbs(page.graphics, page.remote, seenSmall, () => !(page.computing || page.picking || page.measuring || page.loading || page.seeking || page.coarse || dirty.compute || page.intro.isPlaying()) && (page.animation.isPlaying() || !(page.drawing || dirty.draw)) && page.computed > 0);
   byId("version").textContent = page.norma.version;
   page.sculpture = unpackSculpture(bytesOf(textOf("sculpture")));
   paintLegend(texts);

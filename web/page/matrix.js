@@ -35,6 +35,12 @@ export const length = (v) => Math.hypot(v[0], v[1], v[2]);
 export const unit = (v) => { const l = length(v); return l > 0 ? v.map((x) => x / l) : v; };
 export const degreesBetween = (a, b) => (Math.atan2(length(cross(a, b)), dot(a, b)) * 180) / Math.PI;
 
+/* Whether a part of the ball round the origin may be in the picture. m: from where it lies to the picture's clip space. */
+export const meetsPicture = (m) => [0, 1, 2].every((row) => [1, -1].every((sign) => {
+  const plane = [3, 7, 11, 15].map((w) => m[w] + sign * m[w - 3 + row]);
+  return !(plane[3] < -length(plane));
+}));
+
 /* The inverse of an affine matrix; null where it has none. */
 export function invert(m) {
   const [a, b, c] = [m.slice(0, 3), m.slice(4, 7), m.slice(8, 11)];

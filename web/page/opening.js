@@ -11,7 +11,7 @@ import { count, counted, notice, showModelFacts } from "./readouts.js";
 import { isShown, wantsTangents } from "./recompute.js";
 import { makeScene } from "./scene.js";
 import { SHAPES } from "./shapes.js";
-import { DEFAULT_CURSOR, UNMARKED, camera, canvas, dirty, page } from "./state.js";
+import { DEFAULT_CURSOR, UNMARKED, camera, canvas, dirty, hurry, page } from "./state.js";
 
 export const option = (select, kind) => byId(select).querySelector(`[value="${kind}"]`);
 
@@ -56,7 +56,8 @@ export function showModel(model, { changed = false, files = model.files } = {}) 
   loadMaterials(page.scene, files);
   if (!changed && files) page.animation.open(files.files, files.path);
   showSections();
-  dirty.compute = dirty.draw = true;
+  dirty.compute = true;
+  hurry();
 }
 
 /* Into a buffer of its own, slowly. */

@@ -9,7 +9,7 @@ import { notice } from "./readouts.js";
 import { uploadMarks } from "./recompute.js";
 import { fitOf, itemsOf, largestColumn, meanColumn } from "./scene.js";
 import { posesOf, seek } from "./seek.js";
-import { PIN_COLOURS, REACH, UNMARKED, camera, canvas, dirty, isCalm, isDark, page, userMatrix } from "./state.js";
+import { PIN_COLOURS, REACH, UNMARKED, camera, canvas, dirty, hurry, isCalm, isDark, isSlow, page, userMatrix } from "./state.js";
 import { viewOf } from "./thumbs.js";
 
 /* Milliseconds. */
@@ -52,6 +52,7 @@ export async function seenSmall(finding) {
 export async function chooseFinding(finding, which = 0) {
   const mine = ++page.seeking, shown = page.scene;
   page.chosen = finding;
+  page.aiming = finding !== null;      /* what is drawn before it is known where would only be waited for */
   if (finding) page.animation.stop();
   byId("colours").value = finding ? "findings" : "lit";
   byId("finding-seen").textContent = "";
@@ -59,8 +60,7 @@ export async function chooseFinding(finding, which = 0) {
   page.look = { ...UNMARKED, errorTop: page.look.errorTop, angleTop: page.look.angleTop };
   try {
     if (finding) showPart(shown, finding.mesh);
-    await uploadMarks(shown, finding?.index);
-    const place = finding && placeIn(finding, await page.remote.place(shown.model.number, finding.index, which));
+    const [found] = finding ? await Promise.all([page.remote.place(shown.model.number, finding.index, which), uploadMarks(shown, finding)]) : [], place = finding && placeIn(finding, found);
     if (mine !== page.seeking || shown !== page.scene) return;
     if (!finding) return;
     const items = itemsOf(page.norma, shown, userMatrix(), "right");
@@ -83,19 +83,20 @@ export async function chooseFinding(finding, which = 0) {
   } catch (error) {
     notice(error.message);
   } finally {
-    if (mine === page.seeking) { page.seeking = 0; placeStage(); }
+    if (mine === page.seeking) { page.seeking = 0; page.aiming = false; placeStage(); }
     dirty.draw = true;
   }
 }
 
-/* The camera goes from the whole to a place; whoever moves it stops it. */
+/* The camera goes from the whole to a place, at once where pictures are slow; whoever moves it stops it. */
 export async function fly(to) {
+  page.aiming = false;
   const mine = ++page.flights, whole = { ...camera.home }, mix = (a, b, part) => a + (b - a) * part;
   whole.azimuth = to.azimuth + Math.max(-40, Math.min(40, ((camera.azimuth - to.azimuth + 540) % 360) - 180));
   for (const begin = performance.now(); mine === page.flights; await new Promise(requestAnimationFrame)) {
-    const time = isCalm() ? 1 : Math.min(1, (performance.now() - begin) / FLIGHT), part = time * time * (3 - 2 * time);
+    const time = isCalm() || isSlow() ? 1 : Math.min(1, (performance.now() - begin) / FLIGHT), part = time * time * (3 - 2 * time);
     camera.reset({ azimuth: mix(whole.azimuth, to.azimuth, part), elevation: mix(whole.elevation, to.elevation, part), distance: Math.exp(mix(Math.log(whole.distance), Math.log(to.distance), part)), centre: whole.centre.map((x, i) => mix(x, to.centre[i], 1 - (1 - part) ** 2)) });
-    dirty.draw = true;
+    hurry();
     if (time === 1) return;
   }
 }
@@ -165,7 +166,7 @@ export function drawChosen(view, pixels) {
   if (value("colours") !== "findings" || !page.chosen || !page.look.place) return;
   const { place, pins } = page.look, reach = 0.09 * camera.distance, { right, up } = camera.axes(), ink = isDark() ? [1, 1, 1, 1] : [0, 0, 0, 1];
   if (pins) {
-    const size = Math.max(9 * pixels, Math.min(80 * pixels, 2 * Math.sqrt((0.006 * canvas.width * canvas.height) / Math.PI / apart(pins, view))));
+    const size = Math.max(9 * pixels, Math.min(80 * pixels, 2 * Math.sqrt((0.006 * pixels * pixels * canvas.clientWidth * canvas.clientHeight) / Math.PI / apart(pins, view))));
     page.graphics.drawPins(pins.flat(), view, ink, size + 3 * pixels);
     page.graphics.drawPins(pins.flat(), view, PIN_COLOURS[page.chosen.grade], size);
     return;

@@ -25,11 +25,14 @@ async function uploadTangents(shown) {
   }
 }
 
-export async function uploadMarks(shown, index) {
-  const marks = await page.remote.marks(shown.model.number, index);
-  for (const [i, surface] of shown.surfaces.entries()) {
-    surface.marks ??= page.graphics.reserve(marks[i].byteLength);
-    await page.graphics.fillSlowly(surface.marks, marks[i]);
+/* What all findings name, or one of a mesh: the others have no marks then. */
+export async function uploadMarks(shown, finding) {
+  const { model, surfaces } = shown, lists = finding ? new Map([[finding.mesh, surfaces[finding.mesh] && (await page.remote.markOf(model.number, finding.mesh, finding.index))]]) : new Map((await page.remote.marks(model.number)).entries());
+  if (!isShown(shown)) return;
+  for (const [i, surface] of surfaces.entries()) {
+    const list = lists.get(i);
+    if (!list) { if (surface.marks) page.graphics.gl.deleteBuffer(surface.marks); surface.marks = null; continue; }
+    await page.graphics.fillMarks(surface, "marks", list);
   }
 }
 
@@ -46,7 +49,7 @@ export async function compute() {
       if (errors ?? differences) uploadErrors(one, errors ?? { worst: one.compared.worstOf[value("colours")], values: differences });
       if (wantsTangents(one)) await uploadTangents(one);
     }
-    if (page.scene === shown[0] && value("colours") === "findings") for (const one of shown) await uploadMarks(one, one === page.scene ? page.chosen?.index : undefined);
+    if (page.scene === shown[0] && value("colours") === "findings") for (const one of shown) await uploadMarks(one, one === page.scene ? page.chosen : null);
   } catch (error) {
     if (shown[0] === page.scene) notice(error.message);
   }

@@ -7,6 +7,8 @@ const FIRST = 0.01, ENOUGH = 0.008, LEAST = 0.005;
 /* Distances of the camera; UNKNOWN: to what has a place, but no size. */
 const NEAREST = 0.003, WHOLE = 3.4, UNKNOWN = 0.8;
 const MOST_TRIED = 16;
+/* Pictures that are looked at together: those after one that is liked are not drawn. */
+const AT_ONCE = 4;
 
 const angles = (back) => ({ azimuth: (Math.atan2(back[0], back[2]) * 180) / Math.PI, elevation: (Math.asin(Math.max(-1, Math.min(1, back[1]))) * 180) / Math.PI });
 
@@ -31,9 +33,15 @@ export async function seek(poses, count) {
   const best = (list) => list.reduce((most, seen, i) => (seen > list[most] ? i : most), 0);
   const [first] = await count(poses.slice(0, 1), false);
   if (first >= FIRST) return { pose: poses[0], faint: false, pinned: false, seen: first };
-  const seen = await count(poses, false), liked = seen.findIndex((part) => part >= ENOUGH), chosen = liked >= 0 ? liked : best(seen);
+  /* More than is seen of it as if the rest were not there is not seen beside the rest. */
+  const through = await count(poses, true), clearest = best(through), hopeful = poses.flatMap((_, i) => (i && through[i] >= LEAST ? [i] : [])), seen = poses.map(() => 0);
+  seen[0] = first;
+  for (let from = 0; from < hopeful.length && seen.every((part) => part < ENOUGH); from += AT_ONCE) {
+    const some = hopeful.slice(from, from + AT_ONCE);
+    (await count(some.map((i) => poses[i]), false)).forEach((part, k) => { seen[some[k]] = part; });
+  }
+  const liked = seen.findIndex((part) => part >= ENOUGH), chosen = liked >= 0 ? liked : best(seen);
   if (seen[chosen] >= LEAST) return { pose: poses[chosen], faint: false, pinned: false, seen: seen[chosen] };
-  const through = await count(poses, true), clearest = best(through);
   if (through[clearest] >= LEAST) return { pose: poses[clearest], faint: true, pinned: false, seen: through[clearest] };
   return { pose: poses[0], faint: true, pinned: true, seen: through[0] };
 }
