@@ -8,6 +8,9 @@ import { fileURLToPath, pathToFileURL } from "node:url";
 import { deflateSync } from "node:zlib";
 import { seamsOf } from "../../web/page/seams.js";
 import { changesOf } from "../../web/page/changes.js";
+import { makeCamera } from "../../web/page/camera.js";
+import { meetsPicture, multiply, scaling, translation } from "../../web/page/matrix.js";
+import { seek } from "../../web/page/seek.js";
 import { startModels } from "../../web/page/models.js";
 import { findChrome, launch } from "./chrome.mjs";
 import { findFirefox, launchFirefox } from "./firefox.mjs";
@@ -598,6 +601,67 @@ async function expectFindings(on, name) {
   await on.pick("colours", "lit");
   expect((await pressed(on)) === "" && countPixels(await on.picture(), STAGE, isRed) < 20, "its colours stay");
 }
+
+await attempt("a finding's place is looked for among its own triangles first, and beside the rest only from where those are seen", async () => {
+  const poses = Array.from({ length: 16 }, (_, i) => i), sought = async (alone, beside) => {
+    const asked = [], best = await seek(poses, async (some, through) => { asked.push([some.length, through]); return some.map((i) => (through ? alone : beside)[i] ?? 0); });
+    return JSON.stringify([best.pose, best.faint, best.pinned, asked]);
+  };
+  for (const [name, alone, beside, expected] of [["at once", {}, { 0: 0.02 }, [0, false, false, [[1, false]]]], ["too thin", { 4: 0.001 }, {}, [0, true, true, [[1, false], [16, true]]]],
+    ["another direction", { 3: 0.006, 9: 0.02 }, { 3: 0.002, 9: 0.01 }, [9, false, false, [[1, false], [16, true], [2, false]]]], ["little, but seen", { 3: 0.006 }, { 3: 0.006 }, [3, false, false, [[1, false], [16, true], [1, false]]]],
+    ["hidden", { 5: 0.03, 7: 0.02 }, {}, [5, true, false, [[1, false], [16, true], [2, false]]]], ["not looked for further", Object.fromEntries(poses.map((i) => [i, 0.01])), { 2: 0.01 }, [2, false, false, [[1, false], [16, true], [4, false]]]]]) {
+    const found = await sought(alone, beside);
+    expect(found === JSON.stringify(expected), `${name}: ${found}`);
+  }
+});
+
+await attempt("what lies beside the picture is left out, what reaches into it is not", async () => {
+  const camera = Object.assign(makeCamera(), { azimuth: 0, elevation: 0, distance: 2 }), toClip = multiply(camera.viewToClip(2.2), camera.worldToView()), rim = 2 * Math.tan((19 * Math.PI) / 180), cosine = Math.cos((19 * Math.PI) / 180);
+  for (const [x, size, expected] of [[0, 0.1, true], [0, 50, true], [rim + 0.098 / cosine, 0.1, true], [rim + 0.102 / cosine, 0.1, false], [-rim - 0.102 / cosine, 0.1, false]])
+    for (const place of [translation(x, 0, 0), translation(0, x, 0)]) expect(meetsPicture(multiply(toClip, multiply(place, scaling(size, size, size)))) === expected, `${x}, ${size}`);
+  expect(!meetsPicture(multiply(toClip, multiply(translation(0, 0, 2.5), scaling(0.1, 0.1, 0.1)))), "behind the camera");
+  expect(meetsPicture(multiply(toClip, scaling(NaN, NaN, NaN))), "what is not finite may be anywhere");
+});
+
+await attempt("a file is drawn before it is checked; its findings follow", async () => {
+  const hold = "const post = Worker.prototype.postMessage; Worker.prototype.postMessage = function (message, ...more) { if (message.name === 'check') window.release = () => post.call(this, message, ...more); else post.call(this, message, ...more); };";
+  const held = await visit(home, { before: hold }), list = "document.querySelectorAll('#findings button').length", drawn = await held.drawn();
+  await held.evaluate(`(() => { const data = new DataTransfer(); data.items.add(new File([${JSON.stringify(TURNED)}], "turned.obj")); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`);
+  await held.until(`window.release && Number(document.body.dataset.drawn) > ${drawn + 1}`);
+  expect((await held.evaluate(list)) === 0 && (await held.text("findings-facts")) === "Checking …" && (await held.text("model-facts")).includes("OBJ"), `${await held.evaluate(list)} findings, ${await held.text("findings-facts")}`);
+  await pause(500);
+  const before = await held.picture("unchecked");
+  await held.evaluate("window.release()");
+  await held.settled();
+  expect((await held.evaluate(list)) > 0 && /^[1-9] errors?, /.test(await held.text("findings-facts")), await held.text("findings-facts"));
+  const changed = differences(before, await held.picture());
+  expect(changed < 200, `${changed} pixels changed with the findings`);
+  await held.click("finding-0");
+  expect(countPixels(await held.picture(), STAGE, isRed) > 300, "nothing is marked");
+  await held.close();
+});
+
+await attempt("where pictures take long, a press is answered by a coarse one at the place itself; the fine one follows", async () => {
+  /* The card has done nothing before a tenth of a second and more. */
+  const slow = "const GL = WebGL2RenderingContext.prototype, { fenceSync, clientWaitSync } = GL, begun = new WeakMap(); GL.fenceSync = function (...all) { const made = fenceSync.apply(this, all); begun.set(made, performance.now()); return made; }; GL.clientWaitSync = function (sync, ...all) { return performance.now() < begun.get(sync) + 150 ? this.TIMEOUT_EXPIRED : clientWaitSync.call(this, sync, ...all); };";
+  const from = join(shots, "turned-slow.obj"), out = join(shots, "view-slow.html"), watch = "window.seen = []; new MutationObserver(() => window.seen.push([document.getElementById('canvas').classList.contains('coarse'), document.getElementById('whole').hidden].join(' '))).observe(document.body, { attributes: true, attributeFilter: ['data-drawn'] })";
+  writeFileSync(from, TURNED);
+  execFileSync(tool, ["view", from, "-o", out, "--quiet"]);
+  const view = await visit(pathToFileURL(out).href, { before: slow });
+  await view.settled();
+  await view.evaluate(watch);
+  await view.click("finding-0");
+  const seen = await view.evaluate("window.seen.join()"), there = await view.picture("view-slow"), angles = await view.evaluate("location.hash");
+  expect(seen === "true true,false false", `pictures, coarse or not, without the whole in the corner or with it: ${seen}`);
+  expect(countPixels(there, STAGE, isRed) > 300, `${countPixels(there, STAGE, isRed)} red pixels`);
+  await view.close();
+  const calm = await visit(pathToFileURL(out).href, { calm: true });
+  await calm.settled();
+  await calm.click("finding-0");
+  const same = differences(there, await calm.picture());
+  expect(same < 200 && angles === (await calm.evaluate("location.hash")), `${same} pixels differ from where nothing is slow`);
+  await calm.close();
+});
 
 await attempt("what norma check finds in a dropped file is listed, and a press goes there", async () => {
   await dropText(page, "turned.obj", TURNED);

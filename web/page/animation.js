@@ -5,8 +5,8 @@ import { hasAnimations, loadGltf } from "./materials.js";
 
 const seconds = (time) => `${time.toFixed(2)} s`;
 
-/* changed(): draws anew. */
-export function makeAnimation(changed, isCalm) {
+/* changed(): draws anew. prepare(scene): a promise, kept when it can be drawn without delay. */
+export function makeAnimation(changed, isCalm, prepare) {
   let loaded = null, mixer = null, clip = null, playing = false, last = 0, asked = 0;
   const slider = byId("time"), choice = byId("animation"), button = byId("play");
   const length = () => Math.max(1e-3, clip?.duration ?? 0);
@@ -41,10 +41,13 @@ export function makeAnimation(changed, isCalm) {
     if (!hasAnimations(files, path)) return;
     const mine = asked, read = await loadGltf(files, path, false).catch(() => null);
     if (mine !== asked || !read?.gltf.animations.length) return;
-    loaded = { scene: new Group(), animations: read.gltf.animations };
-    loaded.scene.add(read.gltf.scene ?? read.gltf.scenes[0]);
-    loaded.scene.matrixAutoUpdate = false;
-    loaded.scene.traverse((part) => { part.frustumCulled = false; });
+    const scene = new Group();
+    scene.add(read.gltf.scene ?? read.gltf.scenes[0]);
+    scene.matrixAutoUpdate = false;
+    scene.traverse((part) => { part.frustumCulled = false; });
+    await prepare(scene);
+    if (mine !== asked) return;
+    loaded = { scene, animations: read.gltf.animations };
     mixer = new AnimationMixer(loaded.scene);
     choice.replaceChildren(...loaded.animations.map(({ name }, i) => new Option(name || `Animation ${i + 1}`)));
     byId("animation-section").hidden = false;

@@ -97,11 +97,9 @@ export function draw(coarse = false) {
   page.remember();
 }
 
+const sizeWanted = () => [canvas.clientWidth, canvas.clientHeight].map((length) => Math.max(1, Math.round(length * Math.min(2, devicePixelRatio || 1))));
+export const fits = () => { const [width, height] = sizeWanted(); return canvas.width === width && canvas.height === height; };
 export function resize() {
-  const ratio = Math.min(2, devicePixelRatio || 1), width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-  if (canvas.width !== width || canvas.height !== height) {
-    canvas.width = width;
-    canvas.height = height;
-    dirty.draw = true;
-  }
+  [canvas.width, canvas.height] = sizeWanted();
+  dirty.draw = true;
 }

@@ -156,11 +156,11 @@ export async function startEngine({ bytes, draco: packed }) {
     const document = orError(path, (error) => withText(path, (at) => wasm.document_open(at, error)), isNull);
     try { return work(document); } finally { wasm.document_close(document); }
   };
-  const packOf = (document, path, name) => lend([8], (size) => {
-    const pack = orError(path, (error) => wasm.document_pack(document, size, error), isNull) >>> 0;
+  const packOf = (document, path, name, unchecked = false) => lend([8], (size) => {
+    const pack = orError(path, (error) => wasm.document_pack(document, unchecked ? 1 : 0, size, error), isNull) >>> 0;
     return openPack(pack, new Uint32Array(memory(), size, 1)[0], name);
   });
-  const openFile = (path, name) => decoders.reading(() => withDocument(path, (document) => packOf(document, path, name)), (model) => model.free());
+  const openFile = (path, name, unchecked = false) => decoders.reading(() => withDocument(path, (document) => packOf(document, path, name, unchecked)), (model) => model.free());
   const notesOf = (document, from = 0) => [...new Set(Array.from({ length: wasm.document_note_count(document) - from }, (_, i) => longTextAt(wasm.document_note(document, from + i))))];
 
   /* A changed copy of one of the files: its model, and the files that it consists of. change(document, numbers) fills the numbers, of which the first says whether anything changed. */

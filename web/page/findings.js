@@ -38,12 +38,13 @@ function makeButton(finding, number, thumb) {
 /* Errors before warnings before the rest; of one grade those of most places. */
 const byWorst = (a, b) => b.severity - a.severity || b.places - a.places;
 
-/* findings: null where the model was not checked. chosen(finding or null) is called when that changes; thumbOf(finding) gives its picture. */
+/* findings: null where the model was not checked, undefined while it is. chosen(finding or null) is called when that changes; thumbOf(finding) gives its picture. */
 export function listFindings(findings, chosen, thumbOf) {
   const list = document.getElementById("findings"), section = document.getElementById("findings-section");
   section.hidden = findings === null;
   list.replaceChildren();
-  if (findings === null) return;
+  document.getElementById("findings-facts").textContent = findings ? "" : "Checking …";
+  if (!findings) return;
   const sorted = [...findings].sort(byWorst), shown = sorted.slice(0, MOST_LISTED);
   document.getElementById("findings-facts").textContent = summary(findings) + (sorted.length > shown.length ? ` The first ${shown.length} of ${count(sorted.length)} are listed.` : "");
   for (const [number, finding] of shown.entries()) {

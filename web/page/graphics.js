@@ -447,10 +447,11 @@ export function makeGraphics(canvas, texts) {
     drawTriangles({ surface, normals: surface.normals, mirrored: false }, null);
   }));
 
-  /* Asks after all programs while the card has nothing else to do. */
-  const warmUp = async () => {
+  /* Asks after all programs. quiet(): a promise, kept when the card has nothing else to do: the answer comes behind all that. */
+  const ready = gl.getExtension("KHR_parallel_shader_compile"), isReady = ({ place, program }) => Boolean(place) || !ready || gl.getProgramParameter(program, ready.COMPLETION_STATUS_KHR);
+  const warmUp = async (quiet) => {
     for (const made of programs.values()) {
-      await drained();
+      do await quiet(); while (!isReady(made));
       if (!made.place) finish(gl, made);
     }
   };

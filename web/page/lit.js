@@ -2,7 +2,7 @@
 import { BufferGeometry, Camera, DirectionalLight, DoubleSide, FrontSide, HemisphereLight, BufferAttribute, GLBufferAttribute, Mesh, MeshStandardMaterial, NeutralToneMapping, PMREMGenerator, Scene, Sphere, WebGLRenderer } from "three";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
 import { dress } from "./materials.js";
-import { multiply3, upper } from "./matrix.js";
+import { IDENTITY, multiply3, upper } from "./matrix.js";
 import { carve } from "./wood.js";
 
 const ROOM = 0.45, SKY = 1.15, LAMP = 1.75, LAMP_FROM = [-0.75, 0.75, 0.45];
@@ -14,6 +14,7 @@ const DIM = 0.42;
 export function makeLit(canvas, gl) {
   const renderer = new WebGLRenderer({ canvas, context: gl }), scene = new Scene(), camera = new Camera(), lamp = new DirectionalLight(0xffffff, LAMP);
   renderer.autoClear = false;
+  renderer.debug.checkShaderErrors = false;      /* the question waits for the card */
   renderer.toneMapping = NeutralToneMapping;
   renderer.setPixelRatio(1);
   renderer.info.autoReset = true;
@@ -127,7 +128,24 @@ export function makeLit(canvas, gl) {
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(cut.x, box.y, cut.width, box.height);
   };
+  /* What a picture is going to need: the room, images, programs; one after another, as a picture that made them would hold the page. quiet(): a promise, kept when the card has nothing else to do. */
+  const prepare = async (items, look, quiet) => {
+    const begin = () => { renderer.resetState(); lightFor(true); place(items, { worldToView: IDENTITY, viewToClip: IDENTITY }, look); }, textures = new Set();
+    await quiet();
+    begin();
+    scene.traverse(({ material }) => { for (const part of Object.values(material ?? {})) if (part?.isTexture) textures.add(part); });
+    for (const texture of textures) {
+      await quiet();
+      renderer.initTexture(texture);
+      renderer.resetState();
+    }
+    await quiet();
+    begin();
+    if (gl.getExtension("KHR_parallel_shader_compile")) await renderer.compileAsync(scene, camera);
+    else renderer.compile(scene, camera);
+    await quiet();
+  };
   const forget = () => { for (const material of wardrobe.values()) material.dispose(); wardrobe.clear(); };
 
-  return { draw, forget, resize: () => renderer.setSize(canvas.width, canvas.height, false) };
+  return { draw, prepare, forget, resize: () => renderer.setSize(canvas.width, canvas.height, false) };
 }

@@ -10,14 +10,14 @@ import { comparison, wordsOf } from "./comparison.js";
 import { MATRIX, RANGES, byId, isChecked, numberOf, setMatrix, setRange, spell, value } from "./controls.js";
 import { computeCopy, fix } from "./copies.js";
 import { cursorRay, pointOnPlane } from "./cursor.js";
-import { draw, resize } from "./drawing.js";
+import { draw, fits, resize } from "./drawing.js";
 import { EXPECTED, filesOfDrop, filesOfInput } from "./files.js";
 import { keyOf } from "./findings.js";
 import { makeGraphics } from "./graphics.js";
 import { bytesOf, moduleOf } from "./inflate.js";
 import { makeIntro } from "./intro.js";
 import { STEPS } from "./lesson.js";
-import { forgetChosen, openGiven, option, pickModel, stopIntro, uploadMoving } from "./opening.js";
+import { forgetChosen, openGiven, option, pickModel, stopIntro, uploadMoving, whenQuiet } from "./opening.js";
 import { savePicture, saveTurntable } from "./picture.js";
 import { letGo, seenSmall } from "./pressed.js";
 import { notice, showMovingFacts } from "./readouts.js";
@@ -53,20 +53,30 @@ function showBusy() {
   if (document.body.dataset.busy !== busy) document.body.dataset.busy = busy;
 }
 
+/* Until the card has nothing to do: a canvas that changes its size waits for that, and the page with it. */
+function rest() {
+  page.drawing = true;
+  page.graphics.drained().catch(() => undefined).then(() => { page.drawing = false; page.rested = true; });
+}
+
 function frame(now) {
   requestAnimationFrame(frame);
   if (page.graphics.gl.isContextLost() || !page.scene) { showBusy(); return; }
   try {
-    if (!page.drawing && !page.aiming) resize();      /* an empty canvas is drawn at once */
+    if (!page.drawing && !page.aiming && !fits()) {
+      if (page.rested) resize();      /* it is empty then, and drawn at once */
+      else rest();
+    }
     page.intro.tick(now);
     page.animation.tick(now);
     if (page.moving) { moveOn(now); dirty.compute = false; }
     else if (dirty.compute && !page.computing) compute();
-    const coarse = isSlow() && performance.now() - page.hurried < STILL;
+    const coarse = isSlow() && (page.hasty || performance.now() - page.hurried < STILL);
     if (page.coarse && !coarse) dirty.draw = true;
     if (dirty.draw && (page.moving || page.computed) && !page.drawing && !page.aiming) {
       dirty.draw = false;
       page.drawing = true;
+      page.rested = page.hasty = false;
       const begin = performance.now();
       draw(coarse);
       page.graphics.drained().catch(() => undefined).then(() => { page.drawing = false; if (!coarse) page.cost = performance.now() - begin; });
@@ -295,12 +305,12 @@ export async function startPage(texts) {
   page.graphics = makeGraphics(canvas, texts);
   if (!page.graphics) { fallBack(""); return; }
   await startEngines();
-  page.thumbs = makeThumbs(page.graphics, page.remote, seenSmall, () => !(page.computing || page.picking || page.measuring || page.loading || page.seeking || page.coarse || dirty.compute || page.intro.isPlaying()) && (page.animation.isPlaying() || !(page.drawing || dirty.draw)) && page.computed > 0);
+  page.thumbs = makeThumbs(page.graphics, page.remote, seenSmall, () => !(page.computing || page.picking || page.measuring || page.loading || page.seeking || page.coarse || dirty.compute || page.intro.isPlaying()) && (page.animation.isPlaying() || !(page.drawing || dirty.draw)) && page.computed > 0 && page.warm);
   byId("version").textContent = page.norma.version;
   page.sculpture = unpackSculpture(bytesOf(textOf("sculpture")));
   paintLegend(texts);
   fillModels();
-  page.animation = makeAnimation(() => { dirty.draw = true; }, isCalm);
+  page.animation = makeAnimation(() => { dirty.draw = true; }, isCalm, (scene) => page.graphics.lit.prepare([], { posed: scene }, whenQuiet));
   page.intro = makeIntro(() => { dirty.draw = true; });
   wireCanvas();
   wireDivider();
@@ -319,9 +329,9 @@ export async function startPage(texts) {
   const asked = readAddress();
   const kept = makeAddress(camera, () => page.chosen && keyOf(page.chosen));
   showFirst(asked);
+  page.graphics.warmUp(whenQuiet).catch((error) => notice(error.message)).then(() => { page.warm = true; });
   page.remember = () => { if (!page.intro.isPlaying() && !page.intro.isShown()) kept(); };
   requestAnimationFrame(frame);
-  page.graphics.warmUp().catch((error) => notice(error.message));
 }
 
 startPage(SHADERS).catch((error) => fallBack(error.message));

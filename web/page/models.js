@@ -16,13 +16,16 @@ function describe(number, model) {
 export async function startModels(modules) {
   const engine = await startEngine(modules), models = new Map();
   let next = 1;
-  const add = (model) => {
+  /* options: what its normals are to be from the beginning, which then need not be asked for. */
+  const add = (model, options) => {
+    if (options) run(model, { ...options, wanted: model.meshes.some(({ stored }) => stored) ? "stored" : "computed" });
     models.set(next, model);
-    return describe(next++, model);
+    return { ...describe(next++, model), options: model.options ?? null };
   };
   const addChanged = ({ model, ...rest }) => ({ ...rest, model: model ? add(model) : null });
 
   const run = (model, options) => {
+    model.options = options;
     const begin = performance.now();
     /* What is stored per facet is held against the facet's own direction. */
     const wantedOf = (mesh) => (options.errors && mesh.stored === "per facet" ? "flat" : options.wanted);
@@ -38,10 +41,20 @@ export async function startModels(modules) {
     },
     openTriangles: ({ positions, indices, colour, name }) => add(engine.openBytes(packTriangles(positions, indices, colour), name)),
     /* A pack in base64. */
-    openText: (text, name) => add(engine.openBytes(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)), name)),
-    openFiles: async (files, path, name) => {
+    openText: (text, name, options) => add(engine.openBytes(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)), name), options),
+    /* Unchecked, so that it is seen soon: check follows. */
+    openFiles: async (files, path, name, options) => {
       engine.setFiles(files);
-      return add(await engine.openFile(path, name));
+      return add(await engine.openFile(path, name, true), options);
+    },
+    /* What norma check finds in the file of an unchecked model, which from now on is one with findings; null: it is not there any more, or cannot be judged. */
+    check: async (number, path, name) => {
+      const old = models.get(number), checked = old && (await engine.openFile(path, name));
+      if (!checked) return null;
+      run(checked, old.options);
+      models.set(number, checked);
+      old.free();
+      return checked.findings;
     },
     giveFiles: (files) => engine.setFiles(files),
     fix: async (path, name, options) => addChanged(await engine.fixFile(path, name, options)),

@@ -4,15 +4,18 @@ import { byId, isChecked, numberOf, setMatrix, setRange, value } from "./control
 import { bytesFor, gather, hintFor, listFiles } from "./files.js";
 import { listFindings, pressFinding } from "./findings.js";
 import { freeMaterials, readMaterials } from "./materials.js";
+import { IDENTITY } from "./matrix.js";
 import { makeMoving } from "./moving.js";
 import { listParts, showMaterialControls } from "./parts.js";
 import { chooseFinding } from "./pressed.js";
 import { count, counted, notice, showModelFacts } from "./readouts.js";
-import { isShown, wantsTangents } from "./recompute.js";
-import { makeScene } from "./scene.js";
+import { isShown, wantsTangents, wishes } from "./recompute.js";
+import { itemsOf, makeScene } from "./scene.js";
 import { SHAPES } from "./shapes.js";
 import { DEFAULT_CURSOR, UNMARKED, camera, canvas, dirty, hurry, page } from "./state.js";
 
+/* Degrees, of a file that is opened. */
+const CREASE = 60;
 export const option = (select, kind) => byId(select).querySelector(`[value="${kind}"]`);
 
 function dropScenes() {
@@ -46,9 +49,7 @@ export function showModel(model, { changed = false, files = model.files } = {}) 
   for (const kind of ["deviation", "distance"]) option("colours", kind).disabled = true;
   byId("compared-facts").replaceChildren();
   byId("source").value = stored ? "stored" : "computed";
-  listFindings(model.findings, chooseFinding, (finding) => (model.meshes[finding.mesh] ? page.thumbs.add(finding) : null));
-  byId("finding-seen").textContent = "";
-  option("colours", "findings").disabled = !model.findings?.length;
+  showFindings(model);
   if (byId("colours").selectedOptions[0].disabled) byId("colours").value = "lit";
   if (!changed) showMaterialControls(model);
   showModelFacts(model);
@@ -58,6 +59,20 @@ export function showModel(model, { changed = false, files = model.files } = {}) 
   showSections();
   dirty.compute = true;
   hurry();
+}
+
+/* unchecked: what norma check says is still to come. */
+function showFindings(model) {
+  listFindings(model.unchecked ? undefined : model.findings, chooseFinding, (finding) => (model.meshes[finding.mesh] ? page.thumbs.add(finding) : null));
+  byId("finding-seen").textContent = "";
+  option("colours", "findings").disabled = !model.findings?.length;
+}
+
+/* Asks norma check, behind the first picture. */
+async function check(model) {
+  model.findings = await page.remote.check(model.number, model.source.path, model.source.name);
+  model.unchecked = false;
+  if (page.scene?.model === model) showFindings(model);
 }
 
 /* Into a buffer of its own, slowly. */
@@ -78,6 +93,9 @@ async function loadMaterials(shown, files) {
     if (!read || !isShown(shown)) { if (read) freeMaterials(read.list); return; }
     for (const [i, sets] of (await page.remote.texcoords(model.number)).entries()) for (const [set, list] of sets.entries()) await loadList(shown, i, "texcoords", set, list);
     if (!isShown(shown)) { freeMaterials(read.list); return; }
+    const dressed = itemsOf(page.norma, { ...shown, materials: read.list, hidden: new Set() }, IDENTITY, "right");
+    await page.graphics.lit.prepare(dressed, { materials: true, normalMaps: true }, whenQuiet);
+    if (!isShown(shown)) { freeMaterials(read.list); return; }
     shown.materials = read.list;
     shown.freeMaterials = () => freeMaterials(read.list);
     showMaterialControls(model, read.list);
@@ -90,6 +108,11 @@ async function loadMaterials(shown, files) {
     page.loading--;
     dirty.draw = true;
   }
+}
+
+/* When no picture is being drawn, and the card has done all else. */
+export async function whenQuiet() {
+  do await page.graphics.drained(); while (page.drawing);
 }
 
 let lessonOf = null;
@@ -124,7 +147,9 @@ export async function show(ask, then = () => undefined) {
     if (!model.triangles) { page.remote.free(model.number); throw new Error(`${model.name}: there is nothing in it to draw.`); }
     showModel(model);
     then(model);
-    follow();
+    const asked = follow();
+    if (model.unchecked) await check(model);
+    if (asked?.has("finding") && page.scene?.model === model) pressFinding(asked.get("finding"));
   } catch (error) {
     if (mine !== page.opening) return;
     if (!page.scene && page.sculpture) { byId("model").value = "sculpture"; pickModel(); } // the page's first file: the stage is not left empty
@@ -135,9 +160,8 @@ export async function show(ask, then = () => undefined) {
 function follow() {
   const asked = page.atFirst;
   page.atFirst = null;
-  if (!asked) return;
-  applyAddress(asked, camera);
-  if (asked.has("finding")) pressFinding(asked.get("finding"));
+  if (asked) applyAddress(asked, camera);
+  return asked;
 }
 
 export function showMoving() {
@@ -186,7 +210,8 @@ export async function openGiven(given) {
 
 function openFile(files, path) {
   return show(async () => {
-    const needed = await bytesFor(files, path), name = path.split("/").pop(), model = await page.remote.openFiles(needed.files, needed.path, name);
+    const needed = await bytesFor(files, path), name = path.split("/").pop(), model = await page.remote.openFiles(needed.files, needed.path, name, { ...wishes(), crease: CREASE, errors: false });
+    model.unchecked = true;
     model.files = needed;
     model.source = { path: needed.path, name };
     return model;
@@ -199,7 +224,7 @@ function openFile(files, path) {
     setMatrix();
     if (value("sides") === "beside") byId("sides").value = "split";
     byId("colours").value = "lit";
-    setRange("crease", 60);
+    setRange("crease", CREASE);
     settle();
     document.title = `${page.source.name} · Norma`;
     byId("model").title = byId("model").selectedOptions[0].textContent;
@@ -212,7 +237,7 @@ function openEmbedded() {
   const { text, name, files } = page.embedded;
   return show(async () => {
     if (files) await page.remote.giveFiles(files.files);
-    return { ...(await page.remote.openText(text, name)), files };
+    return { ...(await page.remote.openText(text, name, { ...wishes(), errors: false })), files };
   }, () => {
     page.source = files && { path: files.path, name };
     settle();

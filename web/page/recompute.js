@@ -12,7 +12,7 @@ function wanted() {
   return value("shading") === "flat" && value("colours") === "lit" ? "flat" : value("source");
 }
 
-const wishes = () => ({ wanted: wanted(), weight: value("weight"), weld: value("weld"), crease: numberOf("crease"), errors: value("colours") === "error" });
+export const wishes = () => ({ wanted: wanted(), weight: value("weight"), weld: value("weld"), crease: numberOf("crease"), errors: value("colours") === "error" });
 export const wantsTangents = (shown) => value("colours") === "tangents" || (shown.materials && shown.model.meshes.some(({ hasTangents }) => hasTangents));
 
 /* Of the normals that are shown. */
@@ -36,12 +36,20 @@ export async function uploadMarks(shown, finding) {
   }
 }
 
+/* Whether a model has these normals since it was opened. */
+function asAdded({ model }, options) {
+  const { options: had } = model;
+  model.options = null;
+  return had !== null && Object.keys(options).every((name) => had[name] === options[name]);
+}
+
 export async function compute() {
   const options = wishes(), shown = [page.scene, page.before].filter(Boolean);
   page.computing = true;
   dirty.compute = false;
   try {
     for (const one of shown) {
+      if (asAdded(one, options)) { if (wantsTangents(one)) await uploadTangents(one); continue; }
       const { normals, errors } = await page.remote.compute(one.model.number, options);
       if (one !== page.scene && one !== page.before) continue;
       for (const [i, list] of normals.entries()) await page.graphics.fillSlowly(one.surfaces[i].normals, list);

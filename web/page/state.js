@@ -16,9 +16,9 @@ export const page = {
   sculpture: null, embedded: null, atFirst: null,
   chosen: null, look: { ...UNMARKED, errorTop: 1, angleTop: 45 }, cursor: DEFAULT_CURSOR, panels: [], found: null,
   /* What is under way: how many calls or which one of them. */
-  calls: 0, drawing: false, aiming: false, coarse: false, computing: false, picking: false, measuring: false, loading: 0, seeking: 0, computed: 0, opening: 0, flights: 0,
-  /* Milliseconds that the last picture took which was not coarse, and when something last moved. */
-  cost: Infinity, hurried: -Infinity,
+  calls: 0, drawing: false, aiming: false, coarse: false, rested: false, warm: false, computing: false, picking: false, measuring: false, loading: 0, seeking: 0, computed: 0, opening: 0, flights: 0,
+  /* Milliseconds that the last picture took which was not coarse, when something last moved, and whether no picture shows that yet. */
+  cost: Infinity, hurried: -Infinity, hasty: false,
   /* Writes the address. */
   remember: () => undefined,
 };
@@ -27,7 +27,7 @@ export const dirty = { compute: true, draw: true };
 const SLOW = 90;
 export const isSlow = () => page.cost > SLOW;
 /* Draws anew, coarsely where a card is slow: somebody waits, or something moves. */
-export const hurry = () => { page.hurried = performance.now(); dirty.draw = true; };
+export const hurry = () => { page.hurried = performance.now(); page.hasty = dirty.draw = true; };
 
 export const canvas = byId("canvas"), stage = byId("stage"), camera = makeCamera();
 /* How far from the middle a model reaches. */

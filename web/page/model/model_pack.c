@@ -321,7 +321,8 @@ static norma_document_result pack_all(
     reserve(work->pack, sizeof head);
     norma_document_result result = pack_meshes(work, mesh_count, &head, error);
     if (result == NORMA_DOCUMENT_OK) result = pack_draws(work, mesh_count, &head, error);
-    if (result == NORMA_DOCUMENT_OK)
+    head.finding_count = VIEW_PACK_NONE;
+    if (result == NORMA_DOCUMENT_OK && !work->options->unchecked)
         result = view_pack_findings(work->document, work->record_of, work->draw_of_node,
             work->records, work->options->threads, work->pack, &head, error);
     head.mesh_count = work->count;

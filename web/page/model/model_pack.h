@@ -76,9 +76,10 @@ typedef struct view_pack_options {
      * 0: never. decimate returns 0 if memory is out. */
     size_t most_triangles;
     int (*decimate)(const norma_mesh *mesh, size_t most_triangles, view_decimated *decimated);
+    int unchecked; /* norma check is not asked */
 } view_pack_options;
 
-/* Everything in the document that can be drawn, and what norma check says of it. */
+/* Everything in the document that can be drawn, and what norma check says of it, if it is asked. */
 norma_document_result view_pack_document(norma_document *document, const view_pack_options *options,
     view_pack *pack, norma_document_error *error);
 

@@ -96,7 +96,6 @@ norma_document_result view_pack_findings(norma_document *document, const uint32_
         .whole_components = 1,
         .threads = threads};
     norma_findings *findings = NULL;
-    head->finding_count = VIEW_PACK_NONE;
     norma_document_result result = norma_check_document(document, &options, &findings, error);
     if (result == NORMA_DOCUMENT_CANCELLED || result == NORMA_DOCUMENT_ERROR_MEMORY) return result;
     if (result) return NORMA_DOCUMENT_OK; /* what cannot be judged can be drawn */

@@ -17,12 +17,13 @@ norma_document *WEB_EXPORT(document_open)(const char *path, norma_document_error
 
 void WEB_EXPORT(document_close)(norma_document *document) { norma_document_close(document); }
 
-/* NULL: error says why. */
+/* unchecked: without what norma check says, which takes longer than all else. NULL: error says why.
+ */
 unsigned char *WEB_EXPORT(document_pack)(
-    norma_document *document, size_t *size, norma_document_error *error) {
+    norma_document *document, int unchecked, size_t *size, norma_document_error *error) {
     view_pack pack = {0};
     *error = (norma_document_error){0};
-    const view_pack_options options = {.threads = 1};
+    const view_pack_options options = {.threads = 1, .unchecked = unchecked};
     const norma_document_result result = view_pack_document(document, &options, &pack, error);
     *size = pack.size;
     return result ? NULL : pack.bytes;
