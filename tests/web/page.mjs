@@ -663,6 +663,22 @@ await attempt("where pictures take long, a press is answered by a coarse one at 
   await calm.close();
 });
 
+await attempt("a file's model casts a soft shadow on the ground, which is gone where colours are values or a finding is pressed", async () => {
+  const from = join(shots, "turned-shadow.obj"), out = join(shots, "view-shadow.html");
+  writeFileSync(from, TURNED);
+  execFileSync(tool, ["view", from, "-o", out, "--quiet"]);
+  for (const dark of [false, true]) {
+    const view = await visit(pathToFileURL(out).href, { dark });
+    await view.settled();
+    const lit = await view.picture(`view-shadow${dark ? "-dark" : ""}`);
+    await view.pick("colours", "normals");
+    const bare = await view.picture();
+    const shadow = countPixels(lit, STAGE, (colour, x, y) => !isModel(bare.at(x, y)) && colour.reduce((sum, part, i) => sum + (i < 3 ? bare.at(x, y)[i] - part : 0), 0) > (dark ? 12 : 36));
+    expect(shadow > 1500, `${shadow} pixels of a shadow${dark ? ", in the dark" : ""}`);
+    await view.close();
+  }
+});
+
 await attempt("what norma check finds in a dropped file is listed, and a press goes there", async () => {
   await dropText(page, "turned.obj", TURNED);
   await page.click("reset-matrix");

@@ -2,6 +2,7 @@
 import { comparison, isOfTwo, panelKind, placeStage } from "./comparison.js";
 import { byId, isChecked, numberOf, value } from "./controls.js";
 import { drawFound, showReadouts } from "./cursor.js";
+import { drawShadow } from "./ground.js";
 import { IDENTITY, multiply, upper } from "./matrix.js";
 import { panelsOf } from "./panels.js";
 import { drawChosen, drawCorner } from "./pressed.js";
@@ -84,6 +85,7 @@ export function draw(coarse = false) {
     const angle = side === "angle", posed = compared || page.chosen || page.moving || value("colours") !== "lit" ? null : page.animation.root(multiply(multiply(fitOf(user), user), multiply(page.scene.frame, turning(page.scene.up))));
     const items = posed ? [] : sideItems(angle ? "right" : side, user, compared), how = { posed, ...page.look, tinted: compared === "change" && isChecked("tint"), outlineColour: page.chosen && PIN_COLOURS[page.chosen.grade], outlineWidth: 3.5 * pixels, materials: isChecked("textures"), normalMaps: isChecked("normal-maps"), colours: angle ? "angle" : side === "wrong" && compared === "files" && value("colours") in page.scene.compared.values ? "lit" : value("colours"), shading: value("shading") };
     page.graphics.drawSurfaces(items, view, how);
+    if (!angle && !posed) drawShadow(view);
     for (const [kind, box] of [["wire", "wireframe"], ["seams", "seams"]]) if (!angle && isChecked(box) && !page.moving) for (const item of items) drawEdges(kind, item, view, pixels, side === "wrong" && isOfTwo(compared) ? page.before : page.scene);
     if (!angle) for (const item of items) drawHedgehog(item, view, pixels, isOfTwo(compared) ? colours.before : colours[side]);
     if (!page.moving) drawChosen(view, pixels);

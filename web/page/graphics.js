@@ -13,6 +13,8 @@ const MOST_WIDE = 50000;
 const SLICE = 1 << 19;
 /* More places than these that are marked are drawn with all that lies between. */
 const MOST_RUNS = 200;
+/* Pixels of a shadow each way. */
+const SHADOW = 256;
 /* Phong's model: ambient, diffuse, specular, exponent. */
 const PHONG = [0.06, 0.94, 0.16, 26];
 /* Of the lesson's patches; their lights; half of what a picture of one spans, in metres. */
@@ -62,7 +64,7 @@ export function makeGraphics(canvas, texts) {
     return made.place;
   };
   for (const define of Object.values(SURFACES)) prepare("surface", "LIGHT_IN_VIEW", define);
-  for (const [stage, ...defines] of [["angle"], ["marked", "MARKED_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"], ["line", "THIN"], ["outline"], ["patch"]]) prepare(stage, ...defines);
+  for (const [stage, ...defines] of [["angle"], ["marked", "MARKED_ONLY"], ["marked", "COUNT"], ["marked", "COUNT", "MARKED_ONLY"], ["line"], ["line", "HEDGEHOG"], ["line", "THIN"], ["outline"], ["patch"], ["shadow", "CAST"], ["shadow", "BLUR"], ["shadow"]]) prepare(stage, ...defines);
 
   const lit = makeLit(canvas, gl);
 
@@ -413,6 +415,57 @@ export function makeGraphics(canvas, texts) {
     return read;
   };
 
+  /* The shadow of these on the ground, seen by a camera from below; soft by so much of half of the ground, each way. */
+  const castShadow = (items, camera, soft) => {
+    const one = targetOf("shadow", SHADOW, SHADOW), other = targetOf("blur", SHADOW, SHADOW, false);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.viewport(0, 0, SHADOW, SHADOW);
+    gl.clearColor(0, 0, 0, 0);
+    gl.enable(gl.DEPTH_TEST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, one.frame);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    for (const item of items) {
+      const place = programOf("shadow", "CAST");
+      setCamera(place, camera);
+      gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
+      drawTriangles(item, null);
+    }
+    gl.disable(gl.DEPTH_TEST);
+    const place = programOf("shadow", "BLUR");
+    gl.activeTexture(gl.TEXTURE0);
+    gl.uniform1i(place("shadow"), 0);
+    gl.bindVertexArray(nothing);
+    for (const part of [0.12, 0.05]) for (const [from, to, along] of [[one, other, [1, 0]], [other, one, [0, 1]]]) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, to.frame);
+      gl.bindTexture(gl.TEXTURE_2D, from.texture);
+      for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.LINEAR);
+      for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+      gl.uniform2f(place("reach"), along[0] * part * soft[0], along[1] * part * soft[1]);
+      gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    }
+    gl.bindTexture(gl.TEXTURE_2D, null);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, into);
+    gl.enable(gl.DEPTH_TEST);
+  };
+  /* On a rectangle of the ground, behind what has been drawn. */
+  const drawShadow = (localToWorld, camera, dark) => {
+    const place = programOf("shadow");
+    setCamera(place, camera);
+    gl.uniformMatrix4fv(place("local_to_world"), false, localToWorld);
+    gl.uniform2f(place("reach"), dark, 0);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, targetOf("shadow", SHADOW, SHADOW).texture);
+    gl.uniform1i(place("shadow"), 0);
+    gl.bindVertexArray(nothing);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthMask(false);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+    gl.bindTexture(gl.TEXTURE_2D, null);
+  };
+
   const TILE = 192, ACROSS = 4;
   /* Of a picture from each camera, which part shows what is marked; through: as if the rest were not there. */
   const countMarked = async (items, cameras, aspect, through, marks = "marks") => {
@@ -482,5 +535,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, fillSlowly, fillMarks, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPins, countMarked, drawSmall, drawPatches, clear, paint, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, fillMarks, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPins, castShadow, drawShadow, countMarked, drawSmall, drawPatches, clear, paint, within };
 }

@@ -13,6 +13,7 @@ import { cursorRay, pointOnPlane } from "./cursor.js";
 import { draw, fits, resize } from "./drawing.js";
 import { EXPECTED, filesOfDrop, filesOfInput } from "./files.js";
 import { keyOf } from "./findings.js";
+import { castShadow, isShadowDue } from "./ground.js";
 import { makeGraphics } from "./graphics.js";
 import { bytesOf, moduleOf } from "./inflate.js";
 import { makeIntro } from "./intro.js";
@@ -47,9 +48,12 @@ function moveOn(now) {
   }
 }
 
+/* The shadow waits for the picture without one, and for all that is to be in it. */
+const mayCast = () => page.warm && page.computed > 0 && !(dirty.draw || dirty.compute || page.drawing || page.computing || page.loading || page.coarse || page.aiming);
+
 /* Whether something is still to come, for those who wait. */
 function showBusy() {
-  const busy = page.calls > 0 || page.computing || page.picking || page.measuring || page.loading > 0 || page.seeking > 0 || dirty.compute || (!page.animation.isPlaying() && (page.drawing || dirty.draw || page.coarse)) ? "1" : "";
+  const busy = page.calls > 0 || page.computing || page.picking || page.measuring || page.loading > 0 || page.seeking > 0 || dirty.compute || (!page.animation.isPlaying() && (page.drawing || dirty.draw || page.coarse || isShadowDue())) ? "1" : "";
   if (document.body.dataset.busy !== busy) document.body.dataset.busy = busy;
 }
 
@@ -71,6 +75,7 @@ function frame(now) {
     page.animation.tick(now);
     if (page.moving) { moveOn(now); dirty.compute = false; }
     else if (dirty.compute && !page.computing) compute();
+    if (isShadowDue() && mayCast()) castShadow();
     const coarse = isSlow() && (page.hasty || performance.now() - page.hurried < STILL);
     if (page.coarse && !coarse) dirty.draw = true;
     if (dirty.draw && (page.moving || page.computed) && !page.drawing && !page.aiming) {
