@@ -4,12 +4,24 @@ import { packTriangles, startEngine } from "./engine.js";
 import { seamsOf } from "./seams.js";
 import { SHAPES } from "./shapes.js";
 
+/* The corners of the box round the points; of no finite point: none. */
+function boxOf(positions) {
+  const least = [Infinity, Infinity, Infinity], most = least.map((x) => -x);
+  for (let i = 0; i < positions.length; i++) {
+    const axis = i % 3, x = positions[i];
+    if (x < least[axis]) least[axis] = x;
+    if (x > most[axis]) most[axis] = x;
+  }
+  if (![...least, ...most].every(isFinite)) return [];
+  return Array.from({ length: 8 }, (_, i) => [0, 1, 2].map((axis) => (i >> axis & 1 ? most : least)[axis]));
+}
+
 /* What a page knows of a model; its arrays follow by themselves. */
 function describe(number, model) {
   const isPlain = ([, part]) => typeof part !== "function";
   const meshes = model.meshes.map((mesh) => Object.fromEntries(Object.entries(mesh).filter(isPlain)));
   return { number, name: model.name, format: model.format, unread: model.unread, triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes, up: model.up,
-           arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), reach: mesh.reach().slice() })) };
+           arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), reach: mesh.reach().slice(), box: boxOf(mesh.positions()) })) };
 }
 
 /* modules: the bytes of the page's module, and draco.wasm as the page holds it. */

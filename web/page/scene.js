@@ -20,25 +20,13 @@ function frameOf(model, draws) {
   return multiply(scaling(scale, scale, scale), translation(...middle.map((x) => -x)));
 }
 
-/* The corners of the box round the points; of no finite point: none. */
-function boxOf(positions) {
-  const least = [Infinity, Infinity, Infinity], most = least.map((x) => -x);
-  for (let i = 0; i < positions.length; i++) {
-    const axis = i % 3, x = positions[i];
-    if (x < least[axis]) least[axis] = x;
-    if (x > most[axis]) most[axis] = x;
-  }
-  if (![...least, ...most].every(isFinite)) return [];
-  return Array.from({ length: 8 }, (_, i) => [0, 1, 2].map((axis) => (i >> axis & 1 ? most : least)[axis]));
-}
-
 /* Turns what the file calls up to y; the front is where norma render has it. */
 const TURNED = { y: [1, 0, 0, 0, 1, 0, 0, 0, 1], z: [1, 0, 0, 0, 0, -1, 0, 1, 0], x: [0, 1, 0, -1, 0, 0, 0, 0, 1], "-y": [1, 0, 0, 0, -1, 0, 0, 0, -1], "-z": [1, 0, 0, 0, 0, 1, 0, -1, 0], "-x": [0, -1, 0, 1, 0, 0, 0, 0, 1] };
 export const turning = (up) => { const m = TURNED[up]; return [m[0], m[1], m[2], 0, m[3], m[4], m[5], 0, m[6], m[7], m[8], 0, 0, 0, 0, 1]; };
 
 /* fixed: the frame of another model, to stand where that does. */
 export function makeScene(graphics, model, up = model.up ?? "y", fixed = null) {
-  const surfaces = model.arrays.map((arrays) => graphics.makeSurface(arrays)), boxes = model.arrays.map(({ positions }) => boxOf(positions));
+  const surfaces = model.arrays.map((arrays) => graphics.makeSurface(arrays)), boxes = model.arrays.map(({ box }) => box);
   model.arrays = null;
   const scene = { model, surfaces, faces: [], edges: {}, hidden: new Set(), free: () => { surfaces.forEach((surface) => surface.free()); scene.freeMaterials?.(); } };
   /* Where everything stands, with this axis up. */
