@@ -333,5 +333,5 @@ FOR_ROWS static int finish_sums(const core_vertex_sum *sums, float (*normals)[3]
 
 /* ---- what a level has */
 
-static const core_kernels KERNELS = {measure_batch, measure_at, measure_alike, add_triangles,
-    CORE_IS_SMALL ? NULL : add_polygons, finish_sums};
+static const core_kernels KERNELS = {measure_batch, CORE_IS_SMALL ? NULL : measure_at,
+    measure_alike, add_triangles, CORE_IS_SMALL ? NULL : add_polygons, finish_sums};

@@ -51,12 +51,13 @@ static void core_mikk_flag_lanes(const mikk_mesh *m, const mikk_kernels *kernels
     size_t count, mikk_batch *batch) {
     mikk_addends out;
     for (size_t l = 0; l < count; l++) load_triangle_lane(m, triangle + l, l, batch);
-    if (m->records)
+    if (mikk_has_records(m))
         kernels->add_up(batch, &out);
     else
         kernels->derive(batch, &out.derivative);
     for (size_t l = 0; l < count; l++) m->flags[triangle + l] |= flags_of(&out.derivative, l);
-    for (size_t l = 0; l < count && m->records; l++) record_triangle(m, triangle + l, l, &out);
+    for (size_t l = 0; l < count && mikk_has_records(m); l++)
+        record_triangle(m, triangle + l, l, &out);
 }
 
 static void flag_task(void *context, size_t task) {
@@ -93,7 +94,7 @@ static void agree_on_sign(mikk_mesh *m, size_t second) {
 /* Triangles that have records have their flags already. */
 static norma_result core_mikk_flags(mikk_mesh *m) {
     flagging f = {m, norma_core_mikk_kernels(m->call->options.isa)};
-    if (m->records) return NORMA_OK;
+    if (mikk_has_records(m)) return NORMA_OK;
     const norma_result result = norma_core_parallel(
         m->call, m->count / TRIANGLES_IN_TASK + (m->count % TRIANGLES_IN_TASK != 0), flag_task, &f);
     if (result != NORMA_OK || !m->has_quads) return result;
@@ -365,7 +366,7 @@ static norma_result allocate_triangles(mikk_mesh *m, int own_corners) {
     m->room = m->count;
     m->triangles = norma_core_allocate(m->call, 3 * m->room, sizeof *m->triangles);
     m->flags = norma_core_allocate(m->call, m->room, sizeof *m->flags);
-    if (own_corners)
+    if (!CORE_IS_SMALL && own_corners)
         m->corners = norma_core_allocate(m->call, 3 * m->room, sizeof *m->corners);
     else
         m->records = norma_core_allocate(m->call, 3 * m->room, sizeof *m->records);
@@ -419,7 +420,7 @@ static norma_result hold_corners(mikk_mesh *m) {
 /* Where the triangles are those that a plan knows, so are the corners at each vertex. Returns
  * whether the flags are, too: what copies a corner hangs on positions, and is found anew. */
 static int take_known(mikk_mesh *m) {
-    const mikk_mesh *known = m->input->known ? m->input->known->mikk : NULL;
+    const mikk_mesh *known = !CORE_IS_SMALL && m->input->known ? m->input->known->mikk : NULL;
     const size_t size = 3 * m->count * sizeof *m->triangles;
     if (!known || m->count != known->count || !m->corners != !known->corners ||
         memcmp(m->triangles, known->triangles, size) != 0 ||
@@ -453,7 +454,8 @@ static norma_result core_mikk_triangles(mikk_mesh *m) {
     m->has_quads = norma_core_face_starts(mesh) && most > 3;
     norma_result result = allocate_triangles(m, norma_core_face_starts(mesh) != NULL);
     if (result == NORMA_OK)
-        result = norma_core_parallel(m->call, tasks, m->records ? record_task : cut_task, &c);
+        result =
+            norma_core_parallel(m->call, tasks, mikk_has_records(m) ? record_task : cut_task, &c);
     if (result == NORMA_OK && most > 4) result = cut_large_faces(&c, most);
     norma_core_release(m->call, starts, tasks, sizeof *starts);
     const int degenerate = atomic_load_explicit(&c.degenerate, memory_order_relaxed);

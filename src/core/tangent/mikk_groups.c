@@ -621,7 +621,7 @@ static void mikk_star_task(void *context, size_t task) {
                  end = count - begin < VERTICES_IN_TASK ? count : begin + VERTICES_IN_TASK;
     small_stars s;
     memset(&s.batch, 0, sizeof s.batch);
-    if (w->mesh->records) {
+    if (mikk_has_records(w->mesh)) {
         run_recorded(w, &s, begin, end, &w->tallies[task]);
         return;
     }

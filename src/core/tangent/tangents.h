@@ -240,6 +240,8 @@ typedef struct mikk_mesh {
     size_t copy_count;
     int is_sorted; /* around is a plan's */
 } mikk_mesh;
+/* norma-mesh/normals has triangles only. */
+static inline int mikk_has_records(const mikk_mesh *m) { return CORE_IS_SMALL || m->records; }
 
 /* Of at most MIKK_LANES triangles from this one on, the flags, and the records where there are
  * some. batch: what they are loaded into. */
