@@ -641,13 +641,14 @@ await attempt("a file is drawn before it is checked; its findings follow", async
   await held.close();
 });
 
+/* The card has done nothing before a tenth of a second and more. */
+const SLOW = "const GL = WebGL2RenderingContext.prototype, { fenceSync, clientWaitSync } = GL, begun = new WeakMap(); GL.fenceSync = function (...all) { const made = fenceSync.apply(this, all); begun.set(made, performance.now()); return made; }; GL.clientWaitSync = function (sync, ...all) { return performance.now() < begun.get(sync) + 150 ? this.TIMEOUT_EXPIRED : clientWaitSync.call(this, sync, ...all); };";
+
 await attempt("where pictures take long, a press is answered by a coarse one at the place itself; the fine one follows", async () => {
-  /* The card has done nothing before a tenth of a second and more. */
-  const slow = "const GL = WebGL2RenderingContext.prototype, { fenceSync, clientWaitSync } = GL, begun = new WeakMap(); GL.fenceSync = function (...all) { const made = fenceSync.apply(this, all); begun.set(made, performance.now()); return made; }; GL.clientWaitSync = function (sync, ...all) { return performance.now() < begun.get(sync) + 150 ? this.TIMEOUT_EXPIRED : clientWaitSync.call(this, sync, ...all); };";
   const from = join(shots, "turned-slow.obj"), out = join(shots, "view-slow.html"), watch = "window.seen = []; new MutationObserver(() => window.seen.push([document.getElementById('canvas').classList.contains('coarse'), document.getElementById('whole').hidden].join(' '))).observe(document.body, { attributes: true, attributeFilter: ['data-drawn'] })";
   writeFileSync(from, TURNED);
   execFileSync(tool, ["view", from, "-o", out, "--quiet"]);
-  const view = await visit(pathToFileURL(out).href, { before: slow });
+  const view = await visit(pathToFileURL(out).href, { before: SLOW });
   await view.settled();
   await view.evaluate(watch);
   await view.click("finding-0");
@@ -661,6 +662,37 @@ await attempt("where pictures take long, a press is answered by a coarse one at 
   const same = differences(there, await calm.picture());
   expect(same < 200 && angles === (await calm.evaluate("location.hash")), `${same} pixels differ from where nothing is slow`);
   await calm.close();
+});
+
+/* Two plates of 45,000 triangles, each with one that is wound the other way: their marks travel in several pieces. */
+function plates() {
+  const SIDE = 150, points = new Float32Array(3 * (SIDE + 1) ** 2), corners = new Uint32Array(6 * SIDE * SIDE), at = (x, y) => y * (SIDE + 1) + x;
+  for (let y = 0; y <= SIDE; y++) for (let x = 0; x <= SIDE; x++) points.set([x / SIDE, y / SIDE, 0], 3 * at(x, y));
+  for (let y = 0; y < SIDE; y++) for (let x = 0; x < SIDE; x++) corners.set([at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y), at(x + 1, y + 1), at(x, y + 1)], 6 * at(x, y) - 6 * y);
+  const turned = 6 * (at(75, 75) - 75);
+  [corners[turned + 1], corners[turned + 2]] = [corners[turned + 2], corners[turned + 1]];
+  const contents = Buffer.concat([Buffer.from(points.buffer), Buffer.from(corners.buffer)]), mesh = { primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] };
+  return JSON.stringify({ asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0, 1] }], nodes: [{ mesh: 0 }, { mesh: 1, translation: [1.5, 0, 0] }], meshes: [mesh, mesh], buffers: [{ byteLength: contents.length, uri: `data:application/octet-stream;base64,${contents.toString("base64")}` }],
+    bufferViews: [{ buffer: 0, byteLength: points.byteLength }, { buffer: 0, byteOffset: points.byteLength, byteLength: corners.byteLength }], accessors: [{ bufferView: 0, count: points.length / 3, type: "VEC3", componentType: 5126, min: [0, 0, 0], max: [1, 1, 0] }, { bufferView: 1, count: corners.length, type: "SCALAR", componentType: 5125 }] });
+}
+
+await attempt("of two findings pressed one right after the other, the second is marked, while the first one's marks are on their way", async () => {
+  const from = join(shots, "plates.gltf"), out = join(shots, "view-plates.html");
+  writeFileSync(from, plates());
+  execFileSync(tool, ["view", from, "-o", out, "--quiet"]);
+  const view = await visit(pathToFileURL(out).href, { before: SLOW });
+  await view.settled();
+  const find = "const [one, other] = [...document.querySelectorAll('#findings button')].filter((button) => button.textContent.includes('N301'));";
+  await view.after(() => view.evaluate(`(() => { ${find} other.click(); })()`));
+  const marked = async () => countPixels(await view.picture("view-plates"), STAGE, ([r, , b]) => b > r + 70), alone = await marked();
+  await view.pick("colours", "lit");
+  expect(alone > 3000 && (await marked()) < 20, `${alone} pixels are marked, and ${await marked()} where nothing is`);
+  await view.after(() => view.evaluate(`(() => { ${find} one.click(); setTimeout(() => other.click(), 250); })()`));
+  await pause(500);
+  await view.settled();
+  const both = await marked();
+  expect(both > 0.9 * alone && both < 1.1 * alone && (await view.text("notice")) === "", `${both} pixels are marked instead of ${alone}; ${await view.text("notice")}`);
+  await view.close();
 });
 
 await attempt("a file's model casts a soft shadow on the ground, which is gone where colours are values or a finding is pressed", async () => {

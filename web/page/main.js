@@ -90,6 +90,7 @@ function frame(now) {
   } catch (error) {
     notice(error.message);
     Object.assign(dirty, { compute: false, draw: false });
+    page.drawing = false;
   }
   showBusy();
 }

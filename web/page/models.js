@@ -63,7 +63,7 @@ export async function startModels(modules) {
     check: async (number, path, name) => {
       const old = models.get(number), checked = old && (await engine.openFile(path, name));
       if (!checked) return null;
-      run(checked, old.options);
+      try { run(checked, old.options); } catch (error) { checked.free(); throw error; }
       models.set(number, checked);
       old.free();
       return checked.findings;

@@ -70,9 +70,15 @@ function showFindings(model) {
 
 /* Asks norma check, behind the first picture. */
 async function check(model) {
-  model.findings = await page.remote.check(model.number, model.source.path, model.source.name);
-  model.unchecked = false;
-  if (page.scene?.model === model) showFindings(model);
+  try {
+    model.findings = await page.remote.check(model.number, model.source.path, model.source.name);
+  } catch (error) {
+    model.findings = null;
+    throw error;
+  } finally {
+    model.unchecked = false;
+    if (page.scene?.model === model) showFindings(model);
+  }
 }
 
 /* Into a buffer of its own, slowly. */

@@ -48,9 +48,13 @@ export async function seenSmall(finding) {
            look: { outline, outlineColour: PIN_COLOURS[finding.grade], outlineWidth: 3 }, pins: (view) => page.graphics.drawPins(place.at, view, PIN_COLOURS[finding.grade], 22) };
 }
 
+/* No number is given twice, though none is sought in between. */
+let presses = 0;
+
 /* Marks a finding alone, and takes the camera where enough of it is seen. */
 export async function chooseFinding(finding, which = 0) {
-  const mine = ++page.seeking, shown = page.scene;
+  const mine = ++presses, shown = page.scene;
+  page.seeking = mine;
   page.chosen = finding;
   page.aiming = finding !== null;      /* what is drawn before it is known where would only be waited for */
   if (finding) page.animation.stop();

@@ -25,15 +25,29 @@ async function uploadTangents(shown) {
   }
 }
 
-/* What all findings name, or one of a mesh: the others have no marks then. */
-export async function uploadMarks(shown, finding) {
-  const { model, surfaces } = shown, lists = finding ? new Map([[finding.mesh, surfaces[finding.mesh] && (await page.remote.markOf(model.number, finding.mesh, finding.index))]]) : new Map((await page.remote.marks(model.number)).entries());
-  if (!isShown(shown)) return;
+/* One after the other, since each takes buffers away that another may be filling; of a model only what was asked last is carried to its end. */
+const asked = new WeakMap();
+let filled = Promise.resolve();
+
+async function fillMarks(shown, finding, mine) {
+  const { model, surfaces } = shown, isWanted = () => isShown(shown) && asked.get(shown) === mine;
+  if (!isWanted()) return;
+  const lists = finding ? new Map([[finding.mesh, surfaces[finding.mesh] && (await page.remote.markOf(model.number, finding.mesh, finding.index))]]) : new Map((await page.remote.marks(model.number)).entries());
   for (const [i, surface] of surfaces.entries()) {
+    if (!isWanted()) return;
     const list = lists.get(i);
-    if (!list) { if (surface.marks) page.graphics.gl.deleteBuffer(surface.marks); surface.marks = null; continue; }
-    await page.graphics.fillMarks(surface, "marks", list);
+    if (list) await page.graphics.fillMarks(surface, "marks", list);
+    else if (surface.marks) { page.graphics.gl.deleteBuffer(surface.marks); surface.marks = null; }
   }
+}
+
+/* What all findings name, or one of a mesh: the others have no marks then. */
+export function uploadMarks(shown, finding) {
+  const mine = {};
+  asked.set(shown, mine);
+  const done = filled.then(() => fillMarks(shown, finding, mine));
+  filled = done.catch(() => undefined);
+  return done;
 }
 
 /* Whether a model has these normals since it was opened. */
