@@ -298,8 +298,7 @@ typedef struct norma_fix_summary {
  * them. A fix may uncover faults that another fix repairs; these are fixed too. Calling it again
  * changes nothing more. Cost: that of a few checks, and memory for a copy of the file. If a fix has
  * to be skipped, a few more checks for each rule.
- * A composite with several models (norma_document_tile) is not changed: it is refused, as by
- * norma_document_edit, if anything is to be fixed in one of them.
+ * The models of a composite (norma_document_tile) are fixed each by itself.
  * Errors: those of norma_check_document and norma_document_edit. After an error the document can
  * only be closed. */
 NORMA_API norma_document_result norma_fix_document(norma_document *document,

@@ -57,7 +57,7 @@ typedef enum norma_file_format {
     NORMA_FILE_GLB,  /* .vrm as well */
     NORMA_FILE_B3DM, /* tiles of 3D Tiles 1.0, with a GLB inside: a model, ... */
     NORMA_FILE_I3DM, /* ... a model that is drawn at many places, ... */
-    NORMA_FILE_CMPT, /* ... several tiles, one of them with a GLB */
+    NORMA_FILE_CMPT, /* ... several tiles */
     NORMA_FILE_3MF
 } norma_file_format;
 
@@ -101,11 +101,6 @@ typedef struct norma_document_options {
      * program shortens a mapped file, reading the lost part raises SIGBUS (POSIX), which this
      * library does not catch. */
     int copied;
-
-    /* Nonzero: of a composite of 3D Tiles with several models, open them all (at most 1,024), to be
-     * described and checked: norma_document_tile has them, and norma_check_document looks at each.
-     * Such a document cannot be changed. Otherwise it is refused. */
-    int every_tile;
 } norma_document_options;
 
 /* If a file changes while it is read, or before it is saved, the result is a file error and nothing
@@ -123,9 +118,11 @@ typedef struct norma_document_options {
 NORMA_API norma_document_result norma_document_open(const char *path,
     const norma_document_options *options, norma_document **document, norma_document_error *error);
 
-/* A model of a composite of 3D Tiles that was opened with every_tile, in the order of the file, as
- * a document of its own, to be read only. It is closed with the document. Index 0 gives the
- * document itself, whatever it is; an index behind the last model gives NULL. */
+/* A composite of 3D Tiles with several models (at most 1,024) is one document: their meshes, nodes
+ * and materials follow one another, and a change is made to each. This returns one of the models,
+ * in the order of the file, as a document of its own, to be read only. It is closed with the
+ * document. Of any other document index 0 gives the document itself. An index behind the last model
+ * gives NULL. */
 NORMA_API norma_document *norma_document_tile(norma_document *document, size_t index);
 
 /* Opens a file that is in memory.

@@ -82,8 +82,7 @@ static PyObject *check(PyObject *self, PyObject *arguments) {
         .threads = threads,
         .progress = norma_py_let_signals_in,
         .progress_user = &w,
-        .lenient = 1,
-        .every_tile = 1};
+        .lenient = 1};
     const norma_check_options options = {.struct_size = sizeof options,
         .profile = (norma_check_profile)profile,
         .strict = strict,

@@ -7,6 +7,7 @@
 #include "check/fix/fix.h"
 #include "check/rules/rules.h"
 #include "io/format/for_fixes.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,9 +31,8 @@ typedef struct fixing {
     norma_findings *given;           /* what a check found in the document; NULL: not known */
     uint8_t again[CHECK_RULE_COUNT]; /* of which the given findings do not have every element */
     fix_measure before;
-    fix_trial best;            /* whose plans do no harm; count 0: none yet */
-    size_t checks;             /* so far */
-    norma_document *composite; /* whose tile the document is, of several, which are not changed */
+    fix_trial best; /* whose plans do no harm; count 0: none yet */
+    size_t checks;  /* so far */
     norma_fix_summary *summary;
     norma_document_error *error;
 } fixing;
@@ -131,10 +131,6 @@ static norma_document_result try_request(
     if (norma_fix_plan_is_empty(&plan)) {
         trial->plans[trial->count++] = plan;
         return result;
-    }
-    if (f->composite) { /* refuses in its words */
-        norma_fix_plan_free(&plan);
-        return norma_document_edit(f->composite, NULL, f->error);
     }
     f->request.changes_maps |= plan.greens != NULL;
     if (!f->before.has_shape)
@@ -447,9 +443,11 @@ static norma_document_result carry_out(fixing *f) {
         const fix_plan *last = &best->plans[best->count - 1], *first = &best->plans[0];
         for (size_t i = 0; i < last->note_count; i++)
             norma_document_add_note(f->document, "%s", last->notes[i].text);
-        f->summary->by_rays = first->by_rays;
-        f->summary->undecided = first->undecided;
-        f->summary->least_confidence = first->least_confidence;
+        if (first->by_rays &&
+            (!f->summary->by_rays || first->least_confidence < f->summary->least_confidence))
+            f->summary->least_confidence = first->least_confidence;
+        f->summary->by_rays += first->by_rays;
+        f->summary->undecided += first->undecided;
     }
     note_left_out(f);
     if (best->count) note_idle(f, best->plans[0].asked, told);
@@ -471,22 +469,16 @@ norma_document_result norma_fix_document(norma_document *document,
     const norma_check_options *options, int unsafe, norma_fix_summary *summary,
     norma_document_error *error) {
     norma_fix_summary unwanted;
-    norma_document *composite = norma_document_tile(document, 1) ? document : NULL, *tile;
+    norma_document *tile;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!summary) summary = &unwanted;
     *summary = (norma_fix_summary){0};
     for (size_t i = 0; !result && (i == 0 || norma_document_tile(document, i)); i++) {
         tile = norma_document_tile(document, i);
-        fixing f = {.document = tile,
-            .composite = composite,
-            .request.unsafe = unsafe,
-            .summary = summary,
-            .error = error};
-        const size_t notes = i ? norma_document_note_count(tile) : 0;
+        fixing f = {.document = tile, .request.unsafe = unsafe, .summary = summary, .error = error};
         result = fix_one(&f, options);
-        for (size_t k = notes; i && k < norma_document_note_count(tile); k++)
-            norma_document_add_note(document, "tile %zu: %s", i, norma_document_note(tile, k));
     }
+    norma_document_tiles_changed(document);
     return result;
 }
 
@@ -601,9 +593,8 @@ static norma_document_result keep_given(
     return given ? NORMA_DOCUMENT_OK : fail_memory(f->error);
 }
 
-norma_document_result norma_document_try_fixes(norma_document *document,
-    const norma_check_options *options, norma_severity from, norma_findings *findings,
-    norma_document_error *error) {
+static norma_document_result try_one(norma_document *document, const norma_check_options *options,
+    norma_severity from, norma_findings *findings, norma_document_error *error) {
     fix_progress progress;
     norma_fix_summary summary = {0};
     norma_document_error unwanted;
@@ -617,5 +608,53 @@ norma_document_result norma_document_try_fixes(norma_document *document,
             if (is_offered(findings, (check_rule)rule, (norma_fix)fix, from))
                 result = try_offer(&f, (check_rule)rule, (norma_fix)fix, from, findings);
     end_fixing(&f);
+    return result;
+}
+
+/* Those of one model of a composite, as it says them itself; at: their numbers among all. */
+static norma_findings *findings_of_tile(
+    const norma_findings *findings, size_t tile, size_t *at, norma_document_error *error) {
+    char begin[40];
+    norma_findings *own = norma_findings_new(findings->profile);
+    const int length = snprintf(begin, sizeof begin, "/tiles/%zu/", tile);
+    size_t count = 0;
+    if (own) {
+        own->options = findings->options;
+        memcpy(own->rules, findings->rules, sizeof own->rules);
+    }
+    for (size_t i = 0; own && i < findings->count; i++) {
+        norma_finding finding = findings->entries[i].finding;
+        if (strncmp(finding.where, begin, (size_t)length) != 0) continue;
+        finding.where += length - 1;
+        at[count++] = i;
+        if (norma_findings_copy(own, &finding, findings->entries[i].order)) continue;
+        norma_findings_free(own);
+        own = NULL;
+    }
+    if (!own) (void)fail_memory(error);
+    return own;
+}
+
+norma_document_result norma_document_try_fixes(norma_document *document,
+    const norma_check_options *options, norma_severity from, norma_findings *findings,
+    norma_document_error *error) {
+    norma_document *tile;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (!findings || !norma_document_tile(document, 1))
+        return try_one(document, options, from, findings, error);
+    size_t *at = calloc(findings->count + 1, sizeof *at);
+    if (!at) return fail_memory(error);
+    for (size_t i = 0; !result && (tile = norma_document_tile(document, i)) != NULL; i++) {
+        norma_findings *own = findings_of_tile(findings, i, at, error);
+        result = own ? try_one(tile, options, from, own, error) : NORMA_DOCUMENT_ERROR_MEMORY;
+        for (size_t k = 0; !result && k < norma_findings_count(own); k++) {
+            const norma_finding *tried = norma_findings_get(own, k);
+            norma_finding *finding = norma_findings_change(findings, at[k]);
+            if (finding->fix != tried->fix && !norma_finding_withdraw(finding, tried->message))
+                result = fail_memory(error);
+        }
+        norma_findings_free(own);
+    }
+    free(at);
     return result;
 }

@@ -626,19 +626,15 @@ static const char *name_of_normal_map(void *document, size_t material) {
  * said beside them, and none hides another */
 
 static int add_of_tile(check_run *run, const norma_finding *finding, size_t tile) {
-    char where[CHECK_MESSAGE], label[CHECK_MESSAGE], message[CHECK_MESSAGE];
+    char where[CHECK_MESSAGE], label[CHECK_MESSAGE];
     norma_finding of_tile = *finding;
     const int is_within = strncmp(finding->where, "byte ", 5) != 0; /* else a tile left out */
     norma_check_message(where,
         *finding->where && *finding->where != '/' ? "/tiles/%z/%s" : "/tiles/%z%s", tile,
         finding->where);
     norma_check_message(label, *finding->label ? "tile %z %s" : "tile %z", tile, finding->label);
-    norma_check_message(
-        message, "%s; no fix: the composite has several models; split it first", finding->message);
     of_tile.where = is_within ? where : finding->where;
     of_tile.label = is_within ? label : finding->label;
-    if (finding->fix != NORMA_FIX_NONE) of_tile.message = message;
-    of_tile.fix = NORMA_FIX_NONE;
     return norma_findings_copy(run->findings, &of_tile, run->next_order++);
 }
 

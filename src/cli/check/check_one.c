@@ -257,8 +257,7 @@ static norma_document_result judge_whole(file_check *check, const norma_check_op
         .threads = settings->threads,
         .lenient = 1,
         .progress = report_stage,
-        .progress_user = check,
-        .every_tile = 1};
+        .progress_user = check};
     begin_stage(check, READ);
     norma_document_result result = cli_open(
         settings->files, check->path, &opening, &check->document, &check->memory, &check->error);

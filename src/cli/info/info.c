@@ -296,6 +296,7 @@ static norma_document_result read_models(const info_work *work, const char *path
         contents *one = &(*found)[*count];
         *one = (contents){.path = path, .tile = models > 1 ? *count : SIZE_MAX};
         result = read_contents(work, whole, norma_document_tile(document, *count), one, error);
+        one->format = norma_document_format(document);
     }
     return result;
 }
@@ -359,7 +360,7 @@ static int info_file(const info_work *work, const char *path) {
     void *memory;
     contents *found = NULL;
     size_t count = 0;
-    norma_document_options reading = {.depth = depth_of(work, path), .every_tile = 1};
+    norma_document_options reading = {.depth = depth_of(work, path)};
     norma_document_result result =
         cli_read(&work->files, &work->common, path, &reading, &document, &memory, &error);
     if (!result)

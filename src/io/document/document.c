@@ -164,10 +164,6 @@ static norma_document_result begin_change(norma_document *document, norma_docume
     if (!result && !document->functions->compute)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "files of this format can be read, but not changed");
-    if (!result && document->tile_count > 1)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-            "the composite has %zu tiles with meshes; only one can be changed, so split it first",
-            document->tile_count);
     if (!result && document->functions->edited) norma_edited_begin(document);
     return result;
 }

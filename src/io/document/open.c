@@ -21,9 +21,7 @@ norma_document_result norma_document_visit_files(
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "no function that receives the files was given");
     if (!document->folder || !document->functions->visit_files) return NORMA_DOCUMENT_OK;
-    int stopped = 0;
-    for (size_t i = 0; norma_document_tile(document, i) && !stopped; ++i)
-        stopped = document->functions->visit_files(norma_document_tile(document, i), visit, user);
+    const int stopped = document->functions->visit_files(document, visit, user);
     return stopped < 0 ? norma_document_fail_memory(document, error) : NORMA_DOCUMENT_OK;
 }
 
@@ -74,8 +72,9 @@ static const format_functions *format_functions_of(norma_file_format format) {
     case NORMA_FILE_GLB:
     case NORMA_FILE_B3DM:
     case NORMA_FILE_I3DM:
-    case NORMA_FILE_CMPT:
         return &norma_gltf_functions;
+    case NORMA_FILE_CMPT:
+        return &norma_composite_functions;
     case NORMA_FILE_3MF:
         return &norma_3mf_functions;
     default:
@@ -97,7 +96,6 @@ norma_document *norma_document_make(
     norma_watch_begin(&document->watch, options->progress, options->progress_user);
     document->lenient = options->lenient;
     document->copied = options->copied;
-    document->every_tile = options->every_tile;
     document->scene = norma_scene_create();
     if (document->scene && document->path && (document->folder || !has_folder)) return document;
     norma_document_close(document);
@@ -134,44 +132,9 @@ int norma_document_changed(const norma_document *document, norma_document_error 
 
 /* ---- the models of a composite tile */
 
-/* What a message says behind the path is said of a tile. */
-static norma_document_result fail_in_tile(
-    const norma_document *tile, norma_document_error *error, norma_document_result result) {
-    char place[40];
-    norma_document_error own;
-    const size_t length = strlen(tile->path);
-    if (!error || tile->tile_count < 2 || strncmp(error->message, tile->path, length) != 0 ||
-        error->message[length] != ':')
-        return result;
-    own = *error;
-    snprintf(place, sizeof place, "tile %zu", tile->tile);
-    return norma_document_fail(tile, error, result, place, "%s",
-        own.message + length + 1 + (own.message[length + 1] == ' '));
-}
-
-static norma_document_result open_tiles(
-    norma_document *first, const norma_document_options *options, norma_document_error *error) {
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    if (first->tile_count < 2) return result;
-    first->tiles = norma_io_allocate(first->tile_count, sizeof *first->tiles);
-    if (!first->tiles) return norma_document_fail_memory(first, error);
-    for (size_t i = 1; i < first->tile_count && !result; ++i) {
-        norma_document *made = norma_document_make(first->path, first->folder != NULL, options);
-        if (!made) return norma_document_fail_memory(first, error);
-        first->tiles[i] = made;
-        made->tile = i;
-        made->stamp = first->stamp;
-        made->source = (file_bytes){.data = first->source.data, .size = first->source.size};
-        result = norma_document_read(made, error);
-        if (result) result = fail_in_tile(made, error, result);
-    }
-    return result;
-}
-
 norma_document *norma_document_tile(norma_document *document, size_t index) {
-    if (index == 0 || !document || !document->tiles || index >= document->tile_count)
-        return index == 0 ? document : NULL;
-    return document->tiles[index];
+    if (!document || !document->tiles) return index == 0 ? document : NULL;
+    return index < document->tile_count ? document->tiles[index] : NULL;
 }
 
 static norma_document_result open_with(const char *name, int has_folder, const file_bytes *memory,
@@ -195,8 +158,6 @@ static norma_document_result open_with(const char *name, int has_folder, const f
     }
     if (!result) {
         result = norma_document_read(made, error);
-        if (result && options.every_tile) result = fail_in_tile(made, error, result);
-        if (!result) result = open_tiles(made, &options, error);
         /* What was found in it may come of that. */
         if (result != NORMA_DOCUMENT_CANCELLED && result != NORMA_DOCUMENT_ERROR_MEMORY &&
             norma_document_changed(made, error))
@@ -245,10 +206,10 @@ norma_document_result norma_document_open_memory(const void *bytes, size_t size,
 
 void norma_document_close(norma_document *document) {
     if (!document) return;
-    for (size_t i = 1; document->tiles && i < document->tile_count; ++i)
+    if (document->functions) document->functions->close(document);
+    for (size_t i = 0; document->tiles && i < document->tile_count; ++i)
         norma_document_close(document->tiles[i]);
     free(document->tiles);
-    if (document->functions) document->functions->close(document);
     norma_scene_destroy(document->scene);
     for (size_t i = 0; i < document->note_count; ++i) free(document->notes[i]);
     free(document->notes);

@@ -26,6 +26,9 @@ norma_document_result norma_document_turn_green(
 norma_document_result norma_document_copy(
     norma_document *document, norma_document **copy, norma_document_error *error);
 
+/* After models of a composite (norma_document_tile) were changed by themselves. */
+void norma_document_tiles_changed(norma_document *document);
+
 /* How often a tile of 3D Tiles draws its whole scene turned or scaled (i3dm); 0: not at all.
  * matrix: of one of them, if there are so many; from the scene to the tile, whose z points up,
  * without the place. */

@@ -108,9 +108,8 @@ struct norma_document {
     const shared_normals *shared; /* NULL, or where its normals come from while it is computed */
     int copied;                   /* files are read into memory, for a summary too */
     int lenient;                  /* what norma check judges is read instead of refused */
-    int every_tile;               /* all models of a composite tile are read: */
-    size_t tile, tile_count;      /* this one's number, and how many there are */
-    norma_document **tiles;       /* of the first: the others, open on its bytes; or NULL */
+    size_t tile_count;            /* of a composite with several models, */
+    norma_document **tiles;       /* which are open on its bytes; or NULL */
     struct norma_scene *scene;    /* what else is told of it */
 };
 
@@ -182,7 +181,8 @@ static inline norma_watch *norma_document_watch(const norma_document *document) 
 }
 
 extern const format_functions norma_obj_functions, norma_ply_functions, norma_stl_functions,
-    norma_gltf_functions /* all that hold a glTF */, norma_3mf_functions;
+    norma_gltf_functions /* all that hold one glTF */, norma_composite_functions,
+    norma_3mf_functions;
 
 /* For visit_files: hands visit the file of a name, which is relative to the
  * document's folder or absolute. Returns 1 if visit stopped, -1 if memory is out, else 0. */

@@ -586,8 +586,6 @@ static norma_document_result gltf_open(norma_document *document, norma_document_
     if (document->format != NORMA_FILE_GLTF) {
         g->text = NULL;
         result = read_glb(g, error);
-        /* of a composite's models each may stand for what its own bytes do */
-        if (document->tile_count > 1) g->held = g->tile.end - g->tile.at;
     }
     if (!result) result = parse_text(g, error);
     norma_document_result (*const steps[])(gltf *, norma_document_error *) = {

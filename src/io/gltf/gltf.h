@@ -174,7 +174,7 @@ typedef struct gltf_patch
     gltf_patch; /* gltf.h: what is to become of accessors, views and buffers */
 
 enum { TILE_DEPTH = 8 };
-/* A GLB in its file: all of it, or the end of a tile of 3D Tiles 1.0 (gltf_write.c). */
+/* A GLB in its file: all of it, or the end of a tile of 3D Tiles 1.0 (composite.c). */
 typedef struct gltf_tile {
     size_t at, end;             /* of the GLB; of the tile or the file */
     size_t headers[TILE_DEPTH]; /* offsets of the tile's and the composites' around it */

@@ -365,6 +365,10 @@ norma_document_result norma_member_open(together_run *run, member *m) {
     if (m->document->format == NORMA_FILE_3MF)
         return norma_document_fail(m->document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "a 3MF has no normals; expected OBJ, PLY or glTF");
+    if (m->document->tile_count)
+        return norma_document_fail(m->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "the composite has %zu tiles with meshes; expected one, so split it first",
+            m->document->tile_count);
     result = check_frame(run, m->document, error);
     if (result) return result;
     m->level = (uint32_t)run->number;

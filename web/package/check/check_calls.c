@@ -19,7 +19,7 @@ void WEB_EXPORT(check_release)(void *block) { free(block); }
 static norma_document_result open_and_check(checked_file *file, const void *bytes, size_t size,
     const char *name, norma_file_format format, const norma_check_options *options) {
     const norma_document_options opening = {
-        .struct_size = sizeof opening, .format = format, .lenient = 1, .every_tile = 1};
+        .struct_size = sizeof opening, .format = format, .lenient = 1};
     const norma_document_result result =
         norma_document_open_memory(bytes, size, name, &opening, &file->document, &file->error);
     if (result != NORMA_DOCUMENT_OK) return result;

@@ -1,0 +1,718 @@
+/* composite.c: tiles of 3D Tiles 1.0 (OGC 18-053r2). Where their models stand in the file; and a
+ * composite with several, which is read and changed as one document: the models are documents of
+ * their own, of the bytes of their tiles, whose meshes, nodes and materials follow one another.
+ * When it is written, tiles that changed take the places of those that were read, and the lengths
+ * around them are set. */
+#include "io/format/for_fixes.h"
+#include "io/gltf/gltf.h"
+#include "io/stream/stream.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- where the models stand */
+
+enum { BYTE_LENGTH = 8, COMPOSITE_HEADER = 16, TABLES = 12, MODEL_TABLES_END = 28 };
+enum { MOST_MODELS = 1024 }; /* each takes some kilobytes beside the file */
+
+typedef struct tile_search {
+    const norma_document *document;
+    gltf_tile path;   /* the headers above what is looked at */
+    size_t found;     /* GLBs */
+    gltf_tile *tiles; /* written: of the first GLBs, */
+    size_t room;      /* so many */
+    size_t without;   /* tiles without one; the first: */
+    size_t without_at;
+    const char *instead; /* what it has */
+} tile_search;
+
+static norma_document_result fail_tile(const tile_search *s, norma_document_error *error,
+    norma_document_result result, size_t byte, const char *message) {
+    char place[40];
+    snprintf(place, sizeof place, "byte %zu", byte);
+    return norma_document_fail(s->document, error, result, place, "%s", message);
+}
+
+static void leave_out_tile(tile_search *s, size_t at, const char *instead) {
+    if (s->without++ > 0) return;
+    s->without_at = at;
+    s->instead = instead;
+}
+
+static int has_magic(const unsigned char *at, const char *magic) {
+    return memcmp(at, magic, 4) == 0;
+}
+
+/* The GLB begins behind a header and four tables, whose lengths the header lists. */
+static norma_document_result find_model(
+    tile_search *s, size_t at, size_t end, norma_document_error *error) {
+    const unsigned char *tile = s->document->source.data + at;
+    const int has_instances = has_magic(tile, "i3dm");
+    uint64_t begin = MODEL_TABLES_END + (has_instances ? 4 : 0);
+    if (end - at < begin)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at, "the tile's header is cut");
+    const int is_outside = has_instances && norma_gltf_u32(tile + MODEL_TABLES_END) == 0;
+    for (int i = TABLES; i < MODEL_TABLES_END; i += 4) begin += norma_gltf_u32(tile + i);
+    if (begin > end - at)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at + TABLES,
+            "the tables are longer than the tile; expected the 28 bytes of a header as 3D Tiles "
+            "1.0 has them");
+    if (is_outside) {
+        leave_out_tile(s, at, "names a glTF file instead of holding one; give that file");
+    } else if (s->found++ < s->room) {
+        gltf_tile *tile_found = &s->tiles[s->found - 1];
+        *tile_found = s->path;
+        tile_found->at = at + (size_t)begin;
+        tile_found->end = end;
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result look_into_tile(
+    tile_search *s, size_t at, size_t end, size_t *next, norma_document_error *error) {
+    const unsigned char *tile = s->document->source.data + at;
+    if (end - at < COMPOSITE_HEADER)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at,
+            "expected the header of a tile; found the end");
+    const size_t length = norma_gltf_u32(tile + BYTE_LENGTH);
+    if (norma_gltf_u32(tile + 4) != 1)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, at + 4,
+            "this is not version 1 of a tile, the only one that can be read");
+    if (length < COMPOSITE_HEADER || length > end - at)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at + BYTE_LENGTH,
+            "the tile's length does not fit into the file");
+    if (s->path.depth == TILE_DEPTH)
+        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, at,
+            "composite tiles are nested more than eight deep");
+    *next = at + length;
+    s->path.headers[s->path.depth++] = at;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (has_magic(tile, "b3dm") || has_magic(tile, "i3dm"))
+        result = find_model(s, at, *next, error);
+    else if (has_magic(tile, "cmpt")) {
+        size_t inner = at + COMPOSITE_HEADER;
+        for (uint32_t i = norma_gltf_u32(tile + 12); i > 0 && !result; --i)
+            result = look_into_tile(s, inner, *next, &inner, error);
+    } else if (has_magic(tile, "pnts"))
+        leave_out_tile(s, at, "has points, which have no faces");
+    else
+        result = fail_tile(s, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, at,
+            "expected a tile that begins with b3dm, i3dm, cmpt or pnts");
+    --s->path.depth;
+    return result;
+}
+
+static void tell_left_out(const tile_search *s, gltf_tile *tile) {
+    tile->left_out = s->without;
+    tile->left_out_at = s->without_at;
+    tile->left_out_why = s->instead;
+}
+
+static norma_document_result look_into_file(tile_search *s, norma_document_error *error) {
+    size_t next = 0;
+    const norma_document_result result =
+        look_into_tile(s, 0, s->document->source.size, &next, error);
+    if (result || s->found) return result;
+    return norma_document_fail(s->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+        "the tile %s", s->instead ? s->instead : "is empty");
+}
+
+norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error) {
+    tile_search s = {.document = g->document, .tiles = &g->tile, .room = 1};
+    if (g->document->format == NORMA_FILE_GLB) return NORMA_DOCUMENT_OK;
+    const norma_document_result result = look_into_file(&s, error);
+    tell_left_out(&s, &g->tile);
+    return result;
+}
+
+/* ---- the models of a composite, each with the numbers at which what it has begins */
+
+typedef struct composite_model {
+    norma_document *document;
+    gltf_tile tile;
+    double step[3];    /* from its frame to that of the first, in axes of glTF */
+    size_t mesh, node; /* as norma_document_mesh_info and norma_document_node_info count */
+    size_t mesh_number, node_number; /* as the file counts */
+    size_t skin, material, image;
+    size_t notes;                    /* of its document, so many of which the composite has told */
+    char **mesh_where, **node_where; /* NULL: not asked for yet */
+} composite_model;
+
+typedef struct composite {
+    composite_model *models; /* and one more: the ends */
+    size_t count;
+} composite;
+
+static composite *composite_of(const norma_document *document) { return document->state; }
+
+static const gltf *gltf_of_model(const composite_model *model) {
+    return norma_gltf_of(model->document);
+}
+
+static composite_model *model_of_mesh(const norma_document *document, size_t mesh) {
+    const composite *c = composite_of(document);
+    size_t i = 0;
+    while (i + 1 < c->count && mesh >= c->models[i + 1].mesh) ++i;
+    return &c->models[i];
+}
+
+static composite_model *model_of_node(const norma_document *document, size_t node) {
+    const composite *c = composite_of(document);
+    size_t i = 0;
+    while (i + 1 < c->count && node >= c->models[i + 1].node) ++i;
+    return &c->models[i];
+}
+
+static composite_model *model_of_material(const norma_document *document, size_t material) {
+    const composite *c = composite_of(document);
+    size_t i = 0;
+    while (i + 1 < c->count && material >= c->models[i + 1].material) ++i;
+    return &c->models[i];
+}
+
+static size_t moved(size_t number, size_t by) { return number == SIZE_MAX ? number : number + by; }
+
+/* What a tile says of itself, with its number. */
+static norma_document_result fail_model(const norma_document *document, size_t i,
+    norma_document_error *error, norma_document_result result) {
+    char place[40];
+    const size_t length = strlen(document->path);
+    if (!result || !error || strncmp(error->message, document->path, length) != 0 ||
+        error->message[length] != ':')
+        return result;
+    const norma_document_error own = *error;
+    const char *said = own.message + length + 1;
+    snprintf(place, sizeof place, "tile %zu", i);
+    return norma_document_fail(document, error, result, place, "%s", said + (*said == ' '));
+}
+
+/* Where the numbers of each model begin; after each change, for it may add materials. */
+static void count_models(const norma_document *document) {
+    composite *c = composite_of(document);
+    const int is_whole = document->depth == NORMA_DOCUMENT_WHOLE;
+    for (size_t i = 0; i < c->count; ++i) {
+        composite_model *m = &c->models[i], *next = m + 1;
+        norma_document *own = m->document;
+        next->mesh = m->mesh + norma_document_mesh_count(own);
+        next->node = m->node + norma_document_node_count(own);
+        next->skin = m->skin + (is_whole ? norma_document_skin_count(own) : 0);
+        next->material = m->material + (is_whole ? norma_document_material_count(own) : 0);
+        const gltf *g = gltf_of_model(m);
+        next->mesh_number = m->mesh_number + g->mesh_count;
+        next->node_number = m->node_number + g->node_count;
+        next->image = m->image + g->json.count; /* at least as many as images */
+    }
+}
+
+static void tell_notes(norma_document *document) {
+    composite *c = composite_of(document);
+    for (size_t i = 0; i < c->count; ++i)
+        for (composite_model *m = &c->models[i]; m->notes < norma_document_note_count(m->document);
+             ++m->notes)
+            norma_document_add_note(
+                document, "tile %zu: %s", i, norma_document_note(m->document, m->notes));
+}
+
+void norma_document_tiles_changed(norma_document *document) {
+    if (!document->tiles) return;
+    count_models(document);
+    tell_notes(document);
+    norma_scene_forget(document->scene);
+}
+
+/* glTF's y points up, a tile's z. */
+static void place_models(composite *c) {
+    double first[3], own[3];
+    if (!norma_gltf_read_frame(gltf_of_model(&c->models[0]), first)) return;
+    for (size_t i = 1; i < c->count; ++i) {
+        double *step = c->models[i].step;
+        if (!norma_gltf_read_frame(gltf_of_model(&c->models[i]), own)) continue;
+        step[0] = own[0] - first[0];
+        step[1] = own[2] - first[2];
+        step[2] = first[1] - own[1];
+    }
+}
+
+static norma_document_result open_model(
+    norma_document *document, size_t i, norma_document_error *error) {
+    composite_model *m = &composite_of(document)->models[i];
+    const size_t begin = m->tile.headers[m->tile.depth - 1];
+    const unsigned char *bytes = document->source.data + begin;
+    const norma_document_options options = {.struct_size = sizeof options,
+        .format = has_magic(bytes, "i3dm") ? NORMA_FILE_I3DM : NORMA_FILE_B3DM,
+        .depth = document->depth,
+        .threads = document->threads,
+        .lenient = document->lenient,
+        .copied = document->copied};
+    norma_document *made = norma_document_make(document->path, document->folder != NULL, &options);
+    if (!made) return norma_document_fail_memory(document, error);
+    m->document = document->tiles[i] = made;
+    made->source = (file_bytes){.data = bytes, .size = m->tile.end - begin};
+    return fail_model(document, i, error, norma_document_read(made, error));
+}
+
+static norma_document_result composite_open(norma_document *document, norma_document_error *error) {
+    tile_search s = {.document = document};
+    norma_document_result result = look_into_file(&s, error);
+    if (!result && s.found == 1) {
+        document->functions = &norma_gltf_functions;
+        return norma_gltf_functions.open(document, error);
+    }
+    if (!result && s.found > MOST_MODELS)
+        result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "the composite has %zu tiles with meshes, more than the %d that are read; split it",
+            s.found, MOST_MODELS);
+    if (result) return result;
+    composite *c = norma_io_allocate(1, sizeof *c);
+    document->state = c;
+    if (c) c->models = norma_io_allocate(s.found + 1, sizeof *c->models);
+    document->tiles = norma_io_allocate(s.found, sizeof *document->tiles);
+    gltf_tile *tiles = norma_io_allocate(s.found, sizeof *tiles);
+    if (!c || !c->models || !document->tiles || !tiles) {
+        free(tiles);
+        return norma_document_fail_memory(document, error);
+    }
+    c->count = document->tile_count = s.found;
+    tile_search again = {.document = document, .tiles = tiles, .room = s.found};
+    result = look_into_file(&again, error);
+    for (size_t i = 0; !result && i < c->count; ++i) {
+        c->models[i].tile = tiles[i];
+        result = open_model(document, i, error);
+    }
+    free(tiles);
+    if (result) return result;
+    tell_left_out(&again, &norma_gltf_of(document->tiles[0])->tile);
+    place_models(c);
+    norma_document_tiles_changed(document);
+    return NORMA_DOCUMENT_OK;
+}
+
+static void free_texts(char **texts, size_t count) {
+    for (size_t i = 0; texts && i < count; ++i) free(texts[i]);
+    free((void *)texts);
+}
+
+static void composite_close(norma_document *document) {
+    composite *c = composite_of(document);
+    if (!c) return;
+    for (size_t i = 0; c->models && i < c->count; ++i) {
+        const composite_model *m = &c->models[i];
+        free_texts(m->mesh_where, m[1].mesh - m->mesh);
+        free_texts(m->node_where, m[1].node - m->node);
+    }
+    free(c->models);
+    free(c);
+}
+
+/* ---- asking */
+
+/* "/meshes/0" as "/tiles/2/meshes/0", kept; NULL: out of memory. */
+static const char *where_of(const norma_document *document, const composite_model *m, char ***list,
+    size_t count, size_t index, const char *where) {
+    if (!*list) *list = norma_io_allocate(count, sizeof **list);
+    if (!*list) return NULL;
+    if (!(*list)[index]) {
+        char begin[40];
+        snprintf(begin, sizeof begin, "/tiles/%zu", (size_t)(m - composite_of(document)->models));
+        (*list)[index] = norma_io_join(begin, where);
+    }
+    return (*list)[index];
+}
+
+static size_t composite_mesh_count(const norma_document *document) {
+    const composite *c = composite_of(document);
+    return c->models[c->count].mesh;
+}
+
+static norma_document_result composite_mesh_info(
+    const norma_document *document, size_t index, norma_mesh_info *info) {
+    composite_model *m = model_of_mesh(document, index);
+    const norma_document_result result =
+        norma_document_mesh_info(m->document, index - m->mesh, info);
+    if (result) return result;
+    info->mesh += m->mesh_number;
+    info->where =
+        where_of(document, m, &m->mesh_where, m[1].mesh - m->mesh, index - m->mesh, info->where);
+    return info->where ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MEMORY;
+}
+
+static norma_document_result composite_mesh_data(
+    norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
+    const composite_model *m = model_of_mesh(document, index);
+    return norma_document_mesh_data(m->document, index - m->mesh, data, error);
+}
+
+static size_t composite_node_count(const norma_document *document) {
+    const composite *c = composite_of(document);
+    return c->models[c->count].node;
+}
+
+static void step_to(const composite_model *m, double sign, double world[16]) {
+    for (int axis = 0; axis < 3; ++axis) world[12 + axis] += sign * m->step[axis];
+}
+
+static norma_document_result composite_node_info(
+    const norma_document *document, size_t index, norma_node_info *info) {
+    composite_model *m = model_of_node(document, index);
+    const norma_document_result result =
+        norma_document_node_info(m->document, index - m->node, info);
+    if (result) return result;
+    info->node += m->node_number;
+    info->mesh += m->mesh_number;
+    info->parent = moved(info->parent, m->node_number);
+    info->skin = moved(info->skin, m->skin);
+    step_to(m, 1, info->world);
+    info->where =
+        where_of(document, m, &m->node_where, m[1].node - m->node, index - m->node, info->where);
+    return info->where ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MEMORY;
+}
+
+static int composite_visit_files(
+    const norma_document *document, norma_visit_file *visit, void *user) {
+    const composite *c = composite_of(document);
+    int stopped = 0;
+    for (size_t i = 0; i < c->count && !stopped; ++i)
+        stopped = norma_gltf_functions.visit_files(c->models[i].document, visit, user);
+    return stopped;
+}
+
+/* ---- changing: each model by itself */
+
+typedef struct model_steps { /* progress of several models as that of all */
+    norma_progress *progress;
+    void *user;
+    double done, of;
+} model_steps;
+
+static int pass_on_progress(void *user, double fraction) {
+    const model_steps *steps = user;
+    return steps->progress(steps->user, (steps->done + fraction) / steps->of);
+}
+
+/* After the models were changed, or some of them. */
+static norma_document_result end_models(
+    norma_document *document, size_t i, norma_document_error *error, norma_document_result result) {
+    norma_document_tiles_changed(document);
+    return fail_model(document, i - (i > 0), error, result);
+}
+
+static norma_document_result composite_compute(norma_document *document,
+    const norma_compute_options *given, norma_compute_summary *summary,
+    norma_document_error *error) {
+    const composite *c = composite_of(document);
+    model_steps steps = {given->progress, given->progress_user, 0, (double)c->count};
+    norma_compute_options options = *given;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t i = 0;
+    options.progress = given->progress ? pass_on_progress : NULL;
+    options.progress_user = &steps;
+    for (; i < c->count && !result; ++i) {
+        norma_compute_summary own;
+        options.meshes = given->meshes ? given->meshes + c->models[i].mesh : NULL;
+        steps.done = (double)i;
+        result = norma_document_compute(c->models[i].document, &options, &own, error);
+        if (result) continue;
+        const norma_compute_summary sum = *summary;
+        *summary = own;
+        summary->report = sum.report;
+        norma_policy_add_report(&summary->report, &own.report, i);
+        summary->changed |= sum.changed;
+        summary->faces += sum.faces;
+        summary->vertices_before += sum.vertices_before;
+        summary->vertices_after += sum.vertices_after;
+        summary->by_groups |= sum.by_groups;
+        summary->edges_counted |= sum.edges_counted;
+        summary->hard_edges += sum.hard_edges;
+        summary->filled += sum.filled;
+        summary->tangents_kept += sum.tangents_kept;
+        summary->tangents_orthogonalised += sum.tangents_orthogonalised;
+        summary->tangents_regenerated += sum.tangents_regenerated;
+    }
+    return end_models(document, i, error, result);
+}
+
+static norma_document_result composite_tangents(norma_document *document,
+    const norma_tangent_options *given, norma_tangent_summary *summary,
+    norma_document_error *error) {
+    const composite *c = composite_of(document);
+    model_steps steps = {given->progress, given->progress_user, 0, (double)c->count};
+    norma_tangent_options options = *given;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t i = 0;
+    options.progress = given->progress ? pass_on_progress : NULL;
+    options.progress_user = &steps;
+    for (; i < c->count && !result; ++i) {
+        norma_tangent_summary own;
+        options.meshes = given->meshes ? given->meshes + c->models[i].mesh : NULL;
+        steps.done = (double)i;
+        result = norma_document_tangents(c->models[i].document, &options, &own, error);
+        if (result) continue;
+        summary->changed |= own.changed;
+        summary->primitives += own.primitives;
+        summary->left_out += own.left_out;
+        summary->vertices_before += own.vertices_before;
+        summary->vertices_after += own.vertices_after;
+        summary->degenerate += own.degenerate;
+        summary->non_finite += own.non_finite;
+        summary->cancelled += own.cancelled;
+    }
+    return end_models(document, i, error, result);
+}
+
+static void add_pack_part(norma_pack_part *sum, const norma_pack_part *own) {
+    sum->accessors += own->accessors;
+    sum->packed += own->packed;
+    sum->bytes_before += own->bytes_before;
+    sum->bytes_after += own->bytes_after;
+    if (own->max_error_rad > sum->max_error_rad) sum->max_error_rad = own->max_error_rad;
+}
+
+static norma_document_result composite_pack(norma_document *document,
+    const norma_pack_options *given, norma_pack_summary *summary, norma_document_error *error) {
+    const composite *c = composite_of(document);
+    model_steps steps = {given->progress, given->progress_user, 0, (double)c->count};
+    norma_pack_options options = *given;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t i = 0;
+    options.progress = given->progress ? pass_on_progress : NULL;
+    options.progress_user = &steps;
+    for (; i < c->count && !result; ++i) {
+        norma_pack_summary own;
+        steps.done = (double)i;
+        result = norma_document_pack(c->models[i].document, &options, &own, error);
+        if (result) continue;
+        summary->changed |= own.changed;
+        summary->made_unit += own.made_unit;
+        add_pack_part(&summary->normals, &own.normals);
+        add_pack_part(&summary->tangents, &own.tangents);
+    }
+    return end_models(document, i, error, result);
+}
+
+static norma_document_result composite_transform(norma_document *document,
+    const norma_transform_options *given, norma_transform_summary *summary,
+    norma_document_error *error) {
+    const composite *c = composite_of(document);
+    model_steps steps = {given->progress, given->progress_user, 0, (double)c->count};
+    norma_transform_options options = *given;
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t i = 0;
+    options.progress = given->progress ? pass_on_progress : NULL;
+    options.progress_user = &steps;
+    for (; i < c->count && !result; ++i) {
+        norma_transform_summary own;
+        steps.done = (double)i;
+        result = norma_document_transform(c->models[i].document, &options, &own, error);
+        if (result) continue;
+        summary->changed |= own.changed;
+        summary->vertices += own.vertices;
+        summary->meshes += own.meshes;
+        summary->nodes_baked += own.nodes_baked;
+        summary->mirrored |= own.mirrored;
+    }
+    return end_models(document, i, error, result);
+}
+
+static norma_document_result composite_edit(
+    norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
+    const composite *c = composite_of(document);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t i = 0;
+    for (; i < c->count && !result; ++i)
+        result = norma_document_edit(c->models[i].document, edits + c->models[i].mesh, error);
+    return end_models(document, i, error, result);
+}
+
+static norma_document_result composite_equal_vertices(
+    norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error) {
+    const composite_model *m = model_of_mesh(document, mesh);
+    return norma_document_equal_vertices(m->document, mesh - m->mesh, first, error);
+}
+
+static norma_document_result composite_recentre(
+    norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error) {
+    const composite *c = composite_of(document);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    size_t i = 0;
+    for (; i < c->count && !result; ++i) {
+        int own;
+        result = norma_document_recentre(
+            c->models[i].document, meshes ? meshes + c->models[i].mesh : NULL, &own, error);
+        *changed |= own;
+    }
+    return end_models(document, i, error, result);
+}
+
+/* ---- writing */
+
+static void add_to_length(unsigned char *header, size_t grown) {
+    const uint32_t length = norma_gltf_u32(header + BYTE_LENGTH) + (uint32_t)grown;
+    for (int i = 0; i < 4; ++i) header[BYTE_LENGTH + i] = (unsigned char)(length >> (8 * i));
+}
+
+/* A model's other files would be told apart by nothing: what changes of them goes into the model,
+ * as where there is no path. */
+static norma_document_result write_models(norma_document *document, growing_bytes *made,
+    unsigned char *around, norma_write *write, void *user, norma_document_error *error) {
+    const composite *c = composite_of(document);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    uint64_t size = document->source.size;
+    for (size_t i = 0; i < c->count && !result; ++i) {
+        const gltf_tile *tile = &c->models[i].tile;
+        result =
+            norma_document_write(c->models[i].document, norma_memory_sink_write, &made[i], error);
+        if (result == NORMA_DOCUMENT_ERROR_FILE && made[i].failed)
+            result = norma_document_fail_memory(document, error);
+        if (result) return fail_model(document, i, error, result);
+        const size_t grown = made[i].size - (tile->end - tile->headers[tile->depth - 1]);
+        size += grown;
+        for (uint32_t k = 0; k + 1 < tile->depth; ++k)
+            add_to_length(around + tile->headers[k], grown);
+    }
+    if (size > UINT32_MAX)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "would become larger than the 4 GiB that a tile can be");
+    size_t at = 0;
+    int failed = 0;
+    for (size_t i = 0; i < c->count && !failed; ++i) {
+        const gltf_tile *tile = &c->models[i].tile;
+        const size_t begin = tile->headers[tile->depth - 1];
+        if (begin > at) failed = write(user, around + at, begin - at);
+        if (!failed) failed = write(user, made[i].data, made[i].size);
+        at = tile->end;
+    }
+    if (!failed && at < document->source.size)
+        failed = write(user, around + at, document->source.size - at);
+    return failed ? norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_FILE, NULL,
+                        "the output could not be written")
+                  : NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result composite_write(norma_document *document, const char *path,
+    norma_write *write, void *user, norma_document_error *error) {
+    const composite *c = composite_of(document);
+    growing_bytes *made = norma_io_allocate(c->count, sizeof *made);
+    unsigned char *around =
+        malloc(document->source.size); /* the file, its lengths as they will be */
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    if (made && around) {
+        memcpy(around, document->source.data, document->source.size);
+        result = write_models(document, made, around, write, user, error);
+    } else {
+        result = norma_document_fail_memory(document, error);
+    }
+    for (size_t i = 0; made && i < c->count; ++i) free(made[i].data);
+    free(made);
+    free(around);
+    (void)path;
+    return result;
+}
+
+/* ---- what else is told */
+
+static norma_document_result composite_materials(
+    norma_document *document, norma_document_error *error) {
+    const composite *c = composite_of(document);
+    norma_scene *scene = document->scene;
+    const size_t count = c->models[c->count].material;
+    norma_material_info *made = norma_scene_allocate(scene, count, sizeof *made);
+    if (!made) return norma_document_fail_memory(document, error);
+    for (size_t i = 0; i < c->count; ++i)
+        for (size_t k = c->models[i].material; k < c->models[i + 1].material; ++k)
+            (void)norma_document_material_info(
+                c->models[i].document, k - c->models[i].material, &made[k]);
+    scene->materials = made;
+    scene->material_count = count;
+    return NORMA_DOCUMENT_OK;
+}
+
+static norma_document_result composite_attributes(norma_document *document, size_t mesh,
+    norma_mesh_attributes *attributes, norma_document_error *error) {
+    const composite_model *m = model_of_mesh(document, mesh);
+    const norma_document_result result =
+        norma_document_mesh_attributes(m->document, mesh - m->mesh, attributes, error);
+    attributes->material = moved(attributes->material, m->material);
+    return result;
+}
+
+static norma_document_result composite_morph(norma_document *document, size_t mesh, size_t target,
+    norma_morph_data *data, norma_document_error *error) {
+    const composite_model *m = model_of_mesh(document, mesh);
+    return norma_document_morph_data(m->document, mesh - m->mesh, target, data, error);
+}
+
+static norma_document_result composite_instance_world(norma_document *document, size_t node,
+    size_t instance, double world[16], norma_document_error *error) {
+    const composite_model *m = model_of_node(document, node);
+    const norma_document_result result =
+        norma_document_instance_world(m->document, node - m->node, instance, world, error);
+    if (!result) step_to(m, 1, world);
+    return result;
+}
+
+static norma_document_result composite_move_drawn(norma_document *document, size_t node,
+    size_t mesh, norma_drawn_mesh *drawn, norma_document_error *error) {
+    const composite_model *m = model_of_node(document, node);
+    step_to(m, -1, drawn->world);
+    const norma_document_result result =
+        norma_gltf_move_drawn(m->document, node - m->node, mesh - m->mesh, drawn, error);
+    step_to(m, 1, drawn->world);
+    return result;
+}
+
+static norma_document_result composite_material_maps(norma_document *document, size_t material,
+    norma_material_maps *maps, norma_document_error *error) {
+    const composite_model *m = model_of_material(document, material);
+    const norma_document_result result =
+        norma_document_material_maps(m->document, material - m->material, maps, error);
+    maps->base_color.image = moved(maps->base_color.image, m->image);
+    maps->normal.image = moved(maps->normal.image, m->image);
+    return result;
+}
+
+static norma_document_result composite_normal_map(norma_document *document, size_t material,
+    norma_texture_info *map, norma_document_error *error) {
+    const composite_model *m = model_of_material(document, material);
+    const norma_document_result result =
+        norma_document_normal_map(m->document, material - m->material, map, error);
+    map->image = moved(map->image, m->image);
+    return result;
+}
+
+static norma_document_result composite_texcoords(norma_document *document, size_t mesh, size_t set,
+    const float **texcoords, size_t *count, norma_document_error *error) {
+    const composite_model *m = model_of_mesh(document, mesh);
+    return norma_document_texcoords(m->document, mesh - m->mesh, set, texcoords, count, error);
+}
+
+/* Skins and what was not read are told by each model alone. */
+static const scene_functions composite_scene = {
+    .materials = composite_materials,
+    .attributes = composite_attributes,
+    .morph = composite_morph,
+    .instance_world = composite_instance_world,
+    .move_drawn = composite_move_drawn,
+    .material_maps = composite_material_maps,
+    .normal_map = composite_normal_map,
+    .texcoords = composite_texcoords,
+};
+
+const format_functions norma_composite_functions = {
+    .open = composite_open,
+    .close = composite_close,
+    .mesh_count = composite_mesh_count,
+    .mesh_info = composite_mesh_info,
+    .mesh_data = composite_mesh_data,
+    .node_count = composite_node_count,
+    .node_info = composite_node_info,
+    .compute = composite_compute,
+    .tangents = composite_tangents,
+    .pack = composite_pack,
+    .transform = composite_transform,
+    .edit = composite_edit,
+    .equal_vertices = composite_equal_vertices,
+    .recentre = composite_recentre,
+    .write = composite_write,
+    .visit_files = composite_visit_files,
+    .scene = &composite_scene,
+};
