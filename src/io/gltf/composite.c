@@ -186,7 +186,23 @@ static norma_document_result fail_model(const norma_document *document, size_t i
     return norma_document_fail(document, error, result, place, "%s", said + (*said == ' '));
 }
 
-/* Where the numbers of each model begin; after each change, for it may add materials. */
+static void free_texts(char ***texts, size_t count) {
+    for (size_t i = 0; *texts && i < count; ++i) free((*texts)[i]);
+    free((void *)*texts);
+    *texts = NULL;
+}
+
+/* Before models are counted anew: there are as many texts as were counted. */
+static void forget_wheres(composite *c) {
+    for (size_t i = 0; i < c->count; ++i) {
+        composite_model *m = &c->models[i];
+        free_texts(&m->mesh_where, m[1].mesh - m->mesh);
+        free_texts(&m->node_where, m[1].node - m->node);
+    }
+}
+
+/* Where the numbers of each model begin; after each change, for it may add materials, and baking
+ * makes meshes. */
 static void count_models(const norma_document *document) {
     composite *c = composite_of(document);
     const int is_whole = document->depth == NORMA_DOCUMENT_WHOLE;
@@ -215,6 +231,7 @@ static void tell_notes(norma_document *document) {
 
 void norma_document_tiles_changed(norma_document *document) {
     if (!document->tiles) return;
+    forget_wheres(composite_of(document));
     count_models(document);
     tell_notes(document);
     norma_scene_forget(document->scene);
@@ -287,19 +304,10 @@ static norma_document_result composite_open(norma_document *document, norma_docu
     return NORMA_DOCUMENT_OK;
 }
 
-static void free_texts(char **texts, size_t count) {
-    for (size_t i = 0; texts && i < count; ++i) free(texts[i]);
-    free((void *)texts);
-}
-
 static void composite_close(norma_document *document) {
     composite *c = composite_of(document);
     if (!c) return;
-    for (size_t i = 0; c->models && i < c->count; ++i) {
-        const composite_model *m = &c->models[i];
-        free_texts(m->mesh_where, m[1].mesh - m->mesh);
-        free_texts(m->node_where, m[1].node - m->node);
-    }
+    if (c->models) forget_wheres(c);
     free(c->models);
     free(c);
 }
@@ -564,10 +572,10 @@ static norma_document_result write_models(norma_document *document, growing_byte
         if (result == NORMA_DOCUMENT_ERROR_FILE && made[i].failed)
             result = norma_document_fail_memory(document, error);
         if (result) return fail_model(document, i, error, result);
-        const size_t grown = made[i].size - (tile->end - tile->headers[tile->depth - 1]);
-        size += grown;
+        const size_t was = tile->end - tile->headers[tile->depth - 1];
+        size = size - was + made[i].size;
         for (uint32_t k = 0; k + 1 < tile->depth; ++k)
-            add_to_length(around + tile->headers[k], grown);
+            add_to_length(around + tile->headers[k], made[i].size - was);
     }
     if (size > UINT32_MAX)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,

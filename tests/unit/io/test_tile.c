@@ -6,6 +6,7 @@
 #include "gltf_asset.h"
 #include "message.h"
 #include <norma/check.h>
+#include <stdio.h>
 
 typedef struct made_tile {
     unsigned char bytes[4096];
@@ -60,23 +61,27 @@ static void add_points(made_tile *tile) {
     add(tile, "twenty bytes of it..", 20);
 }
 
-/* Two triangles that meet at a right angle: a crease there splits two of their four vertices. */
-static document_bytes roof(void) {
+/* Two triangles that meet at a right angle: a crease there splits two of their four vertices.
+ * nodes: that draw them. */
+static document_bytes roof_drawn_by(const char *nodes) {
     static const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     static const uint16_t corners[] = {0, 1, 2, 1, 0, 3};
     gltf_asset a = {0};
     size_t size;
     asset_floats(&a, positions, 4, 3);
     asset_uint16(&a, corners, 6);
-    asset_bytes(&a,
-        "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{"
-        "\"primitives\":["
+    char text[300];
+    snprintf(text, sizeof text,
+        "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[%s],\"meshes\":[{\"primitives\":["
         "{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]",
-        &size);
+        nodes);
+    asset_bytes(&a, text, &size);
     const document_bytes glb = bytes_copy(a.glb, size);
     asset_free(&a);
     return glb;
 }
+
+static document_bytes roof(void) { return roof_drawn_by("{\"mesh\":0}"); }
 
 static void expect_computed(
     const made_tile *tile, const char *name, size_t glb_at, size_t tile_at) {
@@ -483,6 +488,38 @@ static void test_several_as_one(void **state) {
     (void)state;
 }
 
+/* Baking gives each node a mesh of its own: what was told of fewer meshes is told anew. */
+static void test_more_meshes(void **state) {
+    document_bytes glb =
+        roof_drawn_by("{\"mesh\":0,\"children\":[1,2]},{\"mesh\":0,\"scale\":[1,2,3]},"
+                      "{\"mesh\":0,\"scale\":[3,2,1]}");
+    const norma_transform_options bake = {.struct_size = sizeof bake, .bake = 1};
+    made_tile one = {.size = 0};
+    norma_document_error error = {0};
+    norma_mesh_info mesh;
+    add_model(&one, glb, 0, 0);
+    const made_tile composite = composite_of(&one, &one);
+    document_bytes bytes = bytes_copy(composite.bytes, composite.size);
+    norma_document *document = open_every(bytes, &error);
+    assert_non_null(document);
+    assert_int_equal(norma_document_mesh_count(document), 2);
+    for (size_t i = 0; i < 2; ++i)
+        assert_int_equal(norma_document_mesh_info(document, i, &mesh), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_document_transform(document, &bake, NULL, &error), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_document_mesh_count(document), 6);
+    for (size_t i = 0; i < 6; ++i) {
+        assert_int_equal(norma_document_mesh_info(document, i, &mesh), NORMA_DOCUMENT_OK);
+        char where[60];
+        snprintf(where, sizeof where, "/tiles/%zu/meshes/%zu/primitives/0", i / 3, i % 3);
+        assert_string_equal(mesh.where, where);
+        assert_int_equal(mesh.mesh, i);
+    }
+    norma_document_close(document);
+    bytes_free(&bytes);
+    bytes_free(&glb);
+    (void)state;
+}
+
 /* One more than are read. */
 static void test_too_many(void **state) {
     enum { COUNT = 1025, TILE = 28 };
@@ -532,6 +569,7 @@ int main(void) {
         cmocka_unit_test(test_several),
         cmocka_unit_test(test_changes_of_several),
         cmocka_unit_test(test_several_as_one),
+        cmocka_unit_test(test_more_meshes),
         cmocka_unit_test(test_hollow),
         cmocka_unit_test(test_too_many),
         cmocka_unit_test(test_nested),
