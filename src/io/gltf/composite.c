@@ -102,7 +102,7 @@ static norma_document_result look_into_tile(
     return result;
 }
 
-static void tell_left_out(const tile_search *s, gltf_tile *tile) {
+static void keep_left_out(const tile_search *s, gltf_tile *tile) {
     tile->left_out = s->without;
     tile->left_out_at = s->without_at;
     tile->left_out_why = s->instead;
@@ -121,7 +121,7 @@ norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error)
     tile_search s = {.document = g->document, .tiles = &g->tile, .room = 1};
     if (g->document->format == NORMA_FILE_GLB) return NORMA_DOCUMENT_OK;
     const norma_document_result result = look_into_file(&s, error);
-    tell_left_out(&s, &g->tile);
+    keep_left_out(&s, &g->tile);
     return result;
 }
 
@@ -141,6 +141,7 @@ typedef struct composite_model {
 typedef struct composite {
     composite_model *models; /* and one more: the ends */
     size_t count;
+    gltf_tile left_out; /* tiles without a model */
 } composite;
 
 static composite *composite_of(const norma_document *document) { return document->state; }
@@ -229,10 +230,25 @@ static void tell_notes(norma_document *document) {
                 document, "tile %zu: %s", i, norma_document_note(m->document, m->notes));
 }
 
+/* Models that were changed are read anew, as if they stood alone. The first also tells of the tiles
+ * without a model. */
+static void tell_places(const norma_document *document) {
+    const composite *c = composite_of(document);
+    for (size_t i = 0; i < c->count; ++i) {
+        const gltf_tile *tile = &c->models[i].tile;
+        norma_gltf_of(c->models[i].document)->tile.begins = tile->headers[tile->depth - 1];
+    }
+    gltf_tile *first = &norma_gltf_of(c->models[0].document)->tile;
+    first->left_out = c->left_out.left_out;
+    first->left_out_at = c->left_out.left_out_at;
+    first->left_out_why = c->left_out.left_out_why;
+}
+
 void norma_document_tiles_changed(norma_document *document) {
     if (!document->tiles) return;
     forget_wheres(composite_of(document));
     count_models(document);
+    tell_places(document);
     tell_notes(document);
     norma_scene_forget(document->scene);
 }
@@ -298,7 +314,7 @@ static norma_document_result composite_open(norma_document *document, norma_docu
     }
     free(tiles);
     if (result) return result;
-    tell_left_out(&again, &norma_gltf_of(document->tiles[0])->tile);
+    keep_left_out(&again, &c->left_out);
     place_models(c);
     norma_document_tiles_changed(document);
     return NORMA_DOCUMENT_OK;
@@ -497,10 +513,28 @@ static norma_document_result composite_pack(norma_document *document,
     return end_models(document, i, error, result);
 }
 
+/* A model turned or scaled in its own frame stays where its frame is: two of them would drift
+ * apart. Moved, they stay together. */
+static int would_drift(const composite *c, const double matrix[16]) {
+    int is_given = 0, turns = 0; /* all zero is the identity */
+    for (int k = 0; k < 16; ++k) {
+        is_given |= matrix[k] != 0;
+        turns |= k < 12 && k % 4 < 3 && matrix[k] != (k % 5 == 0 ? 1 : 0);
+    }
+    for (size_t i = 1; i < c->count && is_given && turns; ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            if (c->models[i].step[axis] != 0) return 1;
+    return 0;
+}
+
 static norma_document_result composite_transform(norma_document *document,
     const norma_transform_options *given, norma_transform_summary *summary,
     norma_document_error *error) {
     const composite *c = composite_of(document);
+    if (would_drift(c, given->matrix))
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "its tiles stand in frames of their own (RTC_CENTER, CESIUM_RTC), which are not turned "
+            "or scaled; expected a translation, or split it first");
     model_steps steps = {given->progress, given->progress_user, 0, (double)c->count};
     norma_transform_options options = *given;
     norma_document_result result = NORMA_DOCUMENT_OK;

@@ -178,6 +178,7 @@ enum { TILE_DEPTH = 8 };
 typedef struct gltf_tile {
     size_t at, end;             /* of the GLB; of the tile or the file */
     size_t headers[TILE_DEPTH]; /* offsets of the tile's and the composites' around it */
+    size_t begins; /* of a composite's tile that was opened by itself: where it begins there */
     /* i3dm: how often it draws the model, and each time how; 0: once, or each time as it stands */
     size_t instances;
     const unsigned char *up, *right, *scale, *scales; /* an element for each; NULL: none */

@@ -31,7 +31,7 @@ static int add_tail(gltf *g, norma_unread *unread, size_t *count) {
     if (size == 0) return 1;
     char *texts = norma_scene_allocate(g->document->scene, 2, sizeof(char[120]));
     if (!texts) return 0;
-    snprintf(texts, 120, "byte %zu", g->tile.at + g->container_size);
+    snprintf(texts, 120, "byte %zu", g->tile.begins + g->tile.at + g->container_size);
     snprintf(texts + 120, 120, "%zu bytes follow the end that the header declares", size);
     unread[(*count)++] = (norma_unread){texts, texts + 120};
     return 1;

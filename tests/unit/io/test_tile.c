@@ -443,22 +443,28 @@ static void test_changes_of_several(void **state) {
     (void)state;
 }
 
-/* Meshes and nodes follow one another; RTC_CENTER places a model beside the first. */
-static void test_several_as_one(void **state) {
+/* Two tiles of other RTC_CENTERs. */
+static document_bytes tiles_apart(void) {
     document_bytes glb = roof();
-    made_tile first = {.size = 0}, second = {.size = 0};
-    norma_document_error error = {0};
-    norma_compute_summary summary;
-    norma_mesh_info mesh;
-    norma_node_info node;
-    norma_drawn_mesh drawn;
+    made_tile first = {.size = 0}, second;
     add_model(&first, glb, 0, 0);
+    bytes_free(&glb);
     for (size_t i = 28; i < 28 + FEATURES_SIZE; ++i)
         if (!first.bytes[i]) first.bytes[i] = ' ';
     second = first;
     memcpy(strstr((char *)second.bytes + 28, "[1,2,3]"), "[5,4,9]", 7);
     const made_tile composite = composite_of(&first, &second);
-    document_bytes bytes = bytes_copy(composite.bytes, composite.size);
+    return bytes_copy(composite.bytes, composite.size);
+}
+
+/* Meshes and nodes follow one another; RTC_CENTER places a model beside the first. */
+static void test_several_as_one(void **state) {
+    norma_document_error error = {0};
+    norma_compute_summary summary;
+    norma_mesh_info mesh;
+    norma_node_info node;
+    norma_drawn_mesh drawn;
+    document_bytes bytes = tiles_apart();
     norma_document *document = open_every(bytes, &error);
     assert_non_null(document);
     document_bytes written = bytes_of(document);
@@ -484,7 +490,30 @@ static void test_several_as_one(void **state) {
     assert_int_equal(mesh.vertices, 6);
     norma_document_close(document);
     bytes_free(&bytes);
-    bytes_free(&glb);
+    (void)state;
+}
+
+/* Each would be turned where its own frame begins. */
+static void test_frames_apart(void **state) {
+    norma_transform_options moved = {.struct_size = sizeof moved,
+                                .matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1}},
+                            baked = {.struct_size = sizeof baked, .bake = 1}, scaled = moved;
+    const norma_transform_options *const fine[] = {&moved, &baked};
+    document_bytes bytes = tiles_apart();
+    norma_document_error error = {0};
+    scaled.matrix[0] = 2;
+    for (size_t i = 0; i < 2; ++i) {
+        norma_document *document = open_every(bytes, &error);
+        assert_int_equal(
+            norma_document_transform(document, fine[i], NULL, &error), NORMA_DOCUMENT_OK);
+        norma_document_close(document);
+    }
+    norma_document *document = open_every(bytes, &error);
+    assert_int_equal(norma_document_transform(document, &scaled, NULL, &error),
+        NORMA_DOCUMENT_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(error.message, "its tiles stand in frames of their own"));
+    norma_document_close(document);
+    bytes_free(&bytes);
     (void)state;
 }
 
@@ -569,6 +598,7 @@ int main(void) {
         cmocka_unit_test(test_several),
         cmocka_unit_test(test_changes_of_several),
         cmocka_unit_test(test_several_as_one),
+        cmocka_unit_test(test_frames_apart),
         cmocka_unit_test(test_more_meshes),
         cmocka_unit_test(test_hollow),
         cmocka_unit_test(test_too_many),
