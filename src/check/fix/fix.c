@@ -593,8 +593,9 @@ static norma_document_result keep_given(
     return given ? NORMA_DOCUMENT_OK : fail_memory(f->error);
 }
 
-static norma_document_result try_one(norma_document *document, const norma_check_options *options,
-    norma_severity from, norma_findings *findings, norma_document_error *error) {
+static norma_document_result try_fixes_of_one(norma_document *document,
+    const norma_check_options *options, norma_severity from, norma_findings *findings,
+    norma_document_error *error) {
     fix_progress progress;
     norma_fix_summary summary = {0};
     norma_document_error unwanted;
@@ -641,12 +642,13 @@ norma_document_result norma_document_try_fixes(norma_document *document,
     norma_document *tile;
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!findings || !norma_document_tile(document, 1))
-        return try_one(document, options, from, findings, error);
+        return try_fixes_of_one(document, options, from, findings, error);
     size_t *at = calloc(findings->count + 1, sizeof *at);
     if (!at) return fail_memory(error);
     for (size_t i = 0; !result && (tile = norma_document_tile(document, i)) != NULL; i++) {
         norma_findings *own = findings_of_tile(findings, i, at, error);
-        result = own ? try_one(tile, options, from, own, error) : NORMA_DOCUMENT_ERROR_MEMORY;
+        result =
+            own ? try_fixes_of_one(tile, options, from, own, error) : NORMA_DOCUMENT_ERROR_MEMORY;
         for (size_t k = 0; !result && k < norma_findings_count(own); k++) {
             const norma_finding *tried = norma_findings_get(own, k);
             norma_finding *finding = norma_findings_change(findings, at[k]);

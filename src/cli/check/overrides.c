@@ -212,9 +212,8 @@ static int is_searched(const check_config *config, const cli_inputs *inputs) {
 /* Looks into the files again, as far as names are. */
 static void find_nearest_name(check_configs *configs, const cli_inputs *inputs,
     const check_override *override, int list, const check_config *config, nearest_name *nearest) {
-    const norma_document_options options = {.struct_size = sizeof options,
-        .depth = NORMA_DOCUMENT_SUMMARY,
-        .lenient = 1};
+    const norma_document_options options = {
+        .struct_size = sizeof options, .depth = NORMA_DOCUMENT_SUMMARY, .lenient = 1};
     for (size_t i = 0; i < inputs->count && !nearest->name[0]; ++i) {
         if (check_config_of(configs, inputs->paths[i]) != config) continue;
         char *absolute = realpath(inputs->paths[i], NULL);

@@ -57,6 +57,7 @@ static norma_document_result flush_changes(norma_document *document, norma_docum
     norma_document_result result =
         made ? take_source(document, made, error) : norma_document_fail_memory(document, error);
     if (!result && norma_document_changed(document, error)) result = NORMA_DOCUMENT_ERROR_FILE;
+    if (!result) made->functions = document->functions;
     if (!result) result = norma_document_read(made, error);
     if (!result) swap_documents(document, made);
     norma_document_close(made);

@@ -174,7 +174,7 @@ typedef struct gltf_patch
     gltf_patch; /* gltf.h: what is to become of accessors, views and buffers */
 
 enum { TILE_DEPTH = 8 };
-/* A GLB in its file: all of it, or the end of a tile of 3D Tiles 1.0 (composite.c). */
+/* A GLB in its file: all of it, or the end of a tile of 3D Tiles 1.0 (tile_search.c). */
 typedef struct gltf_tile {
     size_t at, end;             /* of the GLB; of the tile or the file */
     size_t headers[TILE_DEPTH]; /* offsets of the tile's and the composites' around it */
@@ -239,6 +239,10 @@ typedef struct gltf_output {
 /* What stands before and behind a GLB of glb bytes in its file, which is so long then;
  * gltf_write.c. */
 norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error);
+/* How many a tile has; tiles: written, the first of them, as many as there is room for. left_out:
+ * written, those without one. */
+norma_document_result norma_gltf_find_tiles(const norma_document *document, gltf_tile *tiles,
+    size_t room, size_t *found, gltf_tile *left_out, norma_document_error *error);
 /* Bytes behind the GLB that are more than what aligns a tile. */
 size_t norma_gltf_surplus(const gltf *g);
 norma_document_result norma_gltf_read_buffers(

@@ -1,8 +1,7 @@
-/* composite.c: tiles of 3D Tiles 1.0 (OGC 18-053r2). Where their models stand in the file; and a
- * composite with several, which is read and changed as one document: the models are documents of
- * their own, of the bytes of their tiles, whose meshes, nodes and materials follow one another.
- * When it is written, tiles that changed take the places of those that were read, and the lengths
- * around them are set. */
+/* composite.c: a composite of 3D Tiles 1.0 (OGC 18-053r2) with several models, read and changed as
+ * one document: the models are documents of their own, of the bytes of their tiles, whose meshes,
+ * nodes and materials follow one another. When it is written, tiles that changed take the places of
+ * those that were read, and the lengths around them are set. */
 #include "io/format/for_fixes.h"
 #include "io/gltf/gltf.h"
 #include "io/stream/stream.h"
@@ -10,120 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- where the models stand */
-
-enum { BYTE_LENGTH = 8, COMPOSITE_HEADER = 16, TABLES = 12, MODEL_TABLES_END = 28 };
+enum { BYTE_LENGTH = 8 };
 enum { MOST_MODELS = 1024 }; /* each takes some kilobytes beside the file */
-
-typedef struct tile_search {
-    const norma_document *document;
-    gltf_tile path;   /* the headers above what is looked at */
-    size_t found;     /* GLBs */
-    gltf_tile *tiles; /* written: of the first GLBs, */
-    size_t room;      /* so many */
-    size_t without;   /* tiles without one; the first: */
-    size_t without_at;
-    const char *instead; /* what it has */
-} tile_search;
-
-static norma_document_result fail_tile(const tile_search *s, norma_document_error *error,
-    norma_document_result result, size_t byte, const char *message) {
-    char place[40];
-    snprintf(place, sizeof place, "byte %zu", byte);
-    return norma_document_fail(s->document, error, result, place, "%s", message);
-}
-
-static void leave_out_tile(tile_search *s, size_t at, const char *instead) {
-    if (s->without++ > 0) return;
-    s->without_at = at;
-    s->instead = instead;
-}
-
-static int has_magic(const unsigned char *at, const char *magic) {
-    return memcmp(at, magic, 4) == 0;
-}
-
-/* The GLB begins behind a header and four tables, whose lengths the header lists. */
-static norma_document_result find_model(
-    tile_search *s, size_t at, size_t end, norma_document_error *error) {
-    const unsigned char *tile = s->document->source.data + at;
-    const int has_instances = has_magic(tile, "i3dm");
-    uint64_t begin = MODEL_TABLES_END + (has_instances ? 4 : 0);
-    if (end - at < begin)
-        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at, "the tile's header is cut");
-    const int is_outside = has_instances && norma_gltf_u32(tile + MODEL_TABLES_END) == 0;
-    for (int i = TABLES; i < MODEL_TABLES_END; i += 4) begin += norma_gltf_u32(tile + i);
-    if (begin > end - at)
-        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at + TABLES,
-            "the tables are longer than the tile; expected the 28 bytes of a header as 3D Tiles "
-            "1.0 has them");
-    if (is_outside) {
-        leave_out_tile(s, at, "names a glTF file instead of holding one; give that file");
-    } else if (s->found++ < s->room) {
-        gltf_tile *tile_found = &s->tiles[s->found - 1];
-        *tile_found = s->path;
-        tile_found->at = at + (size_t)begin;
-        tile_found->end = end;
-    }
-    return NORMA_DOCUMENT_OK;
-}
-
-static norma_document_result look_into_tile(
-    tile_search *s, size_t at, size_t end, size_t *next, norma_document_error *error) {
-    const unsigned char *tile = s->document->source.data + at;
-    if (end - at < COMPOSITE_HEADER)
-        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at,
-            "expected the header of a tile; found the end");
-    const size_t length = norma_gltf_u32(tile + BYTE_LENGTH);
-    if (norma_gltf_u32(tile + 4) != 1)
-        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, at + 4,
-            "this is not version 1 of a tile, the only one that can be read");
-    if (length < COMPOSITE_HEADER || length > end - at)
-        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_MALFORMED, at + BYTE_LENGTH,
-            "the tile's length does not fit into the file");
-    if (s->path.depth == TILE_DEPTH)
-        return fail_tile(s, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, at,
-            "composite tiles are nested more than eight deep");
-    *next = at + length;
-    s->path.headers[s->path.depth++] = at;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    if (has_magic(tile, "b3dm") || has_magic(tile, "i3dm"))
-        result = find_model(s, at, *next, error);
-    else if (has_magic(tile, "cmpt")) {
-        size_t inner = at + COMPOSITE_HEADER;
-        for (uint32_t i = norma_gltf_u32(tile + 12); i > 0 && !result; --i)
-            result = look_into_tile(s, inner, *next, &inner, error);
-    } else if (has_magic(tile, "pnts"))
-        leave_out_tile(s, at, "has points, which have no faces");
-    else
-        result = fail_tile(s, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, at,
-            "expected a tile that begins with b3dm, i3dm, cmpt or pnts");
-    --s->path.depth;
-    return result;
-}
-
-static void keep_left_out(const tile_search *s, gltf_tile *tile) {
-    tile->left_out = s->without;
-    tile->left_out_at = s->without_at;
-    tile->left_out_why = s->instead;
-}
-
-static norma_document_result look_into_file(tile_search *s, norma_document_error *error) {
-    size_t next = 0;
-    const norma_document_result result =
-        look_into_tile(s, 0, s->document->source.size, &next, error);
-    if (result || s->found) return result;
-    return norma_document_fail(s->document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-        "the tile %s", s->instead ? s->instead : "is empty");
-}
-
-norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error) {
-    tile_search s = {.document = g->document, .tiles = &g->tile, .room = 1};
-    if (g->document->format == NORMA_FILE_GLB) return NORMA_DOCUMENT_OK;
-    const norma_document_result result = look_into_file(&s, error);
-    keep_left_out(&s, &g->tile);
-    return result;
-}
 
 /* ---- the models of a composite, each with the numbers at which what it has begins */
 
@@ -174,7 +61,7 @@ static composite_model *model_of_material(const norma_document *document, size_t
 static size_t moved(size_t number, size_t by) { return number == SIZE_MAX ? number : number + by; }
 
 /* What a tile says of itself, with its number. */
-static norma_document_result fail_model(const norma_document *document, size_t i,
+static norma_document_result fail_in_model(const norma_document *document, size_t i,
     norma_document_error *error, norma_document_result result) {
     char place[40];
     const size_t length = strlen(document->path);
@@ -221,7 +108,7 @@ static void count_models(const norma_document *document) {
     }
 }
 
-static void tell_notes(norma_document *document) {
+static void take_notes(norma_document *document) {
     composite *c = composite_of(document);
     for (size_t i = 0; i < c->count; ++i)
         for (composite_model *m = &c->models[i]; m->notes < norma_document_note_count(m->document);
@@ -249,7 +136,7 @@ void norma_document_tiles_changed(norma_document *document) {
     forget_wheres(composite_of(document));
     count_models(document);
     tell_places(document);
-    tell_notes(document);
+    take_notes(document);
     norma_scene_forget(document->scene);
 }
 
@@ -272,7 +159,7 @@ static norma_document_result open_model(
     const size_t begin = m->tile.headers[m->tile.depth - 1];
     const unsigned char *bytes = document->source.data + begin;
     const norma_document_options options = {.struct_size = sizeof options,
-        .format = has_magic(bytes, "i3dm") ? NORMA_FILE_I3DM : NORMA_FILE_B3DM,
+        .format = memcmp(bytes, "i3dm", 4) == 0 ? NORMA_FILE_I3DM : NORMA_FILE_B3DM,
         .depth = document->depth,
         .threads = document->threads,
         .lenient = document->lenient,
@@ -280,41 +167,43 @@ static norma_document_result open_model(
     norma_document *made = norma_document_make(document->path, document->folder != NULL, &options);
     if (!made) return norma_document_fail_memory(document, error);
     m->document = document->tiles[i] = made;
+    made->functions = &norma_gltf_functions;
     made->source = (file_bytes){.data = bytes, .size = m->tile.end - begin};
-    return fail_model(document, i, error, norma_document_read(made, error));
+    return fail_in_model(document, i, error, norma_document_read(made, error));
 }
 
 static norma_document_result composite_open(norma_document *document, norma_document_error *error) {
-    tile_search s = {.document = document};
-    norma_document_result result = look_into_file(&s, error);
-    if (!result && s.found == 1) {
+    size_t found;
+    gltf_tile left_out;
+    norma_document_result result =
+        norma_gltf_find_tiles(document, NULL, 0, &found, &left_out, error);
+    if (!result && found == 1) {
         document->functions = &norma_gltf_functions;
         return norma_gltf_functions.open(document, error);
     }
-    if (!result && s.found > MOST_MODELS)
+    if (!result && found > MOST_MODELS)
         result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "the composite has %zu tiles with meshes, more than the %d that are read; split it",
-            s.found, MOST_MODELS);
+            found, MOST_MODELS);
     if (result) return result;
     composite *c = norma_io_allocate(1, sizeof *c);
     document->state = c;
-    if (c) c->models = norma_io_allocate(s.found + 1, sizeof *c->models);
-    document->tiles = norma_io_allocate(s.found, sizeof *document->tiles);
-    gltf_tile *tiles = norma_io_allocate(s.found, sizeof *tiles);
+    if (c) c->models = norma_io_allocate(found + 1, sizeof *c->models);
+    document->tiles = norma_io_allocate(found, sizeof *document->tiles);
+    gltf_tile *tiles = norma_io_allocate(found, sizeof *tiles);
     if (!c || !c->models || !document->tiles || !tiles) {
         free(tiles);
         return norma_document_fail_memory(document, error);
     }
-    c->count = document->tile_count = s.found;
-    tile_search again = {.document = document, .tiles = tiles, .room = s.found};
-    result = look_into_file(&again, error);
+    c->count = document->tile_count = found;
+    c->left_out = left_out;
+    result = norma_gltf_find_tiles(document, tiles, found, &found, &left_out, error);
     for (size_t i = 0; !result && i < c->count; ++i) {
         c->models[i].tile = tiles[i];
         result = open_model(document, i, error);
     }
     free(tiles);
     if (result) return result;
-    keep_left_out(&again, &c->left_out);
     place_models(c);
     norma_document_tiles_changed(document);
     return NORMA_DOCUMENT_OK;
@@ -408,7 +297,7 @@ typedef struct model_steps { /* progress of several models as that of all */
     double done, of;
 } model_steps;
 
-static int pass_on_progress(void *user, double fraction) {
+static int tell_progress_of_all(void *user, double fraction) {
     const model_steps *steps = user;
     return steps->progress(steps->user, (steps->done + fraction) / steps->of);
 }
@@ -417,7 +306,7 @@ static int pass_on_progress(void *user, double fraction) {
 static norma_document_result end_models(
     norma_document *document, size_t i, norma_document_error *error, norma_document_result result) {
     norma_document_tiles_changed(document);
-    return fail_model(document, i - (i > 0), error, result);
+    return fail_in_model(document, i - (i > 0), error, result);
 }
 
 static norma_document_result composite_compute(norma_document *document,
@@ -428,7 +317,7 @@ static norma_document_result composite_compute(norma_document *document,
     norma_compute_options options = *given;
     norma_document_result result = NORMA_DOCUMENT_OK;
     size_t i = 0;
-    options.progress = given->progress ? pass_on_progress : NULL;
+    options.progress = given->progress ? tell_progress_of_all : NULL;
     options.progress_user = &steps;
     for (; i < c->count && !result; ++i) {
         norma_compute_summary own;
@@ -463,7 +352,7 @@ static norma_document_result composite_tangents(norma_document *document,
     norma_tangent_options options = *given;
     norma_document_result result = NORMA_DOCUMENT_OK;
     size_t i = 0;
-    options.progress = given->progress ? pass_on_progress : NULL;
+    options.progress = given->progress ? tell_progress_of_all : NULL;
     options.progress_user = &steps;
     for (; i < c->count && !result; ++i) {
         norma_tangent_summary own;
@@ -498,7 +387,7 @@ static norma_document_result composite_pack(norma_document *document,
     norma_pack_options options = *given;
     norma_document_result result = NORMA_DOCUMENT_OK;
     size_t i = 0;
-    options.progress = given->progress ? pass_on_progress : NULL;
+    options.progress = given->progress ? tell_progress_of_all : NULL;
     options.progress_user = &steps;
     for (; i < c->count && !result; ++i) {
         norma_pack_summary own;
@@ -539,7 +428,7 @@ static norma_document_result composite_transform(norma_document *document,
     norma_transform_options options = *given;
     norma_document_result result = NORMA_DOCUMENT_OK;
     size_t i = 0;
-    options.progress = given->progress ? pass_on_progress : NULL;
+    options.progress = given->progress ? tell_progress_of_all : NULL;
     options.progress_user = &steps;
     for (; i < c->count && !result; ++i) {
         norma_transform_summary own;
@@ -605,7 +494,7 @@ static norma_document_result write_models(norma_document *document, growing_byte
             norma_document_write(c->models[i].document, norma_memory_sink_write, &made[i], error);
         if (result == NORMA_DOCUMENT_ERROR_FILE && made[i].failed)
             result = norma_document_fail_memory(document, error);
-        if (result) return fail_model(document, i, error, result);
+        if (result) return fail_in_model(document, i, error, result);
         const size_t was = tile->end - tile->headers[tile->depth - 1];
         size = size - was + made[i].size;
         for (uint32_t k = 0; k + 1 < tile->depth; ++k)
