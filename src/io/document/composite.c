@@ -14,13 +14,15 @@ enum { MOST_MODELS = 1024 }; /* each takes some kilobytes beside the file */
 
 /* ---- the models of a composite, each with the numbers at which what it has begins */
 
+enum model_part { MESHES, NODES, MATERIALS, MODEL_PARTS };
+
 typedef struct composite_model {
     norma_document *document;
     gltf_tile tile;
-    double step[3];    /* from its frame to that of the first, in axes of glTF */
-    size_t mesh, node; /* as norma_document_mesh_info and norma_document_node_info count */
+    double step[3];                  /* from its frame to that of the first, in axes of glTF */
+    size_t first[MODEL_PARTS];       /* as norma_document_mesh_info, ... count */
     size_t mesh_number, node_number; /* as the file counts */
-    size_t skin, material, image;
+    size_t skin, image;
     size_t notes;                    /* of its document, so many of which the composite has told */
     char **mesh_where, **node_where; /* NULL: not asked for yet */
 } composite_model;
@@ -37,24 +39,11 @@ static const gltf *gltf_of_model(const composite_model *model) {
     return norma_gltf_of(model->document);
 }
 
-static composite_model *model_of_mesh(const norma_document *document, size_t mesh) {
+static composite_model *model_of(
+    const norma_document *document, enum model_part part, size_t number) {
     const composite *c = composite_of(document);
     size_t i = 0;
-    while (i + 1 < c->count && mesh >= c->models[i + 1].mesh) ++i;
-    return &c->models[i];
-}
-
-static composite_model *model_of_node(const norma_document *document, size_t node) {
-    const composite *c = composite_of(document);
-    size_t i = 0;
-    while (i + 1 < c->count && node >= c->models[i + 1].node) ++i;
-    return &c->models[i];
-}
-
-static composite_model *model_of_material(const norma_document *document, size_t material) {
-    const composite *c = composite_of(document);
-    size_t i = 0;
-    while (i + 1 < c->count && material >= c->models[i + 1].material) ++i;
+    while (i + 1 < c->count && number >= c->models[i + 1].first[part]) ++i;
     return &c->models[i];
 }
 
@@ -84,8 +73,8 @@ static void free_texts(char ***texts, size_t count) {
 static void forget_wheres(composite *c) {
     for (size_t i = 0; i < c->count; ++i) {
         composite_model *m = &c->models[i];
-        free_texts(&m->mesh_where, m[1].mesh - m->mesh);
-        free_texts(&m->node_where, m[1].node - m->node);
+        free_texts(&m->mesh_where, m[1].first[MESHES] - m->first[MESHES]);
+        free_texts(&m->node_where, m[1].first[NODES] - m->first[NODES]);
     }
 }
 
@@ -97,10 +86,11 @@ static void count_models(const norma_document *document) {
     for (size_t i = 0; i < c->count; ++i) {
         composite_model *m = &c->models[i], *next = m + 1;
         norma_document *own = m->document;
-        next->mesh = m->mesh + norma_document_mesh_count(own);
-        next->node = m->node + norma_document_node_count(own);
+        next->first[MESHES] = m->first[MESHES] + norma_document_mesh_count(own);
+        next->first[NODES] = m->first[NODES] + norma_document_node_count(own);
         next->skin = m->skin + (is_whole ? norma_document_skin_count(own) : 0);
-        next->material = m->material + (is_whole ? norma_document_material_count(own) : 0);
+        next->first[MATERIALS] =
+            m->first[MATERIALS] + (is_whole ? norma_document_material_count(own) : 0);
         const gltf *g = gltf_of_model(m);
         next->mesh_number = m->mesh_number + g->mesh_count;
         next->node_number = m->node_number + g->node_count;
@@ -234,30 +224,30 @@ static const char *where_of(const norma_document *document, const composite_mode
 
 static size_t composite_mesh_count(const norma_document *document) {
     const composite *c = composite_of(document);
-    return c->models[c->count].mesh;
+    return c->models[c->count].first[MESHES];
 }
 
 static norma_document_result composite_mesh_info(
     const norma_document *document, size_t index, norma_mesh_info *info) {
-    composite_model *m = model_of_mesh(document, index);
+    composite_model *m = model_of(document, MESHES, index);
     const norma_document_result result =
-        norma_document_mesh_info(m->document, index - m->mesh, info);
+        norma_document_mesh_info(m->document, index - m->first[MESHES], info);
     if (result) return result;
     info->mesh += m->mesh_number;
-    info->where =
-        where_of(document, m, &m->mesh_where, m[1].mesh - m->mesh, index - m->mesh, info->where);
+    info->where = where_of(document, m, &m->mesh_where, m[1].first[MESHES] - m->first[MESHES],
+        index - m->first[MESHES], info->where);
     return info->where ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MEMORY;
 }
 
 static norma_document_result composite_mesh_data(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
-    const composite_model *m = model_of_mesh(document, index);
-    return norma_document_mesh_data(m->document, index - m->mesh, data, error);
+    const composite_model *m = model_of(document, MESHES, index);
+    return norma_document_mesh_data(m->document, index - m->first[MESHES], data, error);
 }
 
 static size_t composite_node_count(const norma_document *document) {
     const composite *c = composite_of(document);
-    return c->models[c->count].node;
+    return c->models[c->count].first[NODES];
 }
 
 static void step_to(const composite_model *m, double sign, double world[16]) {
@@ -266,17 +256,17 @@ static void step_to(const composite_model *m, double sign, double world[16]) {
 
 static norma_document_result composite_node_info(
     const norma_document *document, size_t index, norma_node_info *info) {
-    composite_model *m = model_of_node(document, index);
+    composite_model *m = model_of(document, NODES, index);
     const norma_document_result result =
-        norma_document_node_info(m->document, index - m->node, info);
+        norma_document_node_info(m->document, index - m->first[NODES], info);
     if (result) return result;
     info->node += m->node_number;
     info->mesh += m->mesh_number;
     info->parent = moved(info->parent, m->node_number);
     info->skin = moved(info->skin, m->skin);
     step_to(m, 1, info->world);
-    info->where =
-        where_of(document, m, &m->node_where, m[1].node - m->node, index - m->node, info->where);
+    info->where = where_of(document, m, &m->node_where, m[1].first[NODES] - m->first[NODES],
+        index - m->first[NODES], info->where);
     return info->where ? NORMA_DOCUMENT_OK : NORMA_DOCUMENT_ERROR_MEMORY;
 }
 
@@ -291,85 +281,112 @@ static int composite_visit_files(
 
 /* ---- changing: each model by itself */
 
-typedef struct model_steps { /* progress of several models as that of all */
+typedef struct progress_of_all {
     norma_progress *progress;
     void *user;
-    double done, of;
-} model_steps;
+    double done, of; /* models */
+} progress_of_all;
+
+typedef struct model_change {
+    const composite_model *model;
+    size_t number;     /* of the model */
+    const void *given; /* the options, or edits, or meshes */
+    void *sum;         /* of what the models say; or NULL */
+    norma_progress *progress;
+    progress_of_all *user;
+} model_change;
+
+typedef norma_document_result change_model(const model_change *one, norma_document_error *error);
 
 static int tell_progress_of_all(void *user, double fraction) {
-    const model_steps *steps = user;
-    return steps->progress(steps->user, (steps->done + fraction) / steps->of);
+    const progress_of_all *all = user;
+    return all->progress(all->user, (all->done + fraction) / all->of);
 }
 
-/* After the models were changed, or some of them. */
-static norma_document_result end_models(
-    norma_document *document, size_t i, norma_document_error *error, norma_document_result result) {
+static norma_document_result change_each(norma_document *document, change_model *change,
+    const void *given, void *sum, norma_progress *progress, void *user,
+    norma_document_error *error) {
+    const composite *c = composite_of(document);
+    progress_of_all all = {progress, user, 0, (double)c->count};
+    model_change one = {.given = given,
+        .sum = sum,
+        .progress = progress ? tell_progress_of_all : NULL,
+        .user = &all};
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    for (; one.number < c->count && !result; ++one.number) {
+        one.model = &c->models[one.number];
+        all.done = (double)one.number;
+        result = change(&one, error);
+    }
     norma_document_tiles_changed(document);
-    return fail_in_model(document, i - (i > 0), error, result);
+    return fail_in_model(document, one.number - 1, error, result);
+}
+
+/* meshes: of all models, or NULL. */
+static const uint8_t *meshes_of(const model_change *one, const uint8_t *meshes) {
+    return meshes ? meshes + one->model->first[MESHES] : NULL;
+}
+
+static norma_document_result compute_model(const model_change *one, norma_document_error *error) {
+    norma_compute_options options = *(const norma_compute_options *)one->given;
+    norma_compute_summary own, *sum = one->sum;
+    options.meshes = meshes_of(one, options.meshes);
+    options.progress = one->progress;
+    options.progress_user = one->user;
+    const norma_document_result result =
+        norma_document_compute(one->model->document, &options, &own, error);
+    if (result) return result;
+    const norma_compute_summary before = *sum;
+    *sum = own;
+    sum->report = before.report;
+    norma_policy_add_report(&sum->report, &own.report, one->number);
+    sum->changed |= before.changed;
+    sum->faces += before.faces;
+    sum->vertices_before += before.vertices_before;
+    sum->vertices_after += before.vertices_after;
+    sum->by_groups |= before.by_groups;
+    sum->edges_counted |= before.edges_counted;
+    sum->hard_edges += before.hard_edges;
+    sum->filled += before.filled;
+    sum->tangents_kept += before.tangents_kept;
+    sum->tangents_orthogonalised += before.tangents_orthogonalised;
+    sum->tangents_regenerated += before.tangents_regenerated;
+    return NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result composite_compute(norma_document *document,
     const norma_compute_options *given, norma_compute_summary *summary,
     norma_document_error *error) {
-    const composite *c = composite_of(document);
-    model_steps steps = {given->progress, given->progress_user, 0, (double)c->count};
-    norma_compute_options options = *given;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    size_t i = 0;
-    options.progress = given->progress ? tell_progress_of_all : NULL;
-    options.progress_user = &steps;
-    for (; i < c->count && !result; ++i) {
-        norma_compute_summary own;
-        options.meshes = given->meshes ? given->meshes + c->models[i].mesh : NULL;
-        steps.done = (double)i;
-        result = norma_document_compute(c->models[i].document, &options, &own, error);
-        if (result) continue;
-        const norma_compute_summary sum = *summary;
-        *summary = own;
-        summary->report = sum.report;
-        norma_policy_add_report(&summary->report, &own.report, i);
-        summary->changed |= sum.changed;
-        summary->faces += sum.faces;
-        summary->vertices_before += sum.vertices_before;
-        summary->vertices_after += sum.vertices_after;
-        summary->by_groups |= sum.by_groups;
-        summary->edges_counted |= sum.edges_counted;
-        summary->hard_edges += sum.hard_edges;
-        summary->filled += sum.filled;
-        summary->tangents_kept += sum.tangents_kept;
-        summary->tangents_orthogonalised += sum.tangents_orthogonalised;
-        summary->tangents_regenerated += sum.tangents_regenerated;
-    }
-    return end_models(document, i, error, result);
+    return change_each(
+        document, compute_model, given, summary, given->progress, given->progress_user, error);
+}
+
+static norma_document_result make_model_tangents(
+    const model_change *one, norma_document_error *error) {
+    norma_tangent_options options = *(const norma_tangent_options *)one->given;
+    norma_tangent_summary own, *sum = one->sum;
+    options.meshes = meshes_of(one, options.meshes);
+    options.progress = one->progress;
+    options.progress_user = one->user;
+    const norma_document_result result =
+        norma_document_tangents(one->model->document, &options, &own, error);
+    if (result) return result;
+    sum->changed |= own.changed;
+    sum->primitives += own.primitives;
+    sum->left_out += own.left_out;
+    sum->vertices_before += own.vertices_before;
+    sum->vertices_after += own.vertices_after;
+    sum->degenerate += own.degenerate;
+    sum->non_finite += own.non_finite;
+    sum->cancelled += own.cancelled;
+    return NORMA_DOCUMENT_OK;
 }
 
 static norma_document_result composite_tangents(norma_document *document,
     const norma_tangent_options *given, norma_tangent_summary *summary,
     norma_document_error *error) {
-    const composite *c = composite_of(document);
-    model_steps steps = {given->progress, given->progress_user, 0, (double)c->count};
-    norma_tangent_options options = *given;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    size_t i = 0;
-    options.progress = given->progress ? tell_progress_of_all : NULL;
-    options.progress_user = &steps;
-    for (; i < c->count && !result; ++i) {
-        norma_tangent_summary own;
-        options.meshes = given->meshes ? given->meshes + c->models[i].mesh : NULL;
-        steps.done = (double)i;
-        result = norma_document_tangents(c->models[i].document, &options, &own, error);
-        if (result) continue;
-        summary->changed |= own.changed;
-        summary->primitives += own.primitives;
-        summary->left_out += own.left_out;
-        summary->vertices_before += own.vertices_before;
-        summary->vertices_after += own.vertices_after;
-        summary->degenerate += own.degenerate;
-        summary->non_finite += own.non_finite;
-        summary->cancelled += own.cancelled;
-    }
-    return end_models(document, i, error, result);
+    return change_each(document, make_model_tangents, given, summary, given->progress,
+        given->progress_user, error);
 }
 
 static void add_pack_part(norma_pack_part *sum, const norma_pack_part *own) {
@@ -380,26 +397,25 @@ static void add_pack_part(norma_pack_part *sum, const norma_pack_part *own) {
     if (own->max_error_rad > sum->max_error_rad) sum->max_error_rad = own->max_error_rad;
 }
 
+static norma_document_result pack_model(const model_change *one, norma_document_error *error) {
+    norma_pack_options options = *(const norma_pack_options *)one->given;
+    norma_pack_summary own, *sum = one->sum;
+    options.progress = one->progress;
+    options.progress_user = one->user;
+    const norma_document_result result =
+        norma_document_pack(one->model->document, &options, &own, error);
+    if (result) return result;
+    sum->changed |= own.changed;
+    sum->made_unit += own.made_unit;
+    add_pack_part(&sum->normals, &own.normals);
+    add_pack_part(&sum->tangents, &own.tangents);
+    return NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result composite_pack(norma_document *document,
     const norma_pack_options *given, norma_pack_summary *summary, norma_document_error *error) {
-    const composite *c = composite_of(document);
-    model_steps steps = {given->progress, given->progress_user, 0, (double)c->count};
-    norma_pack_options options = *given;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    size_t i = 0;
-    options.progress = given->progress ? tell_progress_of_all : NULL;
-    options.progress_user = &steps;
-    for (; i < c->count && !result; ++i) {
-        norma_pack_summary own;
-        steps.done = (double)i;
-        result = norma_document_pack(c->models[i].document, &options, &own, error);
-        if (result) continue;
-        summary->changed |= own.changed;
-        summary->made_unit += own.made_unit;
-        add_pack_part(&summary->normals, &own.normals);
-        add_pack_part(&summary->tangents, &own.tangents);
-    }
-    return end_models(document, i, error, result);
+    return change_each(
+        document, pack_model, given, summary, given->progress, given->progress_user, error);
 }
 
 /* A model turned or scaled in its own frame stays where its frame is: two of them would drift
@@ -416,62 +432,60 @@ static int would_drift(const composite *c, const double matrix[16]) {
     return 0;
 }
 
+static norma_document_result transform_model(const model_change *one, norma_document_error *error) {
+    norma_transform_options options = *(const norma_transform_options *)one->given;
+    norma_transform_summary own, *sum = one->sum;
+    options.progress = one->progress;
+    options.progress_user = one->user;
+    const norma_document_result result =
+        norma_document_transform(one->model->document, &options, &own, error);
+    if (result) return result;
+    sum->changed |= own.changed;
+    sum->vertices += own.vertices;
+    sum->meshes += own.meshes;
+    sum->nodes_baked += own.nodes_baked;
+    sum->mirrored |= own.mirrored;
+    return NORMA_DOCUMENT_OK;
+}
+
 static norma_document_result composite_transform(norma_document *document,
     const norma_transform_options *given, norma_transform_summary *summary,
     norma_document_error *error) {
-    const composite *c = composite_of(document);
-    if (would_drift(c, given->matrix))
+    if (would_drift(composite_of(document), given->matrix))
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "its tiles stand in frames of their own (RTC_CENTER, CESIUM_RTC), which are not turned "
             "or scaled; expected a translation, or split it first");
-    model_steps steps = {given->progress, given->progress_user, 0, (double)c->count};
-    norma_transform_options options = *given;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    size_t i = 0;
-    options.progress = given->progress ? tell_progress_of_all : NULL;
-    options.progress_user = &steps;
-    for (; i < c->count && !result; ++i) {
-        norma_transform_summary own;
-        steps.done = (double)i;
-        result = norma_document_transform(c->models[i].document, &options, &own, error);
-        if (result) continue;
-        summary->changed |= own.changed;
-        summary->vertices += own.vertices;
-        summary->meshes += own.meshes;
-        summary->nodes_baked += own.nodes_baked;
-        summary->mirrored |= own.mirrored;
-    }
-    return end_models(document, i, error, result);
+    return change_each(
+        document, transform_model, given, summary, given->progress, given->progress_user, error);
+}
+
+static norma_document_result edit_model(const model_change *one, norma_document_error *error) {
+    const norma_mesh_edit *edits = one->given;
+    return norma_document_edit(one->model->document, edits + one->model->first[MESHES], error);
 }
 
 static norma_document_result composite_edit(
     norma_document *document, const norma_mesh_edit *edits, norma_document_error *error) {
-    const composite *c = composite_of(document);
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    size_t i = 0;
-    for (; i < c->count && !result; ++i)
-        result = norma_document_edit(c->models[i].document, edits + c->models[i].mesh, error);
-    return end_models(document, i, error, result);
+    return change_each(document, edit_model, edits, NULL, NULL, NULL, error);
 }
 
-static norma_document_result composite_equal_vertices(
-    norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error) {
-    const composite_model *m = model_of_mesh(document, mesh);
-    return norma_document_equal_vertices(m->document, mesh - m->mesh, first, error);
+static norma_document_result recentre_model(const model_change *one, norma_document_error *error) {
+    int own = 0, *changed = one->sum;
+    const norma_document_result result =
+        norma_document_recentre(one->model->document, meshes_of(one, one->given), &own, error);
+    *changed |= own;
+    return result;
 }
 
 static norma_document_result composite_recentre(
     norma_document *document, const uint8_t *meshes, int *changed, norma_document_error *error) {
-    const composite *c = composite_of(document);
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    size_t i = 0;
-    for (; i < c->count && !result; ++i) {
-        int own;
-        result = norma_document_recentre(
-            c->models[i].document, meshes ? meshes + c->models[i].mesh : NULL, &own, error);
-        *changed |= own;
-    }
-    return end_models(document, i, error, result);
+    return change_each(document, recentre_model, meshes, changed, NULL, NULL, error);
+}
+
+static norma_document_result composite_equal_vertices(
+    norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error) {
+    const composite_model *m = model_of(document, MESHES, mesh);
+    return norma_document_equal_vertices(m->document, mesh - m->first[MESHES], first, error);
 }
 
 /* ---- writing */
@@ -545,13 +559,13 @@ static norma_document_result composite_materials(
     norma_document *document, norma_document_error *error) {
     const composite *c = composite_of(document);
     norma_scene *scene = document->scene;
-    const size_t count = c->models[c->count].material;
+    const size_t count = c->models[c->count].first[MATERIALS];
     norma_material_info *made = norma_scene_allocate(scene, count, sizeof *made);
     if (!made) return norma_document_fail_memory(document, error);
     for (size_t i = 0; i < c->count; ++i)
-        for (size_t k = c->models[i].material; k < c->models[i + 1].material; ++k)
+        for (size_t k = c->models[i].first[MATERIALS]; k < c->models[i + 1].first[MATERIALS]; ++k)
             (void)norma_document_material_info(
-                c->models[i].document, k - c->models[i].material, &made[k]);
+                c->models[i].document, k - c->models[i].first[MATERIALS], &made[k]);
     scene->materials = made;
     scene->material_count = count;
     return NORMA_DOCUMENT_OK;
@@ -559,43 +573,43 @@ static norma_document_result composite_materials(
 
 static norma_document_result composite_attributes(norma_document *document, size_t mesh,
     norma_mesh_attributes *attributes, norma_document_error *error) {
-    const composite_model *m = model_of_mesh(document, mesh);
+    const composite_model *m = model_of(document, MESHES, mesh);
     const norma_document_result result =
-        norma_document_mesh_attributes(m->document, mesh - m->mesh, attributes, error);
-    attributes->material = moved(attributes->material, m->material);
+        norma_document_mesh_attributes(m->document, mesh - m->first[MESHES], attributes, error);
+    attributes->material = moved(attributes->material, m->first[MATERIALS]);
     return result;
 }
 
 static norma_document_result composite_morph(norma_document *document, size_t mesh, size_t target,
     norma_morph_data *data, norma_document_error *error) {
-    const composite_model *m = model_of_mesh(document, mesh);
-    return norma_document_morph_data(m->document, mesh - m->mesh, target, data, error);
+    const composite_model *m = model_of(document, MESHES, mesh);
+    return norma_document_morph_data(m->document, mesh - m->first[MESHES], target, data, error);
 }
 
 static norma_document_result composite_instance_world(norma_document *document, size_t node,
     size_t instance, double world[16], norma_document_error *error) {
-    const composite_model *m = model_of_node(document, node);
+    const composite_model *m = model_of(document, NODES, node);
     const norma_document_result result =
-        norma_document_instance_world(m->document, node - m->node, instance, world, error);
+        norma_document_instance_world(m->document, node - m->first[NODES], instance, world, error);
     if (!result) step_to(m, 1, world);
     return result;
 }
 
 static norma_document_result composite_move_drawn(norma_document *document, size_t node,
     size_t mesh, norma_drawn_mesh *drawn, norma_document_error *error) {
-    const composite_model *m = model_of_node(document, node);
+    const composite_model *m = model_of(document, NODES, node);
     step_to(m, -1, drawn->world);
-    const norma_document_result result =
-        norma_gltf_move_drawn(m->document, node - m->node, mesh - m->mesh, drawn, error);
+    const norma_document_result result = norma_gltf_move_drawn(
+        m->document, node - m->first[NODES], mesh - m->first[MESHES], drawn, error);
     step_to(m, 1, drawn->world);
     return result;
 }
 
 static norma_document_result composite_material_maps(norma_document *document, size_t material,
     norma_material_maps *maps, norma_document_error *error) {
-    const composite_model *m = model_of_material(document, material);
+    const composite_model *m = model_of(document, MATERIALS, material);
     const norma_document_result result =
-        norma_document_material_maps(m->document, material - m->material, maps, error);
+        norma_document_material_maps(m->document, material - m->first[MATERIALS], maps, error);
     maps->base_color.image = moved(maps->base_color.image, m->image);
     maps->normal.image = moved(maps->normal.image, m->image);
     return result;
@@ -603,17 +617,18 @@ static norma_document_result composite_material_maps(norma_document *document, s
 
 static norma_document_result composite_normal_map(norma_document *document, size_t material,
     norma_texture_info *map, norma_document_error *error) {
-    const composite_model *m = model_of_material(document, material);
+    const composite_model *m = model_of(document, MATERIALS, material);
     const norma_document_result result =
-        norma_document_normal_map(m->document, material - m->material, map, error);
+        norma_document_normal_map(m->document, material - m->first[MATERIALS], map, error);
     map->image = moved(map->image, m->image);
     return result;
 }
 
 static norma_document_result composite_texcoords(norma_document *document, size_t mesh, size_t set,
     const float **texcoords, size_t *count, norma_document_error *error) {
-    const composite_model *m = model_of_mesh(document, mesh);
-    return norma_document_texcoords(m->document, mesh - m->mesh, set, texcoords, count, error);
+    const composite_model *m = model_of(document, MESHES, mesh);
+    return norma_document_texcoords(
+        m->document, mesh - m->first[MESHES], set, texcoords, count, error);
 }
 
 /* Skins and what was not read are told by each model alone. */
