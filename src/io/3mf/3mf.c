@@ -47,6 +47,7 @@ static norma_document_result tmf_read(norma_document *document, norma_document_e
     for (uint32_t part = 0; part < state->part_count && !result; ++part) {
         result = norma_3mf_unpack(document, part, error);
         if (!result) result = norma_3mf_read_model(document, part, error);
+        if (!result) result = norma_3mf_check_relationships(document, part, error);
         free(state->parts[part].text);
         state->parts[part].text = NULL;
     }

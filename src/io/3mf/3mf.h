@@ -56,6 +56,9 @@ typedef struct tmf_state {
 
 /* The root model's part, by the package's relationships; not unpacked yet. */
 norma_document_result norma_3mf_find_model(norma_document *document, norma_document_error *error);
+/* What a part's relationships name is in the package, and one print ticket at most. */
+norma_document_result norma_3mf_check_relationships(
+    norma_document *document, uint32_t part, norma_document_error *error);
 /* The number of a part of this name, added if it is new. */
 norma_document_result norma_3mf_add_part(norma_document *document, const char *name, size_t length,
     uint32_t *part, norma_document_error *error);

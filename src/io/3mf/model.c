@@ -156,6 +156,10 @@ static void add_object(model_reader *r, const char **attributes) {
             r, "expected model, solidsupport, support, surface or other as an object's type");
         return;
     }
+    if (value_of(attributes, "pindex") && !value_of(attributes, "pid")) {
+        fail_model(r, "expected a pid beside an object's pindex");
+        return;
+    }
     object->is_other = type && strcmp(type, "other") == 0;
     snprintf(where, sizeof where, "%.200s%sobject %u", r->part ? state->parts[r->part].name : "",
         r->part ? " " : "", (unsigned)object->id);
@@ -175,8 +179,8 @@ static void check_unit(model_reader *r, const char *unit) {
             unit);
 }
 
-/* Materials and what else may have an id: objects must not have the same (chapter 3.4.2). What is
- * wrong with it otherwise, its own readers say. */
+/* Materials and what else may have an id: no two resources have the same (chapter 3.4.2). What is
+ * wrong with them otherwise, their own readers say. */
 static void add_other_id(model_reader *r, const char **attributes) {
     tmf_state *state = r->state;
     tmf_id other = {.part = r->part};
@@ -189,6 +193,14 @@ static void add_other_id(model_reader *r, const char **attributes) {
     }
     state->others = others;
     others[state->other_count++] = other;
+}
+
+/* Only xml:lang is defined for them (chapter 2.3.2). */
+static void check_namespaces(model_reader *r, const char **attributes) {
+    for (; attributes[0] && !r->result; attributes += 2)
+        if (strncmp(attributes[0], "xsi:", 4) == 0 ||
+            (strncmp(attributes[0], "xml:", 4) == 0 && strcmp(attributes[0], "xml:lang") != 0))
+            fail_model(r, "the attribute %.40s is not allowed in a 3MF", attributes[0]);
 }
 
 static void add_vertex(model_reader *r, const char **attributes) {
@@ -314,6 +326,7 @@ static void start_element(model_reader *r) {
     int i = r->skipped ? ELEMENT_COUNT : 0;
     if (r->element == TMF_OUTSIDE) read_prefixes(r, attributes);
     const char *core = i ? NULL : core_name(r, name, attributes);
+    if (!i && r->element <= TMF_BUILD) check_namespaces(r, attributes);
     while (i < ELEMENT_COUNT && (!core || ELEMENTS[i].parent != (tmf_element)r->element ||
                                     strcmp(ELEMENTS[i].name, core) != 0))
         ++i;
@@ -466,6 +479,12 @@ typedef struct placing {
     int mirrored;
 } placing;
 
+static int compare_ids(const void *a, const void *b) {
+    const tmf_id *one = a, *other = b;
+    if (one->part != other->part) return one->part < other->part ? -1 : 1;
+    return (one->id > other->id) - (one->id < other->id);
+}
+
 static int compare_objects(const void *a, const void *b) {
     const tmf_object *one = *(tmf_object *const *)a, *other = *(tmf_object *const *)b;
     if (one->part != other->part) return one->part < other->part ? -1 : 1;
@@ -546,11 +565,18 @@ static norma_document_result sort_objects(placing *p) {
         if (compare_objects(&p->by_id[i - 1], &p->by_id[i]) == 0)
             return norma_document_fail(p->document, p->error, NORMA_DOCUMENT_ERROR_MALFORMED,
                 p->by_id[i]->where, "is defined twice");
+    if (state->other_count)
+        qsort(state->others, state->other_count, sizeof *state->others, compare_ids);
     for (size_t i = 0; i < state->other_count; ++i) {
-        const tmf_object *object = find_object(p, state->others[i].part, state->others[i].id);
+        const tmf_id *other = &state->others[i];
+        const tmf_object *object = find_object(p, other->part, other->id);
         if (object)
             return norma_document_fail(p->document, p->error, NORMA_DOCUMENT_ERROR_MALFORMED,
                 object->where, "has the id of another resource");
+        if (i && compare_ids(other - 1, other) == 0)
+            return norma_document_fail(p->document, p->error, NORMA_DOCUMENT_ERROR_MALFORMED,
+                state->parts[other->part].name, "two resources have the id %u",
+                (unsigned)other->id);
     }
     return NORMA_DOCUMENT_OK;
 }

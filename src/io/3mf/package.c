@@ -75,31 +75,70 @@ norma_document_result norma_3mf_unpack(
     return unpack_member(document, part->name, strlen(part->name), &part->text, &part->size, error);
 }
 
-/* ---- which part is the model */
+/* ---- relationships */
+
+#define TMF_RELATION "http://schemas.microsoft.com/3dmanufacturing/2013/01/"
+
+enum { TMF_MODEL_RELATION, TMF_TICKET_RELATION, TMF_RELATIONS = 4 };
+
+/* What a part names must be in the package (chapter 2.1.1), if it is of one of these types. */
+static const char *const RELATIONS[TMF_RELATIONS] = {TMF_RELATION "3dmodel",
+    TMF_RELATION "printticket", TMF_RELATION "3dtexture",
+    "http://schemas.openxmlformats.org/package/2006/relationships/metadata/thumbnail"};
 
 typedef struct relationships {
-    char target[512];
-    size_t models;
-    int is_external;
+    zip_archive zip;
+    const char *source; /* the part that has them; "": the package */
+    size_t counts[TMF_RELATIONS];
+    char model[512];
+    char wrong[600]; /* "": nothing */
 } relationships;
 
+/* Targets are relative to the folder of their source. Those with escapes or dots are not looked
+ * for. */
+static void find_target(relationships *found, const char *target, int is_external) {
+    const char *slash = strrchr(found->source, '/');
+    const size_t folder = slash && target[0] != '/' ? (size_t)(slash + 1 - found->source) : 0;
+    char name[600];
+    const int length = snprintf(
+        name, sizeof name, "%.*s%s", (int)folder, found->source, target + (*target == '/'));
+    if (is_external)
+        snprintf(found->wrong, sizeof found->wrong,
+            "%.400s lies outside the package; it is not opened", target);
+    else if ((size_t)length < sizeof name && !name[strcspn(name, "%?#")] && !strstr(name, "./") &&
+             norma_zip_find(&found->zip, name, (size_t)length) == SIZE_MAX)
+        snprintf(found->wrong, sizeof found->wrong,
+            "names the part %.400s, which is not in the package", name);
+}
+
 static void add_relationship(relationships *found, const char *name, const char **attributes) {
-    static const char model[] = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
     const char *type = "", *target = "", *mode = "";
+    size_t kind = 0;
     if (strcmp(name, "Relationship") != 0) return;
     for (; attributes[0]; attributes += 2) {
         if (strcmp(attributes[0], "Type") == 0) type = attributes[1];
         if (strcmp(attributes[0], "Target") == 0) target = attributes[1];
         if (strcmp(attributes[0], "TargetMode") == 0) mode = attributes[1];
     }
-    if (strcmp(type, model) != 0) return;
-    ++found->models;
-    found->is_external = strcmp(mode, "External") == 0;
-    snprintf(found->target, sizeof found->target, "%s", target);
+    while (kind < TMF_RELATIONS && strcmp(type, RELATIONS[kind]) != 0) ++kind;
+    if (kind == TMF_RELATIONS) return;
+    ++found->counts[kind];
+    find_target(found, target, strcmp(mode, "External") == 0);
+    if (kind == TMF_MODEL_RELATION) snprintf(found->model, sizeof found->model, "%s", target);
 }
 
-static norma_document_result read_relationships(norma_document *document, const char *text,
-    size_t size, relationships *found, norma_document_error *error) {
+static void count_relationships(relationships *found) {
+    const size_t models = found->counts[TMF_MODEL_RELATION];
+    const size_t tickets = found->counts[TMF_TICKET_RELATION];
+    if (!found->source[0] && models != 1)
+        snprintf(found->wrong, sizeof found->wrong, "names %zu models; a 3MF has one", models);
+    else if (tickets > 1)
+        snprintf(found->wrong, sizeof found->wrong,
+            "names %zu print tickets; a model has one at most", tickets);
+}
+
+static norma_document_result read_relationships(norma_document *document, const char *where,
+    const char *text, size_t size, relationships *found, norma_document_error *error) {
     xml_reader xml = {.text = text, .size = size};
     xml_event event = XML_BEGINS;
     while (event < XML_DONE) {
@@ -108,30 +147,45 @@ static norma_document_result read_relationships(norma_document *document, const 
     }
     norma_xml_free(&xml);
     if (event == XML_NO_MEMORY) return norma_document_fail_memory(document, error);
-    if (event != XML_DONE)
-        return norma_document_fail(
-            document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "_rels/.rels", "%s", xml.wrong);
-    if (found->models != 1)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, "_rels/.rels",
-            "names %zu models; a 3MF has one", found->models);
-    if (found->is_external)
-        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_REFUSED, "_rels/.rels",
-            "the model lies outside the package; it is not opened");
-    return NORMA_DOCUMENT_OK;
+    if (event == XML_DONE) count_relationships(found);
+    if (event == XML_DONE && !found->wrong[0]) return NORMA_DOCUMENT_OK;
+    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, where, "%s",
+        event == XML_DONE ? found->wrong : xml.wrong);
+}
+
+/* Those of a part stand beside it, in _rels; only the package must have some. */
+static norma_document_result find_relationships(
+    norma_document *document, relationships *found, norma_document_error *error) {
+    const char *slash = strrchr(found->source, '/');
+    const size_t folder = slash ? (size_t)(slash + 1 - found->source) : 0;
+    char where[600], *text = NULL;
+    size_t size = 0;
+    const int length = snprintf(where, sizeof where, "%.*s_rels/%s.rels", (int)folder,
+        found->source, found->source + folder);
+    norma_document_result result = open_package(document, &found->zip, error);
+    if (!result &&
+        (!found->source[0] || ((size_t)length < sizeof where && norma_zip_find(&found->zip, where,
+                                                                    (size_t)length) != SIZE_MAX))) {
+        result = unpack_member(document, where, (size_t)length, &text, &size, error);
+        if (!result) result = read_relationships(document, where, text, size, found, error);
+    }
+    free(text);
+    free(found->zip.members);
+    return result;
 }
 
 norma_document_result norma_3mf_find_model(norma_document *document, norma_document_error *error) {
-    static const char name[] = "_rels/.rels";
-    relationships found = {.models = 0};
-    char *text = NULL;
-    size_t size = 0;
+    relationships found = {.source = ""};
     uint32_t part;
-    norma_document_result result =
-        unpack_member(document, name, sizeof name - 1, &text, &size, error);
-    if (!result) result = read_relationships(document, text, size, &found, error);
-    free(text);
+    const norma_document_result result = find_relationships(document, &found, error);
     return result ? result
-                  : norma_3mf_add_part(document, found.target, strlen(found.target), &part, error);
+                  : norma_3mf_add_part(document, found.model, strlen(found.model), &part, error);
+}
+
+norma_document_result norma_3mf_check_relationships(
+    norma_document *document, uint32_t part, norma_document_error *error) {
+    relationships found = {.source = ((tmf_state *)document->state)->parts[part].name};
+    return find_relationships(document, &found, error);
 }
 
 norma_document_result norma_3mf_pack(norma_document *document, growing_bytes *texts,

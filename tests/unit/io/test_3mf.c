@@ -6,8 +6,9 @@
 #include "message.h"
 #include <norma/check.h>
 
+#define TMF "http://schemas.microsoft.com/3dmanufacturing/2013/01/"
 #define RELS                                                                                       \
-    "<Relationships><Relationship Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/"    \
+    "<Relationships><Relationship Type=\"" TMF                                                     \
     "3dmodel\" Target=\"/3D/a.model\" Id=\"r\"/></Relationships>"
 #define CORE "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\""
 #define TETRA(triangles)                                                                           \
@@ -82,12 +83,13 @@ static void end_zip(made_zip *z) {
     put_text(z->bytes, &z->size, "comment", 7);
 }
 
-static document_bytes package_of(
-    const char *model, size_t model_size, const char *rels, size_t rels_size) {
+static document_bytes package_of(const char *model, size_t model_size, const char *rels,
+    size_t rels_size, const char *model_rels) {
     made_zip *z = calloc(1, sizeof *z);
     assert_non_null(z);
     add_member(z, "_rels/.rels", rels, rels_size);
     add_member(z, "3D/a.model", model, model_size);
+    if (model_rels) add_member(z, "3D/_rels/a.model.rels", model_rels, strlen(model_rels));
     add_member(z, "picture.png", "not a picture", 13);
     end_zip(z);
     const document_bytes bytes = bytes_copy(z->bytes, z->size);
@@ -96,7 +98,7 @@ static document_bytes package_of(
 }
 
 static document_bytes package(const char *model, const char *rels) {
-    return package_of(model, strlen(model), rels, strlen(rels));
+    return package_of(model, strlen(model), rels, strlen(rels), NULL);
 }
 
 static void test_reads(void **state) {
@@ -224,6 +226,10 @@ static void test_broken_models(void **state) {
             "object 1: has the id of another resource"},
         {MODEL("<object id=\"1\"/><m:colorgroup id=\"1\"><m:color id=\"2\"/></m:colorgroup>", ""),
             "object 1: has the id of another resource"},
+        {MODEL("<basematerials id=\"2\"/><a id=\"3\"/><m:colorgroup id=\"2\"/>", ""),
+            "3D/a.model: two resources have the id 2"},
+        {MODEL("<object id=\"1\" pindex=\"0\"/>", ""), "expected a pid beside an object's pindex"},
+        {"<model xml:lang=\"en\" xml:space=\"default\" " CORE "/>", "the attribute xml:space"},
         {"<model unit=\"furlong\" " CORE "><resources/><build/></model>",
             "as the model's unit; found furlong"},
         {MODEL("<object id=\"1\">" TETRA("<triangle v1=\"0\" v2=\"2\" v3=\"4\"/>") "</object>", ""),
@@ -246,6 +252,36 @@ static void test_broken_models(void **state) {
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i)
         expect_refused(package(cases[i].model, RELS), cases[i].expected);
+    (void)state;
+}
+
+/* What the model's part names is looked for beside it, or from the root of the package. */
+static void test_relationships(void **state) {
+    static const struct {
+        const char *type, *attributes, *expected;
+    } cases[] = {{"3dtexture", "Target=\"/picture.png\"", NULL},
+        {"3dtexture", "Target=\"../Picture.PNG\"", NULL}, {"3dtexture", "Target=\"a.model\"", NULL},
+        {"of-another-kind", "Target=\"gone.png\"", NULL},
+        {"3dtexture", "Target=\"picture.png\"",
+            "names the part 3D/picture.png, which is not in the package"},
+        {"printticket", "Target=\"/gone.xml\"", "3D/_rels/a.model.rels: names the part gone.xml"},
+        {"printticket",
+            "Target=\"/picture.png\"/><a/><Relationship Type=\"" TMF "printticket\" "
+            "Target=\"a.model\"",
+            "names 2 print tickets"},
+        {"3dmodel", "Target=\"file:///etc/motd\" TargetMode=\"External\"", "it is not opened"}};
+    const char *model = MODEL("", "");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char rels[500];
+        snprintf(rels, sizeof rels,
+            "<Relationships><Relationship Type=\"" TMF "%s\" %s/></Relationships>", cases[i].type,
+            cases[i].attributes);
+        document_bytes bytes = package_of(model, strlen(model), RELS, strlen(RELS), rels);
+        if (cases[i].expected) expect_refused(bytes, cases[i].expected);
+        if (cases[i].expected) continue;
+        norma_document_close(bytes_open(bytes, "a.3mf"));
+        bytes_free(&bytes);
+    }
     (void)state;
 }
 
@@ -307,8 +343,8 @@ static void test_encodings(void **state) {
         size = is_wide ? size : strlen(one);
         snprintf(expected, sizeof expected,
             "a.3mf:%s: expected UTF-8, the encoding of a 3MF; found %s", name, found[!is_wide]);
-        expect_refused(is_model ? package_of(text, size, texts[0], strlen(texts[0]))
-                                : package_of(texts[1], strlen(texts[1]), text, size),
+        expect_refused(is_model ? package_of(text, size, texts[0], strlen(texts[0]), NULL)
+                                : package_of(texts[1], strlen(texts[1]), text, size, NULL),
             expected);
     }
     expect_refused(package(texts[1], "<!DOCTYPE a><Relationships/>"),
@@ -322,6 +358,7 @@ int main(void) {
         cmocka_unit_test(test_edits),
         cmocka_unit_test(test_sets),
         cmocka_unit_test(test_broken_models),
+        cmocka_unit_test(test_relationships),
         cmocka_unit_test(test_billion),
         cmocka_unit_test(test_broken_zips),
         cmocka_unit_test(test_encodings),
