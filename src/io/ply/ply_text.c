@@ -5,6 +5,7 @@
 #include "io/text/text.h"
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* NULL: no more; skips white space and line breaks */
 static const unsigned char *ply_token(
@@ -14,6 +15,21 @@ static const unsigned char *ply_token(
     while (at < end && !norma_is_blank(*at)) ++at;
     *length = (size_t)(at - begin);
     return at > begin ? begin : NULL;
+}
+
+/* Behind lines of comments, before the end of the last. The format has them in its header only, but
+ * people write them between rows too. */
+static const unsigned char *skip_comments(const unsigned char *at, const unsigned char *end) {
+    static const char word[] = "comment";
+    const size_t length = sizeof word - 1;
+    for (;;) {
+        const unsigned char *behind = at;
+        while (at < end && norma_is_blank(*at)) ++at;
+        if ((size_t)(end - at) <= length || memcmp(at, word, length) != 0 ||
+            !norma_is_blank(at[length]))
+            return behind;
+        while (at < end && !norma_ply_ends_line(*at)) ++at;
+    }
 }
 
 /* ---- walking */
@@ -110,6 +126,7 @@ static void end_row(text_walker *walker) {
 static norma_document_result walk_row(text_walker *walker) {
     const ply_state *state = walker->document->state;
     norma_document_result result = NORMA_DOCUMENT_OK;
+    walker->at = skip_comments(walker->at, walker->end);
     for (size_t i = 0; i < walker->element->property_count && !result; ++i) {
         const ply_property *property = norma_ply_property(&state->header, walker->element, (int)i);
         result =
@@ -172,7 +189,8 @@ norma_document_result norma_ply_locate_text(norma_document *document, norma_docu
     if (state->surplus_rows)
         norma_document_add_note(document, "%s; they are kept, not read", surplus);
     size_t length;
-    const unsigned char *rest = ply_token(walker.at, walker.end, &length);
+    const unsigned char *rest =
+        ply_token(skip_comments(walker.at, walker.end), walker.end, &length);
     if (rest)
         norma_document_add_note(document, "%zu bytes after the last element are kept as they are",
             (size_t)(walker.end - rest));
@@ -315,7 +333,7 @@ typedef struct text_writer {
     const uint32_t *triangle; /* of the face that is cut, which this row is; or NULL */
     const int64_t *next_item;
     size_t row; /* the old row */
-    int any;    /* a row was written */
+    int any;    /* a row, or a comment, was written */
     norma_watch *watch;
     const void *asked; /* where it was last asked whether to go on */
 } text_writer;
@@ -500,9 +518,17 @@ static int put_item(text_writer *writer, const ply_item *item, size_t number) {
     return 1;
 }
 
+static void put_comments(text_writer *writer) {
+    const unsigned char *behind = skip_comments(writer->at, writer->end);
+    if (behind > writer->at) writer->any = 1;
+    norma_sink_put(writer->sink, writer->at, (size_t)(behind - writer->at));
+    writer->at = behind;
+}
+
 /* With all that follows in its line, white space or words that the header does not declare. */
 static int put_row(text_writer *writer, size_t number) {
     int ok = 1;
+    put_comments(writer);
     for (size_t i = 0; i < writer->plan->item_count && ok; ++i)
         ok = put_item(writer, &writer->plan->items[i], number);
     const unsigned char *end = writer->at;
@@ -549,6 +575,7 @@ static norma_document_result text_write_added(
 /* Drops a row with the line break before it. Before the first row that stays there is no break, so
  * the break behind the dropped row goes instead. */
 static void text_drop_row(text_writer *writer, const ply_span *span) {
+    put_comments(writer);
     if (writer->next_index) writer->next_index += norma_ply_row_corners(writer->plan, writer->row);
     writer->at = writer->state->bytes + span->offset + span->length;
     while (!writer->any && writer->at < writer->end &&

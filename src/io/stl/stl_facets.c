@@ -41,7 +41,7 @@ static void store_floats(unsigned char *at, const float *values, size_t count) {
 
 static int is_in_line(int byte) { return byte != '\n' && byte != '\r'; }
 
-/* The format has no comments, but people and programs write them, on lines of their own. */
+/* The format has no comments, but people and programs write them, up to the end of a line. */
 static int begins_comment(const char *at, const char *end) {
     return at < end && (*at == '#' || *at == ';' || *at == '!' || *at == '%' ||
                            (*at == '/' && at + 1 < end && at[1] == '/'));
@@ -220,7 +220,9 @@ static int stl_is_cancelled(text_scanner *scanner) {
 
 /* Empty at the end of the file. */
 static stl_word stl_next_word(text_scanner *scanner) {
-    pass(scanner, norma_is_blank);
+    for (pass(scanner, norma_is_blank); begins_comment(scanner->at, scanner->end);
+         pass(scanner, norma_is_blank))
+        pass(scanner, is_in_line);
     const char *text = scanner->at;
     pass(scanner, is_no_blank);
     return (stl_word){text, scanner->at};
@@ -333,11 +335,6 @@ static norma_document_result stl_take_name(text_scanner *scanner) {
 }
 
 static norma_document_result scan_statement(text_scanner *scanner, stl_word word) {
-    if (begins_comment(word.text, word.end)) {
-        scanner->at = word.text;
-        pass(scanner, is_in_line);
-        return NORMA_DOCUMENT_OK;
-    }
     if (!scanner->inside) {
         scanner->inside = 1;
         return stl_is_word(word, "solid") ? stl_take_name(scanner)

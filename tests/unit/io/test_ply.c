@@ -76,6 +76,46 @@ static void test_surplus_values_stay(void **state) {
     bytes_free(&moved);
 }
 
+#define COMMENTED(vertices, faces)                                                                 \
+    "ply\nformat ascii 1.0\nelement vertex " vertices "\n" VERTEX_FLOATS "element face " faces     \
+    "\nproperty list uchar int vertex_indices\nend_header\n"
+
+/* Between rows they belong to the header's language no more, but people write them there. They stay
+ * beside rows that change, are added or dropped. */
+static void test_comments_between_rows_stay(void **state) {
+    (void)state;
+    static const uint8_t first[] = {1, 0};
+    document_bytes in = text_file(COMMENTED("4", "2") "\ncomment a\n0 0 0\n1 0 0\ncomment b 1 2 3\n"
+                                                      "comment\n\n0 1 0\n0 0 1\ncomment c\n"
+                                                      "3 0 1 2\n comment d\n3 0 3 1\ncomment e\n");
+    const norma_compute_options creased = {
+        .shading = NORMA_SHADING_CREASE, .crease_angle_rad = 0.5};
+    document_bytes out = bytes_computed(in, "a.ply", &creased, NULL),
+                   moved = bytes_transformed(in, "a.ply", mirror_x, NULL);
+    assert_text(out, "ply\nformat ascii 1.0\nelement vertex 6\n" VERTEX_FLOATS
+                     "property float nx\nproperty float ny\nproperty float nz\n"
+                     "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+                     "\ncomment a\n0 0 0 0 0 1\n1 0 0 0 0 1\ncomment b 1 2 3\ncomment\n\n"
+                     "0 1 0 0 0 1\n0 0 1 0 1 0\n0 0 0 0 1 0\n1 0 0 0 1 0\ncomment c\n"
+                     "3 0 1 2\n comment d\n3 4 3 5\ncomment e\n");
+    assert_text(moved, COMMENTED("4", "2") "\ncomment a\n0 0 0\n-1 0 0\ncomment b 1 2 3\n"
+                                           "comment\n\n0 1 0\n0 0 1\ncomment c\n"
+                                           "3 0 2 1\n comment d\n3 0 1 3\ncomment e\n");
+    norma_document *document = bytes_open(in, "a.ply");
+    const norma_mesh_edit edit = {.drop_faces = first};
+    assert_int_equal(norma_document_note_count(document), 0);
+    assert_int_equal(norma_document_edit(document, &edit, NULL), NORMA_DOCUMENT_OK);
+    document_bytes dropped = bytes_of(document);
+    assert_text(dropped, COMMENTED("4", "1") "\ncomment a\n0 0 0\n1 0 0\ncomment b 1 2 3\n"
+                                             "comment\n\n0 1 0\n0 0 1\ncomment c\n"
+                                             " comment d\n3 0 3 1\ncomment e\n");
+    norma_document_close(document);
+    bytes_free(&in);
+    bytes_free(&out);
+    bytes_free(&moved);
+    bytes_free(&dropped);
+}
+
 static void test_crlf_and_no_last_line_break(void **state) {
     (void)state;
     document_bytes in =
@@ -674,6 +714,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_normals_stand_after_z),
         cmocka_unit_test(test_surplus_values_stay),
+        cmocka_unit_test(test_comments_between_rows_stay),
         cmocka_unit_test(test_crlf_and_no_last_line_break),
         cmocka_unit_test(test_bodies_that_begin_with_a_line_end),
         cmocka_unit_test(test_what_is_idle_is_not_counted),

@@ -76,6 +76,23 @@ static void test_mirror_in_text(void **state) {
 }
 
 /* Numbers of more digits than a float has stay exact. */
+/* They may say whatever a facet does. */
+static void test_comments_stay(void **state) {
+    (void)state;
+    document_bytes in =
+        text_file("# one\nsolid a # name\n! two\nfacet // three outer\nnormal 9 0 1 ; "
+                  "four\nouter loop\n vertex 0 0 0 # vertex 5 5 5\nvertex 1 0 0 "
+                  "%five\n#\nvertex 0 1 0\nendloop # facet\nendfacet\n# six\n"
+                  "endsolid a # seven\n# eight");
+    document_bytes out = bytes_computed(in, "a.stl", NULL, NULL);
+    assert_text(out, "# one\nsolid a # name\n! two\nfacet // three outer\nnormal 0 0 1 ; "
+                     "four\nouter loop\n vertex 0 0 0 # vertex 5 5 5\nvertex 1 0 0 "
+                     "%five\n#\nvertex 0 1 0\nendloop # facet\nendfacet\n# six\n"
+                     "endsolid a # seven\n# eight");
+    bytes_free(&in);
+    bytes_free(&out);
+}
+
 static void test_far_coordinates_in_text(void **state) {
     (void)state;
     const double back[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -4500000, 0, 0, 1},
@@ -497,6 +514,7 @@ int main(void) {
         cmocka_unit_test(test_text_keeps_all_but_the_normals),
         cmocka_unit_test(test_the_name_is_utf_8),
         cmocka_unit_test(test_mirror_in_text),
+        cmocka_unit_test(test_comments_stay),
         cmocka_unit_test(test_far_coordinates_in_text),
         cmocka_unit_test(test_binary_that_begins_with_solid),
         cmocka_unit_test(test_only_missing_and_broken),
