@@ -28,7 +28,6 @@ _norma() {
     --normals) values="stored computed" ;;
     --lines) values="vertices faces edges" ;;
     --up) values="x y z -x -y -z" ;;
-    --views) values="front right back left top bottom three-quarter" ;;
     --background) values="paper white black grey transparent" ;;
     --renderer) values="auto software" ;;
     --input-format) values="obj ply stl gltf glb b3dm i3dm cmpt 3mf" ;;
@@ -49,7 +48,7 @@ _norma() {
     pack) options="--max-error $files" ;;
     transform) options="$matrix --bake $files" ;;
     matrix) options="$matrix --json --help" ;;
-    render) options="-o --output --out-dir --shading --show --compare --views --turntable --sheet --columns --label --select --clay --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --max-memory --json --quiet --help" ;;
+    render) options="-o --output --out-dir --shading --show --compare --label --select --clay --lines --line-length --line-width --most-lines --error-top --normals --weight --crease --space --camera --fov --up --light --phong --size --samples --background --renderer $matrix --input-format --threads --max-memory --json --quiet --help" ;;
     check) options="--select --ignore --profile --strict --config --no-config --trust-config --baseline --write-baseline --format --info --color --fail-on --max-samples --page --fix --fix-unsafe --open-by-rays --dry-run --against --max --share --files-from --shard --exit $files" ;;
     report) options="--merge --partial --format -o --output --info --help" ;;
     explain) options="-o --output --json --help" ;;

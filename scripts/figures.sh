@@ -130,8 +130,10 @@ three_js=${NORMA_NPM_TANGENT:-build/npm-tangent/node_modules}
 if [ -d "$three_js/three" ]; then
     node tests/tangent/baked.mjs "$three_js" "$models"
     "$norma" tangents "$models/bare.gltf" -o "$models/with.gltf" --quiet
-    draw baked "$models/with.gltf" "$models/other.gltf" "$models/fine.gltf" --sheet --size 300x300 --camera 0,10 --clay=no --background white \
-        --label 'drawn with its map' --label 'one sign of w for both halves' --label 'the surface that was baked'
+    baked=(--size 300x300 --camera 0,10 --clay=no --background white)
+    draw baked-with "$models/with.gltf" "${baked[@]}" --label 'drawn with its map'
+    draw baked-other "$models/other.gltf" "${baked[@]}" --label 'one sign of w for both halves'
+    draw baked-fine "$models/fine.gltf" "${baked[@]}" --label 'the surface that was baked'
 fi
 
 # The report of norma check as a browser shows it; without Chromium the old picture stays.

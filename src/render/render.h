@@ -1,7 +1,7 @@
 /* render.h: pictures of meshes without a display. Plain arrays in, a picture in memory out; the
  * tool fills the arrays from a document and writes the file.
  *
- * A sheet is a grid of panels of one size. Each panel draws a scene its own way; all have one
+ * A sheet is a row of panels of one size. Each panel draws a scene its own way; all have one
  * scale. The way of a vertex is the one of the textbooks, local, world, view, clip, viewport:
  * camera/camera.h. Below this only the core. */
 #ifndef NORMA_RENDER_H
@@ -19,7 +19,6 @@ enum render_result {
 typedef struct render_error {
     enum render_result result;
     char message[400]; /* one line, without the name of a file */
-    size_t panel;      /* of a sheet, from 1: the one that cannot be drawn; 0: none in particular */
 } render_error;
 
 /* ---- what is drawn */
@@ -154,13 +153,10 @@ typedef struct render_look { /* of all panels of a sheet */
     double reach;         /* length of hedgehog lines, in parts of the local edge's */
     size_t most_lines;    /* of one kind on one surface; of more, evenly chosen ones are drawn */
     double error_top_deg; /* of the colour scale; 0: as most of the errors want it */
-    int steady; /* a turntable: framed so that no turn about the vertical changes the scale */
 } render_look;
 
 typedef struct render_panel {
     const render_scene *scene;
-    size_t file; /* panels of one file have one scale, and where matrix and camera are the same, the
-                    model in one place; 0: those of one scene */
     double matrix[16]; /* acts on the world, after the nodes */
     double azimuth_deg, elevation_deg;
     enum render_up up; /* of the scene */
@@ -227,7 +223,7 @@ enum { RENDER_MOST_KEYS = 8 };
 
 typedef struct render_sheet {
     render_panel *panels;
-    size_t panel_count, columns;
+    size_t panel_count;
     const char *below; /* words under all of it; NULL: none */
     render_key keys[RENDER_MOST_KEYS];
     size_t key_count;

@@ -107,11 +107,6 @@ for verb in render view; do
     says 'points have no normals'
     check "$verb: nothing was written" test ! -e no.$ending
 done
-if "$NORMA" render models/top.obj -o drawn.png >/dev/null 2>&1; then
-    is 0 'models/top.obj, other/top.obj -> sheet.png: 2 triangles, *' render models/top.obj other/top.obj --sheet -o sheet.png
-    is 0 '*"inputs": \["models/top.obj", "other/top.obj"\]*' render models/top.obj other/top.obj --sheet -o sheet.png --json
-fi
-
 # Content that cannot be done is 3, whatever the format; the command line alone is 2.
 printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n' >one.stl
 is 3 '' transform one.stl --scale 1e300 --out-dir out

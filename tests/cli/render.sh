@@ -63,17 +63,11 @@ check "and the one of standard input" cmp "$scratch/one.png" "$scratch/three.png
 check "light in view space and in world space: one picture" "$compare" "$scratch/view.png" "$scratch/world.png" 0.02 0
 
 check "PNG: the chunk sRGB is there" grep -aq sRGB "$scratch/one.png"
-"$norma" render "$scratch/square.obj" -o "$scratch/t.png" --turntable 3 --size 40x30 --quiet
-check "a turntable writes NAME-000.png and on" test -s "$scratch/t-000.png" -a -s "$scratch/t-001.png" -a -s "$scratch/t-002.png" -a ! -e "$scratch/t-003.png" -a ! -e "$scratch/t.png"
 printf 'v 0 0 0\n' >"$scratch/point.obj"
 cp "$scratch/point.obj" "$scratch/other.obj"
 check "a run that draws nothing leaves no folder that it made" bash -c '! "$0" render "$1/point.obj" "$1/other.obj" --out-dir "$1/none" 2>/dev/null && [ ! -e "$1/none" ]' "$norma" "$scratch"
 "$norma" render "$scratch/square.obj" assets/spider.stl --out-dir "$scratch/all" --size 40x30 --json >"$scratch/json"
 check "several inputs: a picture and a line each" test -s "$scratch/all/square.png" -a -s "$scratch/all/spider.png" -a "$(wc -l <"$scratch/json")" = 2
-"$norma" render "$scratch/square.obj" -o "$scratch/v.png" --views front,right,top,back --size 40x30 --quiet
-check "four views are a sheet of two by two" test "$(size "$scratch/v.png")" = "80x$((2 * (30 + 22)))"
-"$norma" render "$scratch/square.obj" assets/spider.stl -o "$scratch/s.png" --sheet --size 40x30 --quiet
-check "--sheet: several inputs in one picture" test "$(size "$scratch/s.png")" = 80x52
 
 # A hilly ground over the x and y axes, and the same over x and z; a stool with a flat foot at z = 0.
 awk 'BEGIN { for (y = 0; y < 6; y++) for (x = 0; x < 6; x++) print "v", x, y, 0.2 * sin(3 * x + y); for (y = 0; y < 5; y++) for (x = 1; x < 6; x++) { a = 6 * y + x; print "f", a, a + 1, a + 7, a + 6 } }' >"$scratch/z-up.obj"
@@ -97,21 +91,11 @@ done
 check "--select leaves findings of other rules out" bash -c '! cmp -s "$0" "$1"' "$scratch/f.png" "$scratch/g.png"
 
 printf 'v 0 0 0\nv 1 0 0\nl 1 2\n' >"$scratch/lines.obj"
-status=0
-"$norma" render "$scratch/square.obj" "$scratch/lines.obj" assets/spider.stl "$scratch/nothing.obj" -o "$scratch/s.png" --sheet --size 40x30 --json >"$scratch/json" 2>"$scratch/stderr" || status=$?
-check "a sheet draws the others, names the ones that it cannot, and ends with 3" test "$status" = 3 -a "$(size "$scratch/s.png" | cut -dx -f1)" = 80 -a "$(grep -c 'lines.obj\|nothing.obj' "$scratch/stderr")" = 2
-check "also in its summary" grep -q '"inputs": \["[^"]*square.obj", "assets/spider.stl"\].*"not_drawn": "2 files that cannot be drawn (lines, nothing)"' "$scratch/json"
 "$norma" render "$scratch/square.obj" -o "$scratch/e.png" --show error --size 64x64 --samples 1 >"$scratch/stdout"
 check "errors without stored normals: said plainly" grep -q 'no normals are stored: there is nothing to compare' "$scratch/stdout"
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n' >"$scratch/stored.obj"
 "$norma" render "$scratch/stored.obj" -o "$scratch/e.png" --crease 30 --size 32x32 >/dev/null 2>"$scratch/stderr"
 check "--crease without an effect is noted" grep -q 'note: no effect: --crease' "$scratch/stderr"
-cp "$scratch/stored.obj" "$scratch/second.obj"
-"$norma" render "$scratch/stored.obj" "$scratch/second.obj" -o "$scratch/e.png" --sheet --crease 30 --size 32x32 >"$scratch/stdout" 2>"$scratch/stderr"
-check "in a sheet for each file" test "$(grep -c 'stored.obj: note: no effect: --crease\|second.obj: note: no effect: --crease' "$scratch/stderr")" = 2
-check "and how many guesses of the axis that points up" grep -q '; guessed the upward axis in 2 of the files (--up)' "$scratch/stdout"
-"$norma" render "$scratch/stored.obj" "$scratch/second.obj" -o "$scratch/e.png" --sheet --crease 30 --size 32x32 --json >"$scratch/json"
-check "with its name in the notes of --json" grep -q '"notes": \["[^"]*stored.obj: no effect: --crease[^"]*", "[^"]*second.obj: no effect' "$scratch/json"
 "$norma" render "$scratch/square.obj" -o "$scratch/e.png" --crease 30 --size 32x32 >/dev/null 2>"$scratch/stderr"
 check "and with one it is not" test ! -s "$scratch/stderr"
 cat >"$scratch/images.gltf" <<'END'
@@ -175,7 +159,7 @@ reference shadings assets/dodecahedron.obj --compare=flat,gouraud,phong --crease
 reference compare assets/goathead.obj --compare --scale 2,0.5,1 --size 128x96
 reference hedgehog assets/dodecahedron.obj --show hedgehog --size 128x128
 reference wireframe assets/box-rotated.obj --show winding,wireframe --size 128x128
-reference normals assets/goathead.obj --views front,right,top,three-quarter --show normals --size 80x80
+reference normals assets/goathead.obj --show normals --size 80x80
 reference error assets/spider.stl --show error --size 128x128
 reference zebra assets/goathead.obj --show zebra --size 128x128
 reference matcap assets/goathead.obj --show matcap --size 128x128

@@ -110,7 +110,6 @@ if "$NORMA" render fresh/plate.obj -o drawn.png >/dev/null 2>&1; then
     refused render below/lid.gltf -o crate.png
     refused render below/lid.gltf crate.gltf --out-dir .
     refused render skin.ply --out-dir .
-    refused render crate.gltf below/lid.gltf --sheet -o wood.png
     written new.png render crate.gltf -o new.png
 else
     skip "render: no picture can be drawn here"

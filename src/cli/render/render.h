@@ -16,7 +16,7 @@
 
 /* ---- settings */
 
-enum { RENDER_MOST_WORDS = RENDER_MOST_PANELS, RENDER_MOST_TURNS = 3600, RENDER_MOST_RULES = 256 };
+enum { RENDER_MOST_WORDS = RENDER_MOST_PANELS, RENDER_MOST_RULES = 256 };
 
 typedef struct render_settings {
     cli_files files;
@@ -29,10 +29,7 @@ typedef struct render_settings {
     unsigned lines;    /* asked for by --show */
     unsigned hedgehog; /* which lines a hedgehog has, by --lines; 0: vertices and faces */
     int compare;       /* 1: plain M and the normal matrix; 2: what compare_list says */
-    const char *compare_list, *views;
-    size_t columns;
-    int turns; /* of a turntable; 0: none */
-    int sheet; /* several inputs in one picture */
+    const char *compare_list;
     double azimuth_deg, elevation_deg;
     int crease_given;
     double crease_rad;
@@ -64,9 +61,6 @@ void render_settings_default(render_settings *settings);
 int render_settings_check(const cli_subcommand *command, render_settings *settings);
 /* Whether no picture that is to be written is a source, as far as it is known. A status. */
 int render_guard_outputs(const render_settings *settings);
-/* FOLDER/NAME.png of an input, or the one output; with turn >= 0, -NNN before .png. Owned by the
- * caller; NULL: out of memory. */
-char *render_output_of(const render_settings *settings, size_t index, int turn);
 
 /* ---- a document as a scene */
 
@@ -131,8 +125,7 @@ enum {
 };
 typedef struct render_left_out {
     size_t counts[RENDER_LEFT_OUT];
-    char files[160], images[160]; /* names: of files of a sheet that cannot be drawn, of images */
-    size_t file_count;
+    char images[160]; /* their names */
 } render_left_out;
 /* Another name at the end of a list; of one that is full, "..." */
 void render_add_name(char *list, size_t room, const char *name);
@@ -143,29 +136,22 @@ int render_check_idle(const cli_subcommand *command, const render_settings *sett
 
 typedef struct render_plan { /* of one picture */
     render_panel panels[RENDER_MOST_PANELS];
-    size_t count, files;
+    size_t count;
     char above[RENDER_MOST_PANELS][160], below[RENDER_MOST_PANELS][160], footer[200];
     char left_out[560], keys[4][40];  /* keys: of findings, by severity */
     size_t found_counts[4], unstored; /* unstored: --show error, surfaces with nothing to compare */
     render_left_out lost;
-    size_t labels_unused; /* of files that are left out */
     const render_settings *settings;
     int difference; /* largest between panels of shadings, of 255; -1: none */
 } render_plan;
 
-/* Adds the panels of one file: its views, or what --compare sets side by side. title: above them
- * where nothing else is; may be NULL. A status; said already. */
-int render_plan_add(const cli_subcommand *command, render_plan *plan, render_scene_file *file,
-    const char *title, norma_document_error *error);
-/* A file of a sheet that cannot be drawn is left out, with its panels if it has any: the file of
- * the number, from 1; file: NULL if it could not be opened. */
-void render_plan_leave(
-    render_plan *plan, size_t number, const char *name, const render_scene_file *file);
+/* Adds the panels of the file: one, or what --compare sets side by side. A status; said already. */
+int render_plan_add(render_plan *plan, render_scene_file *file, norma_document_error *error);
 /* The words under a picture that are known before it is drawn. */
 void render_plan_legend(render_plan *plan, render_sheet *sheet);
 /* A render_tell: user is the plan. */
 void render_plan_tell(void *user, render_sheet *sheet, const render_picture *picture);
-/* The words of --compare and --views are checked before a file is opened. */
+/* The words of --compare are checked before a file is opened. */
 int render_plan_check(const cli_subcommand *command, const render_settings *settings);
 /* The end of a message, behind the limit: Mesa's renderer alone was seen to take 70 to 100 MB. */
 #define RENDER_DRIVER_NEEDS "; a renderer needs at least 128M"

@@ -81,11 +81,7 @@ static const char render_help[] =
     "  --compare=LIST        a panel for each shading (flat,phong), transform of normals "
     "(before,plain,\n"
     "                        right), weight (angle,area) or crease (30,60,180)\n"
-    "  --views LIST|N        front, right, back, left, top, bottom, three-quarter; or N around\n"
-    "  --sheet               draws several inputs in one picture\n"
-    "  --columns N           panels in a row (all of them; views in a square)\n"
     "  --label WORDS         text above the first panel; repeat it for the next\n"
-    "  --turntable N         N pictures about the vertical: OUT-000.png, OUT-001.png, ...\n"
     "\n"
     "Normals\n"
     "  --normals stored|computed\n"
@@ -127,11 +123,10 @@ typedef struct picture_job {
     const cli_subcommand *command;
     const render_settings *settings;
     render_device *device;
-    int has_no_device;               /* it could not be opened */
-    const char *input;               /* of a sheet: the first that is drawn */
-    size_t index;                    /* of the input */
-    const render_scene_file **drawn; /* the files in the picture */
-    size_t drawn_count, failed_panel;
+    int has_no_device; /* it could not be opened */
+    const char *input;
+    size_t index; /* of the input */
+    const render_scene_file *file;
     char *output;
     render_plan plan;
     render_sheet sheet;
@@ -141,13 +136,8 @@ typedef struct picture_job {
 static int fail_drawing(picture_job *job, const render_error *error) {
     char limit[CLI_LIMIT_ROOM];
     cli_memory_limit_words(limit);
-    job->failed_panel = error->panel;
-    const char *input =
-        job->settings->sheet && error->panel
-            ? job->settings->files.inputs.paths[job->plan.panels[error->panel - 1].file - 1]
-            : job->input;
     const int memory = error->result == RENDER_ERROR_MEMORY || strstr(error->message, "memory");
-    cli_error("%s: %s%s%s", cli_input_name(input), error->message, memory ? limit : "",
+    cli_error("%s: %s%s%s", cli_input_name(job->input), error->message, memory ? limit : "",
         memory && limit[0] ? RENDER_DRIVER_NEEDS : "");
     return error->result == RENDER_ERROR_ARGUMENT ? CLI_USAGE : CLI_FILE;
 }
@@ -171,11 +161,7 @@ static int write_png(picture_job *job, const render_picture *picture) {
 static int draw_picture(picture_job *job) {
     render_picture picture;
     render_error error;
-    job->sheet = (render_sheet){.panels = job->plan.panels,
-        .panel_count = job->plan.count,
-        .columns = job->settings->columns};
-    if (job->settings->views && !job->settings->columns)
-        job->sheet.columns = (size_t)ceil(sqrt((double)job->plan.count));
+    job->sheet = (render_sheet){.panels = job->plan.panels, .panel_count = job->plan.count};
     render_plan_legend(&job->plan, &job->sheet);
     job->plan.difference = -1;
     job->sheet.below = job->settings->show == RENDER_SHOW_ERROR ||
@@ -210,64 +196,30 @@ static double worst_error(const picture_job *job) {
     return cli_to_degrees(worst);
 }
 
-/* In the picture: of a sheet those of all files, each counted once. */
-static size_t triangles_drawn(const picture_job *job) {
-    const render_plan *plan = &job->plan;
-    size_t triangles = plan->panels[0].triangles;
-    for (size_t i = 1; i < plan->count && job->settings->sheet; ++i)
-        if (plan->panels[i].scene != plan->panels[i - 1].scene)
-            triangles += plan->panels[i].triangles;
-    return triangles;
-}
-
 static size_t lines_left_out(const picture_job *job) {
     size_t left_out = 0;
     for (size_t i = 0; i < job->plan.count; ++i) left_out += job->plan.panels[i].lines_left_out;
     return left_out;
 }
 
-/* In a sheet a note begins with the name of its file. */
-static void note_json(cli_json *json, const picture_job *job, const char *input, const char *note) {
-    if (!job->settings->sheet) {
-        cli_json_string(json, NULL, note);
-        return;
-    }
-    const size_t room = strlen(input) + strlen(note) + 3;
-    char *text = malloc(room);
-    if (text) snprintf(text, room, "%s: %s", input, note);
-    cli_json_string(json, NULL, text ? text : note);
-    free(text);
-}
-
 static void notes_json(cli_json *json, const picture_job *job) {
     cli_json_open(json, "notes", '[');
-    for (size_t f = 0; f < job->drawn_count; ++f) {
-        const render_scene_file *file = job->drawn[f];
-        for (size_t i = 0; i < norma_document_note_count(file->document); ++i)
-            note_json(json, job, file->input, norma_document_note(file->document, i));
-        for (size_t i = 0; i < file->note_count; ++i)
-            note_json(json, job, file->input, file->notes[i]);
-    }
+    for (size_t i = 0; i < norma_document_note_count(job->file->document); ++i)
+        cli_json_string(json, NULL, norma_document_note(job->file->document, i));
+    for (size_t i = 0; i < job->file->note_count; ++i)
+        cli_json_string(json, NULL, job->file->notes[i]);
     cli_json_close(json, ']');
 }
 
-static void report_picture_json(const picture_job *job, int pictures) {
-    const render_scene_file *file = job->drawn[0];
+static void report_picture_json(const picture_job *job) {
     cli_json json = {.out = stdout};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "input", job->input);
-    if (job->settings->sheet) {
-        cli_json_open(&json, "inputs", '[');
-        for (size_t i = 0; i < job->drawn_count; ++i)
-            cli_json_string(&json, NULL, job->drawn[i]->input);
-        cli_json_close(&json, ']');
-    }
     cli_json_string(&json, "output", job->output);
-    cli_json_size(&json, "pictures", (size_t)pictures);
     cli_json_size(&json, "width", job->width);
     cli_json_size(&json, "height", job->height);
     cli_json_size(&json, "panels", job->plan.count);
-    cli_json_size(&json, "triangles", triangles_drawn(job));
+    cli_json_size(&json, "triangles", job->plan.panels[0].triangles);
     cli_json_string(&json, "renderer", render_device_name(job->device));
     cli_json_number(&json, "worst_error_deg", worst_error(job));
     if (job->plan.difference >= 0)
@@ -275,8 +227,8 @@ static void report_picture_json(const picture_job *job, int pictures) {
     else
         cli_json_null(&json, "largest_difference");
     cli_json_size(&json, "lines_left_out", lines_left_out(job));
-    cli_json_string(&json, "up", render_up_name(file->up));
-    cli_json_bool(&json, "up_guessed", file->up_guessed);
+    cli_json_string(&json, "up", render_up_name(job->file->up));
+    cli_json_bool(&json, "up_guessed", job->file->up_guessed);
     cli_json_string(&json, "not_drawn", job->plan.left_out);
     cli_json_open(&json, "world_to_clip", '['); /* of the first panel */
     for (int i = 0; i < 16; ++i) cli_json_number(&json, NULL, job->plan.panels[0].world_to_clip[i]);
@@ -286,36 +238,20 @@ static void report_picture_json(const picture_job *job, int pictures) {
     fputc('\n', stdout);
 }
 
-/* The axis of the one file; of a sheet, in how many files it was guessed. */
-static void report_up(const picture_job *job, FILE *out) {
-    const render_scene_file *file = job->drawn[0];
-    size_t guessed = 0;
-    for (size_t i = 0; i < job->drawn_count; ++i) guessed += job->drawn[i]->up_guessed != 0;
-    if (guessed && job->drawn_count == 1)
-        fprintf(out, "; guessed that %s is up (--up)", render_up_name(file->up));
-    else if (guessed)
-        fprintf(out, "; guessed the upward axis in %zu of the files (--up)", guessed);
-}
-
 static void print_notes(const render_scene_file *file) {
     cli_print_notes(file->input, file->document);
     for (size_t i = 0; i < file->note_count; ++i)
         cli_error("%s: note: %s", cli_input_name(file->input), file->notes[i]);
 }
 
-static void report_text(const picture_job *job, int pictures) {
+static void report_text(const picture_job *job) {
     FILE *out = cli_is_standard(job->output) ? stderr : stdout;
     const double worst = worst_error(job);
     char number[32];
-    for (size_t i = 0; i + 1 < job->drawn_count; ++i)
-        cli_say(out, "%s, ", cli_input_name(job->drawn[i]->input));
-    cli_say(out, "%s -> %s: ", cli_input_name(job->drawn[job->drawn_count - 1]->input),
+    cli_say(out, "%s -> %s: ", cli_input_name(job->input),
         cli_is_standard(job->output) ? "standard output" : job->output);
-    cli_counted(out, triangles_drawn(job), "triangle", "triangles");
-    if (pictures > 1)
-        fprintf(out, ", %d pictures of %zux%zu", pictures, job->width, job->height);
-    else
-        fprintf(out, ", %zux%zu", job->width, job->height);
+    cli_counted(out, job->plan.panels[0].triangles, "triangle", "triangles");
+    fprintf(out, ", %zux%zu", job->width, job->height);
     if (isfinite(worst) && job->settings->compare)
         fprintf(out, ", plain M errs by up to %s degrees", cli_decimals(number, worst, 2));
     else if (isfinite(worst))
@@ -330,18 +266,19 @@ static void report_text(const picture_job *job, int pictures) {
         cli_count(out, lines_left_out(job));
         fputs(" lines left out (--most-lines)", out);
     }
-    report_up(job, out);
+    if (job->file->up_guessed)
+        fprintf(out, "; guessed that %s is up (--up)", render_up_name(job->file->up));
     if (job->plan.left_out[0]) fprintf(out, "; not drawn: %s", job->plan.left_out);
     fputc('\n', out);
     fflush(out);
-    for (size_t i = 0; i < job->drawn_count; ++i) print_notes(job->drawn[i]);
+    print_notes(job->file);
 }
 
-static void report_picture(const picture_job *job, int pictures) {
+static void report_picture(const picture_job *job) {
     if (job->settings->common.json)
-        report_picture_json(job, pictures);
+        report_picture_json(job);
     else if (!job->settings->common.quiet)
-        report_text(job, pictures);
+        report_text(job);
 }
 
 /* ---- files */
@@ -362,124 +299,25 @@ static int fail_picture(
     return cli_status_of(error->result);
 }
 
-/* All pictures of a turntable, or the one. */
-static int draw_pictures(picture_job *job) {
-    const render_settings *settings = job->settings;
-    const int pictures = settings->turns ? settings->turns : 1;
-    double azimuths[RENDER_MOST_PANELS];
-    int status = CLI_OK;
-    for (size_t i = 0; i < job->plan.count; ++i) azimuths[i] = job->plan.panels[i].azimuth_deg;
-    for (int turn = 0; turn < pictures && !status; ++turn) {
-        free(job->output);
-        job->output = render_output_of(settings, job->index, settings->turns ? turn : -1);
-        for (size_t i = 0; i < job->plan.count; ++i)
-            job->plan.panels[i].azimuth_deg = azimuths[i] + 360.0 * turn / pictures;
-        status = job->output ? draw_picture(job) : cli_out_of_memory();
-    }
-    if (!status) report_picture(job, pictures);
-    return status;
-}
-
 static int draw_file(picture_job *job) {
     const render_settings *settings = job->settings;
     render_scene_file file;
-    const render_scene_file *drawn = &file;
     norma_document_error error = {0};
     job->plan = (render_plan){.settings = settings, .difference = -1};
-    job->drawn = &drawn;
-    job->drawn_count = 1;
+    job->file = &file;
     int status = CLI_OK;
     if (render_file_open(settings, job->input, &file, &error))
         status = fail_picture(settings, job->input, &error);
     if (!status) {
-        status = render_plan_add(job->command, &job->plan, &file, NULL, &error);
+        status = render_plan_add(&job->plan, &file, &error);
         if (status && error.result) status = fail_picture(settings, job->input, &error);
     }
     if (!status) status = render_guard_outputs(settings);
-    if (!status) status = draw_pictures(job);
+    job->output = cli_output_of(&settings->files, job->index, ".png");
+    if (!status) status = job->output ? draw_picture(job) : cli_out_of_memory();
+    if (!status) report_picture(job);
     render_device_forget(job->device);
     render_file_close(&file);
-    free(job->output);
-    job->output = NULL;
-    return status;
-}
-
-/* The name of an input as a title: without folder and extension. */
-static void title_of(const char *input, char *title, size_t room) {
-    const char *name = cli_base_name(input), *dot = strrchr(name, '.');
-    snprintf(title, room, "%.*s", dot && dot > name ? (int)(dot - name) : (int)strlen(name), name);
-}
-
-/* ---- a sheet: what cannot be drawn is named, the rest is drawn */
-
-static void leave_file(picture_job *job, render_scene_file *files, size_t number) {
-    render_scene_file *file = &files[number - 1];
-    char title[128];
-    title_of(file->input, title, sizeof title);
-    render_plan_leave(&job->plan, number, title, file->document ? file : NULL);
-}
-
-static int open_sheet(picture_job *job, render_scene_file *files) {
-    const cli_inputs *inputs = &job->settings->files.inputs;
-    int status = CLI_OK;
-    for (size_t i = 0; i < inputs->count; ++i) {
-        norma_document_error error = {0};
-        char title[128];
-        title_of(inputs->paths[i], title, sizeof title);
-        int failed = render_file_open(job->settings, inputs->paths[i], &files[i], &error)
-                         ? CLI_FILE
-                         : render_plan_add(job->command, &job->plan, &files[i], title, &error);
-        if (!failed) continue;
-        if (!error.result) return failed;
-        status = cli_worse(status, fail_picture(job->settings, inputs->paths[i], &error));
-        if (error.result == NORMA_DOCUMENT_CANCELLED) return status;
-        job->plan.files = i + 1;
-        leave_file(job, files, i + 1);
-    }
-    return job->plan.count > 0 ? CLI_OK : status;
-}
-
-/* The files whose panels are left. */
-static void list_drawn(picture_job *job, const render_scene_file *files) {
-    job->drawn_count = 0;
-    for (size_t i = 0; i < job->plan.count; ++i) {
-        const size_t file = job->plan.panels[i].file;
-        if (i == 0 || file != job->plan.panels[i - 1].file)
-            job->drawn[job->drawn_count++] = &files[file - 1];
-    }
-    job->input = job->drawn[0]->input;
-}
-
-static int draw_opened(picture_job *job, render_scene_file *files) {
-    int status = CLI_FILE;
-    while (job->plan.count > 0) {
-        list_drawn(job, files);
-        job->failed_panel = 0;
-        status = draw_pictures(job);
-        if (!status || !job->failed_panel) break;
-        leave_file(job, files, job->plan.panels[job->failed_panel - 1].file);
-        status = CLI_FILE;
-    }
-    return status;
-}
-
-static int draw_sheet(picture_job *job) {
-    const render_settings *settings = job->settings;
-    const cli_inputs *inputs = &settings->files.inputs;
-    render_scene_file *files = calloc(inputs->count + 1, sizeof *files);
-    const render_scene_file **drawn = calloc(inputs->count + 1, sizeof *drawn);
-    int status = files && drawn ? CLI_OK : cli_out_of_memory();
-    job->plan = (render_plan){.settings = settings, .difference = -1};
-    job->drawn = drawn;
-    job->input = inputs->paths[0];
-    if (!status) status = open_sheet(job, files);
-    if (!status) status = render_guard_outputs(settings);
-    if (!status) status = draw_opened(job, files);
-    if (!status && job->plan.lost.file_count > 0) status = CLI_FILE;
-    render_device_forget(job->device);
-    for (size_t i = 0; files && i < inputs->count; ++i) render_file_close(&files[i]);
-    free(files);
-    free(drawn);
     free(job->output);
     job->output = NULL;
     return status;
@@ -521,8 +359,7 @@ static int draw_all(const cli_subcommand *command, const render_settings *settin
     job->settings = settings;
     const cli_each each = {
         settings->files.inputs.count, draw_one, report_lost_picture, job, settings->files.guard};
-    int status = settings->sheet ? open_device(job) : cli_run_each(&each);
-    if (settings->sheet && !status) status = draw_sheet(job);
+    const int status = cli_run_each(&each);
     render_device_close(job->device);
     free(job);
     return status;

@@ -108,7 +108,6 @@ static void add_words(
 }
 
 static void render_left_out_words(const render_left_out *left_out, char *text, size_t room) {
-    static const char *const files[2] = {"file that cannot be drawn", "files that cannot be drawn"};
     static const char *const words[RENDER_LEFT_OUT][2] = {
         [RENDER_NO_POINTS] = {"mesh of points", "meshes of points"},
         [RENDER_NO_LINES] = {"mesh of lines", "meshes of lines"},
@@ -119,14 +118,13 @@ static void render_left_out_words(const render_left_out *left_out, char *text, s
         [RENDER_NO_IMAGES] = {"image that cannot be read", "images that cannot be read"},
         [RENDER_NO_PLACE] = {"finding without a place", "findings without a place"}};
     text[0] = '\0';
-    add_words(text, room, left_out->file_count, files, left_out->files);
     for (int i = 0; i < RENDER_LEFT_OUT; ++i)
         add_words(text, room, left_out->counts[i], words[i],
             i == RENDER_NO_IMAGES ? left_out->images : "");
 }
 
-/* ---- Which panels a picture has: the views that were asked for, or what --compare
- * sets side by side, and the words above and below them. */
+/* ---- Which panels a picture has: one, or what --compare sets side by side, and the words above
+ * and below them. */
 
 /* ---- what can be compared: shadings, ways of a normal through the matrix, weights, creases */
 
@@ -197,56 +195,11 @@ static size_t read_sides(const render_settings *settings, side sides[RENDER_MOST
     return *list ? 0 : count;
 }
 
-/* ---- views */
-
-typedef struct view {
-    const char *name;
-    double azimuth_deg, elevation_deg;
-} view;
-
-static const view known_views[] = {{"front", 0, 0}, {"right", 90, 0}, {"back", 180, 0},
-    {"left", -90, 0}, {"top", 0, 90}, {"bottom", 0, -90}, {"three-quarter", 35, 22}};
-
-static int read_view(const char *word, view *out) {
-    for (size_t i = 0; i < CLI_COUNT(known_views); ++i)
-        if (strcmp(word, known_views[i].name) == 0) {
-            *out = known_views[i];
-            return 1;
-        }
-    return 0;
-}
-
-/* Names, or a number: so many about the vertical, from the camera's azimuth on. 0: neither. */
-static size_t read_views(const render_settings *settings, view views[RENDER_MOST_PANELS]) {
-    const char *list = settings->views;
-    double number;
-    size_t count = 0;
-    char word[32];
-    if (cli_number(list, &number)) {
-        if (number < 1 || number > RENDER_MOST_PANELS || number != floor(number)) return 0;
-        for (; count < (size_t)number; ++count)
-            views[count] = (view){NULL, settings->azimuth_deg + 360 * (double)count / number,
-                settings->elevation_deg};
-        return count;
-    }
-    while (*list && count < RENDER_MOST_PANELS) {
-        if (!next_in_list(&list, word, sizeof word) || !read_view(word, &views[count])) return 0;
-        ++count;
-    }
-    return *list ? 0 : count;
-}
-
 int render_plan_check(const cli_subcommand *command, const render_settings *settings) {
     side sides[RENDER_MOST_PANELS];
-    view views[RENDER_MOST_PANELS];
     if (settings->compare && read_sides(settings, sides) == 0)
         return cli_usage(
             command, "--compare=%s: expected %s", settings->compare_list, compare_help);
-    if (settings->views && read_views(settings, views) == 0)
-        return cli_usage(command,
-            "--views '%s': expected front, right, back, left, top, bottom, three-quarter, "
-            "separated by commas, or a number of views around the vertical, up to 64",
-            settings->views);
     return CLI_OK;
 }
 
@@ -261,7 +214,6 @@ static render_panel *add_panel(render_plan *plan, const render_scene_file *file,
     const size_t i = plan->count++;
     render_panel *panel = &plan->panels[i];
     *panel = (render_panel){.scene = scene,
-        .file = plan->files,
         .azimuth_deg = settings->azimuth_deg,
         .elevation_deg = settings->elevation_deg,
         .up = file->up,
@@ -271,8 +223,7 @@ static render_panel *add_panel(render_plan *plan, const render_scene_file *file,
         .lines = settings->lines};
     if (settings->show == RENDER_SHOW_MARKS) panel->lines |= RENDER_DOTS;
     memcpy(panel->matrix, settings->matrix.matrix, sizeof panel->matrix);
-    const size_t label = i + plan->labels_unused;
-    if (label < settings->label_count) title = settings->labels[label];
+    if (i < settings->label_count) title = settings->labels[i];
     if (title && *title) {
         snprintf(plan->above[i], sizeof plan->above[i], "%s", title);
         panel->above = plan->above[i];
@@ -291,19 +242,11 @@ static void apply_way(render_plan *plan, render_panel *panel, enum way way) {
     if (way == WAY_RIGHT) panel->line_colour = right_colour;
 }
 
-static int too_many(const cli_subcommand *command, const render_plan *plan, size_t more) {
-    return plan->count + more > RENDER_MOST_PANELS
-               ? cli_usage(command, "%zu panels in one picture; expected at most %d",
-                     plan->count + more, RENDER_MOST_PANELS)
-               : CLI_OK;
-}
-
-static int add_sides(const cli_subcommand *command, render_plan *plan, render_scene_file *file,
-    const render_variant *usual, norma_document_error *error) {
+static int add_sides(render_plan *plan, render_scene_file *file, const render_variant *usual,
+    norma_document_error *error) {
     side sides[RENDER_MOST_PANELS];
-    size_t count = read_sides(plan->settings, sides);
-    int status = too_many(command, plan, count);
-    for (size_t i = 0; i < count && !status; ++i) {
+    const size_t count = read_sides(plan->settings, sides);
+    for (size_t i = 0; i < count; ++i) {
         const side *s = &sides[i];
         render_variant variant = *usual;
         if (s->has_weight || s->has_crease) variant.compute = 1;
@@ -318,22 +261,7 @@ static int add_sides(const cli_subcommand *command, render_plan *plan, render_sc
         if (s->has_shading) panel->shading = s->shading;
         apply_way(plan, panel, s->way);
     }
-    return status;
-}
-
-static int add_views(const cli_subcommand *command, render_plan *plan,
-    const render_scene_file *file, const render_scene *scene) {
-    view views[RENDER_MOST_PANELS];
-    size_t count = read_views(plan->settings, views);
-    int status = too_many(command, plan, count);
-    for (size_t i = 0; i < count && !status; ++i) {
-        char title[32];
-        snprintf(title, sizeof title, "%.4g°", fmod(views[i].azimuth_deg, 360));
-        render_panel *panel = add_panel(plan, file, scene, views[i].name ? views[i].name : title);
-        panel->azimuth_deg = views[i].azimuth_deg;
-        panel->elevation_deg = views[i].elevation_deg;
-    }
-    return status;
+    return CLI_OK;
 }
 
 static size_t count_unstored(const render_scene *scene) {
@@ -343,83 +271,34 @@ static size_t count_unstored(const render_scene *scene) {
     return count;
 }
 
-int render_plan_add(const cli_subcommand *command, render_plan *plan, render_scene_file *file,
-    const char *title, norma_document_error *error) {
+int render_plan_add(render_plan *plan, render_scene_file *file, norma_document_error *error) {
     const render_settings *settings = plan->settings;
     const render_variant usual = {
         settings->compute, settings->crease_given, settings->crease_rad, settings->weight};
-    plan->files++;
-    const size_t first = plan->count;
-    int status = CLI_OK;
     if (settings->compare) {
-        status = add_sides(command, plan, file, &usual, error);
+        const int status = add_sides(plan, file, &usual, error);
+        if (status) return status;
     } else {
         const render_scene *scene = render_file_scene(settings, file, &usual, error);
         if (!scene) return cli_status_of(error->result);
-        status =
-            settings->views ? add_views(command, plan, file, scene) : too_many(command, plan, 1);
-        if (!status && !settings->views) add_panel(plan, file, scene, title);
+        add_panel(plan, file, scene, NULL);
     }
-    if (status) return status;
     render_file_left_out(settings, file, &plan->lost);
     render_note_idle(settings, file);
-    for (int i = 0; i < 4; ++i) plan->found_counts[i] += file->found_counts[i];
-    plan->unstored += count_unstored(plan->panels[first].scene);
+    memcpy(plan->found_counts, file->found_counts, sizeof plan->found_counts);
+    plan->unstored = count_unstored(plan->panels[0].scene);
     if (settings->show == RENDER_SHOW_MARKS && !settings->compare) {
-        snprintf(plan->below[first], sizeof plan->below[first], "%.150s", file->found);
-        plan->panels[first].below = plan->below[first];
+        snprintf(plan->below[0], sizeof plan->below[0], "%.150s", file->found);
+        plan->panels[0].below = plan->below[0];
     }
-    if (settings->show == RENDER_SHOW_TANGENTS && !settings->views) {
-        snprintf(plan->below[first], sizeof plan->below[first], "%s; darker where the sign is -1",
+    if (settings->show == RENDER_SHOW_TANGENTS) {
+        snprintf(plan->below[0], sizeof plan->below[0], "%s; darker where the sign is -1",
             !file->with_tangents ? "computed as MikkTSpace does: none are stored"
             : file->with_tangents < file->with_texcoords ? "stored, or computed where none are"
                                                          : "stored tangents");
-        plan->panels[first].below = plan->below[first];
+        plan->panels[0].below = plan->below[0];
     }
-    return status;
-}
-
-/* How many panels each file has. */
-static size_t panels_of_file(const render_settings *settings) {
-    side sides[RENDER_MOST_PANELS];
-    view views[RENDER_MOST_PANELS];
-    return settings->compare ? read_sides(settings, sides)
-           : settings->views ? read_views(settings, views)
-                             : 1;
-}
-
-static void move_panel(render_plan *plan, size_t from, size_t to) {
-    render_panel *panel = &plan->panels[to];
-    *panel = plan->panels[from];
-    memmove(plan->above[to], plan->above[from], sizeof plan->above[to]);
-    memmove(plan->below[to], plan->below[from], sizeof plan->below[to]);
-    if (panel->above) panel->above = plan->above[to];
-    if (panel->below) panel->below = plan->below[to];
-}
-
-static void take_back(render_plan *plan, size_t number, const render_scene_file *file) {
-    const render_scene *scene = NULL;
-    render_left_out lost = {.file_count = 0};
-    size_t kept = 0;
-    for (size_t i = 0; i < plan->count; ++i)
-        if (plan->panels[i].file != number)
-            move_panel(plan, i, kept++);
-        else if (!scene)
-            scene = plan->panels[i].scene;
-    plan->count = kept;
-    if (!scene || !file) return;
-    plan->unstored -= count_unstored(scene);
-    for (int i = 0; i < 4; ++i) plan->found_counts[i] -= file->found_counts[i];
-    render_file_left_out(plan->settings, file, &lost);
-    for (int i = 0; i < RENDER_LEFT_OUT; ++i) plan->lost.counts[i] -= lost.counts[i];
-}
-
-void render_plan_leave(
-    render_plan *plan, size_t number, const char *name, const render_scene_file *file) {
-    take_back(plan, number, file);
-    plan->labels_unused += panels_of_file(plan->settings);
-    ++plan->lost.file_count;
-    render_add_name(plan->lost.files, sizeof plan->lost.files, name);
+    return CLI_OK;
 }
 
 void render_plan_legend(render_plan *plan, render_sheet *sheet) {

@@ -230,12 +230,6 @@ const cli_option render_options[] = {
     {"compare", .takes_value = CLI_MAYBE_VALUE, .set = set_compare},
     {"space", CLI_TO(CLI_CHOICE, render_settings, space), .words = "world,view",
         .expected = "world or view"},
-    {"views", CLI_TO(CLI_TEXT, render_settings, views)},
-    {"columns", CLI_TO(CLI_SIZE, render_settings, columns), .least = 1, .most = RENDER_MOST_PANELS,
-        .expected = "a whole number from 1 to 64"},
-    {"turntable", CLI_TO(CLI_INT, render_settings, turns), .least = 1, .most = RENDER_MOST_TURNS,
-        .expected = "a number of pictures, 1 to 3600"},
-    {"sheet", CLI_SETS(render_settings, sheet, 1)},
     {"label", CLI_SET(set_label)},
     {"clay", .takes_value = CLI_MAYBE_VALUE, .set = set_clay},
     {"select", CLI_SET(set_shown_rules)},
@@ -280,19 +274,6 @@ static int ends_in_png(const char *path) {
            (dot[3] | 32) == 'g';
 }
 
-char *render_output_of(const render_settings *settings, size_t index, int turn) {
-    const cli_files *files = &settings->files;
-    char ending[16] = ".png";
-    if (turn >= 0) snprintf(ending, sizeof ending, "-%03d.png", turn);
-    if (turn < 0 || !files->output) return cli_output_of(files, index, ending);
-    const char *name = files->output, *dot = strrchr(cli_base_name(name), '.');
-    const int stem = dot && dot > cli_base_name(name) ? (int)(dot - name) : (int)strlen(name);
-    const size_t size = strlen(name) + sizeof ending;
-    char *path = malloc(size);
-    if (path) snprintf(path, size, "%.*s%s", stem, name, ending);
-    return path;
-}
-
 static int check_outputs(const cli_subcommand *command, render_settings *settings) {
     cli_files *files = &settings->files;
     int standard = 0;
@@ -302,19 +283,14 @@ static int check_outputs(const cli_subcommand *command, render_settings *setting
         return cli_usage(command, "no output was given; expected -o OUT.png or --out-dir FOLDER");
     if (files->output && files->folder)
         return cli_usage(command, "-o and --out-dir exclude each other");
-    if (files->output && files->inputs.count > 1 && !settings->sheet)
-        return cli_usage(command,
-            "one -o for %zu inputs; expected --out-dir FOLDER, or --sheet for one picture of all",
-            files->inputs.count);
-    if (settings->sheet && !files->output)
-        return cli_usage(command, "--sheet makes one picture; expected -o OUT.png");
+    if (files->output && files->inputs.count > 1)
+        return cli_usage(
+            command, "one -o for %zu inputs; expected --out-dir FOLDER", files->inputs.count);
     if (files->folder && standard)
         return cli_usage(command, "standard input has no name to write to; expected -o OUT.png");
     if (files->folder) return cli_place_outputs(command, files, ".png");
     if (cli_is_standard(files->output) && settings->common.json)
         return cli_usage(command, "-o - and --json would both write to standard output");
-    if (cli_is_standard(files->output) && settings->turns)
-        return cli_usage(command, "--turntable makes several files; expected -o OUT.png");
     if (cli_is_standard(files->output) && isatty(STDOUT_FILENO))
         return cli_usage(command,
             "standard output is a terminal, which shows no picture; expected -o "
@@ -326,18 +302,15 @@ static int check_outputs(const cli_subcommand *command, render_settings *setting
     return CLI_OK;
 }
 
-/* Every picture that will be drawn, those of a turntable included. */
+/* Every picture that will be drawn. */
 int render_guard_outputs(const render_settings *settings) {
-    const cli_inputs *inputs = &settings->files.inputs;
-    const int first = settings->turns ? 0 : -1, end = settings->turns ? settings->turns : 0;
     int status = CLI_OK;
-    for (size_t i = 0; i < (settings->sheet ? 1 : inputs->count); ++i)
-        for (int turn = first; turn < end && !status; ++turn) {
-            char *output = render_output_of(settings, i, turn);
-            status = output ? cli_guard_output(settings->files.guard, output, NULL)
-                            : cli_out_of_memory();
-            free(output);
-        }
+    for (size_t i = 0; i < settings->files.inputs.count && !status; ++i) {
+        char *output = cli_output_of(&settings->files, i, ".png");
+        status =
+            output ? cli_guard_output(settings->files.guard, output, NULL) : cli_out_of_memory();
+        free(output);
+    }
     return status;
 }
 
@@ -350,16 +323,11 @@ int render_settings_check(const cli_subcommand *command, render_settings *settin
     if (!cli_is_affine(&settings->matrix))
         return cli_usage(command,
             "the last row of the matrix must be 0 0 0 1; the camera makes the perspective");
-    if (settings->compare && settings->views)
-        return cli_usage(command, "--compare and --views exclude each other");
-    if (settings->turns && (settings->views || settings->sheet))
-        return cli_usage(command, "--turntable excludes --views and --sheet");
     if (settings->has_select && settings->show != RENDER_SHOW_MARKS)
         return cli_usage(command, "--select applies only to findings; expected --show findings");
     if (settings->clay < 0)
         settings->clay = settings->compare || settings->show == RENDER_SHOW_ERROR ||
                          settings->show == RENDER_SHOW_MARKS;
-    settings->look.steady = settings->turns > 0;
     int status = render_check_idle(command, settings);
     if (!status) status = render_plan_check(command, settings);
     if (!status) status = check_outputs(command, settings);

@@ -60,8 +60,7 @@ typedef struct render_frame { /* what a camera must show, seen along its axes fr
                                */
     double most[2], least[2]; /* how far it reaches to the right and up, to the left and down, as
                                  from an eye far away that sees the same edge of the picture */
-    double per[2]; /* of the distance: half of what a camera there shows; 0: there is nothing, or it
-                      is a turntable's */
+    double per[2];    /* of the distance: half of what a camera there shows; 0: there is nothing */
     double middle[2]; /* to the right and up of it, in the world's unit */
     double distance;  /* of the eye, or half the height for an orthographic camera */
 } render_frame;

@@ -58,8 +58,7 @@ static size_t strip_height(const render_look *look, const char *words, size_t wi
 /* ---- where things lie */
 
 typedef struct layout {
-    size_t columns, rows, above, below, legend, keys, footer,
-        left_out; /* heights of strips: of each row, then under all */
+    size_t above, below, legend, keys, footer, left_out; /* heights of strips */
 } layout;
 
 static size_t sum_lines_left_out(const render_sheet *sheet) {
@@ -100,10 +99,8 @@ static void left_out_words(const render_sheet *sheet, char *words, size_t room) 
 static layout lay_out(const render_look *look, render_sheet *sheet) {
     const size_t strip = (size_t)lround(2.4 * text_size(look));
     char words[640];
-    layout l = {.columns = sheet->columns ? sheet->columns : sheet->panel_count};
-    l.columns = l.columns < sheet->panel_count ? l.columns : sheet->panel_count;
-    l.rows = (sheet->panel_count + l.columns - 1) / l.columns;
-    const size_t width = l.columns * look->width;
+    layout l = {0};
+    const size_t width = sheet->panel_count * look->width;
     for (size_t i = 0; i < sheet->panel_count; ++i) {
         l.above = taller(l.above, look, sheet->panels[i].above, look->width);
         l.below = taller(l.below, look, sheet->panels[i].below, look->width);
@@ -114,18 +111,18 @@ static layout lay_out(const render_look *look, render_sheet *sheet) {
     left_out_words(sheet, words, sizeof words);
     if (sheet->left_out || sum_lines_left_out(sheet)) l.left_out = strip_height(look, words, width);
     for (size_t i = 0; i < sheet->panel_count; ++i) {
-        sheet->panel_x[i] = i % l.columns * look->width;
-        sheet->panel_y[i] = i / l.columns * (l.above + look->height + l.below) + l.above;
+        sheet->panel_x[i] = i * look->width;
+        sheet->panel_y[i] = l.above;
     }
     return l;
 }
 
-static enum render_result make_picture(
-    const render_look *look, const layout *l, render_picture *picture, render_error *error) {
+static enum render_result make_picture(const render_look *look, const layout *l, size_t panels,
+    render_picture *picture, render_error *error) {
     const size_t most = (size_t)1 << 15; /* each way: what readers of PNG take without asking */
-    picture->width = l->columns * look->width;
-    picture->height = l->rows * (l->above + look->height + l->below) + l->legend + l->keys +
-                      l->footer + l->left_out;
+    picture->width = panels * look->width;
+    picture->height =
+        l->above + look->height + l->below + l->legend + l->keys + l->footer + l->left_out;
     if (picture->width > most || picture->height > most)
         return render_fail(error, RENDER_ERROR_ARGUMENT,
             "a picture of %zux%zu pixels; expected at most %zu in each direction", picture->width,
@@ -302,25 +299,13 @@ static enum render_result draw_legend(render_device *device, const render_look *
     return result;
 }
 
-/* ---- one scale for the panels of one file */
-
-static int are_of_one(const render_panel *a, const render_panel *b) {
-    return a->scene == b->scene || (a->file && a->file == b->file);
-}
-
-static int are_seen_alike(const render_panel *a, const render_panel *b) {
-    return are_of_one(a, b) && a->azimuth_deg == b->azimuth_deg &&
-           a->elevation_deg == b->elevation_deg &&
-           memcmp(a->matrix, b->matrix, sizeof a->matrix) == 0;
-}
+/* ---- one scale for all panels */
 
 static enum render_result share_scale(
     render_stage *stages, const render_sheet *sheet, render_error *error) {
+    double radius = 0;
+    for (size_t i = 0; i < sheet->panel_count; ++i) radius = fmax(radius, stages[i].ball.radius);
     for (size_t i = 0; i < sheet->panel_count; ++i) {
-        double radius = 0;
-        for (size_t k = 0; k < sheet->panel_count; ++k)
-            if (are_of_one(&sheet->panels[k], &sheet->panels[i]))
-                radius = fmax(radius, stages[k].ball.radius);
         enum render_result result = render_stage_scale(&stages[i], radius, error);
         if (result) return result;
     }
@@ -331,9 +316,11 @@ static enum render_result share_scale(
  * move for that. */
 static render_frame frame_round(
     const render_frame *frames, const render_sheet *sheet, size_t panel) {
+    const render_panel *of = &sheet->panels[panel];
     render_frame all = frames[panel];
     for (size_t k = 0; k < sheet->panel_count; ++k)
-        for (int axis = 0; axis < 2 && are_seen_alike(&sheet->panels[k], &sheet->panels[panel]);
+        for (int axis = 0;
+             axis < 2 && memcmp(sheet->panels[k].matrix, of->matrix, sizeof of->matrix) == 0;
              ++axis) {
             all.most[axis] = fmax(all.most[axis], frames[k].most[axis]);
             all.least[axis] = fmax(all.least[axis], frames[k].least[axis]);
@@ -345,28 +332,25 @@ static render_frame frame_round(
 static enum render_result share_frames(
     render_stage *stages, const render_sheet *sheet, render_error *error) {
     render_frame own[RENDER_MOST_PANELS], frames[RENDER_MOST_PANELS];
+    double distance = 0;
     for (size_t i = 0; i < sheet->panel_count; ++i) {
         own[i] = render_stage_frame(&stages[i]);
         if (own[i].distance < 0) return render_fail_memory(error);
     }
-    for (size_t i = 0; i < sheet->panel_count; ++i) frames[i] = frame_round(own, sheet, i);
     for (size_t i = 0; i < sheet->panel_count; ++i) {
-        double distance = 0;
-        for (size_t k = 0; k < sheet->panel_count; ++k)
-            if (are_of_one(&sheet->panels[k], &sheet->panels[i]))
-                distance = fmax(distance, frames[k].distance);
-        render_stage_aim(&stages[i], &frames[i], distance);
+        frames[i] = frame_round(own, sheet, i);
+        distance = fmax(distance, frames[i].distance);
     }
+    for (size_t i = 0; i < sheet->panel_count; ++i)
+        render_stage_aim(&stages[i], &frames[i], distance);
     return RENDER_OK;
 }
 
 static enum render_result make_stages(render_device *device, const render_look *look,
     render_sheet *sheet, render_stage *stages, render_error *error) {
     enum render_result result = RENDER_OK;
-    for (size_t i = 0; i < sheet->panel_count && !result; ++i) {
+    for (size_t i = 0; i < sheet->panel_count && !result; ++i)
         result = render_stage_make(device, look, &sheet->panels[i], &stages[i], error);
-        if (result) error->panel = i + 1;
-    }
     return result;
 }
 
@@ -380,7 +364,6 @@ static enum render_result draw_panels(render_device *device, const render_look *
     for (size_t i = 0; i < sheet->panel_count && !result; ++i) {
         stages[i].error_top_deg = sheet->error_top_deg;
         result = render_stage_draw(device, &stages[i], error);
-        if (result) error->panel = i + 1;
         if (!result)
             result = render_target_read(device, look->samples, picture,
                 &(render_area){sheet->panel_x[i], sheet->panel_y[i], look->width, look->height},
@@ -393,7 +376,6 @@ enum render_result render_sheet_draw(render_device *device, const render_look *l
     render_sheet *sheet, render_tell *tell, void *user, render_picture *picture,
     render_error *error) {
     *picture = (render_picture){0};
-    error->panel = 0;
     if (sheet->panel_count == 0 || sheet->panel_count > RENDER_MOST_PANELS)
         return render_fail(error, RENDER_ERROR_ARGUMENT, "%zu panels; expected 1 to %d",
             sheet->panel_count, RENDER_MOST_PANELS);
@@ -405,7 +387,7 @@ enum render_result render_sheet_draw(render_device *device, const render_look *l
     if (!result) {
         name_colours(sheet);
         l = lay_out(look, sheet);
-        result = make_picture(look, &l, picture, error);
+        result = make_picture(look, &l, sheet->panel_count, picture, error);
     }
     if (!result) result = draw_panels(device, look, sheet, stages, picture, error);
     if (!result && l.legend) result = draw_legend(device, look, &l, sheet, picture, error);

@@ -248,12 +248,6 @@ render_frame render_stage_frame(const render_stage *stage) {
     render_frame frame = {.distance = 0};
     const int orthographic = !(stage->look->field_of_view_deg > 0);
     set_lens(&lens);
-    if (stage->look->steady) {
-        const double room = (1 - 2 * RENDER_MARGIN) * fmin(lens.camera.aspect, 1),
-                     ball = 1 + stage->grown;
-        frame.distance = orthographic ? ball / room : ball / sin(atan(lens.camera.tangent * room));
-        return frame;
-    }
     render_cloud *clouds = calloc(stage->placed_count + 2, sizeof *clouds);
     frame.distance = -1; /* without memory */
     if (clouds)
