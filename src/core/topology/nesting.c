@@ -1,186 +1,6 @@
-/* nesting.c: trees over boxes and faces, and which components lie in which. */
+/* nesting.c: which components lie in which, by trees over their boxes and faces. */
 #include "core/topology/topology.h"
 #include "core/face/face.h"
-
-/* ---- Halves a set along the widest side of its centres, again and again. The order is that
- * of the centres, then of the numbers, so that the tree is the mesh's own. */
-
-enum { LEAF = 8, FEW_ITEMS = 32 };
-
-typedef struct item {
-    double key;
-    uint32_t number;
-} item;
-
-typedef struct halving {
-    const double (*centres)[3]; /* of each number */
-    item *items;
-} halving;
-
-static int item_is_less(const void *first, const void *second) {
-    const item *a = first, *b = second;
-    return a->key != b->key ? a->key < b->key : a->number < b->number;
-}
-
-static void sort_few(item *items, size_t count) {
-    for (size_t i = 1; i < count; i++) {
-        const item moved = items[i];
-        size_t at = i;
-        for (; at > 0 && item_is_less(&moved, &items[at - 1]); at--) items[at] = items[at - 1];
-        items[at] = moved;
-    }
-}
-
-/* Selects the middle (Hoare's quickselect with a fallback to sorting where pivots are bad): smaller
- * ones before it, larger ones behind. */
-static void halve_items(item *items, size_t count) {
-    size_t low = 0, high = count, middle = count / 2;
-    for (int tries = 0; high - low > FEW_ITEMS; tries++) {
-        if (tries > 64) {
-            norma_core_sort(items + low, high - low, sizeof *items, item_is_less);
-            return;
-        }
-        item pivot = items[low + (high - low) / 2];
-        size_t i = low, k = high - 1;
-        for (;;) {
-            while (item_is_less(&items[i], &pivot)) i++;
-            while (item_is_less(&pivot, &items[k])) k--;
-            if (i >= k) break;
-            const item swap = items[i];
-            items[i] = items[k];
-            items[k] = swap;
-            i++;
-            k--;
-        }
-        /* items before i are not above the pivot, those behind k not below it */
-        if (middle <= k)
-            high = k + 1;
-        else
-            low = k + 1;
-    }
-    sort_few(items + low, high - low);
-}
-
-/* Orders numbers so that the first half lies on one side. */
-static void halve_numbers(const halving *h, uint32_t *numbers, size_t count) {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    int axis = 0;
-    for (size_t i = 0; i < count; i++)
-        for (int k = 0; k < 3; k++) {
-            const double at = h->centres[numbers[i]][k];
-            low[k] = at < low[k] ? at : low[k];
-            high[k] = at > high[k] ? at : high[k];
-        }
-    for (int k = 1; k < 3; k++)
-        if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
-    for (size_t i = 0; i < count; i++) {
-        const double at = h->centres[numbers[i]][axis];
-        h->items[i] = (item){at == at ? at : 0, numbers[i]};
-    }
-    halve_items(h->items, count);
-    for (size_t i = 0; i < count; i++) numbers[i] = h->items[i].number;
-}
-
-/* ---- the shape of a tree: nodes in the order in which they are made, parents before children */
-
-typedef struct part {
-    uint32_t begin, count, node;
-} part;
-
-static size_t most_nodes(size_t count) { return 4 * (count / LEAF + 1) + 1; }
-
-/* set_node is told each node's range; set_children where its two halves stand. */
-typedef struct shape {
-    void *context;
-    void (*set_node)(void *context, size_t node, size_t begin, size_t count);
-    void (*set_children)(void *context, size_t node, uint32_t left, uint32_t right);
-} shape;
-
-static size_t make_tree(const halving *h, uint32_t *numbers, size_t count, const shape *s) {
-    part stack[128];
-    size_t depth = 0, nodes = 1;
-    stack[depth++] = (part){0, (uint32_t)count, 0};
-    while (depth) {
-        const part p = stack[--depth];
-        s->set_node(s->context, p.node, p.begin, p.count);
-        s->set_children(s->context, p.node, 0, 0);
-        if (p.count <= LEAF) continue;
-        const uint32_t half = p.count / 2, left = (uint32_t)nodes++, right = (uint32_t)nodes++;
-        halve_numbers(h, numbers + p.begin, p.count);
-        s->set_children(s->context, p.node, left, right);
-        stack[depth++] = (part){p.begin, half, left};
-        stack[depth++] = (part){p.begin + half, p.count - half, right};
-    }
-    return nodes;
-}
-
-/* ---- boxes */
-
-static void set_box_node(void *context, size_t node, size_t begin, size_t count) {
-    core_box_tree *tree = context;
-    tree->nodes[node] = (core_box_node){.begin = (uint32_t)begin, .count = (uint32_t)count};
-}
-
-static void set_box_children(void *context, size_t node, uint32_t left, uint32_t right) {
-    core_box_tree *tree = context;
-    tree->nodes[node].left = left;
-    tree->nodes[node].right = right;
-}
-
-static void join_boxes(core_box_node *node, const double low[3], const double high[3]) {
-    for (int k = 0; k < 3; k++) {
-        node->low[k] = low[k] < node->low[k] ? low[k] : node->low[k];
-        node->high[k] = high[k] > node->high[k] ? high[k] : node->high[k];
-    }
-}
-
-/* Children come behind their parents. */
-static void fill_boxes(core_box_tree *tree, const core_box *boxes) {
-    for (size_t i = tree->node_count; i-- > 0;) {
-        core_box_node *node = &tree->nodes[i];
-        for (int k = 0; k < 3; k++) {
-            node->low[k] = INFINITY;
-            node->high[k] = -INFINITY;
-        }
-        for (uint32_t k = 0; !node->right && k < node->count; k++) {
-            const core_box *box = &boxes[tree->numbers[node->begin + k]];
-            join_boxes(node, box->low, box->high);
-        }
-        if (!node->right) continue;
-        join_boxes(node, tree->nodes[node->left].low, tree->nodes[node->left].high);
-        join_boxes(node, tree->nodes[node->right].low, tree->nodes[node->right].high);
-    }
-}
-
-norma_result norma_core_box_tree_build(
-    const core_call *call, const core_box *boxes, size_t count, core_box_tree *tree) {
-    *tree = (core_box_tree){.count = count};
-    double(*centres)[3] = norma_core_allocate(call, count, sizeof *centres);
-    item *items = norma_core_allocate(call, count, sizeof *items);
-    tree->numbers = norma_core_allocate(call, count, sizeof *tree->numbers);
-    tree->nodes = norma_core_allocate(call, most_nodes(count), sizeof *tree->nodes);
-    const int fine = centres && items && tree->numbers && tree->nodes;
-    for (size_t i = 0; fine && i < count; i++) {
-        tree->numbers[i] = (uint32_t)i;
-        for (int k = 0; k < 3; k++) centres[i][k] = boxes[i].low[k] / 2 + boxes[i].high[k] / 2;
-    }
-    if (fine) {
-        const halving h = {(const double(*)[3])centres, items};
-        tree->node_count =
-            make_tree(&h, tree->numbers, count, &(shape){tree, set_box_node, set_box_children});
-        fill_boxes(tree, boxes);
-    }
-    norma_core_release(call, centres, count, sizeof *centres);
-    norma_core_release(call, items, count, sizeof *items);
-    if (!fine) norma_core_box_tree_release(call, tree);
-    return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
-}
-
-void norma_core_box_tree_release(const core_call *call, core_box_tree *tree) {
-    norma_core_release(call, tree->numbers, tree->count, sizeof *tree->numbers);
-    norma_core_release(call, tree->nodes, most_nodes(tree->count), sizeof *tree->nodes);
-    *tree = (core_box_tree){0};
-}
 
 /* Those in nodes whose box holds the point; the caller looks at each one's own. */
 static void core_box_tree_stab(const core_box_tree *tree, const double point[3],
@@ -204,17 +24,6 @@ static void core_box_tree_stab(const core_box_tree *tree, const double point[3],
 }
 
 /* ---- dipoles of faces */
-
-static void set_dipole(void *context, size_t node, size_t begin, size_t count) {
-    core_dipoles *d = context;
-    d->nodes[node] = (core_dipole){.begin = (uint32_t)begin, .count = (uint32_t)count};
-}
-
-static void set_dipole_children(void *context, size_t node, uint32_t left, uint32_t right) {
-    core_dipoles *d = context;
-    d->nodes[node].left = left;
-    d->nodes[node].right = right;
-}
 
 static void middle_of(const core_mesh *mesh, size_t face, double middle[3]) {
     const size_t begin = norma_core_face_begin(mesh, face), end = norma_core_face_end(mesh, face);
@@ -249,28 +58,29 @@ typedef struct dipole_fill {
     const core_topology *topology;
     const uint8_t *reverse;
     const core_dipoles *dipoles;
-    const double (*middles)[3]; /* of each face by its number */
-    const uint32_t *numbers;    /* of each face by its place */
+    const uint32_t *faces; /* by number */
+    const core_tree_item *items;
 } dipole_fill;
 
 static void fill_leaf(const dipole_fill *f, core_dipole *node) {
     const core_dipoles *d = f->dipoles;
+    const core_mesh *mesh = &f->topology->mesh;
     for (uint32_t i = node->begin; i < node->begin + node->count; i++) {
         double area[3];
-        const double size = area_of_face(&f->topology->mesh, d->faces[i], area);
-        const int turned = f->reverse && f->reverse[d->faces[i]];
+        const uint32_t face = d->faces[i] = f->faces[f->items[i].number];
+        const double size = area_of_face(mesh, face, area);
+        const int turned = f->reverse && f->reverse[face];
         for (int k = 0; k < 3; k++) {
             node->area[k] += turned ? -area[k] : area[k];
-            node->centre[k] += size * f->middles[f->numbers[i]][k];
+            node->centre[k] += size * f->items[i].centre[k];
         }
         node->weight += size;
     }
     for (int k = 0; k < 3; k++)
-        node->centre[k] = node->weight > 0 ? node->centre[k] / node->weight
-                                           : f->middles[f->numbers[node->begin]][k];
+        node->centre[k] =
+            node->weight > 0 ? node->centre[k] / node->weight : f->items[node->begin].centre[k];
     for (uint32_t i = node->begin; i < node->begin + node->count; i++)
-        node->radius =
-            fmax(node->radius, reach_from(&f->topology->mesh, d->faces[i], node->centre));
+        node->radius = fmax(node->radius, reach_from(mesh, d->faces[i], node->centre));
 }
 
 static void fill_from_children(const core_dipoles *d, core_dipole *node) {
@@ -291,48 +101,41 @@ static void fill_from_children(const core_dipoles *d, core_dipole *node) {
     }
 }
 
-/* Children come behind their parents. */
-static void fill_dipoles(const dipole_fill *f) {
-    const core_dipoles *d = f->dipoles;
-    for (size_t i = d->node_count; i-- > 0;) {
-        if (d->nodes[i].right)
-            fill_from_children(d, &d->nodes[i]);
-        else
-            fill_leaf(f, &d->nodes[i]);
+static void fill_dipole(void *context, const core_tree_part *part) {
+    const dipole_fill *f = context;
+    core_dipole *node = &f->dipoles->nodes[part->node];
+    *node = (core_dipole){.begin = part->begin, .count = part->count};
+    if (!part->halves) {
+        fill_leaf(f, node);
+        return;
     }
+    node->left = part->halves;
+    node->right = part->halves + 1;
+    fill_from_children(f->dipoles, node);
 }
 
 /* Over some faces; reverse: NULL, or those that are taken the other way round. O(n log n). */
 static void core_dipoles_release(const core_call *call, core_dipoles *d) {
     norma_core_release(call, d->faces, d->count, sizeof *d->faces);
-    norma_core_release(call, d->nodes, most_nodes(d->count), sizeof *d->nodes);
+    norma_core_release(call, d->nodes, norma_core_tree_nodes(d->count), sizeof *d->nodes);
     *d = (core_dipoles){0};
 }
 
 static norma_result core_dipoles_build(const core_topology *t, const uint8_t *reverse,
     const uint32_t *faces, size_t count, core_dipoles *d) {
     *d = (core_dipoles){.count = count};
-    double(*middles)[3] = norma_core_allocate(t->call, count, sizeof *middles);
-    item *items = norma_core_allocate(t->call, count, sizeof *items);
-    uint32_t *numbers = norma_core_allocate(t->call, count, sizeof *numbers);
+    core_tree_item *items = norma_core_allocate(t->call, count, sizeof *items);
     d->faces = norma_core_allocate(t->call, count, sizeof *d->faces);
-    d->nodes = norma_core_allocate(t->call, most_nodes(count), sizeof *d->nodes);
-    norma_result result =
-        middles && items && numbers && d->faces && d->nodes ? NORMA_OK : NORMA_ERROR_MEMORY;
+    d->nodes = norma_core_allocate(t->call, norma_core_tree_nodes(count), sizeof *d->nodes);
+    norma_result result = items && d->faces && d->nodes ? NORMA_OK : NORMA_ERROR_MEMORY;
     for (size_t i = 0; result == NORMA_OK && i < count; i++) {
-        numbers[i] = (uint32_t)i;
-        middle_of(&t->mesh, faces[i], middles[i]);
+        items[i].number = (uint32_t)i;
+        middle_of(&t->mesh, faces[i], items[i].centre);
     }
-    if (result == NORMA_OK) {
-        const halving h = {(const double(*)[3])middles, items};
-        const dipole_fill fill = {t, reverse, d, (const double(*)[3])middles, numbers};
-        d->node_count = make_tree(&h, numbers, count, &(shape){d, set_dipole, set_dipole_children});
-        for (size_t i = 0; i < count; i++) d->faces[i] = faces[numbers[i]];
-        fill_dipoles(&fill);
-    }
-    norma_core_release(t->call, middles, count, sizeof *middles);
+    dipole_fill fill = {t, reverse, d, faces, items};
+    if (result == NORMA_OK)
+        result = norma_core_tree_grow(t->call, items, count, fill_dipole, &fill);
     norma_core_release(t->call, items, count, sizeof *items);
-    norma_core_release(t->call, numbers, count, sizeof *numbers);
     if (result != NORMA_OK) core_dipoles_release(t->call, d);
     return result;
 }
@@ -568,18 +371,11 @@ static norma_result find_parents(nesting *n) {
     return result == NORMA_OK ? judge_components(n) : result;
 }
 
-static norma_result build_component_tree(nesting *n) {
-    const core_call *call = n->topology->call;
-    const core_components *c = n->components;
-    core_box *boxes = norma_core_allocate(call, c->count, sizeof *boxes);
-    if (!boxes) return NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < c->count; i++) {
-        memcpy(boxes[i].low, c->each[i].low, sizeof boxes[i].low);
-        memcpy(boxes[i].high, c->each[i].high, sizeof boxes[i].high);
-    }
-    const norma_result result = norma_core_box_tree_build(call, boxes, c->count, &n->tree);
-    norma_core_release(call, boxes, c->count, sizeof *boxes);
-    return result;
+static void box_of_component(void *context, uint32_t number, size_t place, core_box *box) {
+    const core_component *c = &((const core_components *)context)->each[number];
+    (void)place;
+    memcpy(box->low, c->low, sizeof box->low);
+    memcpy(box->high, c->high, sizeof box->high);
 }
 
 norma_result norma_core_judge_nesting(
@@ -596,7 +392,8 @@ norma_result norma_core_judge_nesting(
         memset(n.winding, 0, count * sizeof *n.winding);
         memset(n.asked, 0, count * sizeof *n.asked);
         memset(n.dipoles, 0, count * sizeof *n.dipoles);
-        result = build_component_tree(&n);
+        result =
+            norma_core_box_tree_build(topology->call, count, box_of_component, components, &n.tree);
     }
     if (result == NORMA_OK) result = find_parents(&n);
     for (size_t i = 0; n.dipoles && n.tree.nodes && i < count; i++)

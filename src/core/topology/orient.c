@@ -285,7 +285,7 @@ static void core_ray_scene_close(core_ray_scene *scene) {
 
 static norma_result core_ray_scene_open(
     const core_topology *topology, core_components *components, core_ray_scene **scene) {
-    const core_call *call = topology->call;
+    core_call *call = topology->call;
     const size_t parts = components->count;
     rays *all = norma_core_allocate(call, 1, sizeof *all);
     if (!all) return NORMA_ERROR_MEMORY;

@@ -157,8 +157,25 @@ norma_result norma_core_measure_components(
 norma_result norma_core_judge_nesting(
     const core_topology *topology, core_components *components, uint8_t not_closed);
 
-/* ---- Trees over boxes: which of them hold a point, which a ray meets; groups of faces seen
- * from afar. */
+/* ---- Trees: sets that are halved along the widest side of their centres, again and again; over
+ * boxes: which of them hold a point, which a ray meets; groups of faces seen from afar. */
+
+typedef struct core_tree_item {
+    double centre[3]; /* NaN counts as 0 */
+    uint32_t number;
+} core_tree_item;
+
+typedef struct core_tree_part {
+    uint32_t begin, count; /* of items */
+    uint32_t node, halves; /* halves, halves + 1: their nodes, which are greater; 0: a leaf */
+} core_tree_part;
+
+/* tree.c. How many nodes a tree has. */
+size_t norma_core_tree_nodes(size_t count);
+/* Orders items, whose number is their index. fill: told of each part once, after its halves, by
+ * several threads. O(n log n). MEMORY is impossible. */
+norma_result norma_core_tree_grow(core_call *call, core_tree_item *items, size_t count,
+    void (*fill)(void *context, const core_tree_part *part), void *context);
 
 typedef struct core_box_node {
     double low[3], high[3]; /* of all boxes below */
@@ -169,12 +186,16 @@ typedef struct core_box_node {
 typedef struct core_box_tree {
     core_box_node *nodes;
     uint32_t *numbers;
-    size_t node_count, count;
+    size_t count;
 } core_box_tree;
 
-/* O(n log n). */
+/* Sets the box of a number. place: SIZE_MAX, or, once, where it stands among the tree's numbers. By
+ * several threads. */
+typedef void core_box_of(void *context, uint32_t number, size_t place, core_box *box);
+
+/* O(n log n). What it returns but OK leaves nothing to release. */
 norma_result norma_core_box_tree_build(
-    const core_call *call, const core_box *boxes, size_t count, core_box_tree *tree);
+    core_call *call, size_t count, core_box_of *box_of, void *context, core_box_tree *tree);
 void norma_core_box_tree_release(const core_call *call, core_box_tree *tree);
 
 /* triangle_tree.c: the finite triangles of a mesh's faces: by fans from their first corners; or by
@@ -189,15 +210,14 @@ typedef struct core_triangle { /* a corner, and the edges from there */
 typedef struct core_triangle_tree {
     core_box_tree boxes;
     core_triangle *triangles; /* in the order of the tree's numbers */
-    size_t count, room;
-    core_triangles_by by;
+    size_t count;
     atomic_ullong *steps; /* counts the boxes that searches for near triangles open; NULL: nobody
                              asks */
 } core_triangle_tree;
 
-/* O(n log n). MEMORY leaves nothing to release. */
+/* O(n log n). What it returns but OK leaves nothing to release. */
 norma_result norma_core_triangle_tree_build(
-    const core_call *call, const core_mesh *mesh, core_triangles_by by, core_triangle_tree *tree);
+    core_call *call, const core_mesh *mesh, core_triangles_by by, core_triangle_tree *tree);
 void norma_core_triangle_tree_release(const core_call *call, core_triangle_tree *tree);
 
 /* The squared distance from a point to a triangle. weights: those of the second and third corner

@@ -5,37 +5,40 @@
 
 /* ---- the triangles of all faces */
 
-static void widen_box(core_box *box, const double p[3]) {
-    for (int k = 0; k < 3; k++) {
-        box->low[k] = p[k] < box->low[k] ? p[k] : box->low[k];
-        box->high[k] = p[k] > box->high[k] ? p[k] : box->high[k];
-    }
+typedef struct listed_triangle {
+    uint32_t face, corners[3];
+} listed_triangle;
+
+typedef struct triangle_list {
+    const core_mesh *mesh;
+    listed_triangle *each;
+    size_t count, room;
+    core_triangles_by by;
+    core_triangle *ordered; /* in the order of the leaves, so that those of one lie side by side */
+} triangle_list;
+
+static void read_three_corners(const core_mesh *mesh, const uint32_t corners[3], double p[3][3]) {
+    for (int i = 0; i < 3; i++)
+        norma_core_position(mesh, norma_core_corner(mesh, corners[i]), p[i]);
 }
 
-static int has_area(const core_triangle *t) {
-    double across[3];
-    norma_core_cross(t->u, t->v, across);
+static int has_area(const double p[3][3]) {
+    double u[3], v[3], across[3];
+    norma_core_subtract(p[1], p[0], u);
+    norma_core_subtract(p[2], p[0], v);
+    norma_core_cross(u, v, across);
     return across[0] != 0 || across[1] != 0 || across[2] != 0;
 }
 
 /* Unless it is not finite. */
-static void add_tree_triangle(core_triangle_tree *tree, const core_mesh *mesh, size_t face,
-    const uint32_t corners[3], core_box *boxes) {
+static void list_triangle(triangle_list *list, size_t face, const uint32_t corners[3]) {
     double p[3][3];
-    for (int i = 0; i < 3; i++) {
-        norma_core_position(mesh, norma_core_corner(mesh, corners[i]), p[i]);
+    read_three_corners(list->mesh, corners, p);
+    for (int i = 0; i < 3; i++)
         if (!norma_core_finite(p[i])) return;
-    }
-    core_triangle *to = &tree->triangles[tree->count];
-    core_box *box = &boxes[tree->count];
-    *box = (core_box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (int i = 0; i < 3; i++) widen_box(box, p[i]);
-    to->face = (uint32_t)face;
-    memcpy(to->corners, corners, sizeof to->corners);
-    memcpy(to->corner, p[0], sizeof p[0]);
-    norma_core_subtract(p[1], p[0], to->u);
-    norma_core_subtract(p[2], p[0], to->v);
-    tree->count += tree->by == CORE_TRIANGLES_FANS || has_area(to);
+    if (list->by == CORE_TRIANGLES_CUT && !has_area((const double(*)[3])p)) return;
+    list->each[list->count++] =
+        (listed_triangle){(uint32_t)face, {corners[0], corners[1], corners[2]}};
 }
 
 /* Numbers of corners within the face. */
@@ -47,70 +50,84 @@ static void cut_face_by_ears(
     (void)norma_core_cut_polygon(cutter, count, triangles);
 }
 
-static void add_tree_face(core_triangle_tree *tree, const core_mesh *mesh, size_t face,
-    core_cutter *cutter, uint32_t *triangles, core_box *boxes) {
-    const size_t begin = norma_core_face_begin(mesh, face),
-                 count = norma_core_face_end(mesh, face) - begin;
+static void list_face(triangle_list *list, size_t face, core_cutter *cutter, uint32_t *triangles) {
+    const size_t begin = norma_core_face_begin(list->mesh, face),
+                 count = norma_core_face_end(list->mesh, face) - begin;
     for (uint32_t i = 2; i < count; i++)
         memcpy(triangles + 3 * (i - 2), (const uint32_t[]){0, i - 1, i}, 3 * sizeof *triangles);
-    if (tree->by == CORE_TRIANGLES_CUT && count > 3)
-        cut_face_by_ears(mesh, begin, count, cutter, triangles);
+    if (list->by == CORE_TRIANGLES_CUT && count > 3)
+        cut_face_by_ears(list->mesh, begin, count, cutter, triangles);
     for (size_t i = 0; i + 2 < count; i++) {
         uint32_t corners[3];
         for (size_t k = 0; k < 3; k++) corners[k] = (uint32_t)begin + triangles[3 * i + k];
-        add_tree_triangle(tree, mesh, face, corners, boxes);
+        list_triangle(list, face, corners);
     }
 }
 
-static norma_result add_all_faces(const core_call *call, core_triangle_tree *tree,
-    const core_mesh *mesh, size_t largest, core_box *boxes) {
+static norma_result list_triangles(const core_call *call, triangle_list *list) {
+    const core_mesh *mesh = list->mesh;
     core_cutter cutter;
+    size_t largest = 3;
+    for (size_t f = 0; f < mesh->face_count; f++) {
+        const size_t corners = norma_core_face_end(mesh, f) - norma_core_face_begin(mesh, f);
+        list->room += corners > 2 ? corners - 2 : 0;
+        largest = corners > largest ? corners : largest;
+    }
     const size_t size = norma_core_cutter_size(largest);
+    list->each = norma_core_allocate(call, list->room, sizeof *list->each);
     uint32_t *triangles = norma_core_allocate(call, largest, 3 * sizeof *triangles);
     void *memory = norma_core_allocate(call, 1, size);
-    const norma_result result = triangles && memory ? NORMA_OK : NORMA_ERROR_MEMORY;
+    const norma_result result = list->each && triangles && memory ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (memory) norma_core_cutter_begin(&cutter, memory, largest, mesh->corner_count);
     for (size_t f = 0; result == NORMA_OK && f < mesh->face_count; f++)
-        add_tree_face(tree, mesh, f, &cutter, triangles, boxes);
+        list_face(list, f, &cutter, triangles);
     norma_core_release(call, triangles, largest, 3 * sizeof *triangles);
     norma_core_release(call, memory, 1, size);
     return result;
 }
 
-/* In the order of the leaves, so that those of one lie side by side. */
-static norma_result order_triangles(const core_call *call, core_triangle_tree *tree) {
-    core_triangle *ordered = norma_core_allocate(call, tree->room, sizeof *ordered);
-    if (!ordered) return NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < tree->count; i++) ordered[i] = tree->triangles[tree->boxes.numbers[i]];
-    norma_core_release(call, tree->triangles, tree->room, sizeof *tree->triangles);
-    tree->triangles = ordered;
-    return NORMA_OK;
+static void box_of_triangle(void *context, uint32_t number, size_t place, core_box *box) {
+    const triangle_list *list = context;
+    const listed_triangle *listed = &list->each[number];
+    double p[3][3];
+    read_three_corners(list->mesh, listed->corners, p);
+    for (int k = 0; k < 3; k++) {
+        box->low[k] = box->high[k] = p[0][k];
+        for (int i = 1; i < 3; i++) {
+            box->low[k] = p[i][k] < box->low[k] ? p[i][k] : box->low[k];
+            box->high[k] = p[i][k] > box->high[k] ? p[i][k] : box->high[k];
+        }
+    }
+    if (place == SIZE_MAX) return;
+    core_triangle *to = &list->ordered[place];
+    to->face = listed->face;
+    memcpy(to->corners, listed->corners, sizeof to->corners);
+    memcpy(to->corner, p[0], sizeof p[0]);
+    norma_core_subtract(p[1], p[0], to->u);
+    norma_core_subtract(p[2], p[0], to->v);
 }
 
 norma_result norma_core_triangle_tree_build(
-    const core_call *call, const core_mesh *mesh, core_triangles_by by, core_triangle_tree *tree) {
-    size_t largest = 3;
-    *tree = (core_triangle_tree){.by = by};
-    for (size_t f = 0; f < mesh->face_count; f++) {
-        const size_t corners = norma_core_face_end(mesh, f) - norma_core_face_begin(mesh, f);
-        tree->room += corners > 2 ? corners - 2 : 0;
-        largest = corners > largest ? corners : largest;
+    core_call *call, const core_mesh *mesh, core_triangles_by by, core_triangle_tree *tree) {
+    triangle_list list = {.mesh = mesh, .by = by};
+    *tree = (core_triangle_tree){.count = 0};
+    norma_result result = list_triangles(call, &list);
+    if (result == NORMA_OK) {
+        tree->count = list.count;
+        tree->triangles = list.ordered =
+            norma_core_allocate(call, list.count, sizeof *list.ordered);
+        result = list.ordered ? norma_core_box_tree_build(
+                                    call, list.count, box_of_triangle, &list, &tree->boxes)
+                              : NORMA_ERROR_MEMORY;
     }
-    core_box *boxes = norma_core_allocate(call, tree->room, sizeof *boxes);
-    tree->triangles = norma_core_allocate(call, tree->room, sizeof *tree->triangles);
-    norma_result result = boxes && tree->triangles ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (result == NORMA_OK) result = add_all_faces(call, tree, mesh, largest, boxes);
-    if (result == NORMA_OK)
-        result = norma_core_box_tree_build(call, boxes, tree->count, &tree->boxes);
-    norma_core_release(call, boxes, tree->room, sizeof *boxes);
-    if (result == NORMA_OK) result = order_triangles(call, tree);
+    norma_core_release(call, list.each, list.room, sizeof *list.each);
     if (result != NORMA_OK) norma_core_triangle_tree_release(call, tree);
     return result;
 }
 
 void norma_core_triangle_tree_release(const core_call *call, core_triangle_tree *tree) {
     norma_core_box_tree_release(call, &tree->boxes);
-    norma_core_release(call, tree->triangles, tree->room, sizeof *tree->triangles);
+    norma_core_release(call, tree->triangles, tree->count, sizeof *tree->triangles);
     tree->triangles = NULL;
 }
 
