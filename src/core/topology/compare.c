@@ -3,10 +3,10 @@
 #include "core/topology/topology.h"
 #include <float.h>
 
-enum { COMPARED_AT_ONCE = 2048, MOST_NEAR = 64 /* triangles that are equally near */ };
+enum { COMPARED_AT_ONCE = 2048 };
 
 /* Boxes opened for each point and triangle, and in any case. Surfaces of 100,000 triangles that lie
- * on each other open 11 for each, beside each other 100, a sphere within one of twice its size 340.
+ * on each other open 6 for each, beside each other 60, a sphere within one of twice its size 200.
  * Points that all triangles are equally far from would open all of them. */
 enum { MOST_STEPS = 2000, FEW_STEPS = 1 << 22 };
 
@@ -80,8 +80,8 @@ static double size_of_mesh(const core_mesh *mesh) {
         norma_core_position(mesh, norma_core_corner(mesh, i), p);
         if (!norma_core_finite(p)) continue;
         for (int k = 0; k < 3; k++) {
-            low[k] = fmin(low[k], p[k]);
-            high[k] = fmax(high[k], p[k]);
+            low[k] = p[k] < low[k] ? p[k] : low[k];
+            high[k] = p[k] > high[k] ? p[k] : high[k];
         }
     }
     norma_core_subtract(high, low, sides);
@@ -221,23 +221,44 @@ static void compare_same_faces(void *context, size_t chunk) {
 
 /* ---- at nearest points */
 
-typedef struct near_triangles {
+/* Near a point of the other surface: a triangle of the base, and what is asked of it for several of
+ * the corners at that point. */
+typedef struct near_triangle {
+    const core_triangle *triangle;
+    double direction[3];
+    int is_interpolated;
+    double normal[3]; /* of the base, at the point nearest to the corners */
+    double angle;     /* between that and the own normal; negative: not known yet */
+} near_triangle;
+
+/* The corners of other at one position, one by one. */
+typedef struct near_point {
+    double point[3];
+    double distance;
+    size_t nearest; /* any number, best that of one nearby */
     size_t count;
-    uint32_t numbers[MOST_NEAR];
-    double directions[MOST_NEAR][3];
-} near_triangles;
+    near_triangle near[CORE_MOST_NEAR];
+    uint32_t own_number; /* of the normal of the corner at hand */
+    int has_own;
+    double own[3];
+} near_point;
+
+static void begin_near(const comparing *c, size_t number, near_triangle *near) {
+    near->triangle = &c->tree.triangles[number];
+    near->is_interpolated = 0;
+    near->angle = -1;
+    direction_of_triangle(near->triangle, near->direction);
+}
 
 /* Those that are as near to a point as the nearest. Returns how many there are. */
-static size_t find_near(const comparing *c, const double point[3], size_t *nearest,
-    near_triangles *near, double *distance) {
-    const double squared = norma_core_triangle_tree_nearest(&c->tree, point, nearest),
-                 within = sqrt(squared) + c->slack;
-    const size_t found = norma_core_triangle_tree_within(
-        &c->tree, point, fmax(squared, within * within), near->numbers, MOST_NEAR);
-    near->count = found < MOST_NEAR ? found : MOST_NEAR;
-    for (size_t i = 0; i < near->count; i++)
-        direction_of_triangle(&c->tree.triangles[near->numbers[i]], near->directions[i]);
-    *distance = sqrt(squared);
+static size_t find_near(
+    const comparing *c, const double point[3], near_point *at, double *distance) {
+    uint32_t numbers[CORE_MOST_NEAR];
+    size_t found;
+    *distance = sqrt(
+        norma_core_triangle_tree_around(&c->tree, point, c->slack, &at->nearest, numbers, &found));
+    at->count = found < CORE_MOST_NEAR ? found : CORE_MOST_NEAR;
+    for (size_t i = 0; i < at->count; i++) begin_near(c, numbers[i], &at->near[i]);
     return found;
 }
 
@@ -245,7 +266,7 @@ static size_t find_near(const comparing *c, const double point[3], size_t *neare
  * little: the nearest one that faces as the corner's face does, if it is within an eighth of the
  * face's shortest edge. */
 static int find_own_side(const comparing *c, size_t face, const double point[3],
-    const double facing[3], near_triangles *own) {
+    const double facing[3], near_triangle *own) {
     const core_mesh *mesh = &c->other.mesh;
     double a[3], b[3], edge[3], shortest = INFINITY;
     for (size_t i = norma_core_face_begin(mesh, face); i < norma_core_face_end(mesh, face); i++) {
@@ -256,44 +277,56 @@ static int find_own_side(const comparing *c, size_t face, const double point[3],
         shortest = fmin(shortest, norma_core_dot(edge, edge));
     }
     const size_t found = norma_core_triangle_tree_facing(&c->tree, point, facing, shortest / 64);
-    own->count = found < c->tree.count;
-    if (!own->count) return 0;
-    own->numbers[0] = (uint32_t)found;
-    direction_of_triangle(&c->tree.triangles[found], own->directions[0]);
+    if (found == c->tree.count) return 0;
+    begin_near(c, found, own);
     return 1;
+}
+
+static double angle_to_near(const comparing *c, const near_point *at, near_triangle *near) {
+    double weights[2];
+    if (!near->is_interpolated) {
+        (void)norma_core_nearest_in_triangle(near->triangle, at->point, weights);
+        interpolate_base(c, near->triangle, weights, near->direction, near->normal);
+        near->is_interpolated = 1;
+    }
+    if (near->angle < 0) near->angle = at->has_own ? angle_of(at->own, near->normal) : 0;
+    return near->angle;
+}
+
+/* Most corners at a position have one normal. */
+static void read_own_normal(const comparing *c, size_t corner, near_point *at) {
+    const uint32_t number = normal_of_corner(&c->other, corner);
+    if (number == at->own_number) return;
+    at->own_number = number;
+    at->has_own = read_unit_normal(&c->other, corner, at->own);
+    for (size_t i = 0; i < at->count; i++) at->near[i].angle = -1;
 }
 
 /* Of triangles equally near, those that face as the corner's own face does; of these, the one whose
  * normal differs least. */
-static void compare_with_near(const comparing *c, size_t corner, size_t face, const double point[3],
-    const near_triangles *near, double distance) {
-    double facing[3], scores[MOST_NEAR], best = -INFINITY, least = INFINITY, own[3], found[3];
-    uint32_t found_face = UINT32_MAX;
-    const int has_own = read_unit_normal(&c->other, corner, own);
+static void compare_with_near(const comparing *c, size_t corner, size_t face, near_point *at) {
+    double facing[3], scores[CORE_MOST_NEAR], best = -INFINITY, least = INFINITY;
+    near_triangle own_side, *near = at->near, *found = NULL;
+    size_t count = at->count;
+    read_own_normal(c, corner, at);
     for (int k = 0; k < 3; k++) facing[k] = (double)c->faces[face].direction[k];
-    for (size_t i = 0; i < near->count; i++)
-        best = fmax(best, scores[i] = norma_core_dot(near->directions[i], facing));
-    near_triangles own_side;
-    if (near->count && best < CORE_FACES_ALIKE &&
-        find_own_side(c, face, point, facing, &own_side)) {
+    for (size_t i = 0; i < count; i++)
+        best = fmax(best, scores[i] = norma_core_dot(near[i].direction, facing));
+    if (count && best < CORE_FACES_ALIKE && find_own_side(c, face, at->point, facing, &own_side)) {
         near = &own_side;
+        count = 1;
         best = scores[0] = 1;
     }
-    for (size_t i = 0; i < near->count; i++) {
-        const core_triangle *t = &c->tree.triangles[near->numbers[i]];
-        double weights[2], normal[3];
+    for (size_t i = 0; i < count; i++) {
         if (scores[i] < best - JUST_ALIKE) continue;
-        (void)norma_core_nearest_in_triangle(t, point, weights);
-        interpolate_base(c, t, weights, near->directions[i], normal);
-        const double angle = has_own ? angle_of(own, normal) : 0;
+        const double angle = angle_to_near(c, at, &near[i]);
         if (!(angle < least)) continue;
         least = angle;
-        found_face = t->face;
-        memcpy(found, normal, sizeof found);
+        found = &near[i];
     }
-    const int compared_both = has_own && near->count > 0;
-    write_compared(c, corner, c->faces[face].area_of_corner, distance, compared_both ? least : -1,
-        found_face, near->count ? found : NULL);
+    write_compared(c, corner, c->faces[face].area_of_corner, at->distance,
+        at->has_own && count ? least : -1, found ? found->triangle->face : UINT32_MAX,
+        found ? found->normal : NULL);
 }
 
 /* A point of the face near its corner, where fewer triangles meet. */
@@ -308,15 +341,15 @@ static void step_into_face(
     }
 }
 
-static void compare_nearest_point(const comparing *c, uint32_t position, size_t *nearest) {
-    near_triangles near;
-    double point[3], inside[3], distance = -1, ignored;
-    norma_core_position(&c->other.mesh, position, point);
+static void compare_nearest_point(const comparing *c, uint32_t position, near_point *at) {
+    double inside[3], ignored;
+    norma_core_position(&c->other.mesh, position, at->point);
     const uint32_t begin = c->corners_of.starts[position], end = c->corners_of.starts[position + 1];
-    const int finite = norma_core_finite(point), measured = finite && c->tree.count;
-    near.count = 0;
+    const int finite = norma_core_finite(at->point), measured = finite && c->tree.count;
+    at->count = 0;
+    at->distance = -1;
     const int crowded =
-        begin < end && measured && find_near(c, point, nearest, &near, &distance) > MOST_NEAR;
+        begin < end && measured && find_near(c, at->point, at, &at->distance) > CORE_MOST_NEAR;
     for (uint32_t i = begin; i < end; i++) {
         const uint32_t corner = c->corners_of.corners[i];
         const size_t face = norma_core_face_of(&c->corners_of, corner);
@@ -325,10 +358,10 @@ static void compare_nearest_point(const comparing *c, uint32_t position, size_t 
             continue;
         }
         if (crowded) {
-            step_into_face(&c->other.mesh, face, point, inside);
-            (void)find_near(c, inside, nearest, &near, &ignored);
+            step_into_face(&c->other.mesh, face, at->point, inside);
+            (void)find_near(c, inside, at, &ignored);
         }
-        compare_with_near(c, corner, face, point, &near, distance);
+        compare_with_near(c, corner, face, at);
     }
 }
 
@@ -340,10 +373,10 @@ static int is_endless(const comparing *c) {
 static void compare_nearest_points(void *context, size_t chunk) {
     const comparing *c = context;
     const size_t first = chunk * COMPARED_AT_ONCE, left = c->corners_of.position_count - first;
-    size_t nearest = 0;
+    near_point at = {.own_number = UINT32_MAX};
     for (size_t i = 0; i < (left < COMPARED_AT_ONCE ? left : COMPARED_AT_ONCE) && !is_endless(c);
          i++)
-        compare_nearest_point(c, (uint32_t)(first + i), &nearest);
+        compare_nearest_point(c, (uint32_t)(first + i), &at);
 }
 
 static size_t chunks_of(size_t count) { return (count + COMPARED_AT_ONCE - 1) / COMPARED_AT_ONCE; }

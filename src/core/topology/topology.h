@@ -233,10 +233,12 @@ double norma_core_triangle_tree_nearest(
 #define CORE_FACES_ALIKE 0.8660254037844387
 size_t norma_core_triangle_tree_facing(
     const core_triangle_tree *tree, const double point[3], const double facing[3], double squared);
-/* Writes the numbers of those within a squared distance, as many as there is room for. Returns how
- * many there are; where there is no room for all, any number above room. */
-size_t norma_core_triangle_tree_within(const core_triangle_tree *tree, const double point[3],
-    double squared, uint32_t *triangles, size_t room);
+enum { CORE_MOST_NEAR = 64 };
+/* As norma_core_triangle_tree_nearest; also writes the numbers of those that are at most by slack
+ * further away than the nearest, CORE_MOST_NEAR at most. *count: how many there are; above
+ * CORE_MOST_NEAR, any number. */
+double norma_core_triangle_tree_around(const core_triangle_tree *tree, const double point[3],
+    double slack, size_t *triangle, uint32_t near[CORE_MOST_NEAR], size_t *count);
 
 typedef struct core_dipole {
     double centre[3], area[3],

@@ -253,24 +253,72 @@ size_t norma_core_triangle_tree_facing(
     return nearest.number;
 }
 
+enum { KEPT_NEAR = 2 * CORE_MOST_NEAR };
+
+/* What may still be near enough, in the order of the search. */
 typedef struct triangles_near {
-    uint32_t *triangles;
-    size_t count, room;
-    double within;
+    double slack, squared, within; /* squared: to the nearest */
+    size_t nearest, count;
+    int overflowed, nothing_nearer;
+    double distances[KEPT_NEAR];
+    uint32_t numbers[KEPT_NEAR];
 } triangles_near;
 
-static void take_triangle(void *context, size_t triangle, double distance) {
-    triangles_near *near = context;
-    (void)distance;
-    if (near->count++ < near->room)
-        near->triangles[near->count - 1] = (uint32_t)triangle;
-    else
-        near->within = -1; /* no more are asked for */
+static void approach(triangles_near *near, size_t triangle, double squared) {
+    const double within = sqrt(squared) + near->slack;
+    near->nearest = triangle;
+    near->squared = squared;
+    near->within = fmax(squared, within * within);
 }
 
-size_t norma_core_triangle_tree_within(const core_triangle_tree *tree, const double point[3],
-    double squared, uint32_t *triangles, size_t room) {
-    triangles_near near = {triangles, 0, room, squared};
-    visit_near(tree, point, &near.within, take_triangle, &near);
-    return near.count;
+static void drop_far(triangles_near *near) {
+    size_t kept = 0;
+    for (size_t i = 0; i < near->count; i++) {
+        if (!(near->distances[i] <= near->within)) continue;
+        near->distances[kept] = near->distances[i];
+        near->numbers[kept++] = near->numbers[i];
+    }
+    near->count = kept;
+}
+
+static void take_near(void *context, size_t triangle, double distance) {
+    triangles_near *near = context;
+    if (distance < near->squared) approach(near, triangle, distance);
+    if (near->count == KEPT_NEAR) drop_far(near);
+    if (near->count < KEPT_NEAR) {
+        near->distances[near->count] = distance;
+        near->numbers[near->count++] = (uint32_t)triangle;
+    } else if (near->nothing_nearer) {
+        near->within = -1; /* no more are asked for */
+    } else {
+        near->overflowed = 1;
+    }
+}
+
+/* Where more than are kept seem near, they are counted once the nearest is known. */
+double norma_core_triangle_tree_around(const core_triangle_tree *tree, const double point[3],
+    double slack, size_t *triangle, uint32_t numbers[CORE_MOST_NEAR], size_t *count) {
+    double weights[2];
+    triangles_near near;
+    near.slack = slack;
+    near.squared = near.within = INFINITY;
+    near.nearest = *triangle;
+    near.count = 0;
+    near.overflowed = near.nothing_nearer = 0;
+    if (*triangle < tree->count)
+        approach(&near, *triangle,
+            norma_core_nearest_in_triangle(&tree->triangles[*triangle], point, weights));
+    visit_near(tree, point, &near.within, take_near, &near);
+    if (near.overflowed) {
+        near.nothing_nearer = 1;
+        near.count = 0;
+        visit_near(tree, point, &near.within, take_near, &near);
+    } else {
+        drop_far(&near);
+    }
+    *triangle = near.nearest;
+    *count = near.count;
+    memcpy(numbers, near.numbers,
+        (near.count < CORE_MOST_NEAR ? near.count : CORE_MOST_NEAR) * sizeof *numbers);
+    return near.squared;
 }

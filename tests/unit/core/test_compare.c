@@ -90,9 +90,9 @@ static shaded shuffled(const shaded *s, uint64_t seed) {
 static void a_dot_in_the_middle_of_a_sphere(void **state) {
     (void)state;
     shaded base = {0}, other = {0};
-    shape_octahedron_sphere(&base.mesh, 36);
+    shape_octahedron_sphere(&base.mesh, 34);
     shade_radial(&base);
-    shape_octahedron_sphere(&other.mesh, 50);
+    shape_octahedron_sphere(&other.mesh, 60);
     shade_radial(&other);
     for (size_t i = 0; i < other.mesh.position_count; i++)
         for (int k = 0; k < 3; k++) other.mesh.positions[i][k] *= 0x1p-20;
