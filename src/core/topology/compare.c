@@ -448,95 +448,132 @@ norma_result norma_compare(const norma_surface *base, const norma_surface *other
 }
 
 /* ---- percentiles of area: the areas of floats that begin with the same 16 bits are summed, then
- * those of the floats in the bin of the percentile. The bits of floats that are not negative ascend
- * as they do. */
+ * those of the floats in the bin of each percentile. The bits of floats that are not negative
+ * ascend as they do. All is found in two passes over the samples, which are many. */
 
-enum { AREA_BINS = 1 << 16 };
+enum { AREA_BINS = 1 << 16, SAMPLED = 2 /* angle and distance */, PERCENTILES = 2 };
 
-typedef enum sampled { SAMPLED_ANGLE, SAMPLED_DISTANCE } sampled;
+static const double wanted_parts[PERCENTILES] = {0.5, 0.99};
+
+typedef struct percentile {
+    double passed;          /* area before the bin that was found */
+    uint32_t first, second; /* that bin: halves of the float's bits */
+    uint32_t last;          /* second half of any float that begins with the first */
+    double *bins;
+} percentile;
+
+typedef struct sampled { /* angles, or distances */
+    double area, most;
+    double *bins; /* by the first half of the bits */
+    percentile percentiles[PERCENTILES];
+} sampled;
 
 /* Negative: none. */
-static float sampled_value(const norma_compare_sample *s, sampled what) {
-    if (!(s->area > 0)) return -1;
-    return (what == SAMPLED_ANGLE ? s->angle_rad : s->distance) + 0.0F;
+static float sampled_value(const norma_compare_sample *s, int distance) {
+    return (distance ? s->distance : s->angle_rad) + 0.0F;
 }
 
-/* Of those whose first bits are as given, or of all. Returns the bin in which part of the area of
- * all is passed; passed: the area before it, and so many more with each bin. */
-static uint32_t find_bin(const norma_compare_sample *samples, size_t count, sampled what,
-    const uint32_t *first, double wanted, double *passed, double *bins) {
-    uint32_t bin = 0, last = 0;
-    memset(bins, 0, AREA_BINS * sizeof *bins);
+static uint32_t bits_of_float(float value) {
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+static void sum_samples(const norma_compare_sample *samples, size_t count, double max_angle_rad,
+    norma_comparison *sum, sampled all[SAMPLED]) {
+    double above = 0;
     for (size_t i = 0; i < count; i++) {
-        const float value = sampled_value(&samples[i], what);
-        uint32_t bits;
-        memcpy(&bits, &value, sizeof bits);
-        if (!(value >= 0) || (first && bits >> 16 != *first)) continue;
-        const uint32_t at = first ? bits & 0xffff : bits >> 16;
-        bins[at] += samples[i].area;
-        last = at > last ? at : last;
+        const norma_compare_sample *s = &samples[i];
+        const float angle = sampled_value(s, 0);
+        if (!(s->area > 0)) continue;
+        sum->area += s->area;
+        ++*(angle >= 0 ? &sum->corners : &sum->missing);
+        above += angle >= 0 && (double)angle <= max_angle_rad + 1e-6 ? 0 : s->area;
+        if (angle >= 0 && (sum->worst == SIZE_MAX || angle > samples[sum->worst].angle_rad))
+            sum->worst = i;
+        for (int which = 0; which < SAMPLED; which++) {
+            const float value = sampled_value(s, which);
+            if (!(value >= 0)) continue;
+            all[which].area += s->area;
+            all[which].most = fmax(all[which].most, (double)value);
+            all[which].bins[bits_of_float(value) >> 16] += s->area;
+        }
     }
+    sum->share_above = sum->area > 0 ? fmin(above / sum->area, 1) : 0;
+}
+
+static void sum_within_bins(
+    const norma_compare_sample *samples, size_t count, sampled all[SAMPLED]) {
+    for (size_t i = 0; i < count; i++)
+        for (int which = 0; which < SAMPLED; which++) {
+            const float value = sampled_value(&samples[i], which);
+            const uint32_t bits = bits_of_float(value), second = bits & 0xffff;
+            if (!(samples[i].area > 0) || !(value >= 0)) continue;
+            for (int k = 0; k < PERCENTILES; k++) {
+                percentile *p = &all[which].percentiles[k];
+                if (bits >> 16 != p->first) continue;
+                p->bins[second] += samples[i].area;
+                p->last = second > p->last ? second : p->last;
+            }
+        }
+}
+
+/* The bin in which part of an area is passed; passed: the area before it. */
+static uint32_t pass_bins(const double *bins, uint32_t last, double wanted, double *passed) {
+    uint32_t bin = 0;
     while (bin < last && *passed + bins[bin] < wanted) *passed += bins[bin++];
     return bin;
 }
 
-static double find_percentile(
-    const norma_compare_sample *samples, size_t count, sampled what, double wanted, double *bins) {
-    double passed = 0;
-    const uint32_t first = find_bin(samples, count, what, NULL, wanted, &passed, bins),
-                   bits =
-                       first << 16 | find_bin(samples, count, what, &first, wanted, &passed, bins);
+static double percentile_value(const percentile *p) {
+    const uint32_t bits = p->first << 16 | p->second;
     float value;
     memcpy(&value, &bits, sizeof value);
     return (double)value;
 }
 
-/* Returns the area of all that have a value; *most: of these. */
-static double area_of_sampled(
-    const norma_compare_sample *samples, size_t count, sampled what, double *most) {
-    double area = 0;
-    *most = 0;
-    for (size_t i = 0; i < count; i++) {
-        const float value = sampled_value(&samples[i], what);
-        if (!(value >= 0)) continue;
-        area += samples[i].area;
-        *most = fmax(*most, (double)value);
+/* bins: zero, SAMPLED * (1 + PERCENTILES) times AREA_BINS. */
+static void sum_up(const norma_compare_sample *samples, size_t count, double max_angle_rad,
+    double *bins, norma_comparison *sum) {
+    sampled all[SAMPLED] = {{.bins = bins}, {.bins = bins + AREA_BINS}};
+    bins += SAMPLED * AREA_BINS;
+    sum_samples(samples, count, max_angle_rad, sum, all);
+    for (int i = 0; i < SAMPLED * PERCENTILES; i++, bins += AREA_BINS) {
+        sampled *s = &all[i / PERCENTILES];
+        percentile *p = &s->percentiles[i % PERCENTILES];
+        p->bins = bins;
+        p->first = pass_bins(s->bins, bits_of_float((float)s->most) >> 16,
+            wanted_parts[i % PERCENTILES] * s->area, &p->passed);
     }
-    return area;
-}
-
-static void sum_samples(const norma_compare_sample *samples, size_t count, double max_angle_rad,
-    norma_comparison *sum) {
-    double above = 0;
-    for (size_t i = 0; i < count; i++) {
-        const float angle = sampled_value(&samples[i], SAMPLED_ANGLE);
-        if (!(samples[i].area > 0)) continue;
-        sum->area += samples[i].area;
-        ++*(angle >= 0 ? &sum->corners : &sum->missing);
-        above += angle >= 0 && (double)angle <= max_angle_rad + 1e-6 ? 0 : samples[i].area;
-        if (angle >= 0 && (sum->worst == SIZE_MAX || angle > samples[sum->worst].angle_rad))
-            sum->worst = i;
+    sum_within_bins(samples, count, all);
+    for (int i = 0; i < SAMPLED * PERCENTILES; i++) {
+        sampled *s = &all[i / PERCENTILES];
+        percentile *p = &s->percentiles[i % PERCENTILES];
+        p->second =
+            pass_bins(p->bins, p->last, wanted_parts[i % PERCENTILES] * s->area, &p->passed);
     }
-    sum->share_above = sum->area > 0 ? fmin(above / sum->area, 1) : 0;
+    const percentile *angle = all[0].percentiles, *distance = all[1].percentiles;
+    sum->p50_rad = percentile_value(&angle[0]);
+    sum->p99_rad = percentile_value(&angle[1]);
+    sum->max_rad = all[0].most;
+    sum->p50_distance = percentile_value(&distance[0]);
+    sum->p99_distance = percentile_value(&distance[1]);
+    sum->max_distance = all[1].most;
 }
 
 norma_result norma_compare_summary(const norma_compare_sample *samples, size_t count,
     double max_angle_rad, const norma_options *options, norma_comparison *comparison) {
+    enum { BINS = SAMPLED * (1 + PERCENTILES) * AREA_BINS };
     core_call call;
     const norma_result result = norma_core_begin(&call, options);
     if (result != NORMA_OK) return result;
     if (!comparison || (count && !samples) || !(max_angle_rad >= 0)) return NORMA_ERROR_ARGUMENT;
-    double *bins = norma_core_allocate(&call, AREA_BINS, sizeof *bins);
+    double *bins = norma_core_allocate(&call, BINS, sizeof *bins);
     if (!bins) return NORMA_ERROR_MEMORY;
     norma_comparison sum = {.worst = SIZE_MAX};
-    sum_samples(samples, count, max_angle_rad, &sum);
-    double area = area_of_sampled(samples, count, SAMPLED_ANGLE, &sum.max_rad);
-    sum.p50_rad = find_percentile(samples, count, SAMPLED_ANGLE, 0.5 * area, bins);
-    sum.p99_rad = find_percentile(samples, count, SAMPLED_ANGLE, 0.99 * area, bins);
-    area = area_of_sampled(samples, count, SAMPLED_DISTANCE, &sum.max_distance);
-    sum.p50_distance = find_percentile(samples, count, SAMPLED_DISTANCE, 0.5 * area, bins);
-    sum.p99_distance = find_percentile(samples, count, SAMPLED_DISTANCE, 0.99 * area, bins);
-    norma_core_release(&call, bins, AREA_BINS, sizeof *bins);
+    memset(bins, 0, BINS * sizeof *bins);
+    sum_up(samples, count, max_angle_rad, bins, &sum);
+    norma_core_release(&call, bins, BINS, sizeof *bins);
     *comparison = sum;
     return NORMA_OK;
 }
