@@ -30,6 +30,7 @@ typedef struct comparing {
     compared_face *faces;
     core_triangle_tree tree;
     core_corners_of_position corners_of;
+    uint64_t *order; /* of other's positions: each number in the lower half */
     norma_compare_sample *samples;
     atomic_ullong steps;
     unsigned long long most_steps;
@@ -365,6 +366,33 @@ static void compare_nearest_point(const comparing *c, uint32_t position, near_po
     }
 }
 
+/* Points one after another near each other, however a file has them, so that the tree's boxes that
+ * one needs are at hand for the next: along Morton's curve in a cube round the base (Morton 1966).
+ */
+static uint64_t spread_bits(uint64_t bits) {
+    bits = (bits | bits << 16) & UINT64_C(0x30000ff);
+    bits = (bits | bits << 8) & UINT64_C(0x300f00f);
+    bits = (bits | bits << 4) & UINT64_C(0x30c30c3);
+    return (bits | bits << 2) & UINT64_C(0x9249249);
+}
+
+static void order_points(const comparing *c) {
+    const core_box_node *all = c->tree.boxes.nodes;
+    double side = 0;
+    for (int k = 0; k < 3; k++) side = fmax(side, all->high[k] - all->low[k]);
+    for (size_t i = 0; i < c->corners_of.position_count; i++) {
+        double point[3];
+        uint64_t key = 0;
+        norma_core_position(&c->other.mesh, (uint32_t)i, point);
+        for (int k = 0; k < 3; k++) {
+            const double at = (point[k] - all->low[k]) / side * 1024;
+            key |= spread_bits(at > 0 ? (uint64_t)(at < 1023 ? at : 1023) : 0) << k;
+        }
+        c->order[i] = key << 32 | i;
+    }
+    norma_core_sort_numbers(c->order, c->corners_of.position_count);
+}
+
 /* Steps are the same for any number of threads, and so is this in the end. */
 static int is_endless(const comparing *c) {
     return atomic_load_explicit(&c->steps, memory_order_relaxed) > c->most_steps;
@@ -376,10 +404,24 @@ static void compare_nearest_points(void *context, size_t chunk) {
     near_point at = {.own_number = UINT32_MAX};
     for (size_t i = 0; i < (left < COMPARED_AT_ONCE ? left : COMPARED_AT_ONCE) && !is_endless(c);
          i++)
-        compare_nearest_point(c, (uint32_t)(first + i), &at);
+        compare_nearest_point(c, (uint32_t)c->order[first + i], &at);
 }
 
 static size_t chunks_of(size_t count) { return (count + COMPARED_AT_ONCE - 1) / COMPARED_AT_ONCE; }
+
+static norma_result compare_in_order(comparing *c) {
+    const size_t count = c->corners_of.position_count;
+    c->order = norma_core_allocate(&c->call, count, sizeof *c->order);
+    if (!c->order) return NORMA_ERROR_MEMORY;
+    order_points(c);
+    norma_core_stage(&c->call, 0.5, 1);
+    c->tree.steps = &c->steps;
+    c->most_steps = FEW_STEPS + (unsigned long long)MOST_STEPS * (count + c->tree.count);
+    const norma_result result =
+        norma_core_parallel(&c->call, chunks_of(count), compare_nearest_points, c);
+    norma_core_release(&c->call, c->order, count, sizeof *c->order);
+    return result == NORMA_OK && is_endless(c) ? NORMA_ERROR_OVERFLOW : result;
+}
 
 static norma_result compare_nearest(comparing *c) {
     core_mesh *other = &c->other.mesh;
@@ -392,14 +434,7 @@ static norma_result compare_nearest(comparing *c) {
     if (result == NORMA_OK) {
         result =
             norma_core_triangle_tree_build(&c->call, &c->base.mesh, CORE_TRIANGLES_CUT, &c->tree);
-        norma_core_stage(&c->call, 0.5, 1);
-        c->tree.steps = &c->steps;
-        c->most_steps = FEW_STEPS + (unsigned long long)MOST_STEPS *
-                                        (c->corners_of.position_count + c->tree.count);
-        if (result == NORMA_OK)
-            result = norma_core_parallel(
-                &c->call, chunks_of(c->corners_of.position_count), compare_nearest_points, c);
-        if (result == NORMA_OK && is_endless(c)) result = NORMA_ERROR_OVERFLOW;
+        if (result == NORMA_OK) result = compare_in_order(c);
         norma_core_triangle_tree_release(&c->call, &c->tree);
         norma_core_corners_of_position_release(&c->call, &c->corners_of);
     }
