@@ -41,7 +41,7 @@ void exact_set(exact_vec3 *v, const double p[3], int exponent) {
     for (int i = 0; i < 3; ++i) {
         int own;
         const double mantissa = frexp(p[i], &own);
-        mpz_set_si(v->x[i], (long)ldexp(mantissa, 53));
+        mpz_set_si(v->x[i], (long)(mantissa * 0x1p53));
         if (p[i] != 0) mpz_mul_2exp(v->x[i], v->x[i], (mp_bitcnt_t)(own - 53 - exponent));
     }
 }

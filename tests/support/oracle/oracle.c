@@ -301,8 +301,7 @@ static void read_faces(oracle *o) {
 void oracle_move(oracle *o, const norma_vec3_view *positions) {
     read_positions(o, positions);
     measure_faces(o);
-    free(o->weights);
-    o->weights = NULL;
+    memset(o->measures, 0, o->corner_count * sizeof *o->measures);
 }
 
 static void list_corners_by_position(oracle *o) {
@@ -322,12 +321,13 @@ void oracle_create(oracle *o, const norma_mesh *mesh, norma_weld weld, double di
     weld_positions(o, weld, distance);
     read_faces(o);
     list_corners_by_position(o);
+    o->measures = oracle_allocate(o->corner_count, sizeof *o->measures);
 }
 
 void oracle_destroy(oracle *o) {
     void *const blocks[] = {o->positions, o->starts, o->corners, o->faces, o->shared, o->kept,
         o->next, o->previous, o->kinds, o->directions, o->areas, o->by_shared_start, o->by_shared,
-        o->weights};
+        o->measures};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i) free(blocks[i]);
     memset(o, 0, sizeof *o);
 }

@@ -15,6 +15,12 @@ typedef enum oracle_face_kind {
     ORACLE_NON_FINITE_FEW
 } oracle_face_kind;
 
+/* What a corner's weights are made of: its angle, |a x b|, a . a and b . b of its edges a and b. */
+typedef struct oracle_corner_measures {
+    long double angle, sine_lengths, a_squared, b_squared;
+    int known;
+} oracle_corner_measures;
+
 typedef struct oracle {
     size_t position_count, corner_count, face_count;
     double (*positions)[3];
@@ -33,8 +39,7 @@ typedef struct oracle {
     size_t *by_shared;            /* the kept corners at each welded position, ascending */
     const uint32_t *smoothing_groups;
     const uint8_t *hard_edges;
-    long double *weights; /* of each kept corner, once oracle_keep_weights was called for weight */
-    norma_weight weight;
+    oracle_corner_measures *measures; /* of each corner whose weight was once asked for */
 } oracle;
 
 /* The mesh must be valid; its groups and hard edges must outlive the oracle. Aborts when memory
@@ -48,8 +53,6 @@ void oracle_move(oracle *o, const norma_vec3_view *positions);
 int oracle_turns_back(const oracle *o, size_t corner);
 /* A kept corner's weight, any but VISIBLE; its face must have a direction. */
 long double oracle_weight(const oracle *o, size_t corner, norma_weight weight);
-/* Computes the weights of all corners, so that sums taken again and again are cheap. */
-void oracle_keep_weights(oracle *o, norma_weight weight);
 
 typedef struct oracle_normal {
     enum norma_reason reason;

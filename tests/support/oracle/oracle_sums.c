@@ -12,12 +12,8 @@
 
 static const long double PI_LONG = 3.14159265358979323846264338327950288L;
 
-typedef struct corner_measures {
-    long double angle, sine_lengths, a_squared, b_squared; /* sine_lengths: |a x b| */
-} corner_measures;
-
 /* a to the next corner, b to the previous one. */
-static corner_measures measure_corner(const oracle *o, size_t corner) {
+static oracle_corner_measures measure_corner(const oracle *o, size_t corner) {
     const double *p[3] = {o->positions[o->corners[corner]],
         o->positions[o->corners[o->next[corner]]], o->positions[o->corners[o->previous[corner]]]};
     const double numbers[9] = {
@@ -25,7 +21,7 @@ static corner_measures measure_corner(const oracle *o, size_t corner) {
     const int exponent = exact_exponent(numbers, 9);
     exact_vec3 here, a, b, cross, dots;
     long double normal[3];
-    corner_measures m;
+    oracle_corner_measures m = {.known = 1};
     exact_init(&here);
     exact_init(&a);
     exact_init(&b);
@@ -61,7 +57,9 @@ long double oracle_weight(const oracle *o, size_t corner, norma_weight weight) {
     const long double area = o->areas[o->faces[corner]];
     if (weight == NORMA_WEIGHT_AREA) return area;
     if (weight == NORMA_WEIGHT_UNIFORM) return 1;
-    const corner_measures m = measure_corner(o, corner);
+    oracle_corner_measures *known = &o->measures[corner];
+    if (!known->known) *known = measure_corner(o, corner); /* sums are taken again and again */
+    const oracle_corner_measures m = *known;
     switch (weight) {
     case NORMA_WEIGHT_ANGLE:
         return m.angle;
@@ -74,18 +72,6 @@ long double oracle_weight(const oracle *o, size_t corner, norma_weight weight) {
         return m.angle * sqrtl(m.a_squared) * sqrtl(m.b_squared);
     default:
         abort();
-    }
-}
-
-void oracle_keep_weights(oracle *o, norma_weight weight) {
-    free(o->weights);
-    o->weights = NULL;
-    if (weight == NORMA_WEIGHT_VISIBLE) return;
-    o->weights = oracle_allocate(o->corner_count, sizeof *o->weights);
-    o->weight = weight;
-    for (size_t c = 0; c < o->corner_count; ++c) {
-        if (o->kept[c] == c && o->kinds[o->faces[c]] == ORACLE_DIRECTED)
-            o->weights[c] = oracle_weight(o, c, weight);
     }
 }
 
@@ -182,9 +168,7 @@ oracle_normal oracle_sum(
     for (size_t i = 0; i < count; ++i) {
         const size_t face = o->faces[corners[i]];
         if (o->kinds[face] != ORACLE_DIRECTED) continue;
-        const long double w = o->weights && o->weight == weight
-                                  ? o->weights[corners[i]]
-                                  : oracle_weight(o, corners[i], weight);
+        const long double w = oracle_weight(o, corners[i], weight);
         result.reason = NORMA_REASON_NONE;
         weights += w;
         for (int x = 0; x < 3; ++x) result.normal[x] += w * o->directions[face][x];

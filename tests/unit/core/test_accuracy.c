@@ -37,7 +37,6 @@ static void compare_mesh(table *t, const char *name, const norma_mesh *mesh) {
         compare_vertices(&t->vertex[w], name, &o, mesh, &options, every);
     }
     options.weight = NORMA_WEIGHT_ANGLE;
-    oracle_keep_weights(&o, NORMA_WEIGHT_ANGLE);
     for (int i = 0; i < CREASES; ++i)
         compare_corners(&t->corner[i], name, &o, mesh, creases[i], &options);
     oracle_destroy(&o);
