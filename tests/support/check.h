@@ -41,10 +41,10 @@ static inline double degrees_to(const float *a, double x, double y, double z) {
 
 /* How much less of a long test a sanitizer's build runs. */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SLOWER 8
+#define SLOWER 16
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SLOWER 8
+#define SLOWER 16
 #endif
 #endif
 #ifndef SLOWER

@@ -137,7 +137,9 @@ static document_bytes result_of(document_bytes file, const char *name, verb what
 }
 
 /* Every call of the first few, then ever farther apart. */
-static size_t next_stop(size_t stop) { return stop < 6 ? stop + 1 : stop + stop / 3; }
+static size_t next_stop(size_t stop) {
+    return stop < 6 ? stop + 1 : stop + stop / (SLOWER > 1 ? 1 : 3);
+}
 
 /* After a cancelled change a document is what it was, and the change can be made again; but a
  * binary STL whose normals were being replaced can only be closed. */

@@ -153,7 +153,7 @@ static size_t compare_random(const char *name, void make(mesh_file *, uint64_t *
 static void lattices(void **state) {
     (void)state;
     size_t wrong = 0;
-    for (uint64_t seed = 1; seed <= 4000 / SLOWER && wrong < 20; ++seed)
+    for (uint64_t seed = 1; seed <= 1000 / SLOWER && wrong < 20; ++seed)
         wrong += compare_random("lattice", lattice_mesh, seed);
     assert_int_equal(wrong, 0);
 }
@@ -161,7 +161,7 @@ static void lattices(void **state) {
 static void damaged_surfaces(void **state) {
     (void)state;
     size_t wrong = 0;
-    for (uint64_t seed = 1; seed <= 300 / SLOWER && wrong < 20; ++seed)
+    for (uint64_t seed = 1; seed <= 96 / SLOWER && wrong < 20; ++seed)
         wrong += compare_random("damaged", damaged_mesh, seed);
     assert_int_equal(wrong, 0);
 }
@@ -177,7 +177,7 @@ static void books(void **state) {
 static void hubs(void **state) {
     (void)state;
     size_t wrong = 0;
-    for (uint64_t seed = 1; seed <= 60 / SLOWER && wrong < 20; ++seed)
+    for (uint64_t seed = 1; seed <= 32 / SLOWER && wrong < 20; ++seed)
         wrong += compare_random("hub", hub_mesh, seed);
     assert_int_equal(wrong, 0);
 }
