@@ -41,8 +41,8 @@ fi
 [ "$what" != mpi ] || packages="$packages libopenmpi-dev openmpi-bin libmpich-dev mpich python3-mpi4py python3-meshio python3-h5py"
 [ "$what" != deb ] || packages="$packages $web_packages debhelper dpkg-dev fakeroot lintian"
 if [ "$what" = all ] || [ "$what" = test ]; then
-    # clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; jansson: a second reader of glTF in fuzz targets; mandoc: the manual's lint; glslang: compiles the shaders of the guide; python3: makes files.
-    packages="$packages clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev libjansson-dev mandoc locales clang-format glslang-tools python3"
+    # ccache: scripts of the suite compile the sources again, as in a user's tree; clang with its run-time library: the sanitizers and libFuzzer; llvm: names in their reports; gmp: the oracle; jansson: a second reader of glTF in fuzz targets; mandoc: the manual's lint; glslang: compiles the shaders of the guide; python3: makes files.
+    packages="$packages ccache clang llvm libclang-rt-14-dev libcmocka-dev libgmp-dev libjansson-dev mandoc locales clang-format glslang-tools python3"
 fi
 if [ "$what" = all ]; then
     # admesh, lib3mf, unzip: judges of fixed STL and 3MF files; godot3-server, cargo with serde_json: run the gates of examples/gate; spirv-cross: makes GLSL of norma.hlsl, which then runs; curl: fetches a release in the test of the action; chromium: the page's tests; mypy, pytest and meshio (a second reader): those of the Python package.

@@ -27,7 +27,10 @@ done
 # ---- mistakes: named in each cell where they lie beside the subject
 
 built=$scratch/mistakes
-if ! { cmake -S . -B "$built" -G Ninja -DNORMA_MISTAKES=ON -DNORMA_TESTS=OFF -DNORMA_WEB=OFF -DNORMA_SHARED=OFF -DNORMA_EXAMPLES=OFF && cmake --build "$built" --target norma-cli; } >"$scratch/log" 2>&1; then
+# Compiled as scripts/tree.sh does, so that ccache has what is the same.
+as_first_tree="-DCMAKE_C_COMPILER=gcc -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2 -DNORMA_WERROR=ON"
+# shellcheck disable=SC2086  # a list of words
+if ! { cmake -S . -B "$built" -G Ninja $as_first_tree -DNORMA_MISTAKES=ON -DNORMA_TESTS=OFF -DNORMA_WEB=OFF -DNORMA_SHARED=OFF -DNORMA_EXAMPLES=OFF && cmake --build "$built" --target norma-cli; } >"$scratch/log" 2>&1; then
     fail "norma render with mistakes is built" "$(tail -n 20 "$scratch/log")"
     finish
     exit

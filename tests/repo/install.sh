@@ -69,14 +69,16 @@ printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(alone C)' 'find_pa
 mkdir "$scratch/alone" && mv "$scratch/alone.txt" "$scratch/alone/CMakeLists.txt"
 check "CMake: find_package(norma COMPONENTS core) is enough for the core" bash -c 'cmake -S "$0" -B "$0/build" -DCMAKE_PREFIX_PATH="$1" && cmake --build "$0/build" && "$0/build/alone"' "$scratch/alone" "$scratch/parts"
 
-# In another project's tree.
-check "FetchContent: configures" cmake -S examples/fetchcontent -B "$scratch/engine" -G Ninja -DCMAKE_BUILD_TYPE=Release
+# In another project's tree; compiled as scripts/tree.sh does, so that ccache has what is the same.
+as_first_tree="-DCMAKE_C_COMPILER=gcc -DCMAKE_BUILD_TYPE=Release -DCMAKE_C_FLAGS_RELEASE=-O2 -DNORMA_WERROR=ON"
+# shellcheck disable=SC2086  # a list of words
+check "FetchContent: configures" cmake -S examples/fetchcontent -B "$scratch/engine" -G Ninja $as_first_tree
 check "FetchContent: builds the static core and nothing else" bash -c 'cmake --build "$0" && test -z "$(find "$0" -name "libnorma*.so*" -o -name libnorma.a)"' "$scratch/engine"
 check "FetchContent: the example prints what it prints here" cmp tests/repo/examples/normals_of_a_mesh.txt <("$scratch/engine/engine")
 printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(tree C CXX)' "add_subdirectory($root norma EXCLUDE_FROM_ALL)" "add_executable(tree $root/tests/repo/consumer/document.c)" \
     'target_link_libraries(tree PRIVATE norma::norma)' >"$scratch/tree.txt"
 mkdir "$scratch/tree" && mv "$scratch/tree.txt" "$scratch/tree/CMakeLists.txt"
-check "add_subdirectory: norma::norma is there, and the program runs" bash -c 'cmake -S "$0" -B "$0/build" -G Ninja -DCMAKE_BUILD_TYPE=Release && cmake --build "$0/build" && "$0/build/tree" | grep -q "^vn 0 0 1$"' "$scratch/tree"
+check "add_subdirectory: norma::norma is there, and the program runs" bash -c 'cmake -S "$0" -B "$0/build" -G Ninja $1 && cmake --build "$0/build" && "$0/build/tree" | grep -q "^vn 0 0 1$"' "$scratch/tree" "$as_first_tree"
 
 # pkg-config
 export PKG_CONFIG_PATH=$lib/pkgconfig
