@@ -330,40 +330,29 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.BLEND);
   };
 
-  const arrowBuffer = makeBuffer(new Float32Array(10), gl.DYNAMIC_DRAW);
-  /* Arrows in world space: [{ from, to, colour }]. */
+  const strokes = gl.createBuffer();
+  /* In world space, ten numbers each: both ends, colour. */
+  const drawStrokes = (place, numbers) => {
+    gl.uniformMatrix4fv(place("local_to_world"), false, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    gl.bindBuffer(gl.ARRAY_BUFFER, strokes);
+    gl.bufferData(gl.ARRAY_BUFFER, Float32Array.from(numbers), gl.DYNAMIC_DRAW);
+    [[3, 0], [3, 12], [4, 24]].forEach(([size, offset], i) => attribute(i, strokes, size, 40, offset, 1));
+    gl.disableVertexAttribArray(3);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, numbers.length / 10);
+    gl.disable(gl.BLEND);
+  };
+  /* Arrows: [{ from, to, colour }]. */
   const drawArrows = (arrows, camera, pixels) => {
     const place = programOf("line"), size = pixels * Math.max(0.5, Math.min(1, box.width / pixels / WIDE));
     startLines(place, camera, 3 * size, 13 * size, 0.01);
-    gl.uniformMatrix4fv(place("local_to_world"), false, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
-    for (const { from, to, colour } of arrows) {
-      fillBuffer(arrowBuffer, Float32Array.of(...from, ...to, ...colour));
-      gl.bindVertexArray(lines);
-      attribute(0, arrowBuffer, 3, 40, 0, 1);
-      attribute(1, arrowBuffer, 3, 40, 12, 1);
-      attribute(2, arrowBuffer, 4, 40, 24, 1);
-      gl.disableVertexAttribArray(3);
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, 1);
-    }
-    gl.disable(gl.BLEND);
+    drawStrokes(place, arrows.flatMap(({ from, to, colour }) => [...from, ...to, ...colour]));
   };
-
-  /* Discs in world space, over everything: [x, y, z, ...], of so many pixels. */
+  /* Discs over everything: [x, y, z, ...], of so many pixels. */
   const drawPins = (points, camera, colour, size) => {
-    const place = programOf("line");
+    const place = programOf("line"), ends = Array.from({ length: points.length / 3 }, (_, i) => points.slice(3 * i, 3 * i + 3));
     gl.disable(gl.DEPTH_TEST);
-    gl.uniformMatrix4fv(place("local_to_world"), false, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     startLines(place, camera, size, 0, 0.01);
-    for (let i = 0; i < points.length; i += 3) {
-      fillBuffer(arrowBuffer, Float32Array.of(points[i], points[i + 1], points[i + 2], points[i], points[i + 1], points[i + 2], ...colour));
-      gl.bindVertexArray(lines);
-      attribute(0, arrowBuffer, 3, 40, 0, 1);
-      attribute(1, arrowBuffer, 3, 40, 12, 1);
-      attribute(2, arrowBuffer, 4, 40, 24, 1);
-      gl.disableVertexAttribArray(3);
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, 1);
-    }
-    gl.disable(gl.BLEND);
+    drawStrokes(place, ends.flatMap((end) => [...end, ...end, ...colour]));
     gl.enable(gl.DEPTH_TEST);
   };
 
