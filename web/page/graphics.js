@@ -9,8 +9,8 @@ const LIGHTS = [{ from: [-0.66, 0.62, 0.42], strength: 1.05 }, { from: [0.9, 0, 
 const MOST_STRIDE = 63;
 /* More edges than these are drawn a pixel wide. */
 const MOST_WIDE = 50000;
-/* Bytes that are handed over at once. */
-const SLICE = 1 << 19;
+/* Bytes that are handed over at once; of a model that is opened, and waited for. */
+const SLICE = 1 << 19, LARGE_SLICE = 1 << 20;
 /* More places than these that are marked are drawn with all that lies between. */
 const MOST_RUNS = 200;
 /* Pixels of a shadow each way. */
@@ -90,14 +90,18 @@ export function makeGraphics(canvas, texts) {
     };
     look();
   });
-  /* The same bit by bit: the page goes on meanwhile. */
-  const fillSlowly = async (buffer, data) => {
+  /* The same bit by bit, one after the other: the page goes on meanwhile. isWanted(): whether there still is such a buffer. */
+  let behind = 0;
+  const fillSlowly = async (buffer, data, slice = SLICE, isWanted = () => true) => {
     const bytes = new Uint8Array(data.buffer, data.byteOffset, data.byteLength);
-    for (let at = 0; at < bytes.length; at += SLICE) {
+    for (let at = 0; at < bytes.length && isWanted(); at += slice) {
       gl.bindVertexArray(null);
       gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-      gl.bufferSubData(gl.ARRAY_BUFFER, at, bytes, at, Math.min(SLICE, bytes.length - at));
-      if (bytes.length > SLICE) await drained();
+      gl.bufferSubData(gl.ARRAY_BUFFER, at, bytes, at, Math.min(slice, bytes.length - at));
+      behind += Math.min(slice, bytes.length - at);
+      if (behind < slice) continue;
+      behind = 0;
+      await drained();
     }
   };
   const reserve = (size) => {
@@ -134,10 +138,11 @@ export function makeGraphics(canvas, texts) {
     gl.vertexAttribDivisor(index, divisor);
   };
 
-  /* A surface on the card: { positions, normals, reach?, values?, indices? } as arrays, count of what is drawn. */
+  /* A surface on the card: { positions, normals, reach?, indices? } as arrays, count of what is drawn. That of a model has no indices, and is empty until it is filled. */
   const makeSurface = ({ positions, normals, reach, indices }) => {
+    const buffer = (list) => (indices ? makeBuffer(list, gl.DYNAMIC_DRAW) : reserve(list.byteLength));
     const surface = {
-      positions: makeBuffer(positions, indices ? gl.DYNAMIC_DRAW : gl.STATIC_DRAW), normals: makeBuffer(normals, gl.DYNAMIC_DRAW), reach: reach && makeBuffer(reach),
+      positions: buffer(positions), normals: buffer(normals), reach: reach && buffer(reach), isFree: false,
       values: null, marks: null, trial: null, tint: null, colours: null, texcoords: [null, null], tangents: null, lit: new Map(), indexArray: indices, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
     };
     const arrays = new Map();
@@ -160,7 +165,12 @@ export function makeGraphics(canvas, texts) {
       gl.disableVertexAttribArray(COLOUR);
       gl.vertexAttrib4f(COLOUR, 1, 1, 1, buffer === null ? 1 : 0);
     };
+    surface.fill = async () => {
+      surface.fill = null;      /* which holds the arrays */
+      for (const [to, list] of [[surface.positions, positions], [surface.normals, normals], [surface.reach, reach]]) if (list) await fillSlowly(to, list, LARGE_SLICE, () => !surface.isFree);
+    };
     surface.free = () => {
+      surface.isFree = true;
       for (const name of ["positions", "normals", "reach", "values", "marks", "trial", "tint", "colours", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
       for (const buffer of surface.texcoords) if (buffer) gl.deleteBuffer(buffer);
       surface.lit.forEach((geometry) => geometry.dispose());

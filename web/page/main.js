@@ -78,7 +78,7 @@ function frame(now) {
     if (isShadowDue() && mayCast()) castShadow();
     const coarse = isSlow() && (page.hasty || performance.now() - page.hurried < STILL);
     if (page.coarse && !coarse) dirty.draw = true;
-    if (dirty.draw && (page.moving || page.computed) && !page.drawing && !page.aiming) {
+    if (dirty.draw && (page.moving || (page.computed && page.scene.isFilled)) && !page.drawing && !page.aiming) {
       dirty.draw = false;
       page.drawing = true;
       page.rested = page.hasty = false;

@@ -64,7 +64,7 @@ export async function chooseFinding(finding, which = 0) {
   page.look = { ...UNMARKED, errorTop: page.look.errorTop, angleTop: page.look.angleTop };
   try {
     if (finding) showPart(shown, finding.mesh);
-    const [found] = finding ? await Promise.all([page.remote.place(shown.model.number, finding.index, which), uploadMarks(shown, finding)]) : [], place = finding && placeIn(finding, found);
+    const [found] = finding ? await Promise.all([page.remote.place(shown.model.number, finding.index, which), uploadMarks(shown, finding), shown.filled]) : [], place = finding && placeIn(finding, found);
     if (mine !== page.seeking || shown !== page.scene) return;
     if (!finding) return;
     const items = itemsOf(page.norma, shown, userMatrix(), "right");

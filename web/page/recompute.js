@@ -63,6 +63,7 @@ export async function compute() {
   dirty.compute = false;
   try {
     for (const one of shown) {
+      await one.filled;
       if (asAdded(one, options)) { if (wantsTangents(one)) await uploadTangents(one); continue; }
       const { normals, errors } = await page.remote.compute(one.model.number, options);
       if (one !== page.scene && one !== page.before) continue;

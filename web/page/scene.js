@@ -26,9 +26,11 @@ export const turning = (up) => { const m = TURNED[up]; return [m[0], m[1], m[2],
 
 /* fixed: the frame of another model, to stand where that does. */
 export function makeScene(graphics, model, up = model.up ?? "y", fixed = null) {
-  const surfaces = model.arrays.map((arrays) => graphics.makeSurface(arrays)), boxes = model.arrays.map(({ box }) => box);
+  const surfaces = model.arrays.map(graphics.makeSurface), boxes = model.arrays.map(({ box }) => box);
   model.arrays = null;
-  const scene = { model, surfaces, faces: [], edges: {}, hidden: new Set(), free: () => { surfaces.forEach((surface) => surface.free()); scene.freeMaterials?.(); } };
+  /* Nothing is drawn of it before all is filled in. */
+  const fill = async () => { for (const surface of surfaces) await surface.fill(); scene.isFilled = true; };
+  const scene = { model, surfaces, isFilled: false, faces: [], edges: {}, hidden: new Set(), free: () => { surfaces.forEach((surface) => surface.free()); scene.freeMaterials?.(); } };
   /* Where everything stands, with this axis up. */
   scene.place = (axis, frame = null) => {
     const turned = model.draws.map(({ mesh, world }) => ({ mesh, world: multiply(turning(axis), world) }));
@@ -42,6 +44,7 @@ export function makeScene(graphics, model, up = model.up ?? "y", fixed = null) {
   /* Of the boxes round what is drawn. */
   scene.corners = () => scene.draws.flatMap(({ mesh, local }) => boxes[mesh].map((corner) => point(local, corner)));
   scene.place(up, fixed);
+  scene.filled = fill();
   return scene;
 }
 
