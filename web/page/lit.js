@@ -81,6 +81,16 @@ export function makeLit(canvas, gl) {
     return clayOf(item, colours, dressed?.normalMap && look.normalMaps ? dressed : null);
   };
 
+  /* Begins the programs of clay, which stay, while a file is read; whoever draws first would wait for them. */
+  const bare = [DoubleSide, FrontSide].map((side) => new Mesh(new BufferGeometry(), new MeshStandardMaterial({ ...MATT, side })));
+  const warmUp = () => {
+    scene.children.length = 0;
+    scene.children.push(lamp, sky, ...bare);
+    renderer.resetState();
+    lightFor(false);
+    renderer.compile(scene, camera);
+  };
+
   const meshes = [];
   const meshAt = (i) => {
     if (meshes[i]) return meshes[i];
@@ -147,5 +157,5 @@ export function makeLit(canvas, gl) {
   };
   const forget = () => { for (const material of wardrobe.values()) material.dispose(); wardrobe.clear(); };
 
-  return { draw, prepare, forget, resize: () => renderer.setSize(canvas.width, canvas.height, false) };
+  return { draw, prepare, warmUp, forget, resize: () => renderer.setSize(canvas.width, canvas.height, false) };
 }

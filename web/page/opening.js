@@ -215,6 +215,7 @@ export async function openGiven(given) {
 }
 
 function openFile(files, path) {
+  page.graphics.lit.warmUp();
   return show(async () => {
     const needed = await bytesFor(files, path), name = path.split("/").pop(), model = await page.remote.openFiles(needed.files, needed.path, name, { ...wishes(), crease: CREASE, errors: false });
     model.unchecked = true;
@@ -241,6 +242,7 @@ function openFile(files, path) {
 /* The model of norma view: drawn from its pack; what may be fixed is its file, where the page holds that. */
 function openEmbedded() {
   const { text, name, files } = page.embedded;
+  page.graphics.lit.warmUp();
   return show(async () => {
     if (files) await page.remote.giveFiles(files.files);
     return { ...(await page.remote.openText(text, name, { ...wishes(), errors: false })), files };
