@@ -52,7 +52,8 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
     for (const domain of ["Page", "Runtime", "Log", "Network", "DOM"]) await ask(`${domain}.enable`);
     await ask("Emulation.setDeviceMetricsOverride", { width: size[0], height: size[1], deviceScaleFactor: 1, mobile });
     if (mobile) await ask("Emulation.setTouchEmulationEnabled", { enabled: true, maxTouchPoints: 2 });
-    await ask("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: dark ? "dark" : "light" }, { name: "prefers-reduced-motion", value: calm ? "reduce" : "no-preference" }] });
+    const shade = (isDark) => ask("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value: isDark ? "dark" : "light" }, { name: "prefers-reduced-motion", value: calm ? "reduce" : "no-preference" }] });
+    await shade(dark);
     if (before) await ask("Page.addScriptToEvaluateOnNewDocument", { source: before });
     await ask("Page.navigate", { url });
 
@@ -95,7 +96,7 @@ export async function launch(path, { width = 1280, height = 800, flags = [] } = 
       return events.filter(({ name, pid, tid }) => /RunTask$/.test(name) && main.has(`${pid} ${tid}`)).filter(({ dur, tdur }) => dur >= 0 && tdur >= 0).map(({ dur, tdur }) => ({ wall: dur / 1000, processor: tdur / 1000 }));
     };
     const close = () => send("Target.closeTarget", { targetId });
-    return { evaluate, until, screenshot, mouse, touch, press, setFiles, tasks, close, said, requests };
+    return { evaluate, until, screenshot, mouse, touch, press, setFiles, tasks, shade, close, said, requests };
   };
 
   const close = async () => {
