@@ -1,5 +1,5 @@
 /* bench_tangents.c: norma_corner_tangents per triangle in nanoseconds: a sheet in rows and
- * shuffled, then meshes on which other generators are quadratic. The least
+ * shuffled, with updates of a plan, then meshes on which other generators are quadratic. The least
  * of several calls; "x rows" is how many times the cost per triangle of the sheet in rows a mesh
  * has. bench_tangents [TRIANGLES] [PART OF A NAME] */
 #include "made_meshes.h"
@@ -148,6 +148,52 @@ static double least_time(const textured_mesh *m, norma_tangent_mode mode, uint32
     return 3e9 * least / (double)corners;
 }
 
+/* Microseconds of an update of a plan: all vertices, or so many neighbouring ones. */
+static double least_update(
+    const textured_mesh *m, norma_tangent_mode mode, uint32_t threads, size_t moved_count) {
+    const size_t corners = m->made.corner_count;
+    const norma_mesh mesh = made_view(&m->made);
+    const norma_attribute normals = {.data = m->normals, .count = m->made.position_count},
+                          texcoords = {.data = m->texcoords, .count = m->made.position_count};
+    float *tangents = bench_memory(corners, 4 * sizeof *tangents);
+    uint32_t *moved = bench_memory(moved_count + 1, sizeof *moved);
+    bench_pool pool = {0};
+    const norma_options options = {.threads = threads, .allocator = bench_pool_allocator(&pool)};
+    norma_tangent_plan *plan = NULL;
+    double least = 1e300;
+    for (size_t i = 0; i < moved_count; i++) moved[i] = (uint32_t)(m->made.position_count / 2 + i);
+    stop_at(norma_tangent_plan_create(&mesh, &normals, &texcoords, mode, NULL, &plan));
+    for (int run = 0; run < RUNS; run++) {
+        const double begun = bench_now();
+        stop_at(norma_tangent_plan_update(plan, mesh.positions, &normals,
+            moved_count ? moved : NULL, moved_count, &options, tangents, corners, NULL));
+        const double took = bench_now() - begun;
+        least = took < least ? took : least;
+    }
+    norma_tangent_plan_destroy(plan);
+    bench_pool_free(&pool);
+    free(moved);
+    free(tangents);
+    return 1e6 * least;
+}
+
+static void print_updates(const textured_mesh *m) {
+    const double triangles = (double)m->made.corner_count / 3;
+    printf("%-30s", "  updates of a plan");
+    for (int mode = 0; mode < 2; mode++)
+        for (uint32_t threads = 1; threads <= MOST_THREADS; threads++)
+            printf(" %8.0f      ",
+                1e3 *
+                    least_update(
+                        m, mode ? NORMA_TANGENTS_STEADY : NORMA_TANGENTS_MIKK, threads, 0) /
+                    triangles);
+    printf("\n  1,000 neighbours moved, us:  ");
+    for (int mode = 0; mode < 2; mode++)
+        printf(" %8.0f                     ",
+            least_update(m, mode ? NORMA_TANGENTS_STEADY : NORMA_TANGENTS_MIKK, 1, 1000));
+    printf("\n");
+}
+
 int main(int count, char **arguments) {
     const size_t triangles = count > 1 ? strtoul(arguments[1], NULL, 10) : 1000000;
     double rows[2][MOST_THREADS] = {{0}};
@@ -168,6 +214,7 @@ int main(int count, char **arguments) {
                 fflush(stdout);
             }
         printf("\n");
+        if (!cases[i].triangles && m.made.position_count > 4000) print_updates(&m);
         free_textured(&m);
     }
     return 0;

@@ -76,7 +76,7 @@ body() { # FILE: without includes of ours
  *     NORMA_WITHOUT_ORIENT     norma_orient, norma_reverse_winding
  *     NORMA_WITHOUT_PLANS      norma_plan_*, and morph targets, which use them
  *     NORMA_WITHOUT_MORPHS     norma_morph_normals, norma_morph_deltas
- *     NORMA_WITHOUT_TANGENTS   norma_corner_tangents, norma_split_tangents, norma_build
+ *     NORMA_WITHOUT_TANGENTS   norma_corner_tangents, norma_split_tangents, norma_build, norma_tangent_plan_*
  *     NORMA_WITHOUT_AVX512     code for AVX-512; AVX2 does the same work
  *
 HEAD

@@ -1155,6 +1155,77 @@ NORMA_API norma_result norma_corner_tangents(const norma_mesh *mesh, const norma
     const norma_attribute *texcoords, norma_tangent_mode mode, const norma_options *options,
     float *tangents, size_t capacity, norma_report *report);
 
+/* ---- tangents of meshes that move
+ *
+ * Topology and texture coordinates stay the same; positions and normals change. A tangent plan
+ * stores which vertices are equal, how faces are cut into triangles and which corners meet at each
+ * vertex. An update checks whether that is still true. If not (equal positions or normals separate,
+ * others become equal, or a quad has to be cut along its other diagonal), the update repeats that
+ * part of the work. Its tangents, reasons and report are therefore always those of
+ * norma_corner_tangents, bit for bit.
+ *
+ * - Thread safety. An update does not change the plan. Any number of updates of one plan may run at
+ *   once, each with its own output.
+ * - Memory. An update takes scratch memory from the allocator of its options. */
+
+typedef struct norma_tangent_plan norma_tangent_plan;
+
+/* Makes a tangent plan of a mesh.
+ *
+ *   mesh, normals, texcoords   as for norma_corner_tangents; read during the call only
+ *   mode                       steady or MikkTSpace
+ *   options                    uses threads, isa, parallel_for, progress and allocator; other
+ *                              options are ignored. The allocator must live as long as the plan.
+ *                              May be NULL
+ *   plan                       written on success; release it with norma_tangent_plan_destroy
+ *
+ * Errors: those of norma_corner_tangents; NORMA_ERROR_ARGUMENT also if plan is NULL.
+ * Cost: about half that of norma_corner_tangents. */
+NORMA_API norma_result norma_tangent_plan_create(const norma_mesh *mesh,
+    const norma_attribute *normals, const norma_attribute *texcoords, norma_tangent_mode mode,
+    const norma_options *options, norma_tangent_plan **plan);
+
+/* Computes the tangents of a plan's mesh at new positions and normals: all of them, or only those
+ * that some moved vertices affect.
+ *
+ *   plan          from norma_tangent_plan_create
+ *   positions     any format and stride; as many as the mesh had
+ *   normals       as for norma_corner_tangents. One for each position, without corners of their
+ *                 own, if both normals and texture coordinates were so at creation; otherwise in
+ *                 any layout
+ *   moved         NULL: compute all tangents. Otherwise the vertices that moved since the tangents
+ *                 were last up to date, in any order; repetitions are fine. Normals may have
+ *                 changed at the positions of all faces with a moved vertex, as norma_plan_update
+ *                 changes them. List other vertices with a new normal too, and vertices whose
+ *                 normal was NaN or infinite
+ *   moved_count   elements of moved
+ *   options       uses weight (steady), normal_stride, reasons, threads, isa, parallel_for,
+ *                 progress and allocator. May be NULL
+ *   tangents      written: four floats for each corner, options->normal_stride bytes apart (0: 16).
+ *                 With moved, only tangents and reasons that can change are written
+ *   capacity      corners that fit
+ *   report        written, or NULL; counts what was written
+ *
+ * With moved, all tangents are written in four cases: much of the mesh is affected; a face without
+ * texture area is affected; in MikkTSpace mode, a quad with two equal positions is affected, or the
+ * mesh has faces of more than four corners.
+ * Errors: those of norma_corner_tangents; NORMA_ERROR_ARGUMENT also if plan is NULL or the number
+ * of positions differs; NORMA_ERROR_INDEX also if moved names a vertex that does not exist. All are
+ * found before anything is written.
+ * Cost: O(corners + positions), at most that of norma_corner_tangents. With moved, O(tangents
+ * written and the faces around them), plus a byte to clear for each position, face and vertex. */
+NORMA_API norma_result norma_tangent_plan_update(const norma_tangent_plan *plan,
+    norma_vec3_view positions, const norma_attribute *normals, const uint32_t *moved,
+    size_t moved_count, const norma_options *options, float *tangents, size_t capacity,
+    norma_report *report);
+
+/* Returns the size of a tangent plan in bytes; 0 for NULL. */
+NORMA_API size_t norma_tangent_plan_bytes(const norma_tangent_plan *plan);
+
+/* Releases a tangent plan through its allocator. NULL is allowed. No update of the plan may be
+ * running. */
+NORMA_API void norma_tangent_plan_destroy(norma_tangent_plan *plan);
+
 /* ---- an indexed mesh out of values per corner
  *
  * Often each corner has its own normal, texture coordinates, tangent and colour. Vertex buffers

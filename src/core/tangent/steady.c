@@ -379,7 +379,7 @@ static void face_task(void *context, size_t task) {
                                                          ? mesh->face_count
                                                          : begin + FACES_IN_TASK;
     const size_t last = norma_core_face_begin(mesh, end);
-    for (size_t c = norma_core_face_begin(mesh, begin); c < last; c++)
+    for (size_t c = norma_core_face_begin(mesh, begin); c < last && !m->input->known; c++)
         m->vertex_of[c] = norma_core_tangent_vertex(m->input, c);
     if (!mesh->face_starts) {
         add_steady_triangles(m, begin, end);
@@ -587,14 +587,33 @@ static norma_result sort_steady_corners(
     return norma_core_corners_of_position_build(input->call, &vertices, around);
 }
 
+/* A face without texture area takes its sign from others. */
+static int steady_hangs_on_others(const steady_mesh *m) {
+    for (size_t face = 0; face < m->input->mesh.face_count; face++)
+        if (!m->signs[face]) return 1;
+    return 0;
+}
+
 static norma_result run_steady(steady_mesh *m, const tangent_output *output, core_tally *tally) {
     norma_core_stage(m->call, 0.3, 0.5);
     norma_result result = core_steady_faces(m);
+    if (result == NORMA_OK && m->input->is_awkward && steady_hangs_on_others(m)) {
+        *m->input->is_awkward = 1;
+        return NORMA_OK;
+    }
     norma_core_stage(m->call, 0.5, 0.6);
-    if (result == NORMA_OK) result = sort_steady_corners(m->input, m->vertex_of, &m->around);
+    if (result == NORMA_OK && !m->input->known)
+        result = sort_steady_corners(m->input, m->vertex_of, &m->around);
     if (result == NORMA_OK) result = adopt(m);
     norma_core_stage(m->call, 0.6, 0.97);
     return result == NORMA_OK ? run_stars(m, output, tally) : result;
+}
+
+/* What a plan does not know. */
+static void release_unknown(steady_mesh *m) {
+    if (m->input->known) return;
+    norma_core_release(m->call, m->vertex_of, m->input->mesh.corner_count, sizeof *m->vertex_of);
+    if (m->around.starts) norma_core_corners_of_position_release(m->call, &m->around);
 }
 
 /* By a power of two, so that squares of squares of lengths are held. */
@@ -617,19 +636,20 @@ norma_result norma_core_steady_tangents(
     steady_mesh m = {.call = mesh->call,
         .input = mesh,
         .parts = norma_core_allocate(call, corners, sizeof *m.parts),
-        .signs = norma_core_allocate(call, faces, 1),
-        .vertex_of = norma_core_allocate(call, corners, sizeof *m.vertex_of)};
+        .signs = norma_core_allocate(call, faces, 1)};
+    m.vertex_of = mesh->known ? mesh->known->vertex_of
+                              : norma_core_allocate(call, corners, sizeof *m.vertex_of);
+    if (mesh->known) m.around = mesh->known->around;
     norma_result result = NORMA_ERROR_MEMORY;
     if (m.vertex_of && m.parts && m.signs) result = run_steady(&m, output, tally);
     norma_core_release(call, m.parts, corners, sizeof *m.parts);
     norma_core_release(call, m.signs, faces, 1);
     norma_core_release(call, m.adopted, faces, 1);
-    norma_core_release(call, m.vertex_of, corners, sizeof *m.vertex_of);
-    if (m.around.starts) norma_core_corners_of_position_release(call, &m.around);
+    release_unknown(&m);
     return result;
 }
 
-norma_result norma_core_steady_corners(
+norma_result norma_core_steady_keep(
     const tangent_mesh *mesh, uint32_t **vertex_of, core_corners_of_position *around) {
     const size_t corners = mesh->mesh.corner_count;
     *vertex_of = norma_core_allocate(mesh->call, corners, sizeof **vertex_of);

@@ -105,7 +105,7 @@ static size_t value_of_corner(const norma_attribute *a, size_t position, size_t 
     return value < a->count ? value : SIZE_MAX;
 }
 
-static int read_tangent_vertex(
+int norma_core_tangent_read_key(
     const tangent_mesh *m, size_t key, tangent_vertex *v, double exact[3]) {
     const size_t position = m->by_position ? key : norma_core_corner(&m->mesh, key),
                  normal = value_of_corner(m->normals, position, key),
@@ -129,7 +129,8 @@ static void read_task(void *context, size_t task) {
     const size_t begin = task * KEYS_IN_TASK,
                  end = m->key_count - begin < KEYS_IN_TASK ? m->key_count : begin + KEYS_IN_TASK;
     for (size_t key = begin; key < end; key++)
-        if (!read_tangent_vertex(m, key, &m->vertices[key], m->exact ? m->exact[key] : NULL)) {
+        if (!norma_core_tangent_read_key(
+                m, key, &m->vertices[key], m->exact ? m->exact[key] : NULL)) {
             atomic_store_explicit(&r->wrong, 1, memory_order_relaxed);
             return;
         }
@@ -184,25 +185,36 @@ static void hash_vertices(const void *context, size_t first, size_t count, uint6
     }
 }
 
-static int same_vertex(const void *context, uint32_t one, uint32_t other) {
-    const vertices_to_weld *w = context;
+int norma_core_tangent_are_equal(
+    const tangent_vertex *vertices, const double (*exact)[3], size_t one, size_t other) {
     float a[8], b[8];
     int same = 1;
-    memcpy(a, &w->vertices[one], sizeof a);
-    memcpy(b, &w->vertices[other], sizeof b);
+    memcpy(a, &vertices[one], sizeof a);
+    memcpy(b, &vertices[other], sizeof b);
     for (int k = 0; k < 8; k++) same &= a[k] == b[k];
-    for (int k = 0; k < 3 && w->exact; k++) same &= w->exact[one][k] == w->exact[other][k];
+    for (int k = 0; k < 3 && exact; k++) same &= exact[one][k] == exact[other][k];
     return same;
 }
 
-static norma_result weld_vertices(tangent_mesh *mesh) {
-    const size_t count = mesh->key_count;
-    const vertices_to_weld context = {mesh->vertices, (const double(*)[3])mesh->exact};
+static int same_vertex(const void *context, uint32_t one, uint32_t other) {
+    const vertices_to_weld *w = context;
+    return norma_core_tangent_are_equal(w->vertices, w->exact, one, other);
+}
+
+norma_result norma_core_tangent_weld_vertices(core_call *call, const tangent_vertex *vertices,
+    const double (*exact)[3], size_t count, uint32_t *weld, size_t *found) {
+    const vertices_to_weld context = {vertices, exact};
     const weld_keys keys = {count, &context, hash_vertices, same_vertex};
+    return norma_core_weld_keys(call, &keys, weld, found);
+}
+
+norma_result norma_core_tangent_weld(tangent_mesh *mesh) {
+    const size_t count = mesh->key_count;
     size_t found;
     uint32_t *weld = norma_core_allocate(mesh->call, count, sizeof *weld);
     if (!weld) return NORMA_ERROR_MEMORY;
-    const norma_result result = norma_core_weld_keys(mesh->call, &keys, weld, &found);
+    const norma_result result = norma_core_tangent_weld_vertices(
+        mesh->call, mesh->vertices, (const double(*)[3])mesh->exact, count, weld, &found);
     mesh->weld = mesh->own_weld = weld;
     if (result != NORMA_OK || found) return result;
     norma_core_release(mesh->call, weld, count, sizeof *weld);
@@ -214,7 +226,7 @@ static int is_per_vertex(const norma_attribute *a) {
     return a->of == NORMA_PER_VERTEX && !a->corners;
 }
 
-static norma_result read_vertices(tangent_mesh *mesh) {
+norma_result norma_core_tangent_read(tangent_mesh *mesh) {
     mesh->by_position = is_per_vertex(mesh->normals) && is_per_vertex(mesh->texcoords);
     mesh->key_count = mesh->by_position ? mesh->mesh.positions.count : mesh->mesh.corner_count;
     mesh->vertices = norma_core_allocate(mesh->call, mesh->key_count, sizeof *mesh->vertices);
@@ -226,8 +238,8 @@ static norma_result read_vertices(tangent_mesh *mesh) {
 
 norma_result norma_core_tangent_open(tangent_mesh *mesh) {
     if (!mesh->mesh.corner_count) return NORMA_OK;
-    norma_result result = read_vertices(mesh);
-    if (result == NORMA_OK) result = weld_vertices(mesh);
+    norma_result result = norma_core_tangent_read(mesh);
+    if (result == NORMA_OK) result = norma_core_tangent_weld(mesh);
     if (result != NORMA_OK) norma_core_tangent_close(mesh);
     return result;
 }

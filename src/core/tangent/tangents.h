@@ -26,7 +26,10 @@ typedef struct tangent_mesh {
                                  where it is not finite */
     const uint32_t *weld;     /* NULL, or of each key the least that is equal to it (-0 = 0); NaN is
                                  equal to nothing */
-    uint32_t *own_weld;       /* the same */
+    uint32_t *own_weld;       /* NULL where the weld is none, or a plan's */
+    const struct tangent_known *known; /* NULL, or what a plan knows of it */
+    int *is_awkward; /* NULL, or the mesh is a part: where its tangents may hang on the rest of the
+                        mesh, this is set and nothing written */
 } tangent_mesh;
 
 /* ARGUMENT or OVERFLOW: what can be told without reading the arrays; mesh->mesh is checked. */
@@ -35,6 +38,19 @@ norma_result norma_core_tangent_attributes(tangent_mesh *mesh, norma_tangent_mod
 /* INDEX, MEMORY or CANCELLED; on success norma_core_tangent_close releases it. */
 norma_result norma_core_tangent_open(tangent_mesh *mesh);
 void norma_core_tangent_close(tangent_mesh *mesh);
+
+/* The two steps of opening. */
+norma_result norma_core_tangent_read(tangent_mesh *mesh);
+norma_result norma_core_tangent_weld(tangent_mesh *mesh);
+/* Reads one vertex; key: the position or, unless it is by_position, the corner. 0: a corner names
+ * no value. */
+int norma_core_tangent_read_key(
+    const tangent_mesh *mesh, size_t key, tangent_vertex *vertex, double exact[3]);
+/* exact: NULL, or of each vertex. */
+norma_result norma_core_tangent_weld_vertices(core_call *call, const tangent_vertex *vertices,
+    const double (*exact)[3], size_t count, uint32_t *weld, size_t *found);
+int norma_core_tangent_are_equal(
+    const tangent_vertex *vertices, const double (*exact)[3], size_t one, size_t other);
 
 static inline uint32_t norma_core_tangent_key(const tangent_mesh *mesh, size_t corner) {
     return mesh->by_position ? norma_core_corner(&mesh->mesh, corner) : (uint32_t)corner;
@@ -222,6 +238,7 @@ typedef struct mikk_mesh {
     uint32_t *copy_starts;           /* NULL, or vertex_count + 1 offsets into copies */
     mikk_copy *copies;
     size_t copy_count;
+    int is_sorted; /* around is a plan's */
 } mikk_mesh;
 /* norma-mesh/normals has triangles only. */
 static inline int mikk_has_records(const mikk_mesh *m) { return CORE_IS_SMALL || m->records; }
@@ -231,6 +248,10 @@ static inline int mikk_has_records(const mikk_mesh *m) { return CORE_IS_SMALL ||
 norma_result norma_core_mikk_stars(
     mikk_mesh *mesh, const tangent_output *output, core_tally *tally);
 void norma_core_mikk_release(mikk_mesh *mesh);
+
+/* For a plan: triangles and what is there before their texture is looked at. MEMORY or CANCELLED
+ * leave nothing to release. */
+norma_result norma_core_mikk_keep(const tangent_mesh *mesh, mikk_mesh *kept);
 
 static inline int mikk_is_zero(float x) { return !(fabsf(x) > FLT_MIN); }
 
@@ -398,7 +419,64 @@ static inline int steady_make_perpendicular(
     return 1;
 }
 
-/* Of each corner its vertex, and of each vertex its corners. */
-norma_result norma_core_steady_corners(
+/* For a plan: what steady_mesh has of the same names. */
+norma_result norma_core_steady_keep(
     const tangent_mesh *mesh, uint32_t **vertex_of, core_corners_of_position *around);
+
+/* ---- What of a mesh's tangents depends on topology and texture coordinates, and on
+ * positions and normals only by which of them are equal. An update looks whether they still are;
+ * where not, it does without. */
+
+/* True as long as the weld is. */
+typedef struct tangent_known {
+    const mikk_mesh *mikk;           /* NULL for steady tangents; else the rest is not there */
+    uint32_t *vertex_of;             /* of each corner */
+    core_corners_of_position around; /* of each vertex */
+} tangent_known;
+
+/* Vertices that are not equal, but have the same texture coordinates, may become so. */
+typedef struct tangent_rivals {
+    size_t few_count, crowd_count;
+    uint32_t *few;   /* groups of a few: their size, then the keys */
+    uint32_t *crowd; /* keys of all larger groups */
+} tangent_rivals;
+
+typedef struct tangent_store {
+    void *memory;
+    size_t count, size;
+} tangent_store;
+
+enum { TANGENT_PLAN_STORES = 12 };
+
+struct norma_tangent_plan {
+    core_call memory; /* of the creation's allocator, and of nothing else */
+    norma_tangent_mode mode;
+    core_mesh mesh; /* with corners of its own, and without positions */
+    int by_position;
+    size_t key_count, most_corners; /* most_corners: of a face */
+    float (*texcoords)[2];          /* of each key */
+    uint32_t *weld;                 /* as tangent_mesh has it */
+    uint32_t *place;         /* NULL, or of each key the least with its texture coordinates */
+    uint32_t *position_weld; /* NULL, or of each position the least that is equal to it */
+    core_corners_of_position at_place, at_position;
+    tangent_rivals rivals;
+    tangent_known known;
+    mikk_mesh mikk;
+    tangent_store stores[TANGENT_PLAN_STORES];
+    size_t store_count, bytes;
+};
+
+/* The faces that some moved vertices have to do with. */
+typedef struct tangent_region {
+    uint8_t *wanted; /* of each key that stands for a place: its tangents may change */
+    uint8_t *near;   /* of each face: it has a corner at such a place */
+    size_t face_count, corner_count; /* of faces that are near */
+    int is_large;                    /* nothing is won by looking at it alone */
+} tangent_region;
+
+static inline uint32_t norma_core_tangent_place(const norma_tangent_plan *plan, size_t corner) {
+    const uint32_t key =
+        plan->by_position ? norma_core_corner(&plan->mesh, corner) : (uint32_t)corner;
+    return plan->place ? plan->place[key] : key;
+}
 #endif

@@ -178,12 +178,15 @@ static void steady_along_the_normal(void **state) {
     }
 }
 
-/* Doubles far from the origin, which floats do not tell apart, and such as floats do not reach. */
+/* Doubles far from the origin, which floats do not tell apart, and such as floats do not reach. As
+ * a plan has them, too, of all vertices and of some. */
 static void steady_in_doubles(void **state) {
     static const double scales[] = {1e-3, 1e-200, 1e200};
+    static const uint32_t moved = 12;
     (void)state;
     for (size_t i = 0; i < COUNT_OF(scales); ++i) {
         shape *s = grid(12, 4, 0);
+        norma_tangent_plan *plan = NULL;
         double(*p)[3] = calloc(s->vertices, sizeof *p);
         float(*t)[4] = calloc(s->corner_count, sizeof *t);
         for (size_t v = 0; v < s->vertices; ++v)
@@ -197,6 +200,21 @@ static void steady_in_doubles(void **state) {
         assert_ok(norma_corner_tangents(
             &mesh, &normals, &texcoords, NORMA_TANGENTS_STEADY, NULL, t[0], s->corner_count, NULL));
         for (size_t c = 0; c < s->corner_count; ++c) assert_direction(t[c], 1, 0, 0, 1e-5);
+        assert_ok(norma_tangent_plan_create(
+            &mesh, &normals, &texcoords, NORMA_TANGENTS_STEADY, NULL, &plan));
+        for (int some = 0; some < 2; ++some) {
+            memset(t, 0, s->corner_count * sizeof *t);
+            assert_ok(norma_tangent_plan_update(plan, mesh.positions, &normals,
+                some ? &moved : NULL, (size_t)some, NULL, t[0], s->corner_count, NULL));
+            size_t there = 0;
+            for (size_t c = 0; c < s->corner_count; ++c) {
+                if (some && t[c][3] == 0) continue;
+                assert_direction(t[c], 1, 0, 0, 1e-5);
+                ++there;
+            }
+            assert_true(some ? there > 0 && there < s->corner_count : there == s->corner_count);
+        }
+        norma_tangent_plan_destroy(plan);
         free(p);
         free(t);
         free(s);
