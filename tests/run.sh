@@ -33,9 +33,11 @@ quick_scripts="cli/together cli/hostile repo/format cli/golden repo/hygiene cli/
     repo/trust repo/names repo/checklist repo/manual repo/packaging repo/examples repo/sbom"
 # Those that need the page, and a tree that has it; names are written into pages, too.
 web_scripts="web/page web/package web/marks web/silhouettes cli/hostile-names"
+longest_scripts="cli/faults-memory python/wheel repo/install repo/single cli/acid-render cli/faults repo/shaders repo/portable repo/plain cli/progress cli/large"
 long_scripts() {
+    printf '%s\n' $longest_scripts
     find tests/cli tests/mpi tests/python tests/repo tests/tangent tests/web -maxdepth 1 -name '*.sh' | sed 's|^tests/||; s|\.sh$||' | sort |
-        grep -vxFf <(printf '%s\n' $quick_scripts $web_scripts cli/threads cli/sweep)
+        grep -vxFf <(printf '%s\n' $quick_scripts $web_scripts $longest_scripts cli/threads cli/sweep)
 }
 
 say() { printf '%s  %s\n' "$(date +%H:%M:%S)" "$*"; }
@@ -153,7 +155,7 @@ part_long() {
     needs web
     in_tree gcc
     say "long: faults, data set, judges, MPI, Python, install, plain, single, bits"
-    long_scripts | each 'run_script "$0"'
+    long_scripts | jobs=$((jobs + 1)) each 'run_script "$0"' # they wait for browsers, disks and sleeping programs a third of the time
 }
 
 part_clang_long() {
