@@ -52,6 +52,12 @@ def damage(path, to):
     return turned
 
 
+def listed(path):
+    """What unzip lists of the members that hold no model: sizes, method, date, sum."""
+    lines = subprocess.run(["unzip", "-v", path], capture_output=True, text=True).stdout.splitlines()
+    return [line for line in lines[3:-2] if not line.endswith(".model")]
+
+
 def packed(path):
     """The bytes of each member as they lie in the archive."""
     with open(path, "rb") as file:
@@ -108,6 +114,8 @@ for path in files:
     old, new = packed(harmed), packed(fixed)
     others = [member for member in old if not member.endswith(".model") and old[member] != new[member]]
     check(f"{name}: other members are packed as they were", not others, others)
+    others = listed(harmed)
+    check(f"{name}: unzip lists the other members as before", len(others) > 1 and listed(fixed) == others, others)
     test = subprocess.run(["unzip", "-tq", fixed], capture_output=True, text=True)
     check(f"{name}: unzip finds no fault", test.returncode == 0, test.stdout)
     if lib3mf:
