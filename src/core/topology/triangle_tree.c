@@ -284,6 +284,7 @@ static void drop_far(triangles_near *near) {
 static void take_near(void *context, size_t triangle, double distance) {
     triangles_near *near = context;
     if (distance < near->squared) approach(near, triangle, distance);
+    if (near->overflowed && !near->nothing_nearer) return; /* they are counted again */
     if (near->count == KEPT_NEAR) drop_far(near);
     if (near->count < KEPT_NEAR) {
         near->distances[near->count] = distance;

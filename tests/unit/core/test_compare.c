@@ -370,6 +370,23 @@ static void every_triangle_is_asked(void **state) {
     }
 }
 
+/* Of so many that several threads halve their tree: each corner of a triangle lies on it. */
+static void no_triangle_is_lost(void **state) {
+    enum { TRIANGLES = 17000 };
+    (void)state;
+    shaded base = {0}, other = {0};
+    uint64_t seed = 3, again = 3;
+    int same;
+    norma_comparison sum;
+    random_triangles(&base, &seed, TRIANGLES, 2);
+    random_triangles(&other, &again, TRIANGLES + 1, 2);
+    norma_compare_sample *samples = compare(&base, &other, &same, &sum, 0);
+    for (size_t c = 0; c < 3 * (size_t)TRIANGLES; c++) assert_true(samples[c].distance == 0);
+    test_free(samples);
+    shaded_free(&base);
+    shaded_free(&other);
+}
+
 /* An arrow whose fan from its first corner would cover the notch at (0.5, 0). */
 static void a_concave_polygon_is_cut(void **state) {
     (void)state;
@@ -529,6 +546,7 @@ int main(void) {
         cmocka_unit_test(a_wrong_side_is_seen),
         cmocka_unit_test(moved_corners_stay_on_their_side),
         cmocka_unit_test(every_triangle_is_asked),
+        cmocka_unit_test(no_triangle_is_lost),
         cmocka_unit_test(a_concave_polygon_is_cut),
         cmocka_unit_test(percentiles_are_of_area),
         cmocka_unit_test(no_size_and_no_thread_changes_anything),

@@ -200,6 +200,37 @@ static void every_instruction_set(void **state) {
     mesh_file_free(&mesh);
 }
 
+/* So many triangles that several threads halve their tree, and so many points that they share
+ * those. */
+static void surfaces_compared(void **state) {
+    static const uint32_t threads[] = {1, 2, 7};
+    (void)state;
+    mesh_file meshes[2] = {0};
+    norma_surface surfaces[2];
+    norma_compare_sample *samples[COUNT_OF(threads)];
+    for (int i = 0; i < 2; ++i) {
+        shape_wavy_grid(&meshes[i], i ? 80 : 110, 0);
+        surfaces[i] = (norma_surface){.mesh = mesh_file_view(&meshes[i])};
+        float *normals = test_calloc(meshes[i].position_count, 12);
+        assert_ok(
+            norma_vertex_normals(&surfaces[i].mesh, NULL, normals, meshes[i].position_count, NULL));
+        surfaces[i].normals =
+            (norma_vec3_view){normals, meshes[i].position_count, 0, NORMA_FORMAT_FLOAT};
+    }
+    const size_t count = meshes[1].corner_count;
+    for (size_t i = 0; i < COUNT_OF(threads); ++i) {
+        samples[i] = test_calloc(count, sizeof **samples);
+        assert_ok(norma_compare(&surfaces[0], &surfaces[1], &(norma_options){.threads = threads[i]},
+            samples[i], count, NULL));
+        assert_memory_equal(samples[i], samples[0], count * sizeof **samples);
+    }
+    for (size_t i = 0; i < COUNT_OF(threads); ++i) test_free(samples[i]);
+    for (int i = 0; i < 2; ++i) {
+        test_free((void *)(uintptr_t)surfaces[i].normals.data);
+        mesh_file_free(&meshes[i]);
+    }
+}
+
 /* ---- two callers */
 
 typedef struct caller {
@@ -563,6 +594,7 @@ int main(void) {
         cmocka_unit_test(every_other_weight),
         cmocka_unit_test(other_options),
         cmocka_unit_test(every_instruction_set),
+        cmocka_unit_test(surfaces_compared),
         cmocka_unit_test(faces_in_no_order),
         cmocka_unit_test(corners_in_no_order),
         cmocka_unit_test(few_ranges_are_shared),
