@@ -43,7 +43,8 @@ static norma_document_result number_meshes(norma_document *document, norma_docum
 /* Parts are added on the way, by items and components that name them. */
 static norma_document_result tmf_read(norma_document *document, norma_document_error *error) {
     tmf_state *state = document->state;
-    norma_document_result result = norma_3mf_find_model(document, error);
+    norma_document_result result = norma_3mf_open(document, error);
+    if (!result) result = norma_3mf_find_model(document, error);
     for (uint32_t part = 0; part < state->part_count && !result; ++part) {
         result = norma_3mf_unpack(document, part, error);
         if (!result) result = norma_3mf_read_model(document, part, error);
@@ -51,6 +52,7 @@ static norma_document_result tmf_read(norma_document *document, norma_document_e
         free(state->parts[part].text);
         state->parts[part].text = NULL;
     }
+    norma_3mf_close(document);
     if (!result) result = number_meshes(document, error);
     return result ? result : norma_3mf_place(document, error);
 }
@@ -186,8 +188,10 @@ static norma_document_result tmf_edit(
     growing_bytes package = {0}, *texts = norma_io_allocate(count + 1, sizeof *texts);
     norma_document_result result =
         texts ? check_edits(document, edits, error) : norma_document_fail_memory(document, error);
+    if (!result) result = norma_3mf_open(document, error);
     if (!result) result = edit_parts(document, edits, texts, error);
     if (!result) result = norma_3mf_pack(document, texts, &package, error);
+    norma_3mf_close(document);
     for (size_t i = 0; texts && i < count; ++i) free(texts[i].data);
     free(texts);
     if (!result) return norma_edited_replace(document, &package, error);

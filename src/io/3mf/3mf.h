@@ -2,6 +2,7 @@
  * their meshes. */
 #ifndef NORMA_IO_3MF_H
 #define NORMA_IO_3MF_H
+#include "io/3mf/zip.h"
 #include "io/format/format.h"
 
 #define TMF_NONE UINT32_MAX
@@ -50,9 +51,13 @@ typedef struct tmf_state {
         component_capacity, item_count, item_capacity, node_count, node_capacity, mesh_count,
         other_count, other_capacity;
     size_t unpacked; /* bytes of XML so far */
+    zip_archive zip; /* while the package is open */
 } tmf_state;
 
-/* ---- package.c */
+/* ---- package.c: what follows needs the package to be open */
+
+norma_document_result norma_3mf_open(norma_document *document, norma_document_error *error);
+void norma_3mf_close(norma_document *document);
 
 /* The root model's part, by the package's relationships; not unpacked yet. */
 norma_document_result norma_3mf_find_model(norma_document *document, norma_document_error *error);

@@ -2,7 +2,6 @@
  * (Open Packaging Conventions); 3MF Core 1.3, chapter 2. */
 #include "io/3mf/3mf.h"
 #include "io/3mf/xml.h"
-#include "io/3mf/zip.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,37 +16,41 @@ static norma_document_result fail_package(const norma_document *document,
                     : norma_document_fail_memory(document, error);
 }
 
-static norma_document_result open_package(
-    norma_document *document, zip_archive *zip, norma_document_error *error) {
+norma_document_result norma_3mf_open(norma_document *document, norma_document_error *error) {
+    zip_archive *zip = &((tmf_state *)document->state)->zip;
     const char *wrong = norma_zip_read(document->source.data, document->source.size, zip);
     return wrong ? fail_package(document, error, "is not the zip that a 3MF is: ", wrong)
                  : NORMA_DOCUMENT_OK;
+}
+
+void norma_3mf_close(norma_document *document) {
+    zip_archive *zip = &((tmf_state *)document->state)->zip;
+    free(zip->members);
+    *zip = (zip_archive){.members = NULL};
 }
 
 /* The contents of a member, to be freed. */
 static norma_document_result unpack_member(norma_document *document, const char *name,
     size_t length, char **text, size_t *size, norma_document_error *error) {
     tmf_state *state = document->state;
-    zip_archive zip;
     char part[300];
     const char *wrong = NULL;
     const uint64_t most = (uint64_t)document->source.size * UNPACKED_A_BYTE + FREE_BYTES;
-    norma_document_result result = open_package(document, &zip, error);
-    const size_t member = result ? 0 : norma_zip_find(&zip, name, length);
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    const size_t member = norma_zip_find(&state->zip, name, length);
     snprintf(part, sizeof part, "the part %.*s ", (int)(length < 200 ? length : 200), name);
     *text = NULL;
-    if (!result && member == SIZE_MAX) result = fail_package(document, error, part, "is missing");
-    if (!result && zip.members[member].size > most - state->unpacked)
+    if (member == SIZE_MAX) result = fail_package(document, error, part, "is missing");
+    if (!result && state->zip.members[member].size > most - state->unpacked)
         result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "%sunpacks to far more than the file; at most %d bytes are read for each byte of it",
             part, UNPACKED_A_BYTE);
     if (!result) {
-        *size = (size_t)zip.members[member].size;
+        *size = (size_t)state->zip.members[member].size;
         state->unpacked += *size;
-        *text = norma_zip_unpack(&zip, member, &wrong);
+        *text = norma_zip_unpack(&state->zip, member, &wrong);
         if (!*text) result = fail_package(document, error, part, wrong);
     }
-    free(zip.members);
     return result;
 }
 
@@ -87,26 +90,30 @@ static const char *const RELATIONS[TMF_RELATIONS] = {TMF_RELATION "3dmodel",
     "http://schemas.openxmlformats.org/package/2006/relationships/metadata/thumbnail"};
 
 typedef struct relationships {
-    zip_archive zip;
+    const zip_archive *zip;
     const char *source; /* the part that has them; "": the package */
     size_t counts[TMF_RELATIONS];
     char model[512];
+    int is_outside;  /* what is wrong is that it names something outside */
     char wrong[600]; /* "": nothing */
 } relationships;
 
-/* Targets are relative to the folder of their source. Those with escapes or dots are not looked
- * for. */
+/* Targets are relative to the folder of their source. Those with escapes, dots, or letters that
+ * member names escape, are not looked for. */
 static void find_target(relationships *found, const char *target, int is_external) {
     const char *slash = strrchr(found->source, '/');
     const size_t folder = slash && target[0] != '/' ? (size_t)(slash + 1 - found->source) : 0;
     char name[600];
     const int length = snprintf(
         name, sizeof name, "%.*s%s", (int)folder, found->source, target + (*target == '/'));
+    int plain =
+        (size_t)length < sizeof name && !name[strcspn(name, "%?#\\")] && !strstr(name, "./");
+    for (size_t i = 0; plain && name[i]; ++i) plain = name[i] > ' ' && name[i] < 0x7f;
+    found->is_outside |= is_external;
     if (is_external)
         snprintf(found->wrong, sizeof found->wrong,
             "%.400s lies outside the package; it is not opened", target);
-    else if ((size_t)length < sizeof name && !name[strcspn(name, "%?#")] && !strstr(name, "./") &&
-             norma_zip_find(&found->zip, name, (size_t)length) == SIZE_MAX)
+    else if (plain && norma_zip_find(found->zip, name, (size_t)length) == SIZE_MAX)
         snprintf(found->wrong, sizeof found->wrong,
             "names the part %.400s, which is not in the package", name);
 }
@@ -149,8 +156,11 @@ static norma_document_result read_relationships(norma_document *document, const 
     if (event == XML_NO_MEMORY) return norma_document_fail_memory(document, error);
     if (event == XML_DONE) count_relationships(found);
     if (event == XML_DONE && !found->wrong[0]) return NORMA_DOCUMENT_OK;
-    return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_MALFORMED, where, "%s",
-        event == XML_DONE ? found->wrong : xml.wrong);
+    const norma_document_result kind = event == XML_DONE && found->is_outside
+                                           ? NORMA_DOCUMENT_ERROR_REFUSED
+                                           : NORMA_DOCUMENT_ERROR_MALFORMED;
+    return norma_document_fail(
+        document, error, kind, where, "%s", event == XML_DONE ? found->wrong : xml.wrong);
 }
 
 /* Those of a part stand beside it, in _rels; only the package must have some. */
@@ -162,15 +172,14 @@ static norma_document_result find_relationships(
     size_t size = 0;
     const int length = snprintf(where, sizeof where, "%.*s_rels/%s.rels", (int)folder,
         found->source, found->source + folder);
-    norma_document_result result = open_package(document, &found->zip, error);
-    if (!result &&
-        (!found->source[0] || ((size_t)length < sizeof where && norma_zip_find(&found->zip, where,
-                                                                    (size_t)length) != SIZE_MAX))) {
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    found->zip = &((tmf_state *)document->state)->zip;
+    if (!found->source[0] || ((size_t)length < sizeof where &&
+                                 norma_zip_find(found->zip, where, (size_t)length) != SIZE_MAX)) {
         result = unpack_member(document, where, (size_t)length, &text, &size, error);
         if (!result) result = read_relationships(document, where, text, size, found, error);
     }
     free(text);
-    free(found->zip.members);
     return result;
 }
 
@@ -191,17 +200,13 @@ norma_document_result norma_3mf_check_relationships(
 norma_document_result norma_3mf_pack(norma_document *document, growing_bytes *texts,
     growing_bytes *package, norma_document_error *error) {
     const tmf_state *state = document->state;
-    zip_archive zip;
-    norma_document_result result = open_package(document, &zip, error);
-    growing_bytes *contents = result ? NULL : norma_io_allocate(zip.count + 1, sizeof *contents);
-    if (!result && !contents) result = norma_document_fail_memory(document, error);
-    for (size_t i = 0; !result && i < state->part_count; ++i) {
+    growing_bytes *contents = norma_io_allocate(state->zip.count + 1, sizeof *contents);
+    if (!contents) return norma_document_fail_memory(document, error);
+    for (size_t i = 0; i < state->part_count; ++i) {
         const char *name = state->parts[i].name;
-        if (texts[i].size) contents[norma_zip_find(&zip, name, strlen(name))] = texts[i];
+        if (texts[i].size) contents[norma_zip_find(&state->zip, name, strlen(name))] = texts[i];
     }
-    const char *wrong = result ? NULL : norma_zip_replace(&zip, contents, package);
-    if (wrong) result = fail_package(document, error, "cannot be written: ", wrong);
+    const char *wrong = norma_zip_replace(&state->zip, contents, package);
     free(contents);
-    free(zip.members);
-    return result;
+    return wrong ? fail_package(document, error, "cannot be written: ", wrong) : NORMA_DOCUMENT_OK;
 }

@@ -115,32 +115,57 @@ static const char *read_entry(const zip_archive *a, size_t at, zip_member *m, si
     return NULL;
 }
 
+static int case_aside(char letter) {
+    return letter >= 'A' && letter <= 'Z' ? letter - 'A' + 'a' : letter;
+}
+
+/* Shorter names come first. */
+static int compare_aside_case(const char *a, size_t a_length, const char *b, size_t b_length) {
+    size_t same = 0;
+    if (a_length != b_length) return a_length < b_length ? -1 : 1;
+    while (same < a_length && case_aside(a[same]) == case_aside(b[same])) ++same;
+    return same == a_length ? 0 : case_aside(a[same]) - case_aside(b[same]);
+}
+
+static int compare_zip_members(const void *a, const void *b) {
+    const zip_member *first = *(const zip_member *const *)a,
+                     *second = *(const zip_member *const *)b;
+    const int order =
+        compare_aside_case(first->name, first->name_length, second->name, second->name_length);
+    return order ? order : first < second ? -1 : first > second;
+}
+
 const char *norma_zip_read(const unsigned char *bytes, size_t size, zip_archive *a) {
     uint64_t count;
     *a = (zip_archive){.bytes = bytes, .size = size};
     if (!find_end(bytes, size, &a->end)) return "it has no directory at its end";
     const char *wrong = read_end(a, &count);
     if (wrong) return wrong;
-    a->members = norma_io_allocate((size_t)count + 1, sizeof *a->members);
+    a->members = norma_io_allocate((size_t)count + 1, sizeof *a->members + sizeof *a->by_name);
     if (!a->members) return "";
-    for (size_t at = a->directory; a->count < count && !wrong; ++a->count)
+    a->by_name = (const zip_member **)(a->members + count + 1);
+    for (size_t at = a->directory; a->count < count && !wrong; ++a->count) {
         wrong = read_entry(a, at, &a->members[a->count], &at);
+        a->by_name[a->count] = &a->members[a->count];
+    }
+    if (!wrong) qsort(a->by_name, a->count, sizeof *a->by_name, compare_zip_members);
     return wrong;
 }
 
-static int case_aside(char letter) {
-    return letter >= 'A' && letter <= 'Z' ? letter - 'A' + 'a' : letter;
-}
-
 size_t norma_zip_find(const zip_archive *a, const char *name, size_t length) {
-    for (size_t i = 0; i < a->count; ++i) {
-        size_t same = 0;
-        while (same < length && a->members[i].name_length == length &&
-               case_aside(a->members[i].name[same]) == case_aside(name[same]))
-            ++same;
-        if (same == length && a->members[i].name_length == length) return i;
+    size_t from = 0, to = a->count;
+    while (from < to) {
+        const size_t middle = from + (to - from) / 2;
+        const zip_member *m = a->by_name[middle];
+        if (compare_aside_case(m->name, m->name_length, name, length) < 0)
+            from = middle + 1;
+        else
+            to = middle;
     }
-    return SIZE_MAX;
+    if (from == a->count || compare_aside_case(a->by_name[from]->name,
+                                a->by_name[from]->name_length, name, length) != 0)
+        return SIZE_MAX;
+    return (size_t)(a->by_name[from] - a->members);
 }
 
 /* ---- contents */

@@ -22,12 +22,14 @@ typedef struct zip_archive {
     zip_field directory_fields[2];
     size_t directory_field_count;
     zip_member *members;
+    const zip_member **by_name; /* in the same memory */
     size_t count;
 } zip_archive;
 
 /* NULL, or what is wrong; "" where memory is out. The caller frees archive->members. */
 const char *norma_zip_read(const unsigned char *bytes, size_t size, zip_archive *archive);
-/* SIZE_MAX: none of this name. Letters are compared without their case, as OPC has it. */
+/* The first of this name, or SIZE_MAX, O(log(count)). Letters are compared without their case, as
+ * OPC has it. */
 size_t norma_zip_find(const zip_archive *archive, const char *name, size_t length);
 /* The contents, to be freed; archive->members[member].size of them. *wrong as norma_zip_read. */
 char *norma_zip_unpack(const zip_archive *archive, size_t member, const char **wrong);

@@ -262,6 +262,7 @@ static void test_relationships(void **state) {
     } cases[] = {{"3dtexture", "Target=\"/picture.png\"", NULL},
         {"3dtexture", "Target=\"../Picture.PNG\"", NULL}, {"3dtexture", "Target=\"a.model\"", NULL},
         {"of-another-kind", "Target=\"gone.png\"", NULL},
+        {"3dtexture", "Target=\"/\303\245.png\"", NULL}, /* a member's name has %C3%A5 */
         {"3dtexture", "Target=\"picture.png\"",
             "names the part 3D/picture.png, which is not in the package"},
         {"printticket", "Target=\"/gone.xml\"", "3D/_rels/a.model.rels: names the part gone.xml"},
@@ -277,6 +278,8 @@ static void test_relationships(void **state) {
             "<Relationships><Relationship Type=\"" TMF "%s\" %s/></Relationships>", cases[i].type,
             cases[i].attributes);
         document_bytes bytes = package_of(model, strlen(model), RELS, strlen(RELS), rels);
+        if (cases[i].expected && strstr(cases[i].attributes, "External"))
+            assert_int_equal(bytes_try(bytes, "a.3mf", NULL, NULL), NORMA_DOCUMENT_ERROR_REFUSED);
         if (cases[i].expected) expect_refused(bytes, cases[i].expected);
         if (cases[i].expected) continue;
         norma_document_close(bytes_open(bytes, "a.3mf"));
