@@ -74,7 +74,8 @@ if __name__ == "__main__":
         def kill():
             random.seed(1)
             while not ended.wait(1.0) and len(killed) < 3:
-                alive = [nanny.pid for nanny in cluster.workers.values() if nanny.pid]
+                known = set(cluster.scheduler.workers) # of one that dies while it starts, the nanny may start no other
+                alive = [nanny.pid for nanny in cluster.workers.values() if nanny.pid and nanny.worker_address in known]
                 if alive:
                     pid = random.choice(alive)
                     os.kill(pid, signal.SIGKILL)
@@ -91,7 +92,7 @@ if __name__ == "__main__":
         print("%d tiles, %d workers killed" % (done, len(killed)))
         sys.exit(done != 144 or len(killed) < 2)
 END
-    check "Dask: workers are killed, and all tiles are done" $python killing_dask.py
+    check "Dask: workers are killed, and all tiles are done" timeout 300 $python killing_dask.py
     check "Dask: the bits of one --together" diff -rq together dask
     mkdir empty
     check "Dask: a folder without tiles is an error" bash -c "! $python '$farm/dask/norma_dask.py' seams empty none 2>said && grep -qx 'empty: holds no PLY file' said && [ ! -e none ]"
