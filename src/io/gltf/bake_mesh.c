@@ -206,7 +206,7 @@ static bake_encoded encode_floats(
     if (!allocate_codes(data, stored, component, 0)) return BAKE_NO_MEMORY;
     for (size_t i = 0; i < stored->count; i++) {
         double before[4] = {0};
-        norma_gltf_doubles(stored, i, before);
+        if (stored->data) norma_gltf_doubles(stored, i, before);
         for (size_t k = 0; k < stored->width; k++) {
             const double value = values[i * stored->width + k];
             const int is_held = component == GLTF_FLOAT ? isfinite((float)value) : isfinite(value);

@@ -614,7 +614,8 @@ typedef enum bake_role {
 } bake_role;
 
 /* values in the encoding of the stored array where that can hold them (positions: exactly;
- * directions: as well as it ever does; their deltas: in range), else as floats. */
+ * directions: as well as it ever does; their deltas: in range), else as floats. Of an array without
+ * data, shape and encoding count. */
 typedef enum bake_encoded { BAKE_ENCODED = 0, BAKE_NO_MEMORY, BAKE_TOO_LARGE } bake_encoded;
 bake_encoded norma_gltf_encode(
     bake_role role, const gltf_array *stored, const double *values, gltf_data *data);

@@ -117,6 +117,7 @@ static norma_document_result gltf_encode_tangents(
     for (size_t i = 0; values && i < 4 * count; ++i) values[i] = (double)tangents[i];
     gltf_array shape = of->encoding;
     shape.count = count;
+    shape.data = NULL; /* its elements are others, and may be fewer */
     const bake_encoded encoded =
         values ? norma_gltf_encode(BAKE_TANGENTS, &shape, values, data) : BAKE_NO_MEMORY;
     free(values);
