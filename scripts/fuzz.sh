@@ -1,6 +1,6 @@
 #!/bin/bash
 # Coverage-guided fuzzing: every target of tests/fuzz, on the cores there are, each for so many minutes of processor time (a busy or stopped machine shortens nothing).
-#   scripts/fuzz.sh build                     the targets, in build/test/clang (clang with libFuzzer; scripts/tree.sh)
+#   scripts/fuzz.sh build                     the targets, in build/test/fuzz (clang with libFuzzer; scripts/tree.sh)
 #   scripts/fuzz.sh run MINUTES [TARGET...]   runs them; prints executions, coverage and finds of each; exits non-zero where something was found
 #   scripts/fuzz.sh coverage [TARGET...]      of each source file the edges that seeds and working corpora reach (of each function what the best target reaches)
 #   scripts/fuzz.sh seeds MINUTES [TARGET...] makes tests/fuzz/corpus anew: runs without the data set, then keeps the fewest files that reach as much
@@ -11,7 +11,7 @@ set -u
 cd "$(dirname "$0")/.." || exit 1
 root=$PWD
 tree=${FUZZ_TREE:-$root/build/fuzz} # what runs leave
-programs=$root/build/test/clang/fuzz
+programs=$root/build/test/fuzz/fuzz
 data=${NORMA_DATA:-$root/../shared/data}
 jobs=${JOBS:-$(nproc)}
 working=$tree/corpus
@@ -19,7 +19,7 @@ export ASAN_OPTIONS=${ASAN_OPTIONS:-allocator_may_return_null=1:handle_abort=2} 
 
 build() {
     command -v clang >/dev/null || { echo "$0: clang is needed; scripts/install-deps.sh installs it" >&2; return 1; }
-    JOBS=$jobs scripts/tree.sh clang fuzzers
+    JOBS=$jobs scripts/tree.sh fuzz fuzzers
 }
 
 targets() { find "$root/tests/fuzz" -name 'fuzz_*.c' -exec grep -l '^int LLVMFuzzerTestOneInput' {} + | sed 's|.*/fuzz_||; s|\.c$||' | sort; }
@@ -107,7 +107,7 @@ run() {
         tell "$name"
         found=$((found + $(find "$tree/found/$name" -type f 2>/dev/null | wc -l)))
     done
-    [ $found -eq 0 ] || echo "$found found: in $tree/found; each is run again by build/test/clang/fuzz/fuzz_TARGET FILE"
+    [ $found -eq 0 ] || echo "$found found: in $tree/found; each is run again by build/test/fuzz/fuzz/fuzz_TARGET FILE"
     [ $found -eq 0 ]
 }
 
