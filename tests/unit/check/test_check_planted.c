@@ -4,7 +4,7 @@
 #include "check.h"
 #include "surfaces.h"
 
-enum { AROUND = SLOWER > 1 ? 80 : 320, ACROSS = SLOWER > 1 ? 90 : 160 };
+enum { AROUND = SLOWER > 1 ? 80 : 320, ACROSS = 160 };
 
 static const double origin[3] = {0, 0, 0};
 
