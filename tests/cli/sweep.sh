@@ -3,13 +3,13 @@
 # those that it documents, no sanitizer says a word, no command takes more than SWEEP_SECONDS (120) of the processor. One case a file; a failure shows the command and the stack.
 #   tests/cli/sweep.sh             small files through all commands, larger ones through fewer (below); what is left out is said
 #   tests/cli/sweep.sh FILE...     these
-# SWEEP_TOTAL: seconds after which no further file is begun (240; 0: all are, which takes an hour); the smallest come first, and what is left out is counted as skipped.
+# SWEEP_TOTAL: seconds after which no further file is begun (300; 0: all are, which takes an hour); the smallest come first, and what is left out is counted as skipped.
 # SWEEP_SMALL, SWEEP_MIDDLE: sizes in kB up to which all commands, or those of one pass, are run (256, 3000). FINDS: a folder for each find's command and stack.
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 NORMA=${NORMA_BIN:-$tree/bin/norma}
 data=${NORMA_DATA:-$root/../shared/data}
-small=${SWEEP_SMALL:-256} middle=${SWEEP_MIDDLE:-3000} total=${SWEEP_TOTAL:-240} began=$(date +%s)
+small=${SWEEP_SMALL:-256} middle=${SWEEP_MIDDLE:-3000} total=${SWEEP_TOTAL:-300} began=$(date +%s)
 [ -x "$NORMA" ] || { fail "the tool is there" "no program at $NORMA"; finish; exit 1; }
 [ -d "$data" ] || { skip "the data set is not there"; finish; exit; }
 export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_leaks=1:detect_stack_use_after_return=1:allocator_may_return_null=1}
