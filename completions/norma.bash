@@ -53,7 +53,7 @@ _norma() {
     report) options="--merge --partial --format -o --output --info --help" ;;
     explain) options="-o --output --json --help" ;;
     view) options="-o --output --out-dir --input-format --threads --max-memory --json --quiet --help" ;;
-    compare) options="--max --share --input-format --threads --max-memory --json --quiet --help" ;;
+    compare) options="-o --output --max --share --input-format --threads --max-memory --json --quiet --help" ;;
     mcp) options="--root --read-only --help" ;;
     acid) options="--judge --scene --without -o --output --tap --json --quiet --help" ;;
     info) options="--deep --input-format --threads --max-memory --json --quiet --help" ;;

@@ -36,6 +36,7 @@ complete -c norma -n "$reads" -l max-memory -x -d 'Limit of memory, such as 512M
 complete -c norma -n "$reads" -l quiet -d 'Prints only errors'
 complete -c norma -n '__fish_seen_subcommand_from compute seams tangents pack transform matrix check explain info compare render view acid' -l json -d 'Prints JSON'
 complete -c norma -n '__fish_seen_subcommand_from info' -l deep -d 'Which weight and crease explain the stored normals'
+complete -c norma -n '__fish_seen_subcommand_from compare' -s o -l output -r -F -d 'A picture (.png), or a page with it (.html)'
 complete -c norma -n '__fish_seen_subcommand_from compare check' -l max -x -d 'Largest angle that is fine, in degrees'
 complete -c norma -n '__fish_seen_subcommand_from compare check' -l share -x -d 'Part of the area that may be above it'
 

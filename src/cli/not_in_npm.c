@@ -2,6 +2,7 @@
  * npm's (npx norma-mesh). */
 #include "cli/options/options.h"
 #include "cli/process/process.h"
+#include "cli/render/render.h"
 
 static const char not_in_npm_help[] =
     "This subcommand is not in the npm package: it needs OpenGL, a browser or processes. The\n"
@@ -20,3 +21,10 @@ NOT_IN_NPM(render);
 NOT_IN_NPM(view);
 NOT_IN_NPM(acid);
 NOT_IN_NPM(mcp);
+
+int render_compared(
+    const struct compared_pair *pair, const render_dot *dots, size_t dot_count, render_png *png) {
+    (void)pair, (void)dots, (void)dot_count, (void)png;
+    cli_error("pictures are not in the npm package; the program norma draws them");
+    return CLI_USAGE;
+}

@@ -217,9 +217,7 @@ static void close_scene(compared_scene *scene) {
 
 /* ---- some of them as one surface */
 
-/* The pieces from first up to end as one surface, whose arrays are to be freed. 0: out of memory.
- */
-static int make_surface(
+int compared_surface_make(
     const compared_scene *scene, size_t first, size_t end, norma_surface *surface) {
     const compared_piece *begin = &scene->pieces[first], *last = &scene->pieces[end - 1];
     const size_t corner_count = last->first_corner + last->corners - begin->first_corner,
@@ -252,7 +250,7 @@ static int make_surface(
     return 1;
 }
 
-static void free_surface(norma_surface *surface) {
+void compared_surface_free(norma_surface *surface) {
     free((void *)(uintptr_t)surface->mesh.corners);
     free((void *)(uintptr_t)surface->corner_normals);
     free((void *)(uintptr_t)surface->mesh.face_starts);
@@ -292,17 +290,19 @@ static norma_result compare_group(compared_pair *pair, compared_group *group,
     norma_surface base = *whole_base, other;
     group->named = named < pair->base.count;
     norma_result result = NORMA_OK;
-    if (group->named && !make_surface(&pair->base, named, end_of_name(&pair->base, named), &base))
+    if (group->named &&
+        !compared_surface_make(&pair->base, named, end_of_name(&pair->base, named), &base))
         result = NORMA_ERROR_MEMORY;
-    if (!make_surface(&pair->other, group->first, group->end, &other)) result = NORMA_ERROR_MEMORY;
+    if (!compared_surface_make(&pair->other, group->first, group->end, &other))
+        result = NORMA_ERROR_MEMORY;
     if (!result)
         result = norma_compare(&base, &other, options, pair->samples + first->first_corner, corners,
             &group->same_faces);
     if (!result)
         result = norma_compare_summary(
             pair->samples + first->first_corner, corners, max_rad, options, &group->sum);
-    if (group->named) free_surface(&base);
-    free_surface(&other);
+    if (group->named) compared_surface_free(&base);
+    compared_surface_free(&other);
     return result;
 }
 
@@ -314,7 +314,8 @@ static norma_result compare_groups(
     pair->corners = last->first_corner + last->corners;
     pair->samples = malloc((pair->corners + 1) * sizeof *pair->samples);
     pair->groups = calloc(pair->other.count, sizeof *pair->groups);
-    if (!make_surface(&pair->base, 0, pair->base.count, &whole) || !pair->samples || !pair->groups)
+    if (!compared_surface_make(&pair->base, 0, pair->base.count, &whole) || !pair->samples ||
+        !pair->groups)
         result = NORMA_ERROR_MEMORY;
     for (size_t i = 0; i < pair->other.count && !result;) {
         compared_group *group = &pair->groups[pair->group_count++];
@@ -322,7 +323,7 @@ static norma_result compare_groups(
         group->end = i = end_of_name(&pair->other, i);
         result = compare_group(pair, group, &whole, max_rad, options);
     }
-    free_surface(&whole);
+    compared_surface_free(&whole);
     if (result || pair->group_count == 1) {
         pair->all = pair->groups ? pair->groups->sum : pair->all;
         return result;

@@ -56,6 +56,11 @@ norma_document_result compared_pair_measure(
     compared_pair *pair, double max_rad, const norma_options *options, norma_document_error *error);
 void compared_pair_close(compared_pair *pair);
 
+/* The pieces from first up to end as one surface, to be freed either way. 0: out of memory. */
+int compared_surface_make(
+    const compared_scene *scene, size_t first, size_t end, norma_surface *surface);
+void compared_surface_free(norma_surface *surface);
+
 /* How other's corners were compared: "corners" with their counterparts, with the "nearest" points,
  * or "mixed". */
 const char *compared_way(const compared_pair *pair);

@@ -91,6 +91,52 @@ done
 check "--select leaves findings of other rules out" bash -c '! cmp -s "$0" "$1"' "$scratch/f.png" "$scratch/g.png"
 
 printf 'v 0 0 0\nv 1 0 0\nl 1 2\n' >"$scratch/lines.obj"
+# norma compare: BASE is a plate whose normals are tilted by 20 degrees; in OTHER, the right half has upright ones. So the left half has the first colour of the scale (viridis), the right half the last one.
+plate() { printf 'v -1 -1 0\nv 0 -1 0\nv 1 -1 0\nv -1 1 0\nv 0 1 0\nv 1 1 0\nvn 0.3420201433 0 0.9396926208\nvn %s\nf 1//1 2//1 5//1 4//1\nf 2//2 3//2 6//2 5//2\n' "$1"; }
+plate '0.3420201433 0 0.9396926208' >"$scratch/base.obj"
+plate '0 0 1' >"$scratch/other.obj"
+"$norma" compare "$scratch/base.obj" "$scratch/other.obj" -o "$scratch/apart.png" >"$scratch/stdout"
+check "norma compare -o names the picture" grep -q "drawn in .*/apart.png" "$scratch/stdout"
+check "norma compare -o: colours by the angle" python3 - "$scratch/apart.png" <<'END'
+import struct, sys, zlib
+data, at, packed = open(sys.argv[1], "rb").read(), 8, b""
+while at < len(data):
+    size, kind = struct.unpack(">I4s", data[at:at + 8])
+    if kind == b"IHDR": width, height, depth, colours = struct.unpack(">IIBB", data[at + 8:at + 18])
+    if kind == b"IDAT": packed += data[at + 8:at + 8 + size]
+    at += size + 12
+assert depth == 8 and colours in (2, 6)
+step = 3 if colours == 2 else 4
+raw, row, rows = zlib.decompress(packed), bytearray(width * step), []
+for y in range(240):
+    line = bytearray(raw[y * (width * step + 1) + 1:(y + 1) * (width * step + 1)])
+    for i in range(len(line)):
+        a, b, c = (line[i - step] if i >= step else 0), row[i], (row[i - step] if i >= step else 0)
+        p = a + b - c
+        paeth = a if abs(p - a) <= abs(p - b) and abs(p - a) <= abs(p - c) else b if abs(p - b) <= abs(p - c) else c
+        line[i] = line[i] + (0, a, b, (a + b) // 2, paeth)[raw[y * (width * step + 1)]] & 255
+    row = line
+    rows.append(line)
+seen = [[[], []], [[], []]]  # of each panel: where in its middle row the first and the last colour stand, as light leaves them
+for x in range(width):
+    r, g, b = (v / 255 for v in rows[-1][x * step:x * step + 3])
+    first, last = (0.267, 0.005, 0.329), (0.993, 0.906, 0.144)
+    for k, colour in enumerate((first, last)):
+        light = max(r, g, b) / max(colour)
+        if 0.6 < light < 1.1 and all(abs(v - light * c) < 0.02 for v, c in zip((r, g, b), colour)): seen[2 * x // width][k].append(x)
+print([[(min(part, default=0), max(part, default=0)) for part in panel] for panel in seen])
+front, back = seen
+sys.exit(not (all(len(part) > 100 for panel in seen for part in panel) and max(front[0]) <= min(front[1]) and max(back[1]) <= min(back[0])))
+END
+"$norma" compare "$scratch/base.obj" "$scratch/other.obj" -o "$scratch/apart.html" --max 30 --quiet >"$scratch/stdout"
+base64 -w 0 "$scratch/apart.png" >"$scratch/apart.base64"
+check "norma compare -o: the page holds the same picture" grep -qFf "$scratch/apart.base64" "$scratch/apart.html"
+"$norma" compare "$scratch/base.obj" "$scratch/other.obj" -o - 2>"$scratch/stderr" | cmp - "$scratch/apart.png" >"$scratch/message"
+check "norma compare -o -: the picture to standard output, the words to standard error" bash -c '[ ! -s "$0" ] && grep -q "at most 20" "$1"' "$scratch/message" "$scratch/stderr"
+check "norma compare: the page has what is printed" grep -q 'fine: 0 % of the area is above 30 degrees' "$scratch/apart.html"
+status=0
+"$norma" compare "$scratch/base.obj" "$scratch/other.obj" -o "$scratch/other.obj" 2>"$scratch/stderr" || status=$?
+check "norma compare -o: neither another ending nor an input" bash -c '[ "$0" = 2 ] && grep -q "ends in .png or .html" "$1" && cp "$2/base.obj" "$2/base.png" && ! "$3" compare "$2/base.png" "$2/other.obj" --input-format obj -o "$2/base.png" 2>"$1" && grep -q "would be overwritten" "$1" && cmp "$2/base.png" "$2/base.obj"' "$status" "$scratch/stderr" "$scratch" "$norma"
 "$norma" render "$scratch/square.obj" -o "$scratch/e.png" --show error --size 64x64 --samples 1 >"$scratch/stdout"
 check "errors without stored normals: said plainly" grep -q 'no normals are stored: there is nothing to compare' "$scratch/stdout"
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n' >"$scratch/stored.obj"

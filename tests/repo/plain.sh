@@ -24,7 +24,7 @@ told() {
     output=$("$@" 2>&1) || status=$?
     if [ "$status" = "$wanted" ] && grep -qF -- "$text" <<<"$output"; then pass "$name"; else fail "$name" "status $status: $output"; fi
 }
-told "render says that it is left out" 3 "render is not in this build" "$norma" render assets/goathead.obj -o "$scratch/picture.png"
+told "render says that it is left out" 3 "pictures are not in this build" "$norma" render assets/goathead.obj -o "$scratch/picture.png"
 cp assets/goathead.obj "$scratch/mesh.obj"
 echo '{"spelling": 1}' >"$scratch/.norma.json"
 told "a configuration is read" 2 "spelling: expected profile, strict" "$norma" check "$scratch/mesh.obj"

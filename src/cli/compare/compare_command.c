@@ -1,9 +1,12 @@
 /* compare_command.c: norma compare: by how much the normals of one file differ from another's. */
+#define _POSIX_C_SOURCE 200809L
 #include "cli/compare/compare.h"
+#include "cli/render/render.h"
 #include "compare/compare_scene.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char compare_help_text[] =
     "norma compare BASE OTHER: by how many degrees the normals of OTHER differ from BASE\n"
@@ -17,6 +20,10 @@ static const char compare_help_text[] =
     "path in reference\n"
     "\n"
     "Options\n"
+    "  -o, --output OUT.png|OUT.html\n"
+    "                        OTHER drawn from two sides, its colours the angles; HTML: with what "
+    "is "
+    "printed\n"
     "  --max DEG             exit status 1 if the normals of some of the area are off by more\n"
     "  --share PART          the part of the area that may be, from 0 to 1 (0); needs --max\n"
     "  --input-format " CLI_FORMATS "\n"
@@ -43,6 +50,12 @@ static const char compare_help_text[] =
 
 enum { MOST_WORST = 5 };
 
+typedef struct worst_place {
+    size_t corner, face; /* of other: the corner among all, the face within its piece */
+    const compared_piece *piece;
+    double position[3], normal[3];
+} worst_place;
+
 typedef struct compare_work {
     cli_common common;
     cli_files files;
@@ -52,6 +65,8 @@ typedef struct compare_work {
     compared_pair pair;
     norma_document *documents[2];
     void *memory[2]; /* what standard input held */
+    worst_place places[MOST_WORST];
+    size_t place_count;
 } compare_work;
 
 const cli_option compare_limit_options[] = {
@@ -104,12 +119,6 @@ static norma_document_result compare_files(compare_work *work, norma_document_er
 
 /* ---- the worst places */
 
-typedef struct worst_place {
-    size_t corner, face; /* of other: the corner among all, the face within its piece */
-    const compared_piece *piece;
-    double position[3], normal[3];
-} worst_place;
-
 static void describe_place(const compare_work *work, size_t corner, worst_place *place) {
     const compared_scene *scene = &work->pair.other;
     const compared_piece *piece = scene->pieces;
@@ -140,11 +149,10 @@ static double size_of_base(const compared_scene *scene) {
 
 /* One after the other the worst corner that is not near one before: a twentieth of the size of
  * BASE. */
-static size_t find_worst(const compare_work *work, worst_place places[MOST_WORST]) {
+static void find_worst(compare_work *work) {
     const compared_scene *scene = &work->pair.other;
     const double near = size_of_base(&work->pair.base) / 20;
-    size_t count = 0;
-    for (; count < MOST_WORST; ++count) {
+    for (size_t count = 0; count < MOST_WORST; work->place_count = ++count) {
         const norma_compare_sample *worst = NULL;
         for (const compared_piece *p = scene->pieces; p < scene->pieces + scene->count; ++p)
             for (size_t i = p->first_corner; i < p->first_corner + p->corners; ++i) {
@@ -153,13 +161,12 @@ static size_t find_worst(const compare_work *work, worst_place places[MOST_WORST
                 size_t k = 0;
                 if (!(s->area > 0) || !(s->angle_rad > 2e-5f)) continue; /* 0.001 degrees */
                 if (worst && s->angle_rad <= worst->angle_rad) continue;
-                while (k < count && apart(at, places[k].position) > near) ++k;
+                while (k < count && apart(at, work->places[k].position) > near) ++k;
                 if (k == count) worst = s;
             }
         if (!worst) break;
-        describe_place(work, (size_t)(worst - work->pair.samples), &places[count]);
+        describe_place(work, (size_t)(worst - work->pair.samples), &work->places[count]);
     }
-    return count;
 }
 
 /* ---- for programs */
@@ -201,10 +208,10 @@ static void write_groups(cli_json *json, const compare_work *work) {
     cli_json_close(json, ']');
 }
 
-static void write_worst_places(
-    cli_json *json, const compare_work *work, const worst_place *places, size_t count) {
+static void write_worst_places(cli_json *json, const compare_work *work) {
+    const worst_place *places = work->places;
     cli_json_open(json, "worst", '[');
-    for (size_t i = 0; i < count; ++i) {
+    for (size_t i = 0; i < work->place_count; ++i) {
         const norma_compare_sample *s = &work->pair.samples[places[i].corner];
         const double normal[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
         norma_mesh_info info = {.where = ""};
@@ -228,8 +235,7 @@ static int passes_gate(const compare_work *work) {
            work->pair.all.share_above <= work->limits.share + 1e-9;
 }
 
-static void write_compare_json(
-    const compare_work *work, const worst_place *places, size_t count, const char *error) {
+static void write_compare_json(const compare_work *work, const char *error) {
     cli_json json = {.out = work->out};
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "base", work->names[0]);
@@ -247,7 +253,8 @@ static void write_compare_json(
         cli_json_bool(&json, "base_computed", work->pair.base.computed);
         cli_json_bool(&json, "other_computed", work->pair.other.computed);
         write_groups(&json, work);
-        write_worst_places(&json, work, places, count);
+        write_worst_places(&json, work);
+        if (work->output) cli_json_string(&json, "output", work->output);
         cli_json_notes(&json, work->pair.other.document);
     }
     cli_json_close(&json, '}');
@@ -265,8 +272,7 @@ static void print_vector(FILE *out, const char *before, const double v[3]) {
     fprintf(out, "%s(%.4g, %.4g, %.4g)", before, v[0] + 0.0, v[1] + 0.0, v[2] + 0.0);
 }
 
-static void print_place(const compare_work *work, const worst_place *place) {
-    FILE *out = work->out;
+static void print_place(const compare_work *work, FILE *out, const worst_place *place) {
     const norma_compare_sample *s = &work->pair.samples[place->corner];
     const double base[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
     fprintf(out, "  %.4g degrees at ", shown_degrees((double)s->angle_rad));
@@ -282,8 +288,7 @@ static void print_place(const compare_work *work, const worst_place *place) {
     fputc('\n', out);
 }
 
-static void print_comparison(const compare_work *work, const worst_place *places, size_t count) {
-    FILE *out = work->out;
+static void print_comparison(const compare_work *work, FILE *out) {
     const norma_comparison *all = &work->pair.all;
     const char *way = compared_way(&work->pair);
     char max[32], share[32], allowed[32];
@@ -298,7 +303,7 @@ static void print_comparison(const compare_work *work, const worst_place *places
     print_percentiles(out, "degrees", shown_degrees(all->p50_rad), shown_degrees(all->p99_rad),
         shown_degrees(all->max_rad));
     print_percentiles(out, "distances", all->p50_distance, all->p99_distance, all->max_distance);
-    for (size_t i = 0; i < count; ++i) print_place(work, &places[i]);
+    for (size_t i = 0; i < work->place_count; ++i) print_place(work, out, &work->places[i]);
     if (all->missing) {
         fputs("  ", out);
         cli_counted(out, all->missing, "corner", "corners");
@@ -318,20 +323,106 @@ static void print_computed(const compare_work *work, const compared_scene *scene
             scene->name);
 }
 
+/* ---- a picture, or a page with it */
+
+static void write_page(FILE *out, const compare_work *work, const render_png *png) {
+    cli_memory_stream words = {.text = NULL};
+    if (cli_memory_open(&words)) {
+        print_comparison(work, words.out);
+        (void)cli_memory_close(&words);
+    }
+    fputs(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+        "content=\"width=device-width,initial-scale=1\">\n<title>norma compare</title>\n<style>"
+        ":root{color-scheme:light dark}body{font:16px/1.5 system-ui,sans-serif;max-width:64rem;"
+        "margin:0 auto;padding:1rem}img{max-width:100%;height:auto}pre{white-space:pre-wrap;"
+        "overflow-wrap:anywhere}</style></head><body>\n<main><h1>norma compare</h1>\n<pre>",
+        out);
+    for (char *line = words.text; line && *line;) { /* a line end is none of what is escaped */
+        char *end = line + strcspn(line, "\n");
+        const char ended = *end;
+        *end = '\0';
+        cli_write_outside_html(out, line);
+        fputc('\n', out);
+        line = end + (ended == '\n');
+    }
+    fputs(
+        "</pre>\n<img alt=\"The second model from two sides: its colours are the angles, dots the "
+        "worst places\" src=\"data:image/png;base64,",
+        out);
+    cli_write_base64(out, png->bytes, png->size);
+    fputs("\"></main></body></html>\n", out);
+    free(words.text);
+}
+
+static int write_output(const compare_work *work) {
+    render_dot dots[MOST_WORST];
+    render_png png = {.bytes = NULL};
+    cli_output output;
+    cli_progress progress;
+    for (size_t i = 0; i < work->place_count; ++i) {
+        dots[i] = (render_dot){.colour = 0xD01C1C, .vertex = SIZE_MAX, .face = SIZE_MAX};
+        memcpy(dots[i].position, work->places[i].position, sizeof dots[i].position);
+    }
+    cli_progress_start(&progress, "drawing", work->output, work->common.quiet, 0);
+    cli_progress_tick(&progress);
+    int status = render_compared(&work->pair, dots, work->place_count, &png);
+    cli_progress_stop(&progress);
+    if (!status) status = cli_output_begin(&output, work->output, work->files.guard);
+    if (!status) {
+        if (cli_ends_in(work->output, ".html"))
+            write_page(output.out, work, &png);
+        else
+            fwrite(png.bytes, 1, png.size, output.out);
+        status = cli_output_end(&output);
+    }
+    free(png.bytes);
+    return status;
+}
+
+/* A usage, or an output that is one of the inputs: a status. */
+static int check_drawing(const cli_subcommand *command, compare_work *work) {
+    const cli_words *words = &work->files.words;
+    if (cli_is_standard(work->output)) {
+        work->out = stderr;
+        if (work->common.json)
+            return cli_usage(command, "-o - and --json would both write to standard output");
+        return isatty(STDOUT_FILENO) ? cli_usage(command, "standard output is a terminal, which "
+                                                          "shows no picture; expected -o OUT.png, "
+                                                          "or a pipe")
+                                     : CLI_OK;
+    }
+    if (!cli_ends_in(work->output, ".html") && !cli_ends_in(work->output, ".png"))
+        return cli_usage(
+            command, "-o %s: expected a name that ends in .png or .html", work->output);
+    if (cli_is_folder(words->words[0]) && cli_is_folder(words->words[1]))
+        return cli_usage(command, "one -o for two folders; expected two files");
+    for (size_t i = 0; i < words->count; ++i) cli_guard_read(work->files.guard, words->words[i]);
+    return cli_guard_output(work->files.guard, work->output, NULL);
+}
+
 /* ---- the command */
 
-/* Compares work->names and writes what comes of it to work->out. A status; error: why there is
- * nothing. */
+/* Compares work->names and writes what comes of it to work->out and work->output. A status; error:
+ * why there is nothing. */
 static int compare_into(compare_work *work, norma_document_error *error) {
-    worst_place places[MOST_WORST];
     const norma_document_result result = compare_files(work, error);
-    const size_t count = result ? 0 : find_worst(work, places);
+    int status = cli_status_of(result);
+    if (!result) {
+        find_worst(work);
+        status = passes_gate(work) ? CLI_OK : CLI_FINDINGS;
+        if (work->output) status = cli_worse(status, write_output(work));
+    }
     if (result) cli_name_error(error, work->names[work->pair.other.name != NULL]);
     if (work->common.json)
-        write_compare_json(work, places, count, result ? error->message : NULL);
+        write_compare_json(work, result ? error->message : NULL);
     else if (!result)
-        print_comparison(work, places, count);
-    const int status = result ? cli_status_of(result) : passes_gate(work) ? CLI_OK : CLI_FINDINGS;
+        print_comparison(work, work->out);
+    if (work->output && status < CLI_USAGE && !work->common.json) {
+        cli_say(work->out, "  drawn in %s",
+            cli_is_standard(work->output) ? "standard output" : work->output);
+        fputc('\n', work->out);
+    }
     compared_pair_close(&work->pair);
     for (int i = 0; i < 2; ++i) {
         norma_document_close(work->documents[i]);
@@ -399,14 +490,13 @@ static int compare_run(const cli_subcommand *command, int count, char **argument
             command, "expected two files or two folders, BASE and OTHER, not %zu", words->count);
     else if (strcmp(words->words[0], "-") == 0 && strcmp(words->words[1], "-") == 0)
         status = cli_usage(command, "only one of the two files can be standard input");
-    else if (work.output)
-        status = cli_usage(command, "draws no picture yet; 'norma render --show error' draws the "
-                                    "errors of one file");
     else if (work.limits.given == COMPARE_SHARE)
         status = cli_usage(command, "--share needs --max");
-    else if (cli_is_folder(words->words[0]) && cli_is_folder(words->words[1]))
+    else if (work.output)
+        status = check_drawing(command, &work);
+    if (!status && cli_is_folder(words->words[0]) && cli_is_folder(words->words[1]))
         status = compare_folders(command, &work, words->words[0], words->words[1]);
-    else {
+    else if (!status) {
         memcpy((void *)work.names, (const void *)words->words, sizeof work.names);
         status = compare_and_report(&work);
     }

@@ -367,30 +367,19 @@ static void mcp_write_words(
     end_result(json, NULL, 0);
 }
 
-static char *base64_of(const char *bytes, size_t size) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char *text = malloc(size / 3 * 4 + 5), *to = text;
-    if (!text) return NULL;
-    for (size_t i = 0; i < size; i += 3) {
-        const size_t some = size - i < 3 ? size - i : 3;
-        uint32_t bits = 0;
-        for (size_t k = 0; k < 3; ++k)
-            bits = bits << 8 | (k < some ? (unsigned char)bytes[i + k] : 0u);
-        for (size_t k = 0; k < 4; ++k) *to++ = k <= some ? digits[bits >> (18 - 6 * k) & 63] : '=';
-    }
-    *to = '\0';
-    return text;
-}
-
 static void write_picture(cli_json *json, const mcp_printed *printed) {
-    char *picture = base64_of(printed->out, printed->out_size);
+    cli_memory_stream picture = {.text = NULL};
+    if (cli_memory_open(&picture)) {
+        cli_write_base64(picture.out, (const unsigned char *)printed->out, printed->out_size);
+        (void)cli_memory_close(&picture);
+    }
     begin_result(json);
     cli_json_open(json, NULL, '{');
     cli_json_string(json, "type", "image");
-    cli_json_string(json, "data", picture ? picture : "");
+    cli_json_string(json, "data", picture.text ? picture.text : "");
     cli_json_string(json, "mimeType", "image/png");
     cli_json_close(json, '}');
-    free(picture);
+    free(picture.text);
     if (printed->err_size) {
         cli_memory_stream text;
         if (cli_memory_open(&text)) {

@@ -156,6 +156,20 @@ int render_plan_check(const cli_subcommand *command, const render_settings *sett
 /* The end of a message, behind the limit: Mesa's renderer alone was seen to take 70 to 100 MB. */
 #define RENDER_DRIVER_NEEDS "; a renderer needs at least 128M"
 
+/* ---- what a renderer says */
+
+/* Starts one. A status; reported already, as all of these are. */
+int render_start(int software, render_device **device);
+int render_fail_drawing(const char *input, const render_error *error);
+
+/* ---- what norma compare found */
+
+struct compared_pair;
+/* OTHER from two sides, coloured by how far its normals are off from BASE's, with dots, as a PNG
+ * to be freed. A status. */
+int render_compared(
+    const struct compared_pair *pair, const render_dot *dots, size_t dot_count, render_png *png);
+
 /* ---- A scene while it is made: the surfaces of the file's meshes, then those that
  * morph targets or skins move, and where each is drawn. */
 

@@ -133,11 +133,11 @@ typedef struct picture_job {
     size_t width, height;
 } picture_job;
 
-static int fail_drawing(picture_job *job, const render_error *error) {
+int render_fail_drawing(const char *input, const render_error *error) {
     char limit[CLI_LIMIT_ROOM];
     cli_memory_limit_words(limit);
     const int memory = error->result == RENDER_ERROR_MEMORY || strstr(error->message, "memory");
-    cli_error("%s: %s%s%s", cli_input_name(job->input), error->message, memory ? limit : "",
+    cli_error("%s: %s%s%s", cli_input_name(input), error->message, memory ? limit : "",
         memory && limit[0] ? RENDER_DRIVER_NEEDS : "");
     return error->result == RENDER_ERROR_ARGUMENT ? CLI_USAGE : CLI_FILE;
 }
@@ -146,7 +146,7 @@ static int write_png(picture_job *job, const render_picture *picture) {
     cli_output output;
     render_png png;
     render_error error = {.result = RENDER_OK};
-    if (render_png_encode(picture, &png, &error)) return fail_drawing(job, &error);
+    if (render_png_encode(picture, &png, &error)) return render_fail_drawing(job->input, &error);
     int status = cli_make_folders(&job->settings->files, job->output);
     if (!status) status = cli_output_begin(&output, job->output, job->settings->files.guard);
     if (!status) {
@@ -174,7 +174,7 @@ static int draw_picture(picture_job *job) {
     const int failed = render_sheet_draw(job->device, &job->settings->look, &job->sheet,
                            render_plan_tell, &job->plan, &picture, &error) != RENDER_OK;
     cli_progress_stop(&progress);
-    if (failed) return fail_drawing(job, &error);
+    if (failed) return render_fail_drawing(job->input, &error);
     job->width = picture.width;
     job->height = picture.height;
     int status = write_png(job, &picture);
@@ -323,18 +323,21 @@ static int draw_file(picture_job *job) {
     return status;
 }
 
-/* Once, in the process that draws. */
-static int open_device(picture_job *job) {
+int render_start(int software, render_device **device) {
     render_error error = {.message = "out of memory"};
-    if (job->device) return CLI_OK;
-    if (job->has_no_device) return CLI_FILE;
     render_watch_driver();
-    if (!render_device_open(job->settings->software, &job->device, &error)) return CLI_OK;
+    if (!render_device_open(software, device, &error)) return CLI_OK;
     char limit[CLI_LIMIT_ROOM]; /* within which a driver may not fit */
     cli_memory_limit_words(limit);
     cli_error("%s%s%s", error.message, limit, limit[0] ? RENDER_DRIVER_NEEDS : "");
-    job->has_no_device = 1;
     return CLI_FILE;
+}
+
+/* Once, in the process that draws. */
+static int open_device(picture_job *job) {
+    if (job->has_no_device) return CLI_FILE;
+    if (!job->device) job->has_no_device = render_start(job->settings->software, &job->device);
+    return job->has_no_device ? CLI_FILE : CLI_OK;
 }
 
 static int draw_one(void *user, size_t file) {

@@ -268,12 +268,6 @@ const size_t render_option_count = CLI_COUNT(render_options);
 /* ---- Where the pictures of norma render go, and which options contradict each other:
  * said before anything is drawn. */
 
-static int ends_in_png(const char *path) {
-    const char *name = cli_base_name(path), *dot = strrchr(name, '.');
-    return dot && dot > name && strlen(dot) == 4 && (dot[1] | 32) == 'p' && (dot[2] | 32) == 'n' &&
-           (dot[3] | 32) == 'g';
-}
-
 static int check_outputs(const cli_subcommand *command, render_settings *settings) {
     cli_files *files = &settings->files;
     int standard = 0;
@@ -295,7 +289,7 @@ static int check_outputs(const cli_subcommand *command, render_settings *setting
         return cli_usage(command,
             "standard output is a terminal, which shows no picture; expected -o "
             "OUT.png, or a pipe");
-    if (!cli_is_standard(files->output) && !ends_in_png(files->output) &&
+    if (!cli_is_standard(files->output) && !cli_ends_in(files->output, ".png") &&
         !cli_is_stream(files->output))
         return cli_usage(
             command, "-o %s: pictures are PNG; expected a name that ends in .png", files->output);

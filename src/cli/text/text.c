@@ -124,6 +124,27 @@ void cli_error(const char *format, ...) {
     funlockfile(stderr);
 }
 
+void cli_write_base64(FILE *out, const unsigned char *bytes, size_t size) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    char text[4 * 1024];
+    size_t length = 0;
+    for (size_t i = 0; i < size; i += 3) {
+        const size_t left = size - i;
+        const unsigned long three = (unsigned long)bytes[i] << 16 |
+                                    (left > 1 ? (unsigned long)bytes[i + 1] << 8 : 0) |
+                                    (left > 2 ? bytes[i + 2] : 0);
+        text[length++] = digits[three >> 18];
+        text[length++] = digits[three >> 12 & 63];
+        text[length++] = left > 1 ? digits[three >> 6 & 63] : '=';
+        text[length++] = left > 2 ? digits[three & 63] : '=';
+        if (length == sizeof text) {
+            fwrite(text, 1, length, out);
+            length = 0;
+        }
+    }
+    fwrite(text, 1, length, out);
+}
+
 /* ---- Text gathered in memory, all of it or none. The C library's own memory streams
  * do not always tell when they could not grow (glibc 2.36 cuts the text there, without an error),
  * so where streams with functions of one's own exist, growing is done here. */

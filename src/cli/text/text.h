@@ -27,6 +27,7 @@ void cli_write_outside(FILE *out, const char *text);
 void cli_write_outside_cut(FILE *out, const char *text, size_t most);
 /* The same as text in HTML and in its attributes. */
 void cli_write_outside_html(FILE *out, const char *text);
+void cli_write_base64(FILE *out, const unsigned char *bytes, size_t size);
 
 #if defined(__GNUC__)
 #define CLI_FORMAT(text, first) __attribute__((format(printf, text, first)))

@@ -161,27 +161,6 @@ typedef struct view_work {
 
 /* ---- writing */
 
-static void write_base64(FILE *out, const unsigned char *bytes, size_t size) {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    char text[4 * 1024];
-    size_t length = 0;
-    for (size_t i = 0; i < size; i += 3) {
-        const size_t left = size - i;
-        const unsigned long three = (unsigned long)bytes[i] << 16 |
-                                    (left > 1 ? (unsigned long)bytes[i + 1] << 8 : 0) |
-                                    (left > 2 ? bytes[i + 2] : 0);
-        text[length++] = digits[three >> 18];
-        text[length++] = digits[three >> 12 & 63];
-        text[length++] = left > 1 ? digits[three >> 6 & 63] : '=';
-        text[length++] = left > 2 ? digits[three & 63] : '=';
-        if (length == sizeof text) {
-            fwrite(text, 1, length, out);
-            length = 0;
-        }
-    }
-    fwrite(text, 1, length, out);
-}
-
 /* Finds a mark in the page. Returns the end of the page if the mark is missing, which only a broken
  * build could cause. */
 static const char *find_mark(const char *from, const char *end, const char *mark) {
@@ -216,7 +195,7 @@ static ssize_t read_part(int file, unsigned char *part, size_t size) {
 static void write_source_name(const view_sources *to, const char *path) {
     const int inside = strncmp(path, to->folder, to->folder_length) == 0;
     const char *name = inside ? path + to->folder_length : cli_base_name(path);
-    write_base64(to->out, (const unsigned char *)name, strlen(name));
+    cli_write_base64(to->out, (const unsigned char *)name, strlen(name));
 }
 
 /* Returns 0 or errno. */
@@ -226,7 +205,7 @@ static int copy_source(const view_sources *to, const char *path, int file) {
     write_source_name(to, path);
     fputc(' ', to->out);
     while ((size = read_part(file, part, sizeof part)) > 0)
-        write_base64(to->out, part, (size_t)size);
+        cli_write_base64(to->out, part, (size_t)size);
     fputc('\n', to->out);
     return size < 0 ? errno : 0;
 }
@@ -278,7 +257,7 @@ static int write_view_page(
             cli_write_outside_html(
                 out, cli_is_standard(input) ? "standard input" : cli_base_name(input));
         else if (i == 1)
-            write_base64(out, pack->bytes, pack->size);
+            cli_write_base64(out, pack->bytes, pack->size);
         else if (document)
             status = write_sources(out, input, document);
     }
@@ -399,11 +378,6 @@ static int view_file(const view_work *work, const char *input, const char *to) {
 
 /* ---- the command */
 
-static int ends_in(const char *name, const char *ending) {
-    const size_t length = strlen(name), size = strlen(ending);
-    return length > size && strcmp(name + length - size, ending) == 0;
-}
-
 static int check_pages(const cli_subcommand *command, view_work *work) {
     const char *output = work->files.output;
     if (work->files.in_place)
@@ -419,7 +393,7 @@ static int check_pages(const cli_subcommand *command, view_work *work) {
         return work->common.json
                    ? cli_usage(command, "-o - and --json would both write to standard output")
                    : CLI_OK;
-    if (output && !ends_in(output, ".html") && !ends_in(output, ".htm"))
+    if (output && !cli_ends_in(output, ".html") && !cli_ends_in(output, ".htm"))
         return cli_usage(
             command, "-o %s: the output is a page; expected a name that ends in .html", output);
     return cli_place_outputs(command, &work->files, ".html");
