@@ -96,7 +96,7 @@ char *cli_join(const char *folder, const char *name); /* the caller's to free */
 
 /* ---- Where the output of each input goes. */
 
-const char *cli_base_name(const char *path); /* behind its last slash */
+const char *cli_base_name(const char *path);           /* behind its last slash */
 int cli_ends_in(const char *path, const char *ending); /* in letters of either case */
 int cli_is_folder(const char *path);
 int cli_is_standard(const char *name); /* "-" */
