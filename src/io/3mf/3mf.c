@@ -1,6 +1,7 @@
 /* 3mf.c: 3MF packages as documents: a mesh for each object that has one. Triangles can be reversed
  * and dropped; there is nowhere to write a normal. */
 #include "io/3mf/3mf.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,6 +25,8 @@ static void tmf_free_content(void *content) {
     free(state->nodes);
     free(state->meshes);
     free(state->others);
+    for (size_t i = 0; i < state->required_count; ++i) free(state->required[i].space);
+    free(state->required);
 }
 
 static int tmf_has_edit(const void *content) { return (void)content, 0; }
@@ -119,6 +122,25 @@ static norma_document_result tmf_instance_world(norma_document *document, size_t
     return NORMA_DOCUMENT_OK;
 }
 
+/* Extensions that are required, and not known here: what they add was not looked at. */
+static norma_document_result tmf_unread(norma_document *document, norma_document_error *error) {
+    const tmf_state *state = document->state;
+    norma_unread *unread =
+        norma_scene_allocate(document->scene, state->required_count + 1, sizeof *unread);
+    if (!unread) return norma_document_fail_memory(document, error);
+    for (size_t i = 0; i < state->required_count; ++i) {
+        const tmf_required *required = &state->required[i];
+        const size_t size = strlen(required->space) + 64;
+        char *why = norma_scene_allocate(document->scene, size, 1);
+        if (!why) return norma_document_fail_memory(document, error);
+        snprintf(why, size, "requires %s, which is unknown to this version", required->space);
+        unread[i] = (norma_unread){state->parts[required->part].name, why};
+    }
+    document->scene->unread = unread;
+    document->scene->unread_count = state->required_count;
+    return NORMA_DOCUMENT_OK;
+}
+
 /* ---- changing */
 
 static norma_document_result refuse_normals(norma_document *document, norma_document_error *error) {
@@ -208,7 +230,8 @@ static norma_document_result tmf_write(norma_document *document, const char *pat
         document, error, NORMA_DOCUMENT_ERROR_FILE, NULL, "the output could not be written");
 }
 
-static const scene_functions TMF_SCENE = {.instance_world = tmf_instance_world};
+static const scene_functions TMF_SCENE = {
+    .instance_world = tmf_instance_world, .unread = tmf_unread};
 
 const format_functions norma_3mf_functions = {
     .open = norma_edited_open,

@@ -34,6 +34,11 @@ typedef struct tmf_id { /* of a resource that is no object */
     uint32_t part, id;
 } tmf_id;
 
+typedef struct tmf_required { /* an extension that a model requires and nothing here reads */
+    uint32_t part;
+    char *space; /* its namespace */
+} tmf_required;
+
 typedef struct tmf_node {
     size_t mesh;
     double world[16];
@@ -46,10 +51,11 @@ typedef struct tmf_state {
     tmf_use *components, *items;
     tmf_node *nodes;
     tmf_id *others;
+    tmf_required *required;
     uint32_t *meshes; /* the objects that have one */
     size_t part_count, part_capacity, object_count, object_capacity, component_count,
         component_capacity, item_count, item_capacity, node_count, node_capacity, mesh_count,
-        other_count, other_capacity;
+        other_count, other_capacity, required_count, required_capacity;
     size_t unpacked; /* bytes of XML so far */
     zip_archive zip; /* while the package is open */
 } tmf_state;

@@ -12,6 +12,12 @@
 
 #define CORE       "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 #define PRODUCTION "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+#define INSTANCE   "http://www.w3.org/2001/XMLSchema-instance"
+
+/* Extensions whose parts are read, or say nothing about triangles. */
+static const char *const KNOWN[] = {CORE, PRODUCTION,
+    "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
+    "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07", NULL};
 
 typedef enum tmf_element {
     TMF_OUTSIDE,
@@ -49,7 +55,7 @@ typedef struct model_reader {
     /* Before the names of core elements, "" or with a colon; the attribute that names a part. The
      * root declares both. (Some programs use prefixes that nothing declares: no other is looked
      * at.) */
-    char prefix[64], path[72];
+    char prefix[64], path[72], instance[64]; /* the last: of attributes that are not allowed */
     int element, parents[ELEMENT_COUNT], depth;
     size_t skipped; /* unknown elements around what is read now */
     int has_resources, has_build;
@@ -195,12 +201,50 @@ static void add_other_id(model_reader *r, const char **attributes) {
     others[state->other_count++] = other;
 }
 
-/* Only xml:lang is defined for them (chapter 2.3.2). */
+/* The namespace that a prefix, not terminated, is declared for here. */
+static const char *declared(const char **attributes, const char *prefix, size_t length) {
+    for (; attributes[0]; attributes += 2)
+        if (strncmp(attributes[0], "xmlns:", 6) == 0 && strlen(attributes[0]) == 6 + length &&
+            memcmp(attributes[0] + 6, prefix, length) == 0)
+            return attributes[1];
+    return NULL;
+}
+
+/* Only xml:lang is defined for them, and nothing of a schema's instance (chapter 2.3.2). */
 static void check_namespaces(model_reader *r, const char **attributes) {
+    for (const char **at = attributes; at[0]; at += 2)
+        if (strncmp(at[0], "xmlns:", 6) == 0 && strcmp(at[1], INSTANCE) == 0)
+            snprintf(r->instance, sizeof r->instance, "%.60s:", at[0] + 6);
+    const size_t length = strlen(r->instance);
     for (; attributes[0] && !r->result; attributes += 2)
-        if (strncmp(attributes[0], "xsi:", 4) == 0 ||
+        if ((length && strncmp(attributes[0], r->instance, length) == 0) ||
             (strncmp(attributes[0], "xml:", 4) == 0 && strcmp(attributes[0], "xml:lang") != 0))
             fail_model(r, "the attribute %.40s is not allowed in a 3MF", attributes[0]);
+}
+
+/* Prefixes of the namespaces that a reader has to know (chapter 2.4). */
+static void read_required(model_reader *r, const char **attributes) {
+    tmf_state *state = r->state;
+    const char *at = value_of(attributes, "requiredextensions");
+    for (at = at ? skip_blanks(at) : ""; *at && !r->result;) {
+        const size_t length = strcspn(at, " \t\r\n");
+        const char *space = declared(attributes, at, length);
+        if (!space) {
+            fail_model(r, "requires the extension %.*s, a prefix that <model> does not declare",
+                length < 40 ? (int)length : 40, at);
+            return;
+        }
+        at = skip_blanks(at + length);
+        if (is_one_of(KNOWN, space)) continue;
+        tmf_required *list = norma_io_grow(
+            state->required, &state->required_capacity, state->required_count + 1, sizeof *list);
+        char *copy = norma_io_copy_text(space, strlen(space));
+        if (list) state->required = list;
+        if (list && copy)
+            list[state->required_count++] = (tmf_required){.part = r->part, .space = copy};
+        else
+            free(copy), fail_model_memory(r);
+    }
 }
 
 static void add_vertex(model_reader *r, const char **attributes) {
@@ -262,6 +306,7 @@ static void begin_element(model_reader *r, const char **attributes) {
     switch (r->element) {
     case TMF_MODEL:
         check_unit(r, value_of(attributes, "unit"));
+        if (!r->edits) read_required(r, attributes);
         break;
     case TMF_RESOURCES:
         r->has_resources = 1;

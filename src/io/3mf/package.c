@@ -94,7 +94,7 @@ typedef struct relationships {
     const char *source; /* the part that has them; "": the package */
     size_t counts[TMF_RELATIONS];
     char model[512];
-    int is_outside;  /* what is wrong is that it names something outside */
+    int is_outside;  /* what wrong says is that it names something outside */
     char wrong[600]; /* "": nothing */
 } relationships;
 
@@ -109,13 +109,15 @@ static void find_target(relationships *found, const char *target, int is_externa
     int plain =
         (size_t)length < sizeof name && !name[strcspn(name, "%?#\\")] && !strstr(name, "./");
     for (size_t i = 0; plain && name[i]; ++i) plain = name[i] > ' ' && name[i] < 0x7f;
-    found->is_outside |= is_external;
     if (is_external)
         snprintf(found->wrong, sizeof found->wrong,
             "%.400s lies outside the package; it is not opened", target);
     else if (plain && norma_zip_find(found->zip, name, (size_t)length) == SIZE_MAX)
         snprintf(found->wrong, sizeof found->wrong,
             "names the part %.400s, which is not in the package", name);
+    else
+        return;
+    found->is_outside = is_external;
 }
 
 static void add_relationship(relationships *found, const char *name, const char **attributes) {
@@ -142,6 +144,9 @@ static void count_relationships(relationships *found) {
     else if (tickets > 1)
         snprintf(found->wrong, sizeof found->wrong,
             "names %zu print tickets; a model has one at most", tickets);
+    else
+        return;
+    found->is_outside = 0;
 }
 
 static norma_document_result read_relationships(norma_document *document, const char *where,
