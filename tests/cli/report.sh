@@ -286,6 +286,12 @@ if (expected.sort().join("\n") !== names.sort().join("\n")) { console.log(names.
 else
     fail "--page: links name file and finding, whatever the name" "$links $(grep -o 'class="place" href="[^"]*"' linked.html)"
 fi
+# To a folder of pages: where norma view writes the page of each file, whatever words name the files.
+mkdir -p tree/sub && printf "$bad" >tree/sub/"a #1.obj" && printf "$bad" >tree/b.c.obj
+hrefs() { norma check "$@" --no-config --page pages/ --format html | sed -n 's/.*class="place" href="\([^"]*\)#finding=N102:.*/\1/p' | sort | tr '\n' ' '; }
+found="$(hrefs tree)$(hrefs "$PWD/tree")$(hrefs tree/sub/*)"
+if [ "$found" = "pages/b.c.html pages/sub/a%20%231.html pages/b.c.html pages/sub/a%20%231.html pages/a%20%231.html " ]; then pass "--page FOLDER/: links lead to the pages of norma view"; else fail "--page FOLDER/: links lead to the pages of norma view" "$found"; fi
+if norma view tree --out-dir pages --quiet 2>/dev/null; then check "norma view writes them there" test -s "pages/sub/a #1.html" -a -s pages/b.c.html; else skip "this norma has no page"; fi
 check "no link without --page" bash -c '! norma check linked --no-config --format html | grep -q "class=\"place\" href"'
 check "--page takes an address without a question" bash -c 'norma check linked --page "norma.html?v=2" -o x.html 2>usage >/dev/null; [ $? -eq 2 ] && grep -q "expected an address without" usage && [ ! -e x.html ]'
 check "--page asks for an HTML report" bash -c 'norma check linked --page norma.html 2>usage >/dev/null; [ $? -eq 2 ] && grep -q -- "--page needs --format html" usage'

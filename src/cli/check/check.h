@@ -100,10 +100,10 @@ typedef struct check_settings {
     size_t shard, shards;      /* shards 0: all files */
     const char *shard_options; /* JSON: what else the findings of a shard depend on */
     const char *against;       /* a folder of references, one of each file's path; NULL: none */
-    const char *page;          /* of the HTML report: the page that its links lead to; NULL: none */
-    compare_limits limits;     /* of how much a file may differ from its reference */
-    const char *missing;       /* of a merged report: JSON, a list of shards; NULL: none */
-    const char *lost;          /* why a file cannot be checked: it ended a worker (process.h) */
+    const char *page;      /* of the HTML report: norma.html, or a folder of pages; NULL: none */
+    compare_limits limits; /* of how much a file may differ from its reference */
+    const char *missing;   /* of a merged report: JSON, a list of shards; NULL: none */
+    const char *lost;      /* why a file cannot be checked: it ended a worker (process.h) */
     const char *command_options[COMMAND_OPTIONS]; /* what a fix must be told as well; NULL-ended */
     norma_progress *progress;                     /* of whatever takes long */
     void *progress_user;
@@ -125,6 +125,7 @@ typedef struct check_report {
     const check_settings *settings;
     const char *path;  /* as it was named */
     const char *shown; /* to people; for each form, once check_write_file has it */
+    const char *page;  /* the address of the page that shows the file; NULL: none */
     norma_check_profile profile;
     const char *status; /* "checked", "partly", "unreadable" */
     const check_item *items;

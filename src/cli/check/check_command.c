@@ -66,7 +66,7 @@ static const char check_help[] =
     "  --fail-on error|warning|info|never\n"
     "                        the lowest severity for which the exit status is 1 (error)\n"
     "  --max-samples N       lists at most N places for each finding (10)\n"
-    "  --page ADDRESS        links an HTML report's findings to norma.html, served at ADDRESS\n"
+    "  --page ADDRESS        links HTML findings to norma.html, or to FOLDER/ of norma view\n"
     "  --quiet               prints only the report's last line\n"
     "\n"
     "Fixes\n"
@@ -181,7 +181,8 @@ static const cli_option check_command_options[] = {
         .expected = "the name of a file"},
     {"against", CLI_TO(CLI_TEXT, check_work, settings.against), .expected = "a folder"},
     {"format", CLI_SET(set_check_format)},
-    {"page", CLI_TO(CLI_TEXT, check_work, settings.page), .expected = "the address of norma.html"},
+    {"page", CLI_TO(CLI_TEXT, check_work, settings.page),
+        .expected = "the address of norma.html, or a folder of pages"},
     {"info", CLI_SETS(check_work, settings.list_infos, 1)},
     {"color", CLI_TO(CLI_CHOICE, check_work, color), .words = "auto,always,never",
         .expected = "auto, always or never"},

@@ -410,6 +410,29 @@ static void report_unreadable(
     check_write_file(&report, format, out, totals);
 }
 
+/* ---- The page that shows the file: norma.html opens it; of a folder, which ends in a slash, the
+ * page that norma view --out-dir made for it. Standard input has no address. */
+
+static char *address_of_page(const file_check *check) {
+    static const char kept[] = "-._~/";
+    const char *page = check->settings->page;
+    if (!page || strcmp(check->path, "-") == 0) return NULL;
+    const size_t length = strlen(page);
+    const int is_folder = length && page[length - 1] == '/';
+    cli_files places = *check->settings->files;
+    places.output = NULL, places.folder = "";
+    char *name = is_folder ? cli_output_of(&places, check->index, ".html") : NULL;
+    const char *of = is_folder ? name : check_shown_path(check->path);
+    const size_t size = length + (of ? 3 * strlen(of) : 0) + sizeof "?src=" + 4;
+    char *address = of ? malloc(size) : NULL;
+    if (address) {
+        const int begun = snprintf(address, size, "%s%s", page, is_folder ? "" : "?src=");
+        check_spell_uri(of, kept, address + begun, size - (size_t)begun);
+    }
+    free(name);
+    return address;
+}
+
 /* ---- beside its reference */
 
 /* The file is read once more, as norma compare does: as it is drawn, with all of its normals. */
@@ -457,8 +480,10 @@ static void report_findings(
         report_unreadable(check, format, out, totals);
         return;
     }
+    char *page = address_of_page(check);
     check_report report = {.settings = check->settings,
         .path = check->path,
+        .page = page,
         .profile = norma_findings_profile(findings_of(check)),
         .status = norma_findings_partly(findings_of(check)) ? "partly" : "checked",
         .items = items,
@@ -480,6 +505,7 @@ static void report_findings(
     totals->incomplete |= check->fix_status != CLI_OK;
     check_write_file(&report, format, out, totals);
     free(against);
+    free(page);
     free_items(items, count);
 }
 

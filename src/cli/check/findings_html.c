@@ -80,6 +80,8 @@ static const char script[] =
     "  for(const file of others){if(n===3)break;at.append(n++?', ':' Also in ',linkTo(file))}\n"
     "  if(others.size>n)at.append(` and ${others.size-n} more`);\n"
     "  if(n)at.append('.')}\n"
+    "document.getElementById('how').hidden=!!main.querySelector('a.place')||!main.querySelecto"
+    "r('.rule');\n"
     "for(const rule of all(main,'.rule'))if(!rule.querySelector('li'))rule.remove();\n"
     "for(const file of all(main,'.file:not([data-clean])'))if(!file.querySelector(':scope>.ru"
     "le'))file.querySelector('p').append(' What it has is told at the files above that have i"
@@ -158,16 +160,14 @@ static void write_histogram(FILE *out, const norma_deviation *deviation) {
     fputs("</tbody></table>", out);
 }
 
-/* To the page, where it opens the file and presses the finding. Standard input has no address. */
+/* To the page, which shows the file and presses the finding. */
 static void write_page_link(FILE *out, const check_report *report, const norma_finding *finding) {
-    static const char kept[] = "-._~/";
-    char path[4200], label[1024];
-    if (!report->settings->page || strcmp(report->path, "-") == 0) return;
-    check_spell_uri(check_shown_path(report->path), kept, path, sizeof path);
-    check_spell_uri(finding->label, kept, label, sizeof label);
+    char label[1024];
+    if (!report->page) return;
+    check_spell_uri(finding->label, "-._~/", label, sizeof label);
     fputs(" <a class=\"place\" href=\"", out);
-    cli_write_outside_html(out, report->settings->page);
-    fprintf(out, "?src=%s#finding=%s:%s\">Look at it</a>", path, finding->rule->id, label);
+    cli_write_outside_html(out, report->page);
+    fprintf(out, "#finding=%s:%s\">Look at it</a>", finding->rule->id, label);
 }
 
 static void write_place(FILE *out, const check_report *report, const check_item *item) {
@@ -211,7 +211,8 @@ static void write_finding_picture(
     if (cli_memory_open(&drawing)) check_draw_finding(drawing.out, report->document, item->finding);
     if (cli_memory_close(&drawing) && drawing.size && drawing.size <= *budget) {
         fprintf(out, "<figure>%s<figcaption>%s</figcaption></figure>\n", drawing.text,
-            item->finding->label[0] ? "The worst place of the first" : "The worst place");
+            check_count_same(report, item) > 1 ? "The worst place of the first"
+                                               : "The worst place");
         *budget -= drawing.size;
     }
     free(drawing.text);
@@ -472,7 +473,10 @@ static void end_html(FILE *out, const check_totals *totals, const check_settings
     fputs("<form hidden><label>Show <select id=\"least\"><option value=\"0\">everything</option>"
           "<option value=\"2\">errors and warnings</option><option value=\"3\">errors</option>"
           "</select></label> <label>with the words <input id=\"words\" type=\"search\"></label> "
-          "<span id=\"shown\" role=\"status\"></span></form>\n</section>\n</main>\n",
+          "<span id=\"shown\" role=\"status\"></span></form>\n<p id=\"how\" hidden>Each finding "
+          "can link to a page in which the model turns and the place is marked: run <code>norma "
+          "view</code> with the same files and <code>--out-dir pages</code>, then check again with "
+          "<code>--page pages/</code>.</p>\n</section>\n</main>\n",
         out);
     write_machine_totals(out, totals, settings);
     fputs(script, out);
