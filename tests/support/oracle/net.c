@@ -262,3 +262,27 @@ size_t net_judge(const char *name, const made_case *made) {
     oracle_destroy(&t.o);
     return t.total.wrong;
 }
+
+/* ---- many */
+
+static made_case judged;
+
+static void print_judged(void) {
+    made_case_print(&judged, stdout);
+    fflush(stdout);
+}
+
+size_t net_judge_seeds(uint64_t first, uint64_t last) {
+    enum { MOST_WRONG = 20 };
+    size_t wrong = 0;
+    guarded_on_crash(print_judged);
+    for (uint64_t seed = first; seed <= last && wrong < MOST_WRONG; ++seed) {
+        char name[40];
+        snprintf(name, sizeof name, "seed %llu", (unsigned long long)seed);
+        made_case_of_seed(&judged, seed);
+        const size_t here = net_judge(name, &judged);
+        if (here && !wrong) print_judged();
+        wrong += here;
+    }
+    return wrong;
+}

@@ -6,4 +6,8 @@
 
 /* Returns how many answers are wrong; each is printed. */
 size_t net_judge(const char *name, const made_case *made);
+
+/* The same of the cases of seeds first to last, until twenty are wrong. The first that is wrong, or
+ * that crashes, is printed; the tool oracle_cases makes it smaller. */
+size_t net_judge_seeds(uint64_t first, uint64_t last);
 #endif
