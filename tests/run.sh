@@ -27,13 +27,14 @@ fi
 # ---- what is run
 
 quick_parts="gcc scripts clang fuzz tsan"
-other_parts="web long clang-long fuzz-long tsan-long"
+other_parts="gcc-long web long clang-long fuzz-long tsan-long"
 # Scripts of `make test`; all others are of `make test-all`. Long ones first: nothing then waits for a last one.
-quick_scripts="cli/together cli/hostile repo/format cli/golden repo/hygiene cli/hostile-names repo/arrows repo/readme repo/headers repo/guide cli/gltf-shared
+quick_scripts="repo/format cli/golden repo/hygiene repo/arrows repo/readme repo/headers repo/guide cli/gltf-shared
     repo/trust repo/names repo/checklist repo/manual repo/packaging repo/examples repo/sbom"
 # Those that need the page, and a tree that has it; names are written into pages, too.
 web_scripts="web/page web/package web/marks web/silhouettes cli/hostile-names"
-longest_scripts="cli/faults-memory python/wheel repo/install repo/single cli/acid-render cli/faults repo/shaders repo/portable repo/plain cli/progress cli/large"
+longest_scripts="cli/faults-memory python/wheel repo/install repo/single cli/acid-render cli/faults repo/shaders repo/portable repo/plain cli/progress cli/large
+    cli/together cli/hostile"
 long_scripts() {
     printf '%s\n' $longest_scripts
     find tests/cli tests/mpi tests/python tests/repo tests/tangent tests/web -maxdepth 1 -name '*.sh' | sed 's|^tests/||; s|\.sh$||' | sort |
@@ -95,10 +96,20 @@ part_gcc() {
     say "gcc: building with warnings as errors"
     build gcc
     in_tree gcc
-    say "gcc: unit tests"
-    one gcc.wrapped "$NORMA_TREE/tests/norma_tests_wrapped" -j "$jobs"
-    one gcc.units "$NORMA_TREE/tests/norma_tests" -j "$jobs"
+    say "gcc: quick unit tests"
+    one gcc.wrapped "$NORMA_TREE/tests/norma_tests_wrapped" -j "$jobs" --quick
+    one gcc.units "$NORMA_TREE/tests/norma_tests" -j "$jobs" --quick
 }
+
+part_gcc_long() {
+    needs gcc
+    in_tree gcc
+    say "gcc: long unit tests"
+    one gcc.wrapped-long "$NORMA_TREE/tests/norma_tests_wrapped" -j "$jobs" --long
+    one gcc.units-long "$NORMA_TREE/tests/norma_tests" -j "$jobs" --long
+}
+
+long_units() { for program in norma_tests norma_tests_wrapped; do "$out/$1/tests/$program" --long --list; done 2>/dev/null | tr '\n' ' '; }
 
 part_scripts() {
     needs gcc
@@ -139,8 +150,9 @@ part_tsan() {
     say "tsan: building what runs in it with the thread sanitizer"
     build tsan norma_tests
     in_tree tsan
-    say "tsan: unit tests that use threads"
-    one tsan.units "$NORMA_TREE/tests/norma_tests" -j "$jobs"
+    say "tsan: quick unit tests that use threads, and one case of the long ones"
+    one tsan.units "$NORMA_TREE/tests/norma_tests" -j "$jobs" --quick
+    one tsan.units-defaults "$NORMA_TREE/tests/norma_tests" threads:defaults
 }
 
 part_web() {
@@ -179,9 +191,10 @@ part_fuzz_long() {
 
 part_tsan_long() {
     has_clang tsan-long || return
-    build tsan norma-cli engine_jobs
+    build tsan norma_tests norma-cli engine_jobs
     in_tree tsan
-    say "tsan: whole programs"
+    say "tsan: long unit tests, whole programs"
+    one tsan.units-long "$NORMA_TREE/tests/norma_tests" -j "$jobs" --long
     one tsan.programs tests/cli/threads.sh
 }
 
@@ -285,8 +298,9 @@ echo "The slowest, in seconds of the processor:"
 # shellcheck disable=SC2086  # a list of files
 seconds $results | sort -rn | head -n 8 | sed -E 's/^([^ ]+) /    \1  /'
 if [ "$what" = test ]; then
-    echo "Not run here, but by make test-all: the page, the npm package, Python, MPI; $(long_scripts | tr '\n' ' ')"
-    echo "    with sanitizers: $("$out/clang/tests/norma_tests" --long --list 2>/dev/null | tr '\n' ' '); golden cases, bits, each file of the data set through each verb, $(fuzz_targets | wc -l) fuzz targets for some seconds each, the tool with threads"
+    echo "Not run here, but by make test-all: the page, the npm package, Python, MPI; $({ printf '%s\n' $web_scripts; long_scripts; } | tr '\n' ' ')"
+    echo "    long unit tests: $(long_units gcc)"
+    echo "    with sanitizers: $(long_units clang); golden cases, bits, each file of the data set through each verb, $(fuzz_targets | wc -l) fuzz targets for some seconds each, the tool with threads"
 fi
 times >"$out/times"
 say "done, after $SECONDS s, with $(awk -F"[ms ]+" 'END { printf "%.0f", 60 * ($1 + $3) + $2 + $4 }' "$out/times") s of the processor"
