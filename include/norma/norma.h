@@ -1158,11 +1158,10 @@ NORMA_API norma_result norma_corner_tangents(const norma_mesh *mesh, const norma
 /* ---- tangents of meshes that move
  *
  * Topology and texture coordinates stay the same; positions and normals change. A tangent plan
- * stores which vertices are equal, how faces are cut into triangles and which corners meet at each
- * vertex. An update checks whether that is still true. If not (equal positions or normals separate,
- * others become equal, or a quad has to be cut along its other diagonal), the update repeats that
- * part of the work. Its tangents, reasons and report are therefore always those of
- * norma_corner_tangents, bit for bit.
+ * stores which corners a vertex that moves can affect, so that an update computes those alone. Its
+ * tangents, reasons and report are always those of norma_corner_tangents, bit for bit, also where
+ * equal positions or normals separate, others become equal, or a quad has to be cut along its other
+ * diagonal.
  *
  * - Thread safety. An update does not change the plan. Any number of updates of one plan may run at
  *   once, each with its own output.
@@ -1212,7 +1211,7 @@ NORMA_API norma_result norma_tangent_plan_create(const norma_mesh *mesh,
  * Errors: those of norma_corner_tangents; NORMA_ERROR_ARGUMENT also if plan is NULL or the number
  * of positions differs; NORMA_ERROR_INDEX also if moved names a vertex that does not exist. All are
  * found before anything is written.
- * Cost: O(corners + positions), at most that of norma_corner_tangents. With moved, O(tangents
+ * Cost: O(corners + positions), that of norma_corner_tangents. With moved, O(tangents
  * written and the faces around them), plus a byte to clear for each position, face and vertex. */
 NORMA_API norma_result norma_tangent_plan_update(const norma_tangent_plan *plan,
     norma_vec3_view positions, const norma_attribute *normals, const uint32_t *moved,

@@ -249,7 +249,7 @@ norma_result norma_core_meshopt_tangents(
     meshopt_mesh m = {.input = mesh, .corner_count = corners, .face_count = corners / 3};
     if (!corners) return NORMA_OK;
     if (mesh->mesh.face_starts) return NORMA_ERROR_ARGUMENT;
-    norma_result result = norma_core_steady_keep(mesh, &m.vertex_of, &m.around);
+    norma_result result = norma_core_steady_stars(mesh, &m.vertex_of, &m.around);
     m.group = norma_core_allocate(call, corners, sizeof *m.group);
     m.sums = norma_core_allocate(call, corners, sizeof *m.sums);
     m.faces = norma_core_allocate(call, m.face_count, sizeof *m.faces);

@@ -417,23 +417,7 @@ static norma_result hold_corners(mikk_mesh *m) {
     return result;
 }
 
-/* Where the triangles are those that a plan knows, so are the corners at each vertex. Returns
- * whether the flags are, too: what copies a corner hangs on positions, and is found anew. */
-static int take_known(mikk_mesh *m) {
-    const mikk_mesh *known = !CORE_IS_SMALL && m->input->known ? m->input->known->mikk : NULL;
-    const size_t size = 3 * m->count * sizeof *m->triangles;
-    if (!known || m->count != known->count || !m->corners != !known->corners ||
-        memcmp(m->triangles, known->triangles, size) != 0 ||
-        (m->corners && memcmp(m->corners, known->corners, size) != 0))
-        return 0;
-    m->around = known->around;
-    m->is_sorted = 1;
-    if (known->copy_count) return 0;
-    if (!m->records) memcpy(m->flags, known->flags, m->count);
-    return 1;
-}
-
-/* MEMORY or CANCELLED; norma_core_mikk_release in any case. */
+/* MEMORY or CANCELLED; release_mikk in any case. */
 static norma_result core_mikk_triangles(mikk_mesh *m) {
     const core_mesh *mesh = &m->input->mesh;
     const size_t tasks = task_count(mesh);
@@ -460,7 +444,6 @@ static norma_result core_mikk_triangles(mikk_mesh *m) {
     norma_core_release(m->call, starts, tasks, sizeof *starts);
     const int degenerate = atomic_load_explicit(&c.degenerate, memory_order_relaxed);
     if (result == NORMA_OK && degenerate) result = leave_out_degenerate(m);
-    if (result == NORMA_OK && take_known(m)) return NORMA_OK;
     return result == NORMA_OK && m->corners ? hold_corners(m) : result;
 }
 
@@ -596,10 +579,6 @@ static norma_result sort_mikk_corners(mikk_mesh *mesh) {
     return norma_core_corners_of_position_build(mesh->call, &triangles, &mesh->around);
 }
 
-static norma_result sort_unsorted(mikk_mesh *mesh) {
-    return mesh->is_sorted ? NORMA_OK : sort_mikk_corners(mesh);
-}
-
 /* A triangle without texture area takes its sign from others, which may take theirs from
  * triangles far away; and a corner of a quad may take the tangent of one with other texture
  * coordinates. */
@@ -620,43 +599,13 @@ static norma_result run_mikk(mikk_mesh *mesh, const tangent_output *output, core
         return NORMA_OK;
     }
     norma_core_stage(mesh->call, 0.5, 0.6);
-    if (result == NORMA_OK) result = sort_unsorted(mesh);
+    if (result == NORMA_OK) result = sort_mikk_corners(mesh);
     if (result == NORMA_OK) result = core_mikk_follow(mesh);
     norma_core_stage(mesh->call, 0.6, 0.97);
     return result == NORMA_OK ? norma_core_mikk_stars(mesh, output, tally) : result;
 }
 
-static mikk_mesh mikk_of(const tangent_mesh *mesh) {
-    return (mikk_mesh){.call = mesh->call,
-        .input = mesh,
-        .vertices = mesh->vertices,
-        .vertex_count = mesh->key_count};
-}
-
-norma_result norma_core_mikk_tangents(
-    const tangent_mesh *mesh, const tangent_output *output, core_tally *tally) {
-    mikk_mesh mikk = mikk_of(mesh);
-    if (!mesh->mesh.corner_count) return NORMA_OK;
-    const norma_result result = run_mikk(&mikk, output, tally);
-    norma_core_mikk_release(&mikk);
-    return result;
-}
-
-norma_result norma_core_mikk_keep(const tangent_mesh *mesh, mikk_mesh *kept) {
-    *kept = mikk_of(mesh);
-    norma_result result = core_mikk_triangles(kept);
-    if (result == NORMA_OK) result = sort_mikk_corners(kept);
-    kept->input = NULL;
-    kept->vertices = NULL;
-    norma_core_release(kept->call, kept->records, 3 * kept->room, sizeof *kept->records);
-    kept->records = NULL;
-    if (result == NORMA_OK) return NORMA_OK;
-    norma_core_mikk_release(kept);
-    *kept = (mikk_mesh){.call = NULL};
-    return result;
-}
-
-void norma_core_mikk_release(mikk_mesh *mesh) {
+static void release_mikk(mikk_mesh *mesh) {
     const core_call *call = mesh->call;
     norma_core_release(call, mesh->triangles, 3 * mesh->room, sizeof *mesh->triangles);
     norma_core_release(call, mesh->corners, 3 * mesh->room, sizeof *mesh->corners);
@@ -664,6 +613,17 @@ void norma_core_mikk_release(mikk_mesh *mesh) {
     norma_core_release(call, mesh->records, 3 * mesh->room, sizeof *mesh->records);
     norma_core_release(call, mesh->copy_starts, mesh->vertex_count + 1, sizeof *mesh->copy_starts);
     norma_core_release(call, mesh->copies, mesh->copy_count, sizeof *mesh->copies);
-    if (mesh->around.starts && !mesh->is_sorted)
-        norma_core_corners_of_position_release(call, &mesh->around);
+    if (mesh->around.starts) norma_core_corners_of_position_release(call, &mesh->around);
+}
+
+norma_result norma_core_mikk_tangents(
+    const tangent_mesh *mesh, const tangent_output *output, core_tally *tally) {
+    mikk_mesh mikk = {.call = mesh->call,
+        .input = mesh,
+        .vertices = mesh->vertices,
+        .vertex_count = mesh->key_count};
+    if (!mesh->mesh.corner_count) return NORMA_OK;
+    const norma_result result = run_mikk(&mikk, output, tally);
+    release_mikk(&mikk);
+    return result;
 }

@@ -379,7 +379,7 @@ static void face_task(void *context, size_t task) {
                                                          ? mesh->face_count
                                                          : begin + FACES_IN_TASK;
     const size_t last = norma_core_face_begin(mesh, end);
-    for (size_t c = norma_core_face_begin(mesh, begin); c < last && !m->input->known; c++)
+    for (size_t c = norma_core_face_begin(mesh, begin); c < last; c++)
         m->vertex_of[c] = norma_core_tangent_vertex(m->input, c);
     if (!mesh->face_starts) {
         add_steady_triangles(m, begin, end);
@@ -602,18 +602,10 @@ static norma_result run_steady(steady_mesh *m, const tangent_output *output, cor
         return NORMA_OK;
     }
     norma_core_stage(m->call, 0.5, 0.6);
-    if (result == NORMA_OK && !m->input->known)
-        result = sort_steady_corners(m->input, m->vertex_of, &m->around);
+    if (result == NORMA_OK) result = sort_steady_corners(m->input, m->vertex_of, &m->around);
     if (result == NORMA_OK) result = adopt(m);
     norma_core_stage(m->call, 0.6, 0.97);
     return result == NORMA_OK ? run_stars(m, output, tally) : result;
-}
-
-/* What a plan does not know. */
-static void release_unknown(steady_mesh *m) {
-    if (m->input->known) return;
-    norma_core_release(m->call, m->vertex_of, m->input->mesh.corner_count, sizeof *m->vertex_of);
-    if (m->around.starts) norma_core_corners_of_position_release(m->call, &m->around);
 }
 
 /* By a power of two, so that squares of squares of lengths are held. */
@@ -635,21 +627,20 @@ norma_result norma_core_steady_tangents(
     if (mesh->exact) scale_exact_positions(mesh);
     steady_mesh m = {.call = mesh->call,
         .input = mesh,
+        .vertex_of = norma_core_allocate(call, corners, sizeof *m.vertex_of),
         .parts = norma_core_allocate(call, corners, sizeof *m.parts),
         .signs = norma_core_allocate(call, faces, 1)};
-    m.vertex_of = mesh->known ? mesh->known->vertex_of
-                              : norma_core_allocate(call, corners, sizeof *m.vertex_of);
-    if (mesh->known) m.around = mesh->known->around;
     norma_result result = NORMA_ERROR_MEMORY;
     if (m.vertex_of && m.parts && m.signs) result = run_steady(&m, output, tally);
     norma_core_release(call, m.parts, corners, sizeof *m.parts);
     norma_core_release(call, m.signs, faces, 1);
     norma_core_release(call, m.adopted, faces, 1);
-    release_unknown(&m);
+    norma_core_release(call, m.vertex_of, corners, sizeof *m.vertex_of);
+    if (m.around.starts) norma_core_corners_of_position_release(call, &m.around);
     return result;
 }
 
-norma_result norma_core_steady_keep(
+norma_result norma_core_steady_stars(
     const tangent_mesh *mesh, uint32_t **vertex_of, core_corners_of_position *around) {
     const size_t corners = mesh->mesh.corner_count;
     *vertex_of = norma_core_allocate(mesh->call, corners, sizeof **vertex_of);

@@ -17,146 +17,6 @@ static void *core_tangent_keep(norma_tangent_plan *plan, size_t count, size_t si
     return memory;
 }
 
-/* ---- Whether those vertices are equal that were. Those that were are compared with
- * the one that stands for them; those that were not can have become so only if their texture
- * coordinates are equal, so that of most meshes nothing is left to compare. */
-
-enum { FEW = 8, KEYS_IN_TASK = 1 << 14 };
-
-static int stands_for_itself(const norma_tangent_plan *plan, uint32_t key) {
-    return !plan->weld || plan->weld[key] == key;
-}
-
-/* ---- the keys of each place */
-
-typedef struct rival_sort {
-    norma_tangent_plan *plan;
-    core_corners_of_position keys; /* at each place */
-} rival_sort;
-
-static size_t count_rivals_at(const rival_sort *s, size_t place) {
-    size_t count = 0;
-    for (size_t i = s->keys.starts[place]; i < s->keys.starts[place + 1]; i++)
-        count += (size_t)stands_for_itself(s->plan, s->keys.corners[i]);
-    return count;
-}
-
-static void measure_rivals(const rival_sort *s) {
-    tangent_rivals *r = &s->plan->rivals;
-    for (size_t place = 0; place < s->plan->key_count; place++) {
-        const size_t count = count_rivals_at(s, place);
-        if (count > FEW)
-            r->crowd_count += count;
-        else if (count > 1)
-            r->few_count += 1 + count;
-    }
-}
-
-static void list(const rival_sort *s) {
-    tangent_rivals *r = &s->plan->rivals;
-    size_t few = 0, crowd = 0;
-    for (size_t place = 0; place < s->plan->key_count; place++) {
-        const size_t count = count_rivals_at(s, place);
-        if (count < 2) continue;
-        if (count <= FEW) r->few[few++] = (uint32_t)count;
-        for (size_t i = s->keys.starts[place]; i < s->keys.starts[place + 1]; i++) {
-            const uint32_t key = s->keys.corners[i];
-            if (stands_for_itself(s->plan, key))
-                *(count <= FEW ? &r->few[few++] : &r->crowd[crowd++]) = key;
-        }
-    }
-}
-
-/* tangent_rivals.c. MEMORY or CANCELLED; the plan keeps what is allocated. */
-static norma_result core_tangent_rivals_find(core_call *call, norma_tangent_plan *plan) {
-    rival_sort s = {.plan = plan};
-    const core_mesh keys = {.positions = {.count = plan->key_count},
-        .corner_count = plan->key_count,
-        .weld = plan->place};
-    if (!plan->place) return NORMA_OK;
-    const norma_result result = norma_core_corners_of_position_build(call, &keys, &s.keys);
-    if (result != NORMA_OK) return result;
-    measure_rivals(&s);
-    tangent_rivals *r = &plan->rivals;
-    r->few = core_tangent_keep(plan, r->few_count, sizeof *r->few);
-    r->crowd = core_tangent_keep(plan, r->crowd_count, sizeof *r->crowd);
-    if (r->few && r->crowd) list(&s);
-    norma_core_corners_of_position_release(call, &s.keys);
-    return r->few && r->crowd ? NORMA_OK : NORMA_ERROR_MEMORY;
-}
-
-/* ---- an update's vertices */
-
-typedef struct weld_check {
-    const norma_tangent_plan *plan;
-    const tangent_mesh *mesh;
-    atomic_int differs;
-} weld_check;
-
-static int are_equal_keys(const tangent_mesh *m, uint32_t one, uint32_t other) {
-    return norma_core_tangent_are_equal(m->vertices, (const double(*)[3])m->exact, one, other);
-}
-
-static void check_rivals_task(void *context, size_t task) {
-    weld_check *c = context;
-    const size_t count = c->plan->key_count, begin = task * KEYS_IN_TASK,
-                 end = count - begin < KEYS_IN_TASK ? count : begin + KEYS_IN_TASK;
-    int equal = 1;
-    for (size_t key = begin; key < end && equal; key++) {
-        const uint32_t one = c->plan->weld[key];
-        if (one != key) equal = are_equal_keys(c->mesh, (uint32_t)key, one);
-    }
-    if (!equal) atomic_store_explicit(&c->differs, 1, memory_order_relaxed);
-}
-
-static int few_are_apart(const norma_tangent_plan *plan, const tangent_mesh *mesh) {
-    const tangent_rivals *r = &plan->rivals;
-    for (size_t at = 0; at < r->few_count; at += 1 + r->few[at]) {
-        const uint32_t count = r->few[at], *keys = &r->few[at + 1];
-        for (uint32_t i = 1; i < count; i++)
-            for (uint32_t j = 0; j < i; j++)
-                if (are_equal_keys(mesh, keys[i], keys[j])) return 0;
-    }
-    return 1;
-}
-
-static norma_result look_at_crowd(
-    const norma_tangent_plan *plan, const tangent_mesh *mesh, int *holds) {
-    const size_t count = plan->rivals.crowd_count, in_doubles = mesh->exact ? count : 0;
-    size_t found = 0;
-    tangent_vertex *vertices = norma_core_allocate(mesh->call, count, sizeof *vertices);
-    uint32_t *weld = norma_core_allocate(mesh->call, count, sizeof *weld);
-    double(*exact)[3] = norma_core_allocate(mesh->call, in_doubles, sizeof *exact);
-    norma_result result = vertices && weld && exact ? NORMA_OK : NORMA_ERROR_MEMORY;
-    for (size_t i = 0; i < count && result == NORMA_OK; i++)
-        vertices[i] = mesh->vertices[plan->rivals.crowd[i]];
-    for (size_t i = 0; i < in_doubles && result == NORMA_OK; i++)
-        memcpy(exact[i], mesh->exact[plan->rivals.crowd[i]], sizeof *exact);
-    if (result == NORMA_OK)
-        result = norma_core_tangent_weld_vertices(mesh->call, vertices,
-            in_doubles ? (const double(*)[3])exact : NULL, count, weld, &found);
-    norma_core_release(mesh->call, exact, in_doubles, sizeof *exact);
-    norma_core_release(mesh->call, vertices, count, sizeof *vertices);
-    norma_core_release(mesh->call, weld, count, sizeof *weld);
-    *holds = !found;
-    return result;
-}
-
-/* Whether the vertices that were equal at the plan's creation are, and no others. *holds is set. */
-static norma_result core_tangent_weld_holds(
-    const norma_tangent_plan *plan, const tangent_mesh *mesh, int *holds) {
-    weld_check c = {.plan = plan, .mesh = mesh};
-    norma_result result = NORMA_OK;
-    if (plan->weld)
-        result = norma_core_parallel(mesh->call,
-            plan->key_count / KEYS_IN_TASK + (plan->key_count % KEYS_IN_TASK != 0),
-            check_rivals_task, &c);
-    *holds = !atomic_load_explicit(&c.differs, memory_order_relaxed) && few_are_apart(plan, mesh);
-    if (result == NORMA_OK && *holds && plan->rivals.crowd_count)
-        result = look_at_crowd(plan, mesh, holds);
-    return result;
-}
-
 /* ---- The tangents that some moved vertices can change, found without knowing where
  * they were before.
  *
@@ -389,7 +249,7 @@ static int open_tangent_part(tangent_part *p, const core_call *call) {
 
 static void close_tangent_part(tangent_part *p, const core_call *call) {
     const size_t count = p->corner_count;
-    norma_core_release(call, p->mesh.own_weld, p->mesh.key_count, sizeof *p->mesh.own_weld);
+    norma_core_release(call, p->mesh.weld, p->mesh.key_count, sizeof *p->mesh.weld);
     norma_core_release(call, p->corners, count, sizeof *p->corners);
     norma_core_release(call, p->keys, count, sizeof *p->keys);
     norma_core_release(call, p->by_key, count, sizeof *p->by_key);
@@ -421,8 +281,7 @@ static norma_result core_tangent_update_part(const norma_tangent_plan *plan,
     return result;
 }
 
-/* ---- norma_tangent_plan_update. What the plan knows is used where it is still
- * true, so that the bits are always those of norma_corner_tangents. */
+/* ---- norma_tangent_plan_update */
 
 static norma_result compute_plan_tangents(const norma_tangent_plan *plan, const tangent_mesh *m,
     const tangent_output *output, core_tally *tally) {
@@ -432,17 +291,11 @@ static norma_result compute_plan_tangents(const norma_tangent_plan *plan, const 
 
 static norma_result update_all(const norma_tangent_plan *plan, tangent_mesh *m,
     const tangent_output *output, core_tally *tally) {
-    int holds = 0;
     norma_core_stage(m->call, 0, 0.3);
-    norma_result result = norma_core_tangent_read(m);
-    if (result == NORMA_OK) result = core_tangent_weld_holds(plan, m, &holds);
-    if (result == NORMA_OK && holds) {
-        m->weld = plan->weld;
-        m->known = &plan->known;
-    }
-    if (result == NORMA_OK && !holds) result = norma_core_tangent_weld(m);
+    norma_result result = norma_core_tangent_open(m);
+    if (result != NORMA_OK) return result;
     norma_core_stage(m->call, 0.3, 0.97);
-    if (result == NORMA_OK) result = compute_plan_tangents(plan, m, output, tally);
+    result = compute_plan_tangents(plan, m, output, tally);
     norma_core_tangent_close(m);
     return result;
 }
@@ -530,16 +383,9 @@ static size_t sorted_bytes(const core_corners_of_position *sorted) {
                           : 0;
 }
 
-static size_t mikk_bytes(const mikk_mesh *m) {
-    return m->room * (3 * sizeof *m->triangles + (m->corners ? 3 * sizeof *m->corners : 0) + 1) +
-           (m->copy_count ? (m->vertex_count + 1) * sizeof *m->copy_starts : 0) +
-           m->copy_count * sizeof *m->copies + sorted_bytes(&m->around);
-}
-
 size_t norma_tangent_plan_bytes(const norma_tangent_plan *plan) {
     if (!plan) return 0;
-    return plan->bytes + sorted_bytes(&plan->at_place) + sorted_bytes(&plan->at_position) +
-           sorted_bytes(&plan->known.around) + mikk_bytes(&plan->mikk);
+    return plan->bytes + sorted_bytes(&plan->at_place) + sorted_bytes(&plan->at_position);
 }
 
 static void release_sorted(const core_call *call, core_corners_of_position *sorted) {
@@ -549,11 +395,8 @@ static void release_sorted(const core_call *call, core_corners_of_position *sort
 void norma_tangent_plan_destroy(norma_tangent_plan *plan) {
     if (!plan) return;
     core_call memory = plan->memory;
-    plan->mikk.call = &memory;
-    norma_core_mikk_release(&plan->mikk);
     release_sorted(&memory, &plan->at_place);
     release_sorted(&memory, &plan->at_position);
-    release_sorted(&memory, &plan->known.around);
     for (size_t i = 0; i < plan->store_count; i++)
         norma_core_release(
             &memory, plan->stores[i].memory, plan->stores[i].count, plan->stores[i].size);
@@ -629,23 +472,13 @@ static norma_result sort_plan_corners(core_call *call, norma_tangent_plan *plan)
         places.positions.count = plan->key_count;
         places.corner_size = 0;
     }
-    norma_core_stage(call, 0.5, 0.6);
+    norma_core_stage(call, 0.5, 0.75);
     norma_result result =
         norma_core_corners_of_position_build(call, &positions, &plan->at_position);
-    norma_core_stage(call, 0.6, 0.7);
+    norma_core_stage(call, 0.75, 0.97);
     if (result == NORMA_OK)
         result = norma_core_corners_of_position_build(call, &places, &plan->at_place);
     return result;
-}
-
-static norma_result keep_grouping(norma_tangent_plan *plan, tangent_mesh *m) {
-    core_tangent_adopt(plan, plan->weld = m->own_weld, m->key_count, sizeof *plan->weld);
-    m->own_weld = NULL;
-    norma_core_stage(m->call, 0.7, 0.97);
-    if (plan->mode == NORMA_TANGENTS_STEADY)
-        return norma_core_steady_keep(m, &plan->known.vertex_of, &plan->known.around);
-    plan->known.mikk = &plan->mikk;
-    return norma_core_mikk_keep(m, &plan->mikk);
 }
 
 static norma_result fill_tangent_plan(norma_tangent_plan *plan, tangent_mesh *m) {
@@ -655,24 +488,18 @@ static norma_result fill_tangent_plan(norma_tangent_plan *plan, tangent_mesh *m)
     if (result == NORMA_OK) result = keep_plan_texcoords(plan, m);
     if (result == NORMA_OK) result = keep_positions(plan, m);
     if (result == NORMA_OK) result = sort_plan_corners(m->call, plan);
-    if (result == NORMA_OK) result = keep_grouping(plan, m);
-    if (plan->known.vertex_of)
-        core_tangent_adopt(
-            plan, plan->known.vertex_of, m->mesh.corner_count, sizeof *plan->known.vertex_of);
-    if (result == NORMA_OK) result = core_tangent_rivals_find(m->call, plan);
     return result;
 }
 
 static norma_result make(tangent_mesh *m, norma_tangent_mode mode, norma_tangent_plan **made) {
     norma_core_stage(m->call, 0.05, 0.3);
-    norma_result result = norma_core_tangent_open(m);
-    if (result != NORMA_OK) return result;
+    norma_result result = m->mesh.corner_count ? norma_core_tangent_read(m) : NORMA_OK;
     norma_tangent_plan *plan = norma_core_allocate(m->call, 1, sizeof *plan);
     if (plan) {
         *plan = (norma_tangent_plan){.mode = mode, .mesh = m->mesh, .bytes = sizeof *plan};
         plan->memory.options.allocator = m->call->options.allocator;
         norma_core_stage(m->call, 0.3, 0.5);
-        if (m->mesh.corner_count) result = fill_tangent_plan(plan, m);
+        if (m->mesh.corner_count && result == NORMA_OK) result = fill_tangent_plan(plan, m);
         *made = plan;
     }
     norma_core_tangent_close(m);

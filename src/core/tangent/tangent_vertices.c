@@ -185,20 +185,15 @@ static void hash_vertices(const void *context, size_t first, size_t count, uint6
     }
 }
 
-int norma_core_tangent_are_equal(
-    const tangent_vertex *vertices, const double (*exact)[3], size_t one, size_t other) {
-    float a[8], b[8];
-    int same = 1;
-    memcpy(a, &vertices[one], sizeof a);
-    memcpy(b, &vertices[other], sizeof b);
-    for (int k = 0; k < 8; k++) same &= a[k] == b[k];
-    for (int k = 0; k < 3 && exact; k++) same &= exact[one][k] == exact[other][k];
-    return same;
-}
-
 static int same_vertex(const void *context, uint32_t one, uint32_t other) {
     const vertices_to_weld *w = context;
-    return norma_core_tangent_are_equal(w->vertices, w->exact, one, other);
+    float a[8], b[8];
+    int same = 1;
+    memcpy(a, &w->vertices[one], sizeof a);
+    memcpy(b, &w->vertices[other], sizeof b);
+    for (int k = 0; k < 8; k++) same &= a[k] == b[k];
+    for (int k = 0; k < 3 && w->exact; k++) same &= w->exact[one][k] == w->exact[other][k];
+    return same;
 }
 
 norma_result norma_core_tangent_weld_vertices(core_call *call, const tangent_vertex *vertices,
@@ -215,10 +210,10 @@ norma_result norma_core_tangent_weld(tangent_mesh *mesh) {
     if (!weld) return NORMA_ERROR_MEMORY;
     const norma_result result = norma_core_tangent_weld_vertices(
         mesh->call, mesh->vertices, (const double(*)[3])mesh->exact, count, weld, &found);
-    mesh->weld = mesh->own_weld = weld;
+    mesh->weld = weld;
     if (result != NORMA_OK || found) return result;
     norma_core_release(mesh->call, weld, count, sizeof *weld);
-    mesh->weld = mesh->own_weld = NULL;
+    mesh->weld = NULL;
     return NORMA_OK;
 }
 
@@ -247,10 +242,10 @@ norma_result norma_core_tangent_open(tangent_mesh *mesh) {
 void norma_core_tangent_close(tangent_mesh *mesh) {
     norma_core_release(mesh->call, mesh->vertices, mesh->key_count, sizeof *mesh->vertices);
     norma_core_release(mesh->call, mesh->exact, mesh->key_count, sizeof *mesh->exact);
-    norma_core_release(mesh->call, mesh->own_weld, mesh->key_count, sizeof *mesh->own_weld);
+    norma_core_release(mesh->call, mesh->weld, mesh->key_count, sizeof *mesh->weld);
     mesh->vertices = NULL;
     mesh->exact = NULL;
-    mesh->weld = mesh->own_weld = NULL;
+    mesh->weld = NULL;
 }
 
 /* ---- One place for what reaches the caller. */
