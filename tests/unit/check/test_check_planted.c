@@ -513,11 +513,9 @@ static void fins_and_bow_ties(void **state) {
     assert_found(f, 1);
     assert_true(f->samples[0].vertex == edge[0] || f->samples[0].vertex == edge[1]);
     assert_true(f->worst_value == 3);
-    const uint32_t lone = inner[2];
     surface_add_face(
         &s, (uint32_t[]){s.corners[3 * 2 * (70 * ACROSS + 20)], surface_add_vertex(&s, tip[0], up),
                 surface_add_vertex(&s, tip[1], up)});
-    (void)lone;
     assert_found(in_print(&s, "N303", NORMA_SEVERITY_WARNING), 2);
     surface_free(&s);
 }
