@@ -99,8 +99,8 @@ if(NORMA_FILES)
     target_include_directories(norma-draco PRIVATE ${PROJECT_SOURCE_DIR}/src)
     target_include_directories(norma-draco SYSTEM PRIVATE ${NORMA_DRACO_INCLUDE})
     set_target_properties(norma-draco PROPERTIES CXX_STANDARD 17 CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-    if(NORMA_SANITIZE) # this one needs a library that the C compiler does not link
-      target_compile_options(norma-draco PRIVATE -fno-sanitize=vptr)
+    if(NORMA_SANITIZE) # vptr needs a library that the C compiler does not link; the templates take long to optimise
+      target_compile_options(norma-draco PRIVATE -fno-sanitize=vptr -O0)
     endif()
     set(draco_object ${PROJECT_BINARY_DIR}/generated/draco_decoder.o)
     add_custom_command(OUTPUT ${draco_object} COMMAND ${CMAKE_COMMAND} -E copy $<TARGET_OBJECTS:norma-draco> ${draco_object}
