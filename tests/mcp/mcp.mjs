@@ -153,6 +153,13 @@ await attempt("files outside the roots are out of reach: names, links, folders",
     fails(await call("compute_normals", { path: "cube.obj", output, overwrite: true }), /output: /);
   }
   assert.deepEqual(readdirSync(outside), ["secret.obj"]);
+  /* Nor by the name of a buffer: through a link to a folder, or by one that leads nowhere. */
+  symlinkSync(join(outside, "none.bin"), join(root, "gone.bin"));
+  const buffers = ["out/secret.obj", "out/none.obj", "out/none/none.bin", "gone.bin"].map(async (uri, i) => {
+    put(`leads-${i}.gltf`, JSON.stringify({ asset: { version: "2.0" }, meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }], accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: "VEC3" }], bufferViews: [{ buffer: 0, byteLength: 36 }], buffers: [{ byteLength: 36, uri }] }));
+    return textOf(await call("compute_normals", { path: `leads-${i}.gltf`, output: "leads.gltf" })).match(/is not opened, because it is not a file in the asset's folder|cannot be read/)?.[0];
+  });
+  assert.deepEqual(new Set(await Promise.all(buffers)), new Set(["is not opened, because it is not a file in the asset's folder"]));
   const inside = await call("mesh_info", { path: join(root, "cube.obj") });
   assert.ok(!inside.isError);
 });

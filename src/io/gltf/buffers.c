@@ -26,6 +26,7 @@ static char *realpath(const char *path, char *resolved) {
     while (length > 1 && out[length - 1] == '/') out[--length] = '\0';
     return out;
 }
+#define lstat stat
 #endif
 
 static int uri_hex_value(char c) {
@@ -183,32 +184,42 @@ static char *gltf_real_path(const char *folder, const char *name) {
     return real;
 }
 
+/* Whether a path leads to real, a folder, or below: judged by the deepest part of it that is there,
+ * so that nobody learns what is elsewhere and what is not. A link that leads nowhere does not. The
+ * path is cut. -1: out of memory. */
+static int leads_into(const char *real, char *path) {
+    const size_t length = strlen(real);
+    struct stat status;
+    char *there, *slash;
+    while (!(there = realpath(path[0] ? path : ".", NULL)) && errno != ENOMEM && path[0]) {
+        if (lstat(path, &status) == 0) return 0;
+        slash = strrchr(path, '/');
+        *(!slash ? path : slash == path ? slash + 1 : slash) = '\0';
+    }
+    if (!there) return errno == ENOMEM ? -1 : 0;
+    const int inside = strncmp(there, real, length) == 0 &&
+                       (length == 1 || there[length] == '/' || there[length] == '\0');
+    free(there);
+    return inside;
+}
+
 int norma_gltf_path_inside(const char *folder, const char *name, char **path) {
     *path = NULL;
     errno = EACCES;
     if (!folder || !is_below(name)) return 0;
-    size_t folder_length = strlen(folder), name_length = strlen(name);
-    char *joined = malloc(folder_length + name_length + 1);
-    if (!joined) return 0;
-    memcpy(joined, folder, folder_length);
-    memcpy(joined + folder_length, name, name_length + 1);
-    char *real_folder = realpath(folder[0] ? folder : ".", NULL);
-    int why = real_folder ? 0 : errno;
-    char *real = real_folder ? realpath(joined, NULL) : NULL;
-    if (real_folder && !real) why = errno;
-    size_t length = real_folder ? strlen(real_folder) : 0;
-    int root = length == 1;
-    /* What is not there cannot lead elsewhere; what could not be looked at might. */
-    int inside = real ? strncmp(real, real_folder, length) == 0 && (root || real[length] == '/')
-                      : why != ENOMEM;
-    free(real_folder);
+    char *joined = norma_io_join(folder, name), *cut = norma_io_join(folder, name),
+         *real = realpath(folder[0] ? folder : ".", NULL);
+    const int inside = !joined || !cut || (!real && errno == ENOMEM) ? -1
+                       : real                                        ? leads_into(real, cut)
+                                                                     : 0;
+    free(cut);
     free(real);
-    if (inside)
+    if (inside > 0)
         *path = joined;
     else
         free(joined);
-    errno = why == ENOMEM ? ENOMEM : EACCES;
-    return inside;
+    errno = inside < 0 ? ENOMEM : EACCES;
+    return inside > 0;
 }
 
 char *norma_gltf_folder_of(const char *path) {
