@@ -373,7 +373,17 @@ awk 'BEGIN { for (i = 0; i < 30; ++i) for (j = 0; j < 15; ++j) print "v", i, j, 
     for (i = 0; i < 29; ++i) for (j = 0; j < 14; ++j) { a = i * 15 + j + 1; n = a == 1 ? 2 : 1; printf "f %d//%d %d//1 %d//1 %d//1\n", a, n, a + 15, a + 16, a + 1 } }' >grid.obj
 norma check grid.obj --no-config --select N102 -o grid.html >/dev/null
 norma check wide.obj --no-config --select N102 -o wide.html >/dev/null
-rows=$(sed -n '/<title>The whole mesh/,/<\/g>/p' grid.html | grep -o 'M[0-9]* [0-9]*.5h[0-9]*' | sort -u | wc -l)
-filled=$(sed -n '/<title>The whole mesh/,/<\/g>/p' grid.html | grep -o 'h[0-9]*' | tr -d h | awk '{ n += $1 } END { print n }')
-if [ "$rows" -gt 20 ] && [ "$filled" -gt 800 ] && [ "$filled" -lt 2400 ] && sed -n '/<title>The whole mesh/,/<\/g>/p' grid.html | grep -q "<circle cx='[0-9]*' cy='[0-9]*' r='3.5'" && ! grep -q 'The whole mesh' wide.html; then pass "a picture shows the whole mesh beside the close-up"; else fail "a picture shows the whole mesh beside the close-up" "$rows rows, $filled points"; fi
+whole() { sed -n '/<title>The whole model/,/<\/g>/p' "$1"; }
+filled() { whole "$1" | grep -o 'h[0-9]*' | tr -d h | awk '{ n += $1 } END { print n + 0 }'; }
+rows=$(whole grid.html | grep -o 'M[0-9]* [0-9]*.5h[0-9]*' | sort -u | wc -l)
+if [ "$rows" -gt 20 ] && [ "$(filled grid.html)" -gt 800 ] && [ "$(filled grid.html)" -lt 2400 ] && whole grid.html | grep -q "<circle cx='[0-9]*' cy='[0-9]*' r='3.5'" && [ -z "$(whole wide.html)" ]; then pass "a picture shows the whole model beside the close-up"; else fail "a picture shows the whole model beside the close-up" "$rows rows, $(filled grid.html) points"; fi
+# The same triangles in nodes: a mesh that the scene draws at 300 places in a row is a thin line of them, though one of them fills the close-up.
+python3 -c '
+import base64, json, struct
+data = struct.pack("<9f9f", 0, 0, 0, 1, 0, 0, 0, 1, 0, *(0, 0, 0), 0, 0, 1, 0, 0, 1)
+json.dump({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(300))}], "nodes": [{"mesh": 0, "translation": [3 * i, 0, 0]} for i in range(300)],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}}]}], "buffers": [{"byteLength": 72, "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}], "bufferViews": [{"buffer": 0, "byteLength": 72}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}, {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 3, "type": "VEC3"}]}, open("row.gltf", "w"))'
+norma check row.gltf --no-config --select N102 -o row.html >/dev/null
+if [ "$(filled row.html)" -gt 50 ] && [ "$(filled row.html)" -lt 260 ]; then pass "the whole model is what the nodes draw, at their places"; else fail "the whole model is what the nodes draw, at their places" "$(filled row.html) points"; fi
 finish

@@ -19,6 +19,8 @@ typedef struct near_face {
 } near_face;
 
 typedef struct picture {
+    norma_document *document;
+    size_t mesh; /* its number there, and its data */
     const norma_mesh_data *data;
     const norma_finding *finding;
     double place[3], radius;
@@ -312,69 +314,70 @@ static void draw_normals(FILE *out, const picture *drawn) {
     }
 }
 
-/* ---- The whole mesh, small in a corner of the picture: faces filled into a grid of points, the
- * nearest wins (a depth buffer), and rows of equal shade drawn as lines. A point marks the place.
- */
+/* ---- The whole model, small in a corner of the picture: all meshes as the nodes place them, seen
+ * as the close-up is, faces filled into a grid of points, the nearest wins (a depth buffer), and
+ * rows of equal shade drawn as lines. A point marks the place. Of very many faces some stand for
+ * all. */
 
-enum { WHOLE = 64, WHOLE_MARGIN = 4, SHADES = 4 };
+enum { WHOLE = 64, WHOLE_MARGIN = 4, SHADES = 4, MOST_OF_WHOLE = 400000 };
 
-typedef struct whole_mesh {
-    double least[2], scale; /* of the view, to points */
+typedef enum whole_pass { WHOLE_COUNT, WHOLE_FRAME, WHOLE_FILL } whole_pass;
+
+typedef struct whole_model {
+    double right[3], up[3], view[3], place[3]; /* in the world */
+    double box[4], least[2], scale;            /* of the view, to points */
+    size_t faces, stride;
     double depth[WHOLE][WHOLE];
     unsigned char shade[WHOLE][WHOLE]; /* 0: nothing there */
-} whole_mesh;
+} whole_model;
 
-static int see_corner(const picture *drawn, size_t corner, double seen[3]) {
-    const norma_mesh *mesh = &drawn->data->mesh;
-    double at[3];
-    if (!read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) return 0;
-    seen[0] = dot(at, drawn->right);
-    seen[1] = -dot(at, drawn->up);
-    seen[2] = dot(at, drawn->view);
-    return 1;
+static void apply_matrix(const double m[16], const double v[3], double w, double out[3]) {
+    for (int row = 0; row < 3; ++row)
+        out[row] = m[row] * v[0] + m[4 + row] * v[1] + m[8 + row] * v[2] + m[12 + row] * w;
 }
 
-static int frame_whole(const picture *drawn, whole_mesh *whole) {
-    double most[2] = {-INFINITY, -INFINITY}, seen[3];
-    whole->least[0] = whole->least[1] = INFINITY;
-    for (size_t corner = 0; corner < drawn->data->mesh.corner_count; ++corner)
-        for (int axis = 0; axis < 2 && see_corner(drawn, corner, seen); ++axis) {
-            whole->least[axis] = fmin(whole->least[axis], seen[axis]);
-            most[axis] = fmax(most[axis], seen[axis]);
-        }
-    const double width = most[0] - whole->least[0], height = most[1] - whole->least[1],
-                 size = fmax(width, height);
-    whole->scale = (WHOLE - 2) / size;
-    whole->least[0] -= (size - width) / 2 + size / (WHOLE - 2);
-    whole->least[1] -= (size - height) / 2 + size / (WHOLE - 2);
-    return size > 0 && isfinite(size) && isfinite(whole->scale);
+static int see_corner(const whole_model *whole, const norma_mesh *mesh, const double world[16],
+    size_t corner, double seen[3]) {
+    double at[3], placed[3];
+    if (!read_vector(&mesh->positions, norma_mesh_corner(mesh, corner), at)) return 0;
+    apply_matrix(world, at, 1, placed);
+    seen[0] = (dot(placed, whole->right) - whole->least[0]) * whole->scale;
+    seen[1] = (-dot(placed, whole->up) - whole->least[1]) * whole->scale;
+    seen[2] = dot(placed, whole->view) * whole->scale;
+    return isfinite(seen[0]) && isfinite(seen[1]) && isfinite(seen[2]);
 }
 
 static int on_grid(double at) { return !(at > 0) ? 0 : at > WHOLE - 1 ? WHOLE - 1 : (int)at; }
 
 /* The points of a triangle whose middle it covers, and those of its corners. */
-static void fill_triangle(whole_mesh *whole, double p[3][3], unsigned char shade) {
+static void fill_triangle(whole_model *whole, double p[3][3]) {
     int from[2] = {WHOLE, WHOLE}, to[2] = {0, 0};
-    for (int i = 0; i < 3; ++i)
+    double a[3], b[3], normal[3];
+    for (int i = 0; i < 3; ++i) {
+        a[i] = p[1][i] - p[0][i], b[i] = p[2][i] - p[0][i];
         for (int axis = 0; axis < 2; ++axis) {
             const int at = on_grid(p[i][axis]);
             from[axis] = at < from[axis] ? at : from[axis];
             to[axis] = at > to[axis] ? at : to[axis];
         }
-    const double whole_area =
-        (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
+    }
+    cross(a, b, normal);
+    const double area = normal[2];
+    if (!normalise(normal)) return;
+    const unsigned char shade = (unsigned char)(1 + (int)((SHADES - 0.01) * fabs(normal[2])));
+    const int is_small = to[0] - from[0] < 2 && to[1] - from[1] < 2;
     for (int y = from[1]; y <= to[1]; ++y)
         for (int x = from[0]; x <= to[0]; ++x) {
-            double part[3], depth = 0;
+            double depth = 0;
             int is_in = 1;
             for (int i = 0; i < 3; ++i) {
-                const double *a = p[(i + 1) % 3], *b = p[(i + 2) % 3];
-                part[i] = ((b[0] - a[0]) * (y + 0.5 - a[1]) - (b[1] - a[1]) * (x + 0.5 - a[0])) /
-                          whole_area;
-                is_in &= part[i] >= 0;
-                depth += part[i] * p[i][2];
+                const double *one = p[(i + 1) % 3], *other = p[(i + 2) % 3];
+                const double part = ((other[0] - one[0]) * (y + 0.5 - one[1]) -
+                                        (other[1] - one[1]) * (x + 0.5 - one[0])) /
+                                    area;
+                is_in &= part >= 0;
+                depth += part * p[i][2];
             }
-            const int is_small = to[0] - from[0] < 2 && to[1] - from[1] < 2;
             if (!is_in && is_small) depth = p[0][2];
             if ((!is_in && !is_small) || !(depth > whole->depth[y][x])) continue;
             whole->depth[y][x] = depth;
@@ -382,26 +385,101 @@ static void fill_triangle(whole_mesh *whole, double p[3][3], unsigned char shade
         }
 }
 
-static void fill_face(const picture *drawn, whole_mesh *whole, size_t face) {
-    const norma_mesh *mesh = &drawn->data->mesh;
-    double normal[3], p[3][3];
-    if (!direction_of_face(mesh, face, normal)) return;
-    const double slope = fmin(fabs(dot(normal, drawn->view)), 1);
-    const unsigned char shade = (unsigned char)(1 + (int)((SHADES - 0.01) * slope));
+static void visit_face(whole_model *whole, whole_pass pass, const norma_mesh *mesh,
+    const double world[16], size_t face) {
     const size_t begin = face_begin(mesh, face), end = face_end(mesh, face);
-    for (size_t corner = begin + 1; corner + 1 < end; ++corner) {
-        const size_t corners[] = {begin, corner, corner + 1};
-        int seen = 1;
-        for (int i = 0; i < 3; ++i) {
-            seen &= see_corner(drawn, corners[i], p[i]);
-            for (int axis = 0; axis < 2; ++axis)
-                p[i][axis] = (p[i][axis] - whole->least[axis]) * whole->scale;
+    double p[3][3];
+    int seen[3] = {0};
+    for (size_t corner = begin; corner < end; ++corner) {
+        const int to = corner == begin ? 0 : 2; /* a fan from the first corner */
+        memcpy(p[1], p[2], sizeof p[1]);
+        seen[1] = seen[2];
+        seen[to] = see_corner(whole, mesh, world, corner, p[to]);
+        if (pass == WHOLE_FILL && corner > begin + 1 && seen[0] && seen[1] && seen[2])
+            fill_triangle(whole, p);
+        for (int axis = 0; axis < 2 && pass == WHOLE_FRAME && seen[to]; ++axis) {
+            whole->box[axis] = fmin(whole->box[axis], p[to][axis]);
+            whole->box[2 + axis] = fmax(whole->box[2 + axis], p[to][axis]);
         }
-        if (seen) fill_triangle(whole, p, shade);
     }
 }
 
-static void draw_rows(FILE *out, const whole_mesh *whole, int shade) {
+/* One mesh at one place. */
+static void visit_placed(const picture *drawn, whole_model *whole, whole_pass pass, size_t mesh,
+    const double world[16]) {
+    norma_mesh_info info;
+    norma_mesh_data data;
+    if (norma_document_mesh_info(drawn->document, mesh, &info) || info.not_read) return;
+    if (pass == WHOLE_COUNT) whole->faces += info.faces;
+    if (pass == WHOLE_COUNT || norma_document_mesh_data(drawn->document, mesh, &data, NULL)) return;
+    for (size_t face = 0; face < count_faces(&data.mesh); face += whole->stride)
+        visit_face(whole, pass, &data.mesh, world, face);
+}
+
+/* The first mesh of the document that has this number in the file, or a greater one. */
+static size_t first_mesh_of(norma_document *document, size_t number) {
+    size_t from = 0, to = norma_document_mesh_count(document);
+    norma_mesh_info info;
+    while (from < to) {
+        const size_t middle = from + (to - from) / 2;
+        if (!norma_document_mesh_info(document, middle, &info) && info.mesh < number)
+            from = middle + 1;
+        else
+            to = middle;
+    }
+    return from;
+}
+
+static int is_of_mesh(norma_document *document, size_t mesh, size_t number) {
+    norma_mesh_info info;
+    return !norma_document_mesh_info(document, mesh, &info) && info.mesh == number;
+}
+
+/* A skin places its mesh itself: in the pose that it was bound in. */
+static int place_node(
+    const picture *drawn, const norma_node_info *node, size_t index, size_t k, double world[16]) {
+    static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    memcpy(world, identity, sizeof identity);
+    return node->skin != SIZE_MAX ||
+           !norma_document_instance_world(drawn->document, index, k, world, NULL);
+}
+
+/* world: where the mesh of the picture is drawn first. 0: nowhere, or there are no nodes. */
+static int find_first_node(const picture *drawn, double world[16]) {
+    norma_mesh_info info;
+    norma_node_info node;
+    if (norma_document_mesh_info(drawn->document, drawn->mesh, &info)) return 0;
+    for (size_t i = 0; i < norma_document_node_count(drawn->document); ++i)
+        if (!norma_document_node_info(drawn->document, i, &node) && node.mesh == info.mesh)
+            return place_node(drawn, &node, i, 0, world);
+    return 0;
+}
+
+/* All that the nodes draw; the mesh alone where none draws it. */
+static void visit_model(
+    const picture *drawn, whole_model *whole, whole_pass pass, int by_nodes, double world[16]) {
+    norma_node_info node;
+    if (!by_nodes) visit_placed(drawn, whole, pass, drawn->mesh, world);
+    for (size_t i = 0; by_nodes && i < norma_document_node_count(drawn->document); ++i) {
+        if (norma_document_node_info(drawn->document, i, &node)) continue;
+        const size_t first = first_mesh_of(drawn->document, node.mesh);
+        for (size_t k = 0; k < node.instances; ++k)
+            for (size_t mesh = first; is_of_mesh(drawn->document, mesh, node.mesh); ++mesh)
+                if (place_node(drawn, &node, i, k, world))
+                    visit_placed(drawn, whole, pass, mesh, world);
+    }
+}
+
+static int frame_whole(whole_model *whole) {
+    const double *box = whole->box;
+    const double width = box[2] - box[0], height = box[3] - box[1], size = fmax(width, height);
+    whole->scale = (WHOLE - 2) / size;
+    whole->least[0] = box[0] - (size - width) / 2 - size / (WHOLE - 2);
+    whole->least[1] = box[1] - (size - height) / 2 - size / (WHOLE - 2);
+    return size > 0 && isfinite(size) && isfinite(whole->scale);
+}
+
+static void draw_rows(FILE *out, const whole_model *whole, int shade) {
     fprintf(out, "<path style='stroke:#%x%x%x;stroke-width:1.1' d='", 4 + 2 * shade, 4 + 2 * shade,
         4 + 2 * shade);
     for (int y = 0; y < WHOLE; ++y)
@@ -413,43 +491,64 @@ static void draw_rows(FILE *out, const whole_mesh *whole, int shade) {
     fputs("'/>\n", out);
 }
 
+static void draw_filled(FILE *out, const whole_model *whole) {
+    const double x = (dot(whole->place, whole->right) - whole->least[0]) * whole->scale,
+                 y = (-dot(whole->place, whole->up) - whole->least[1]) * whole->scale;
+    fprintf(out,
+        "<g transform='translate(%d %d)'><title>The whole model</title><rect width='%d' "
+        "height='%d' rx='4' fill='#fff' fill-opacity='.9'/>\n",
+        SIDE - WHOLE - WHOLE_MARGIN, WHOLE_MARGIN, WHOLE, WHOLE);
+    for (int shade = 1; shade <= SHADES; ++shade) draw_rows(out, whole, shade);
+    fprintf(out, "<circle cx='%d' cy='%d' r='3.5' fill='#e00' stroke='#fff'/></g>\n", on_grid(x),
+        on_grid(y));
+}
+
 /* Nothing where the close-up shows all of it, or without memory. */
 static void draw_whole(FILE *out, const picture *drawn) {
-    const size_t faces = count_faces(&drawn->data->mesh);
-    whole_mesh *whole = faces > drawn->count ? calloc(1, sizeof *whole) : NULL;
-    if (whole && frame_whole(drawn, whole)) {
-        const double x = (dot(drawn->place, drawn->right) - whole->least[0]) * whole->scale,
-                     y = (-dot(drawn->place, drawn->up) - whole->least[1]) * whole->scale;
+    double world[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    whole_model *whole = calloc(1, sizeof *whole);
+    if (!whole) return;
+    const int by_nodes = find_first_node(drawn, world);
+    apply_matrix(world, drawn->place, 1, whole->place);
+    apply_matrix(world, drawn->view, 0, whole->view);
+    apply_matrix(world, drawn->up, 0, whole->up);
+    cross(whole->up, whole->view, whole->right);
+    const int is_seen = normalise(whole->view) && normalise(whole->right);
+    cross(whole->view, whole->right, whole->up);
+    visit_model(drawn, whole, WHOLE_COUNT, by_nodes, world);
+    whole->stride = 1 + whole->faces / MOST_OF_WHOLE;
+    whole->scale = 1;
+    if (is_seen && whole->faces > drawn->count) {
+        for (int axis = 0; axis < 2; ++axis)
+            whole->box[axis] = INFINITY, whole->box[2 + axis] = -INFINITY;
+        visit_model(drawn, whole, WHOLE_FRAME, by_nodes, world);
         for (int i = 0; i < WHOLE * WHOLE; ++i) whole->depth[i / WHOLE][i % WHOLE] = -INFINITY;
-        for (size_t face = 0; face < faces; ++face) fill_face(drawn, whole, face);
-        fprintf(out,
-            "<g transform='translate(%d %d)'><title>The whole mesh</title><rect width='%d' "
-            "height='%d' rx='4' fill='#fff' fill-opacity='.9'/>\n",
-            SIDE - WHOLE - WHOLE_MARGIN, WHOLE_MARGIN, WHOLE, WHOLE);
-        for (int shade = 1; shade <= SHADES; ++shade) draw_rows(out, whole, shade);
-        fprintf(out, "<circle cx='%d' cy='%d' r='3.5' fill='#e00' stroke='#fff'/></g>\n",
-            on_grid(x), on_grid(y));
+        if (frame_whole(whole)) {
+            visit_model(drawn, whole, WHOLE_FILL, by_nodes, world);
+            draw_filled(out, whole);
+        }
     }
     free(whole);
 }
 
-/* The mesh that a finding stands at. 0: none, or it was not read. */
-static int check_find_mesh(norma_document *document, const char *where, norma_mesh_data *data) {
+/* The mesh that a finding stands at, in its model of a composite. 0: none, or it was not read. */
+static int find_mesh(picture *drawn, norma_mesh_data *data) {
     norma_mesh_info info;
     size_t tile;
-    where = check_where_in_tile(where, &tile);
-    document = norma_document_tile(document, tile);
-    for (size_t i = 0; i < norma_document_mesh_count(document); ++i)
-        if (!norma_document_mesh_info(document, i, &info) && strcmp(info.where, where) == 0)
-            return !info.not_read && !norma_document_mesh_data(document, i, data, NULL);
+    const char *where = check_where_in_tile(drawn->finding->where, &tile);
+    drawn->document = norma_document_tile(drawn->document, tile);
+    for (drawn->mesh = 0; drawn->mesh < norma_document_mesh_count(drawn->document); ++drawn->mesh)
+        if (!norma_document_mesh_info(drawn->document, drawn->mesh, &info) &&
+            strcmp(info.where, where) == 0)
+            return !info.not_read &&
+                   !norma_document_mesh_data(drawn->document, drawn->mesh, data, NULL);
     return 0;
 }
 
 void check_draw_finding(FILE *out, norma_document *document, const norma_finding *finding) {
     norma_mesh_data data;
-    picture drawn = {.data = &data, .finding = finding};
-    if (document && find_place(&drawn) && check_find_mesh(document, finding->where, &data) &&
-        find_nearest_faces(&drawn)) {
+    picture drawn = {.document = document, .data = &data, .finding = finding};
+    if (document && find_place(&drawn) && find_mesh(&drawn, &data) && find_nearest_faces(&drawn)) {
         look(&drawn);
         choose_radius(&drawn);
         if (drawn.radius > 0 && isfinite(drawn.radius)) {
