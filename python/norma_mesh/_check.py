@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from . import _norma
 from ._arguments import WEIGHTS, Faces, Profile, choice, count_of, given_degrees, mesh, options, parts_of, refuse, thread_count
 from ._calls import attribute
-from ._files import FORMATS, Document, FileError, FileMesh, Format, bytes_of, raise_document, source_of
+from ._files import FORMATS, Document, FileError, FileMesh, Format, bytes_of, is_tileset, raise_document, source_of
 from ._selection import PROFILES, Names, mask_of
 from ._tool import tool_path
 
@@ -374,8 +374,8 @@ def check(
 ) -> Report:
     """Checks the normals of a file, as `norma check` does; configuration files are not read.
 
-    source: a path; a folder, whose files are checked, those in folders below too; a list of paths and
-        folders; a file's contents as bytes; a document of `norma.open`, as it is now; or positions
+    source: a path; a folder, whose files are checked, those in folders below too; a tileset.json, whose
+        tiles are; a list of such; a file's contents as bytes; a document of `norma.open`, as it is now; or positions
         (with `faces`), or a mesh as `norma.vertex_normals` takes it.
     faces, normals: of positions; normals are one for each position or for each corner.
     name, format: of bytes, as in `norma.open`.
@@ -395,7 +395,7 @@ def check(
         return _check_file(source.to_bytes(), settings, source.path, source.format)
     if faces is None and isinstance(source, (list, tuple)) and source and all(isinstance(part, (str, os.PathLike)) for part in source):
         return _check_files([path for part in source for path in _within(part)], f"{len(source)} paths", settings)
-    if isinstance(source, (str, os.PathLike)) and os.path.isdir(bytes_of("path", source)):
+    if isinstance(source, (str, os.PathLike)) and not format and (os.path.isdir(bytes_of("path", source)) or is_tileset(source)):
         return _check_files(_within(source), os.fsdecode(source), settings)
     if faces is None and not isinstance(source, (bytes, bytearray, memoryview)) and not isinstance(source, (str, os.PathLike)):
         if not isinstance(source, (list, tuple, np.ndarray)) and parts_of(source)[0] is source:
@@ -408,7 +408,12 @@ def check(
 
 
 def _within(path: Any) -> List[str]:
-    """The files of a folder that can be checked, or the path itself."""
+    """The files of a folder that can be checked, those of a tileset, or the path itself."""
+    if is_tileset(bytes_of("path", path)):
+        tiles = _norma.tileset_tiles(os.fsencode(path))
+        if not isinstance(tiles, list):
+            raise_document(tiles)
+        return list(dict.fromkeys(map(os.fsdecode, tiles)))
     if not os.path.isdir(bytes_of("path", path)):
         return [os.fsdecode(path)]
     endings = {"." + word for word in FORMATS if word} | {".vrm"}

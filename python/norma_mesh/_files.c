@@ -54,6 +54,29 @@ static PyObject *open_document(PyObject *self, PyObject *arguments) {
     return capsule;
 }
 
+static int add_tile(void *list, const char *path) {
+    PyObject *name = PyBytes_FromString(path);
+    const int failed = !name || PyList_Append(list, name) != 0;
+    Py_XDECREF(name);
+    return failed;
+}
+
+/* tileset_tiles(path in bytes) -> [path in bytes], or why it was refused */
+static PyObject *tileset_tiles(PyObject *self, PyObject *path) {
+    norma_document_error error = {0};
+    PyObject *list = PyList_New(0);
+    const char *name = PyBytes_AsString(path);
+    (void)self;
+    if (!list || !name) {
+        Py_XDECREF(list);
+        return NULL;
+    }
+    const norma_document_result result = norma_tileset_visit_tiles(name, add_tile, list, &error);
+    if (result == NORMA_DOCUMENT_OK && !PyErr_Occurred()) return list;
+    Py_DECREF(list);
+    return PyErr_Occurred() ? NULL : norma_py_document_refusal(result, &error);
+}
+
 /* document_meshes(document) -> (format, [(name, where, vertices, faces, storage, encoding,
  * morph targets, why not read or None)]) */
 static PyObject *document_meshes(PyObject *self, PyObject *capsule) {
@@ -313,6 +336,7 @@ static PyObject *document_set_normals(PyObject *self, PyObject *arguments) {
 }
 
 PyMethodDef norma_py_files[] = {{"open_document", open_document, METH_VARARGS, NULL},
+    {"tileset_tiles", tileset_tiles, METH_O, NULL},
     {"document_meshes", document_meshes, METH_O, NULL},
     {"document_arrays", document_arrays, METH_VARARGS, NULL},
     {"document_compute", document_compute, METH_VARARGS, NULL},

@@ -73,6 +73,11 @@ def bytes_of(name: str, path: object) -> bytes:
     return encoded
 
 
+def is_tileset(path: Any) -> bool:
+    """Whether a file is called as a tileset of 3D Tiles is."""
+    return os.fsdecode(path).lower().endswith(".json") and os.path.isfile(path)
+
+
 @dataclass(frozen=True)
 class Source:
     """A file to be read: on the disk, or bytes with a name for messages."""
@@ -552,4 +557,6 @@ def open(source: Union[Path, Contents], *, name: Optional[str] = None, format: O
     >>> goat.compute(crease=30).hard_edges
     659
     """
+    if isinstance(source, (str, os.PathLike)) and not format and is_tileset(bytes_of("path", source)):
+        raise FileError(f"{os.fsdecode(source)}: a tileset is no mesh; open its tiles, or give it to norma.check")
     return Document(source, name=name, format=format, threads=threads)

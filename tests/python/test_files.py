@@ -1,4 +1,5 @@
 """Files and rules: what Python says is what the command-line tool says."""
+import base64
 import glob
 import json
 import os
@@ -91,6 +92,33 @@ class Rules(unittest.TestCase):
             self.assertEqual([f for f in norma.check(os.path.join(folder, "it's bad.fixed.obj")) if f.rule == "N102"], [])
             page = report._repr_html_()
             self.assertIn("N102", page)
+
+    def test_a_tileset_stands_for_its_tiles(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path, inner = os.path.join(folder, "tileset.json"), os.path.join(folder, "inner.json")
+            data = np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 2], [0, 0, 2], [0, 0, 2]]).tobytes()
+            accessor = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}
+            tile = {"asset": {"version": "2.0"}, "buffers": [{"byteLength": 72, "uri": "data:;base64," + base64.b64encode(data).decode()}],
+                    "bufferViews": [{"buffer": 0, "byteLength": 72}], "accessors": [accessor, {**accessor, "byteOffset": 36, "min": [0, 0, 2], "max": [0, 0, 2]}],
+                    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}}]}]}
+            for name in ("a.gltf", "b c.gltf"):
+                with open(os.path.join(folder, name), "w") as file:
+                    json.dump(tile, file)
+            tiles = [{"content": {"uri": uri}, "geometricError": 0} for uri in ("b%20c.gltf", "inner.json", "b%20c.gltf")]
+            for name, root in ((path, {"geometricError": 1, "children": tiles}), (inner, {"geometricError": 0, "content": {"uri": "a.gltf"}})):
+                with open(name, "w") as file:
+                    json.dump({"asset": {"version": "1.1"}, "geometricError": 1, "root": root}, file)
+            report, expected = norma.check(path), json.loads(tool("check", path, "--json", "--no-config").stdout)["files"]
+            self.assertEqual(sorted(part.path for part in report.files), sorted(file["path"] for file in expected))
+            self.assertEqual(len(report.findings), sum(len(file["findings"]) for file in expected))
+            self.assertGreater(len(report.findings), 0)
+            self.assertEqual(norma.check([path]).findings, report.findings)
+            with self.assertRaisesRegex(norma.FileError, "a tileset is no mesh"):
+                norma.open(path)
+            with open(inner, "w") as file:
+                file.write("{}")
+            with self.assertRaisesRegex(norma.FileError, "inner.json"):
+                norma.check(path)
 
     def test_files_that_cannot_be_read(self):
         with self.assertRaises(FileNotFoundError):
