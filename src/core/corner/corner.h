@@ -8,10 +8,10 @@
 #include <stddef.h>
 #include <stdatomic.h>
 
-/* ---- the crease rule, the one place that says which shared edges are smooth: the dihedral angle
- * is at most the crease, no side marks the edge hard, and where smoothing groups are given the two
- * faces have one in common. Most angles are decided by their cosine, which loops over many edges
- * can compare; the angle itself is taken only where the cosine is too near the crease's. */
+/* ---- the crease rule (star_fans.c): a shared edge is smooth where the dihedral angle is at most
+ * the crease, no side marks the edge hard, and where smoothing groups are given the two faces have
+ * one in common. Most angles are decided by their cosine, which the loops of star_kernel.c compare
+ * for many edges; the angle itself is taken only where the cosine is too near the crease's. */
 
 typedef struct core_crease {
     double angle;  /* the greatest dihedral angle that is smooth, the tolerance in it; beyond pi:
@@ -23,14 +23,8 @@ typedef struct core_crease {
 norma_result norma_core_check_crease(float crease_angle_rad, norma_fault *fault);
 core_crease norma_core_crease_at(double crease_angle_rad);
 
-typedef enum core_crease_verdict {
-    CORE_CREASE_UNDECIDED = -1,
-    CORE_CREASE_HARD,
-    CORE_CREASE_SMOOTH
-} core_crease_verdict;
-
-/* By the cosine of the dihedral angle: the dot product of the two unit normals. Its doubt is beyond
- * the rounding of both. */
+/* cosine: of the dihedral angle, the dot product of the two unit normals. Its doubt is beyond the
+ * rounding of both. Neither: the angle has to be taken. */
 static const double CORE_COSINE_DOUBT = 0x1p-30;
 static inline int norma_core_is_surely_smooth(const core_crease *crease, double cosine) {
     return cosine > crease->cosine + CORE_COSINE_DOUBT;
@@ -38,14 +32,8 @@ static inline int norma_core_is_surely_smooth(const core_crease *crease, double 
 static inline int norma_core_is_surely_hard(const core_crease *crease, double cosine) {
     return cosine < crease->cosine - CORE_COSINE_DOUBT;
 }
-static inline core_crease_verdict norma_core_crease_by_cosine(
-    const core_crease *crease, double cosine) {
-    if (norma_core_is_surely_smooth(crease, cosine)) return CORE_CREASE_SMOOTH;
-    return norma_core_is_surely_hard(crease, cosine) ? CORE_CREASE_HARD : CORE_CREASE_UNDECIDED;
-}
-
-/* Whether the caller's marks leave the edge smooth: corner at which the edge begins in one face,
- * and in the face that runs along it the other way. */
+/* Whether the caller's marks leave the edge smooth. It begins at corner in one face, and at
+ * other_corner in the face that runs along it the other way. */
 static inline int norma_core_is_unmarked(const core_mesh *mesh, uint32_t corner, uint32_t face,
     uint32_t other_corner, uint32_t other_face) {
     if (CORE_IS_SMALL) return 1;
@@ -54,16 +42,20 @@ static inline int norma_core_is_unmarked(const core_mesh *mesh, uint32_t corner,
            (mesh->smoothing_groups[face] & mesh->smoothing_groups[other_face]);
 }
 
-/* ---- the smallest cone round normals that are not kept in an array. */
+/* ---- the smallest cone round unit vectors (normal_cone.c): O(count) for each of the few vectors
+ * that widen it. Returns 0 where no open hemisphere holds them. */
+
+int norma_core_smallest_cone(const double (*normals)[3], size_t count, double axis[3]);
 
 /* Normal index of count; 0 where that one is left out. The same each time it is asked for. */
 typedef int norma_core_cone_at(const void *context, size_t index, double normal[3]);
 
-/* As norma_core_smallest_cone (vertex_star.h), with the same bits. */
+/* Of normals that are not kept in an array: the same bits. */
 int norma_core_smallest_cone_of(
     norma_core_cone_at *at, const void *context, size_t count, double axis[3]);
 
-/* ---- an indexed mesh out of values per corner, for calls that make some of them. */
+/* ---- an indexed mesh out of values per corner, for calls that make some of them
+ * (index_corners.c). */
 
 norma_result norma_core_check_indexed(const norma_indexed *indexed);
 
@@ -72,7 +64,7 @@ norma_result norma_core_index_corners(core_call *call, const norma_stream *strea
     size_t stream_count, size_t corner_count, norma_indexed *to);
 
 /* ---- a mesh made ready for normals at its positions: checked, welded, its corners sorted by
- * position, its polygons measured. */
+ * position, its polygons measured (prepared_mesh.c). */
 
 typedef struct core_prepared_mesh {
     core_call *call;
@@ -107,12 +99,12 @@ norma_result norma_core_prepare_fans(
 /* call stays the caller's. What it returns but NORMA_OK leaves nothing to release. */
 norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, core_use use,
     double crease_angle_rad, core_prepared_mesh *prepared);
-/* From here on, stars that meet a triangle without a direction mark its positions; once all have
- * been made that may: finds whose directions such borrow. */
+/* From here on, stars that meet a triangle without a direction mark its positions. */
 norma_result norma_core_watch_for_flat(core_prepared_mesh *prepared);
 static inline void norma_core_mark_flat(const core_prepared_mesh *prepared, uint32_t position) {
     atomic_store_explicit(&prepared->flat_at[position], 1, memory_order_relaxed);
 }
+/* Once all stars have been made that can be: finds whose directions such triangles borrow. */
 norma_result norma_core_borrow_directions(core_prepared_mesh *prepared);
 void norma_core_prepared_mesh_close(core_prepared_mesh *prepared);
 
@@ -124,8 +116,8 @@ static inline void norma_core_prepared_mesh_face(
         norma_core_face_geometry(&prepared->mesh, face, out);
 }
 
-/* ---- the corners around one position, joined into fans by the smooth edges between their faces,
- * and the sum of each fan. */
+/* ---- the corners around one position (star.c), joined into fans by the smooth edges between their
+ * faces (star_fans.c), and the sum of each fan. */
 
 enum {
     STAR_VOTES = 1,
@@ -204,15 +196,16 @@ void norma_core_star_begin(const core_prepared_mesh *prepared, uint32_t position
  * weights only where asked, since joining needs none. */
 void norma_core_star_fill(const core_prepared_mesh *prepared, const uint32_t *corners, size_t count,
     int with_weights, core_star *star);
-/* With all of them. */
+/* Begins the star, and fills it with all corners at the position. */
 void norma_core_star_load(
     const core_prepared_mesh *prepared, uint32_t position, int with_weights, core_star *star);
-/* One fan of each; or fans by smooth edges, counts (may be NULL) of the edges to positions of
- * higher number. */
+/* All its corners become one fan. */
 void norma_core_star_join_all(core_star *star);
+/* Fans by smooth edges. counts: NULL, or edges to positions of higher number are added. */
 void norma_core_star_join_fans(
     const core_prepared_mesh *prepared, core_star *star, star_counts *counts);
-/* The edges that are listed in the star, sorted. */
+/* The same by those edges alone that are listed in the star, sorted, for stars of very many
+ * corners: the caller makes joined the lowest of each fan. */
 void norma_core_star_join_listed(
     const core_prepared_mesh *prepared, core_star *star, star_counts *counts);
 /* Adds a corner's vote, if it has one. */
@@ -231,35 +224,8 @@ void norma_core_star_see_some(
 void norma_core_star_borrow_directions(const core_prepared_mesh *prepared, core_star *star,
     uint32_t *longest, uint32_t *borrowed_from);
 
-/* The axis of the smallest cone round unit vectors; 0 where no open hemisphere holds them. O(count)
- * for each of the few vectors that widen it. */
-int norma_core_smallest_cone(const double (*normals)[3], size_t count, double axis[3]);
-
-/* ---- the edges that leave a star's position, one after the other. */
-
-typedef struct edge_side {
-    const star_edge *edges;
-    size_t count;
-} edge_side; /* the faces that run along it one way, by key */
-typedef struct edge {
-    edge_side out, back;
-} edge;
-
-/* Sorts those that are listed already. */
+/* Sorts the star's edges, which are listed: by the position at the other end, direction, key. */
 void norma_core_sort_edges(core_star *star);
-
-/* Two that run along it opposite ways are partners, unless one is the other's reversed twin: of the
- * same positions in opposite order, back to back. A face that runs both ways is two there, each the
- * other's partner (a slit); but of one that is its own reverse, as (a, b, c, b) is, they are twins.
- */
-static inline int norma_core_are_partners(const star_edge *a, const star_edge *b) {
-    return b->key != norma_core_key_of_twin(a->key);
-}
-
-typedef struct edge_partners {
-    size_t count;
-    const star_edge *only; /* where there is just one, else NULL */
-} edge_partners;
 
 /* ---- the corners of a star, sorted by vertex and by the bits of their normals. */
 
@@ -286,10 +252,10 @@ static inline int norma_core_same_normal(const star_member *a, const star_member
 /* By vertex, bits, index; O(n log n). */
 void norma_core_sort_corners(star_member *members, size_t count);
 
-/* ---- every star of a prepared, visited in parallel. */
+/* ---- every star of a prepared mesh, visited in parallel (visit_positions.c). */
 
 typedef enum core_join { CORE_JOIN_ALL = 0, CORE_JOIN_FANS } core_join;
-typedef struct stars_part {
+typedef struct stars_part { /* what some visits add up to; waiting: stars not made yet */
     core_tally tally;
     star_counts counts;
     size_t waiting;
@@ -330,20 +296,13 @@ typedef struct position_visit {
 norma_result norma_core_visit_positions(
     core_prepared_mesh *prepared, const position_visit *visit, stars_part *sum);
 
-/* Stars of very many corners, in little memory, fan by fan; of triangles, all weights
- * but the visible one. */
-typedef struct large_star {
-    uint64_t *out, *back; /* of each corner: the position at the other end of its edge to next, from
-                             previous, and its star number */
-    uint32_t *fan;        /* of each corner a lower one of the same fan, or itself */
-    size_t room;
-} large_star;
-
-/* The same for one position, in order, in a star that has room for any position of the surface. */
+/* Loads, joins and sums the star of one position, but one that waits. star: with room for all
+ * corners there. counts may be NULL. */
 void norma_core_make_star(const core_prepared_mesh *prepared, core_join join, uint32_t position,
     star_counts *counts, core_star *star);
 
-/* ---- corners without a normal get that of the nearest corner that has one. */
+/* ---- corners without a normal get that of the nearest corner that has one (fallback_normals.c).
+ */
 
 /* reasons: of each corner. For each corner of which wanted (NULL: each without a normal) is
  * nonzero, take gets the nearest normal; zeros where no corner of the mesh has one. All stars can

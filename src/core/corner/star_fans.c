@@ -25,12 +25,13 @@ core_crease norma_core_crease_at(double crease_angle_rad) {
     return (core_crease){angle, angle < 0 ? 2 : angle >= NORMA_PI ? -2 : cos(angle)};
 }
 
-/* The same where the cosine does not decide it: by the angle. */
+/* By the cosine of the dihedral angle of two unit normals, and where that does not decide by the
+ * angle. */
 static int core_is_within_crease(const core_crease *crease, const double a[3], const double b[3]) {
     const double cosine = norma_core_dot(a, b);
-    const core_crease_verdict verdict = norma_core_crease_by_cosine(crease, cosine);
     double cross[3];
-    if (verdict != CORE_CREASE_UNDECIDED) return verdict == CORE_CREASE_SMOOTH;
+    if (norma_core_is_surely_smooth(crease, cosine)) return 1;
+    if (norma_core_is_surely_hard(crease, cosine)) return 0;
     norma_core_cross(a, b, cross);
     return norma_core_angle(norma_core_length(cross), cosine) <= crease->angle;
 }
@@ -102,6 +103,27 @@ static void core_list_edges(core_star *star) {
 }
 
 /* ---- one edge */
+
+typedef struct edge_side {
+    const star_edge *edges;
+    size_t count;
+} edge_side; /* the faces that run along it one way, by key */
+typedef struct edge {
+    edge_side out, back;
+} edge;
+
+/* Two that run along it opposite ways are partners, unless one is the other's reversed twin: of the
+ * same positions in opposite order, back to back. A face that runs both ways is two there, each the
+ * other's partner (a slit); but of one that is its own reverse, as (a, b, c, b) is, they are twins.
+ */
+static inline int core_are_partners(const star_edge *a, const star_edge *b) {
+    return b->key != norma_core_key_of_twin(a->key);
+}
+
+typedef struct edge_partners {
+    size_t count;
+    const star_edge *only; /* where there is just one, else NULL */
+} edge_partners;
 
 /* The first edge of the side with this key or a higher one; above: with a higher one. */
 static size_t core_first_not_below(const edge_side *side, uint64_t key, int above) {
@@ -219,8 +241,8 @@ static double angle_in(const edge_frame *frame, const double normal[3]) {
 /* ---- joining */
 
 static void join_pair(const fin_set *f, const star_edge *out, const star_edge *back) {
-    if (!norma_core_are_partners(out, back) || norma_core_set_of(f->star->joined, out->corner) ==
-                                                   norma_core_set_of(f->star->joined, back->corner))
+    if (!core_are_partners(out, back) || norma_core_set_of(f->star->joined, out->corner) ==
+                                             norma_core_set_of(f->star->joined, back->corner))
         return;
     if (core_edge_is_smooth(f->prepared, f->star, out, back))
         norma_core_join_sets(f->star->joined, out->corner, back->corner);
@@ -522,9 +544,8 @@ static void join_all_partners(
         if (!(star->corners[out->corner].flags & STAR_HAS_NORMAL)) continue; /* all hard */
         for (size_t j = 0; j < e->back.count; j++) {
             const star_edge *back = &e->back.edges[j];
-            if (!norma_core_are_partners(out, back) ||
-                norma_core_set_of(star->joined, out->corner) ==
-                    norma_core_set_of(star->joined, back->corner))
+            if (!core_are_partners(out, back) || norma_core_set_of(star->joined, out->corner) ==
+                                                     norma_core_set_of(star->joined, back->corner))
                 continue;
             if (core_edge_is_smooth(prepared, star, out, back))
                 norma_core_join_sets(star->joined, out->corner, back->corner);
@@ -569,20 +590,21 @@ static void join_repeated(const core_prepared_mesh *prepared, core_star *star) {
     }
 }
 
-/* ---- ordinary stars, nearly all there are: along each edge runs one face out and one back, or one
- * alone; paired without sorting, to the same fans and counts: a fifth of the most visible normals'
+/* ---- plain stars: along each edge runs one face out and one back, or one alone; paired without
+ * sorting, to the same fans and counts. Here come stars that are in no batch
+ * (norma_core_can_batch), and those that star_kernel.c leaves: a fifth of the most visible normals'
  * time, a tenth of what dream-apartment takes where edges are counted */
 
 enum { FEW_CORNERS = 16, NO_PARTNER = -1 };
 
-typedef struct ordinary_star {
+typedef struct plain_star {
     uint32_t next[FEW_CORNERS], previous[FEW_CORNERS];
     int back[FEW_CORNERS]; /* of each corner: the one whose face runs back along its edge to next */
     int met[FEW_CORNERS];  /* of each corner: whether its edge from previous is another's edge to
                               next */
-} ordinary_star;
+} plain_star;
 
-static int pair_up(const core_star *star, ordinary_star *o) {
+static int pair_up(const core_star *star, plain_star *o) {
     const int count = (int)star->count;
     for (int i = 0; i < count; i++) {
         if (!(star->corners[i].flags & STAR_KEPT)) return 0;
@@ -610,8 +632,8 @@ static int pair_up(const core_star *star, ordinary_star *o) {
     return 1;
 }
 
-static int join_ordinary(const core_prepared_mesh *prepared, core_star *star, star_counts *counts) {
-    ordinary_star o;
+static int join_plain(const core_prepared_mesh *prepared, core_star *star, star_counts *counts) {
+    plain_star o;
     norma_edges edges = {0, 0, 0, 0};
     if (star->count > FEW_CORNERS || !pair_up(star, &o)) return 0;
     for (uint32_t i = 0; i < star->count; i++) {
@@ -650,7 +672,7 @@ void norma_core_star_join_listed(
 
 void norma_core_star_join_fans(
     const core_prepared_mesh *prepared, core_star *star, star_counts *counts) {
-    if (join_ordinary(prepared, star, counts)) {
+    if (join_plain(prepared, star, counts)) {
         settle_fans(star);
         return;
     }

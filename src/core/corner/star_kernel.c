@@ -413,6 +413,8 @@ CORE_INLINE int meet_any_star(
 
 /* ---- which edges are smooth */
 
+enum { EDGE_CUT = 1, EDGE_NEAR_CREASE = 2, EDGE_UNSURE = 4 };
+
 typedef double row_lanes __attribute__((vector_size(4 * sizeof(double))));
 
 CORE_INLINE row_lanes load_row(const double *row) {
@@ -494,7 +496,7 @@ CORE_INLINE uint32_t link_half(
                        link = how & EDGE_CUT ? 0 : back,
                        unsure = how & (back ? EDGE_UNSURE | EDGE_NEAR_CREASE : EDGE_UNSURE);
         l->link[c] = link;
-        l->to[c] = link ? other : c;
+        l->to[c] = link ? other : c; /* unsure goes into the bits above the corners' */
         any |= c < count ? link | unsure << ORDINARY_CORNERS : 0;
     }
     return any;

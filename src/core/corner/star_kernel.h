@@ -1,13 +1,13 @@
-/* star_kernel.h: ordinary stars, nearly all there are, made many at a time. To the same bits as one
- * by one. */
+/* star_kernel.h: batches of stars that are joined and summed many at a time, as nearly all are. To
+ * the same bits as one by one (star.c, star_fans.c), which is how the others are made. */
 #ifndef NORMA_CORE_CORNER_STAR_KERNEL_H
 #define NORMA_CORE_CORNER_STAR_KERNEL_H
 #include "core/corner/corner.h"
 
-/* ---- ordinary stars: of up to so many corners, all of whose faces have directions that doubles
- * decide. Where edges are counted, of polygons, and where all partners at an edge share it, also
- * with one face out and one back at most along each edge, and no twins; of polygons, with faces
- * that keep all their corners. */
+/* ---- which stars are ordinary, and may be in a batch: of up to so many corners, all of whose
+ * faces have directions that doubles decide. Where edges are counted, of polygons, and where all
+ * partners at an edge share it, also with one face out and one back at most along each edge, and no
+ * twins; of polygons, with faces that keep all their corners. */
 
 enum { BATCH_CORNERS = 128, FACES_KEPT = 4096, ORDINARY_CORNERS = 16 };
 
@@ -36,7 +36,8 @@ void norma_core_kept_release(const core_prepared_mesh *prepared, size_t count, k
 typedef struct listed_star {
     uint32_t position;
     uint16_t begin, count;         /* of its corners among those of the list */
-    uint16_t first_fan, fan_count; /* once settled; no fan: it is not ordinary */
+    uint16_t first_fan, fan_count; /* once settled; no fan: it is not ordinary. While settling:
+                                      whether it may be */
 } listed_star;
 
 typedef struct star_list {
@@ -54,7 +55,6 @@ typedef struct star_list {
     listed_star stars[BATCH_CORNERS];
 } star_list;
 
-enum { EDGE_CUT = 1, EDGE_NEAR_CREASE = 2, EDGE_UNSURE = 4 };
 enum { BATCH_ROOM = BATCH_CORNERS + ORDINARY_CORNERS }; /* the last star is read to its end */
 
 typedef struct fan_batch {
@@ -64,7 +64,7 @@ typedef struct fan_batch {
      * out along that from previous. */
     uint32_t back[BATCH_ROOM], out[BATCH_ROOM];
     uint32_t other[BATCH_ROOM];             /* of each the one across its edge to next, or itself */
-    uint32_t edge[BATCH_ROOM];              /* EDGE_ flags of that edge */
+    uint32_t edge[BATCH_ROOM];              /* flags of that edge (star_kernel.c) */
     _Alignas(64) double row[BATCH_ROOM][4]; /* products of each edge; once it is known which are
                                                cut, of each fan its sum and weight */
     double decided[BATCH_ROOM];             /* of each fan, from here on */

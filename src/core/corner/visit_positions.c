@@ -9,6 +9,15 @@
 
 enum { CORNERS_BETWEEN_TELLING = 1 << 17 };
 
+/* Stars of very many corners, in little memory, fan by fan; of triangles, all weights
+ * but the visible one. */
+typedef struct large_star {
+    uint64_t *out, *back; /* of each corner: the position at the other end of its edge to next, from
+                             previous, and its star number */
+    uint32_t *fan;        /* of each corner a lower one of the same fan, or itself */
+    size_t room;
+} large_star;
+
 static norma_result core_large_star_allocate(
     const core_call *call, large_star *large, size_t corners) {
     large->room = corners;

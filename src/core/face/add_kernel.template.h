@@ -78,7 +78,7 @@ CORE_INLINE void core_add_eight(
         if (core_is_decided(e, i))
             core_add_lane(adder, e, i, weight);
         else
-            adder->add_face(adder->context, adder->first_face + f + (size_t)i);
+            adder->add_alone(adder->context, adder->first_face + f + (size_t)i);
     }
 }
 
@@ -297,7 +297,7 @@ CORE_INLINE void add_block(
     const core_adder *adder, const core_measured *m, size_t begin, size_t faces) {
     for (size_t i = 0; i < faces; i++) {
         if (!m->corners[i])
-            adder->add_face(adder->context, begin + i);
+            adder->add_alone(adder->context, begin + i);
         else if (m->corners[i] == 4 && adder->owns_all)
             add_corners(adder, m, i, 4, 1);
         else

@@ -10,7 +10,7 @@
 #include <stdint.h>
 #include <stddef.h>
 
-/* ---- triangles measured eight at a time. */
+/* ---- eight triangles, for what is measured of all at once. */
 
 enum {
     CORE_LANES = 8
@@ -185,10 +185,10 @@ static inline int norma_core_turn_is_sure(double along, double length) {
     return fabs(along) > 0x1p-28 * length;
 }
 
-/* ---- sums of products of up to four doubles without any rounding, for signs and zeros that must
- * be exact. A long fixed-point register holds every bit that such a product can have (Kulisch's
- * accumulator). It is slow beside two or three floating-point operations, so callers ask a
- * floating-point filter first and come here only where that cannot decide. */
+/* ---- face_exact.c: sums of products of up to four doubles without any rounding, for signs and
+ * zeros that must be exact. A long fixed-point register holds every bit that such a product can
+ * have (Kulisch's accumulator). It is slow beside two or three floating-point operations, so
+ * callers ask a floating-point filter first and come here only where that cannot decide. */
 
 enum { EXACT_SUM_FACTORS = 4, EXACT_SUM_LIMBS = 264 };
 
@@ -214,7 +214,7 @@ scaled_number norma_scaled_from_double(double value); /* finite */
 double norma_scaled_to_double(
     scaled_number number); /* rounded: infinite or zero beyond a double's range */
 
-/* ---- the vector area of a face, exactly. */
+/* ---- the vector area of a face, exactly (face_exact.c). */
 
 typedef void exact_point(const void *context, size_t index, double point[3]);
 
@@ -224,7 +224,7 @@ typedef void exact_point(const void *context, size_t index, double point[3]);
 int norma_core_exact_area(
     exact_point *point, const void *context, size_t count, double area[3], int *exponent);
 
-/* ---- on which side of straight a corner of a polygon lies, exactly. */
+/* ---- on which side of straight a corner of a polygon lies, exactly (face_exact.c). */
 
 /* Whether the edges at a corner, seen along the polygon's vector area, turn the other way than the
  * polygon: those from previous to here and from here to next. The polygon's count points and the
@@ -233,7 +233,7 @@ int norma_core_turns_back(exact_point *point, const void *context, size_t count,
     const double here[3], const double next[3], const double previous[3]);
 
 /* ---- a number by which a face's reversed twin is recognised: the face that has the same (welded)
- * positions in opposite order, wherever either begins. */
+ * positions in opposite order, wherever either begins (face_geometry.c). */
 
 /* The two lowest bits tell the way round: 0 or 1, or 2 for a face that is its own reverse. */
 enum { CORE_KEY_WAY = 3 };
@@ -247,9 +247,9 @@ static inline uint64_t norma_core_triangle_key(uint32_t third) { return (uint64_
 /* The key that the twins of a face with this key have. */
 static inline uint64_t norma_core_key_of_twin(uint64_t key) { return key ^ ((~key >> 1) & 1); }
 
-/* ---- faces of three to eight corners measured many at a time, eight of equally many corners at
- * once. Faces of more corners, and what doubles do not decide, are left to face_geometry.c, whose
- * bits these are. */
+/* ---- face_kernel.c: faces of three to eight corners measured many at a time, eight of equally
+ * many corners at once. Faces of more corners, and what doubles do not decide, are left to
+ * face_geometry.c, whose bits these are. */
 
 enum {
     CORE_FACES_AT_ONCE = 64, /* more would need more stack than a caller's jobs may have */
@@ -270,12 +270,12 @@ typedef struct core_measured {
     uint32_t room[CORE_CORNERS_AT_ONCE]; /* for at, where it is not the mesh's */
 } core_measured;
 
-typedef struct core_kernels core_kernels;
+typedef struct core_kernels core_kernels; /* below */
 /* The faces from begin to before end, CORE_FACES_AT_ONCE at most. */
 void norma_core_measure_faces(const core_kernels *kernels, const core_mesh *mesh, size_t begin,
     size_t end, norma_weight weight, core_corners wanted, core_measured *out);
 
-/* ---- the direction and size of a face, and what each of its corners weighs. */
+/* ---- the direction and size of a face, and what each of its corners weighs (face_geometry.c). */
 
 enum {
     CORE_FACE_DIRECTED = 1,
@@ -311,8 +311,9 @@ unsigned norma_core_measure_triangles(const core_call *call, const core_mesh *me
 double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size_t number,
     const core_face *face, size_t corner);
 
-/* ---- the loops that most of the time goes to, compiled for each instruction set: faces measured,
- * added to the sums of positions, and sums made normals. */
+/* ---- the loops that most of the time goes to: faces measured (face_kernel.template.h), added to
+ * the sums of positions, and sums made normals (add_kernel.template.h); kernels_portable.c,
+ * kernels_avx2.c and kernels_avx512.c include both, each for its instruction set. */
 
 typedef struct core_vertex_sum {
     double x, y, z, weight;
@@ -326,8 +327,8 @@ typedef struct core_adder {
     int owns_all;      /* no corner of the faces that are to be added is elsewhere */
     int scattered;     /* corners in a row lie far apart: memory is asked for ahead */
     int by_distance;   /* positions that differ may be welded into one */
-    size_t first_face; /* the number of the mesh's first face to add_face */
-    void (*add_face)(void *context, size_t face); /* one that doubles do not decide */
+    size_t first_face; /* the number of the mesh's first face to add_alone */
+    void (*add_alone)(void *context, size_t face); /* one that doubles do not decide */
     void *context;
 } core_adder;
 
@@ -339,9 +340,6 @@ typedef struct core_faces_alike {
     core_corners wanted;
     core_measured *out;
 } core_faces_alike;
-
-/* Adds the faces from begin to before end, in ascending order. */
-typedef void core_add_faces(const core_adder *adder, size_t begin, size_t end);
 
 /* Where what is measured of eight triangles goes. */
 typedef struct core_eight_rows {
@@ -358,7 +356,9 @@ struct core_kernels {
     void (*measure_at)(const core_mesh *mesh, const uint32_t *at, size_t count,
         core_eight_rows *out, norma_weight weight);
     void (*measure_alike)(const core_faces_alike *faces, size_t begin, size_t end, size_t corners);
-    core_add_faces *add_triangles, *add_polygons;
+    /* Add the faces from begin to before end, in ascending order. */
+    void (*add_triangles)(const core_adder *adder, size_t begin, size_t end);
+    void (*add_polygons)(const core_adder *adder, size_t begin, size_t end);
     /* The normals of CORE_LANES sums. Returns whether each is one; where one has no votes, cancels,
      * or is beyond what doubles square, none of them is to be used. */
     int (*finish)(const core_vertex_sum sums[CORE_LANES], float normals[CORE_LANES][3]);
@@ -373,9 +373,4 @@ const core_kernels *norma_core_kernels_avx2(void);
 #if defined(CORE_HAS_AVX512)
 const core_kernels *norma_core_kernels_avx512(void);
 #endif
-
-/* The mesh's faces from begin to before end, by these kernels. Corners of triangles of other than
- * 32 bits are made so first, so that one loop is enough. */
-void norma_core_add_faces(
-    const core_kernels *kernels, const core_adder *adder, size_t begin, size_t end);
 #endif

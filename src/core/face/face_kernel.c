@@ -100,35 +100,3 @@ void norma_core_measure_faces(const core_kernels *kernels, const core_mesh *mesh
         if (begins.of[n] < begins.of[n + 1])
             kernels->measure_alike(&faces, begins.of[n], begins.of[n + 1], n);
 }
-
-/* ---- faces added */
-
-enum { FACES_TO_WIDEN = 256 };
-
-static void add_widened(
-    const core_kernels *kernels, const core_adder *adder, size_t begin, size_t end) {
-    uint32_t corners[3 * FACES_TO_WIDEN];
-    core_mesh mesh = *adder->mesh;
-    core_adder wide = *adder;
-    mesh.corner_count = 3 * (end - begin);
-    norma_core_read_corners(&mesh, 3 * begin, mesh.corner_count, corners);
-    mesh.corners = corners;
-    mesh.corner_size = sizeof *corners;
-    wide.mesh = &mesh;
-    wide.first_face = begin;
-    kernels->add_triangles(&wide, 0, end - begin);
-}
-
-void norma_core_add_faces(
-    const core_kernels *kernels, const core_adder *adder, size_t begin, size_t end) {
-    if (norma_core_face_starts(adder->mesh)) {
-        kernels->add_polygons(adder, begin, end);
-        return;
-    }
-    if (adder->mesh->corner_size == sizeof(uint32_t)) {
-        kernels->add_triangles(adder, begin, end);
-        return;
-    }
-    for (size_t f = begin; f < end; f += FACES_TO_WIDEN)
-        add_widened(kernels, adder, f, end - f < FACES_TO_WIDEN ? end : f + FACES_TO_WIDEN);
-}

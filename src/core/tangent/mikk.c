@@ -1,4 +1,5 @@
-/* mikk.c: mikkTSpace, step by step: triangles, their signs, then vertex by vertex. */
+/* mikk.c: MikkTSpace, step by step: triangles, their signs, then vertex by vertex. Begin at
+ * run_mikk, at the end. */
 #include "core/tangent/tangents.h"
 #include "core/face/cut_polygon.h"
 
@@ -91,7 +92,7 @@ static void agree_on_sign(mikk_mesh *m, size_t second) {
     *(first_decides ? b : a) ^= MIKK_POSITIVE;
 }
 
-/* Triangles that have records have their flags already. */
+/* Meshes of triangles alone have records, and got their flags with these (record_task). */
 static norma_result core_mikk_flags(mikk_mesh *m) {
     flagging f = {m, norma_core_mikk_kernels(m->call->options.isa)};
     if (mikk_has_records(m)) return NORMA_OK;

@@ -2,6 +2,68 @@
  */
 #include "core/tangent/tangents.h"
 
+/* ---- The corners at one vertex, and the tangent spaces that they share. */
+
+typedef struct mikk_space {
+    float s[3], t[3]; /* t and the lengths: only of meshes with quads */
+    float length_s, length_t, angle;
+    int positive;
+    uint32_t ends; /* of all tangents of a group that records sum */
+    int opposed;   /* of a group: some of its tangents may be opposed to each other */
+} mikk_space;
+
+typedef struct mikk_star {
+    const mikk_mesh *mesh;
+    uint32_t vertex;
+    size_t count;
+    const uint32_t *corners;           /* of triangles, ascending */
+    const uint32_t *next, *previous;   /* the vertices beside it in each corner's triangle */
+    const uint8_t *flags;              /* of each corner's triangle */
+    const mikk_corners *contributions; /* corner j's are in lane first + j */
+    size_t first;
+    mikk_edge_table *table; /* NULL: the star is small */
+    mikk_links links;
+    uint32_t *space;    /* of each corner, or MIKK_NONE */
+    uint32_t *sequence; /* of each corner: how many got their space before it */
+    uint32_t *seeds;    /* of each space: the corner that its group began with */
+    mikk_space *spaces; /* room for twice the corners */
+    size_t space_count;
+} mikk_star;
+
+static inline uint8_t mikk_flags_of(const mikk_star *star, size_t j) { return star->flags[j]; }
+static inline const mikk_corners *mikk_block(const mikk_star *star, size_t j) {
+    return &star->contributions[(star->first + j) / MIKK_LANES];
+}
+static inline size_t mikk_lane_of(const mikk_star *star, size_t j) {
+    return (star->first + j) % MIKK_LANES;
+}
+
+/* Adds what a corner contributes. */
+static inline void mikk_add(const mikk_corners *c, size_t lane, int has_quads, mikk_space *space) {
+    const float angle = c->angle[lane];
+    for (int k = 0; k < 3; k++) space->s[k] += angle * c->s[k][lane];
+    if (!has_quads) return;
+    for (int k = 0; k < 3; k++) space->t[k] += angle * c->t[k][lane];
+    space->length_s += angle * c->length_s[lane];
+    space->length_t += angle * c->length_t[lane];
+    space->angle += angle;
+}
+static inline void add_contribution(const mikk_star *star, size_t j, mikk_space *space) {
+    mikk_add(mikk_block(star, j), mikk_lane_of(star, j), star->mesh->has_quads, space);
+}
+
+static inline int mikk_follows(const mikk_star *star, size_t j) {
+    return mikk_flags_of(star, j) & MIKK_FOLLOWS;
+}
+
+/* ends: of some vectors together. Six bits for the ends of each axis that grow, six for the others.
+ */
+static inline int mikk_ends_oppose(unsigned ends) { return (ends & ends >> 6 & 63) != 0; }
+
+static inline uint32_t mikk_target(const mikk_mesh *mesh, uint32_t corner) {
+    return mesh->corners ? mesh->corners[corner] : corner;
+}
+
 /* ---- The tangent space that a sum of contributions comes to. */
 
 static void core_mikk_normalise(float v[3]) {
@@ -160,8 +222,7 @@ static void divide_group(const division *d, uint32_t group) {
         mikk_space *space = &star->spaces[star->space_count];
         *space = (mikk_space){.positive = star->spaces[group].positive};
         for (uint32_t i = d->first[group]; i != MIKK_NONE; i = d->following[i])
-            if (are_joined(star, j, i) && !mikk_follows(star, i))
-                norma_core_mikk_add(star, i, space);
+            if (are_joined(star, j, i) && !mikk_follows(star, i)) add_contribution(star, i, space);
         core_mikk_finish(star, space);
         star->space[j] = (uint32_t)star->space_count++;
     }
@@ -175,7 +236,7 @@ static void part_group(const division *d, uint32_t group) {
         if (mikk_follows(star, j)) continue;
         mikk_space *space = &star->spaces[star->space_count];
         *space = (mikk_space){.positive = star->spaces[group].positive};
-        norma_core_mikk_add(star, j, space);
+        add_contribution(star, j, space);
         core_mikk_finish(star, space);
         star->space[j] = (uint32_t)star->space_count++;
     }

@@ -87,7 +87,7 @@ CORE_INLINE vector unit(vector v, float length, float sign) {
     return (vector){zero ? 0 : by * v.x, zero ? 0 : by * v.y, zero ? 0 : by * v.z};
 }
 
-/* Of the angle axis_at the middle one of three positions, seen along n. */
+/* Of the angle at the middle one of three positions, seen along n. */
 CORE_INLINE float cosine_of(vector previous, vector here, vector next, vector n) {
     const vector in = projected(subtract(previous, here), n),
                  away = projected(subtract(next, here), n);

@@ -1,10 +1,89 @@
-/* steady.c: tangents that do not hang on the order of faces. */
+/* steady.c: tangents that depend on the mesh alone, not on the order in which it is given.
+ *
+ * Every number is computed from a face's corners in an order of their own (the rotation that is
+ * least by what the corners hold), and sums are sums of integers, so that neither the order of
+ * faces nor the first corner of a face changes a bit. */
 #include "core/tangent/tangents.h"
 #include "core/face/face.h"
 #include <math.h>
 
+/* What a corner adds to the sum of its vertex. */
+typedef struct steady_part {
+    double sum[3]; /* a unit vector times the weight */
+    double weight; /* 0: adds nothing */
+} steady_part;
+
+/* Texture areas below this part of the products that they are differences of are rounding. */
+static const double STEADY_ROUNDING = 0x1p-50;
+/* Below this part of a unit vector, what is perpendicular to the normal is rounding. */
+static const double STEADY_NOTHING_LEFT = 0x1p-20;
+
+typedef struct steady_mesh {
+    core_call *call;
+    const tangent_mesh *input;
+    uint32_t *vertex_of; /* of each corner */
+    steady_part *parts;  /* of each corner of the faces that have a sign */
+    int8_t *signs;    /* of each face's texture area, 0: none, or something of it is not finite */
+    uint8_t *adopted; /* NULL, or of each face without one whether the sign is negative that it
+                         takes from its neighbours */
+    core_corners_of_position around;
+} steady_mesh;
+
+/* norma_core_length and _normalise, without a call for nearly all vectors: those whose squares fit
+ * a double. */
+static inline double steady_length(const double v[3]) {
+    const double square = norma_core_dot(v, v);
+    return square > NORMA_TINIEST && square < NORMA_HUGEST ? sqrt(square) : norma_core_length(v);
+}
+static inline void steady_normalise(const double v[3], double unit[3]) {
+    const double square = norma_core_dot(v, v);
+    if (!(square > NORMA_TINIEST && square < NORMA_HUGEST)) {
+        norma_core_normalise(v, unit);
+        return;
+    }
+    const double inverse = 1 / sqrt(square);
+    for (int k = 0; k < 3; k++) unit[k] = v[k] * inverse;
+}
+
+static inline int steady_make_perpendicular(
+    const double v[3], const double normal[3], double out[3]) {
+    const double along = norma_core_dot(v, normal);
+    for (int k = 0; k < 3; k++) out[k] = v[k] - along * normal[k];
+    const double length = sqrt(norma_core_dot(out, out)); /* of a part of a unit vector */
+    if (!(length > STEADY_NOTHING_LEFT)) return 0;
+    const double inverse = 1 / length;
+    for (int k = 0; k < 3; k++) out[k] *= inverse;
+    return 1;
+}
+
+static inline void steady_position(const tangent_mesh *mesh, size_t key, double out[3]) {
+    if (mesh->exact)
+        memcpy(out, mesh->exact[key], sizeof mesh->exact[key]);
+    else
+        for (int k = 0; k < 3; k++) out[k] = (double)mesh->vertices[key].position[k];
+}
+
 /* ---- measure_face and part_of_face, many triangles at a time, compiled for each
- * instruction set of the machine's family and chosen at run time. */
+ * instruction set of the machine's family and chosen at run time: plain C over arrays of
+ * lanes, each operation as it is for a face alone. */
+
+enum { STEADY_LANES = 8 };
+typedef double steady_lane[STEADY_LANES];
+
+/* In: the corners of each triangle from its least rotation on. */
+typedef struct steady_batch {
+    _Alignas(64) steady_lane position[3][3]; /* of a corner, along an axis */
+    steady_lane normal[3][3], texcoord[3][2];
+} steady_batch;
+
+/* Out: of each corner the part of its vertex's sum, of each triangle the sign. */
+typedef struct steady_addends {
+    _Alignas(64) steady_lane sum[3][3];
+    steady_lane weight[3], sign;
+    steady_lane is_sure; /* 0: squares of lengths that a double does not hold, or not finite */
+} steady_addends;
+
+typedef void steady_kernel(const steady_batch *batch, norma_weight weight, steady_addends *out);
 
 CORE_INLINE void steady_axis_at(steady_lane const *of, int lane, double out[3]) {
     for (int k = 0; k < 3; k++) out[k] = of[k][lane];
@@ -205,9 +284,9 @@ static void add_steady_triangle(face_sums *sums, const face_corners *f, size_t i
                    b = key_of_face(f, index + 1);
     const tangent_vertex *v = f->mesh->vertices;
     double here[3], p[3], q[3], s[2], t[2], cross[3];
-    norma_core_tangent_position(f->mesh, origin, here);
-    norma_core_tangent_position(f->mesh, a, p);
-    norma_core_tangent_position(f->mesh, b, q);
+    steady_position(f->mesh, origin, here);
+    steady_position(f->mesh, a, p);
+    steady_position(f->mesh, b, q);
     norma_core_subtract(p, here, p);
     norma_core_subtract(q, here, q);
     difference(v[a].texcoord, v[origin].texcoord, s);
@@ -242,7 +321,7 @@ static int8_t measure_face(const face_corners *f, steady_face *face) {
 /* ---- what a corner adds */
 
 static void position_at_corner(const steady_mesh *m, size_t corner, double out[3]) {
-    norma_core_tangent_position(m->input, norma_core_tangent_key(m->input, corner), out);
+    steady_position(m->input, norma_core_tangent_key(m->input, corner), out);
 }
 
 typedef struct face_points {
@@ -334,7 +413,7 @@ static size_t load_face_lane(const steady_mesh *m, size_t triangle, int lane, st
     for (size_t i = 0; i < 3; i++) {
         const tangent_vertex *from = v[(start + i) % 3];
         double at[3];
-        norma_core_tangent_position(m->input, (size_t)(from - m->input->vertices), at);
+        steady_position(m->input, (size_t)(from - m->input->vertices), at);
         for (int k = 0; k < 3; k++) batch->position[i][k][lane] = at[k];
         for (int k = 0; k < 3; k++) batch->normal[i][k][lane] = (double)from->normal[k];
         for (int k = 0; k < 2; k++) batch->texcoord[i][k][lane] = (double)from->texcoord[k];

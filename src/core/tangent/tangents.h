@@ -6,8 +6,8 @@
 #include <float.h>
 #include <math.h>
 
-/* ---- What every way of making tangents works on: the vertices that corners share, and the
- * caller's tangents. */
+/* ---- what every way of making tangents works on: the vertices that corners share
+ * (tangent_vertices.c) */
 
 typedef struct tangent_vertex {
     float position[3], normal[3], texcoord[2];
@@ -37,14 +37,15 @@ norma_result norma_core_tangent_attributes(tangent_mesh *mesh, norma_tangent_mod
 norma_result norma_core_tangent_open(tangent_mesh *mesh);
 void norma_core_tangent_close(tangent_mesh *mesh);
 
-/* The two steps of opening. */
+/* The two steps of opening, for a plan. */
 norma_result norma_core_tangent_read(tangent_mesh *mesh);
 norma_result norma_core_tangent_weld(tangent_mesh *mesh);
-/* Reads one vertex; key: the position or, unless it is by_position, the corner. 0: a corner names
+/* Reads one vertex. key: the position or, unless it is by_position, the corner. 0: a corner names
  * no value. */
 int norma_core_tangent_read_key(
     const tangent_mesh *mesh, size_t key, tangent_vertex *vertex, double exact[3]);
-/* exact: NULL, or of each vertex. */
+/* weld: of each vertex the least that is equal to it. *found: how many are equal to an earlier one.
+ * exact: NULL, or of each vertex. */
 norma_result norma_core_tangent_weld_vertices(core_call *call, const tangent_vertex *vertices,
     const double (*exact)[3], size_t count, uint32_t *weld, size_t *found);
 
@@ -72,14 +73,6 @@ static inline void norma_core_tangent_await(const tangent_mesh *m, size_t face) 
         TANGENT_PREFETCH(&m->vertices[norma_core_tangent_key(m, c)]);
 }
 
-static inline void norma_core_tangent_position(
-    const tangent_mesh *mesh, size_t key, double out[3]) {
-    if (mesh->exact)
-        memcpy(out, mesh->exact[key], sizeof mesh->exact[key]);
-    else
-        for (int k = 0; k < 3; k++) out[k] = (double)mesh->vertices[key].position[k];
-}
-
 static inline int norma_core_tangent_is_finite(const tangent_vertex *v) {
     float zero = 0; /* NaN minus itself is NaN, and so is infinity minus itself */
     for (int k = 0; k < 3; k++) zero += v->position[k] - v->position[k];
@@ -88,7 +81,7 @@ static inline int norma_core_tangent_is_finite(const tangent_vertex *v) {
     return zero == 0;
 }
 
-/* ---- the caller's tangents */
+/* ---- the caller's tangents (tangent_vertices.c) */
 
 typedef struct tangent_output {
     unsigned char *tangents;
@@ -126,19 +119,19 @@ static inline void norma_core_put_tangent(const tangent_output *output, size_t c
     if (tangent->reason != NORMA_REASON_NONE) norma_core_tally(tally, tangent->reason, corner);
 }
 
-/* The ways to make tangents: each writes every corner once. */
+/* The ways to make tangents (mikk.c, steady.c, meshopt.c): each writes every corner once. */
 typedef norma_result tangent_maker(
     const tangent_mesh *mesh, const tangent_output *output, core_tally *tally);
 tangent_maker norma_core_mikk_tangents, norma_core_steady_tangents;
 tangent_maker norma_core_meshopt_tangents; /* of triangles; ARGUMENT for other faces */
 
-/* norma_corner_tangents by any of them. NULL: ARGUMENT. */
+/* tangents.c: norma_corner_tangents by any of them. maker NULL: ARGUMENT. */
 norma_result norma_core_corner_tangents(const norma_mesh *mesh, const norma_attribute *normals,
     const norma_attribute *texcoords, tangent_maker *maker, const norma_options *options,
     float *tangents, size_t capacity, norma_report *report);
 
-/* ---- Many triangles' derivatives, or many corners' contributions, at once. Plain C over
- * arrays of lanes, in single precision, each operation as the reference has it, so that every
+/* ---- mikk_kernel.c: many triangles' derivatives, or many corners' contributions, at once. Plain C
+ * over arrays of lanes, in single precision, each operation as the reference has it, so that every
  * instruction set gives its bits. */
 
 enum { MIKK_LANES = 16, MIKK_ALL_ENDS = 0xfff };
@@ -238,20 +231,13 @@ typedef struct mikk_mesh {
 /* norma-mesh/normals has triangles only. */
 static inline int mikk_has_records(const mikk_mesh *m) { return CORE_IS_SMALL || m->records; }
 
-/* Of at most MIKK_LANES triangles from this one on, the flags, and the records where there are
- * some. batch: what they are loaded into. */
-norma_result norma_core_mikk_stars(
-    mikk_mesh *mesh, const tangent_output *output, core_tally *tally);
-
 static inline int mikk_is_zero(float x) { return !(fabsf(x) > FLT_MIN); }
 
-/* ends: of some vectors together. Six bits for the ends of each axis that grow, six for the others.
- */
-static inline int mikk_ends_oppose(unsigned ends) { return (ends & ends >> 6 & 63) != 0; }
+/* ---- mikk_groups.c: vertex by vertex the groups of triangles, which mikk.c has listed and
+ * flagged, and their tangents, which are written. */
 
-static inline uint32_t mikk_target(const mikk_mesh *mesh, uint32_t corner) {
-    return mesh->corners ? mesh->corners[corner] : corner;
-}
+norma_result norma_core_mikk_stars(
+    mikk_mesh *mesh, const tangent_output *output, core_tally *tally);
 
 /* The links between the corners of one vertex: to which one a shared edge leads, out along the edge
  * to the triangle's next corner (left) or in along the edge from its previous one (right). */
@@ -279,176 +265,7 @@ norma_result norma_core_mikk_table_open(
 void norma_core_mikk_table_close(
     const core_call *call, size_t most_corners, mikk_edge_table *table);
 
-/* ---- The corners at one vertex, and the tangent spaces that they share. */
-
-typedef struct mikk_space {
-    float s[3], t[3]; /* t and the lengths: only of meshes with quads */
-    float length_s, length_t, angle;
-    int positive;
-    uint32_t ends; /* of all tangents of a group that records sum */
-    int opposed;   /* of a group: some of its tangents may be opposed to each other */
-} mikk_space;
-
-typedef struct mikk_star {
-    const mikk_mesh *mesh;
-    uint32_t vertex;
-    size_t count;
-    const uint32_t *corners;           /* of triangles, ascending */
-    const uint32_t *next, *previous;   /* the vertices beside it in each corner's triangle */
-    const uint8_t *flags;              /* of each corner's triangle */
-    const mikk_corners *contributions; /* corner j's are in lane first + j */
-    size_t first;
-    mikk_edge_table *table; /* NULL: the star is small */
-    mikk_links links;
-    uint32_t *space;    /* of each corner, or MIKK_NONE */
-    uint32_t *sequence; /* of each corner: how many got their space before it */
-    uint32_t *seeds;    /* of each space: the corner that its group began with */
-    mikk_space *spaces; /* room for twice the corners */
-    size_t space_count;
-} mikk_star;
-
-static inline uint8_t mikk_flags_of(const mikk_star *star, size_t j) { return star->flags[j]; }
-static inline const mikk_corners *mikk_block(const mikk_star *star, size_t j) {
-    return &star->contributions[(star->first + j) / MIKK_LANES];
-}
-static inline size_t mikk_lane_of(const mikk_star *star, size_t j) {
-    return (star->first + j) % MIKK_LANES;
-}
-
-/* Adds what a corner contributes. */
-static inline void mikk_add(const mikk_corners *c, size_t lane, int has_quads, mikk_space *space) {
-    const float angle = c->angle[lane];
-    for (int k = 0; k < 3; k++) space->s[k] += angle * c->s[k][lane];
-    if (!has_quads) return;
-    for (int k = 0; k < 3; k++) space->t[k] += angle * c->t[k][lane];
-    space->length_s += angle * c->length_s[lane];
-    space->length_t += angle * c->length_t[lane];
-    space->angle += angle;
-}
-static inline void norma_core_mikk_add(const mikk_star *star, size_t j, mikk_space *space) {
-    mikk_add(mikk_block(star, j), mikk_lane_of(star, j), star->mesh->has_quads, space);
-}
-
-static inline int mikk_follows(const mikk_star *star, size_t j) {
-    return mikk_flags_of(star, j) & MIKK_FOLLOWS;
-}
-
-/* ---- What many triangles add at their corners, at once: plain C over arrays of lanes,
- * each operation as steady.c has it for a face alone. */
-
-enum { STEADY_LANES = 8 };
-typedef double steady_lane[STEADY_LANES];
-
-/* In: the corners of each triangle from its least rotation on. */
-typedef struct steady_batch {
-    _Alignas(64) steady_lane position[3][3]; /* of a corner, along an axis */
-    steady_lane normal[3][3], texcoord[3][2];
-} steady_batch;
-
-/* Out: of each corner the part of its vertex's sum, of each triangle the sign. */
-typedef struct steady_addends {
-    _Alignas(64) steady_lane sum[3][3];
-    steady_lane weight[3], sign;
-    steady_lane is_sure; /* 0: squares of lengths that a double does not hold, or not finite */
-} steady_addends;
-
-typedef void steady_kernel(const steady_batch *batch, norma_weight weight, steady_addends *out);
-
-/* ---- Tangents that depend on the mesh alone, not on the order in which it is given.
- *
- * Every number is computed from a face's corners in an order of their own (the rotation that is
- * least by what the corners hold), and sums are sums of integers, so that neither the order of
- * faces nor the first corner of a face changes a bit. */
-
-/* What a corner adds to the sum of its vertex. */
-typedef struct steady_part {
-    double sum[3]; /* a unit vector times the weight */
-    double weight; /* 0: adds nothing */
-} steady_part;
-
-/* Texture areas below this part of the products that they are differences of are rounding. */
-static const double STEADY_ROUNDING = 0x1p-50;
-/* Below this part of a unit vector, what is perpendicular to the normal is rounding. */
-static const double STEADY_NOTHING_LEFT = 0x1p-20;
-
-typedef struct steady_mesh {
-    core_call *call;
-    const tangent_mesh *input;
-    uint32_t *vertex_of; /* of each corner */
-    steady_part *parts;  /* of each corner of the faces that have a sign */
-    int8_t *signs;    /* of each face's texture area, 0: none, or something of it is not finite */
-    uint8_t *adopted; /* NULL, or of each face without one whether the sign is negative that it
-                         takes from its neighbours */
-    core_corners_of_position around;
-} steady_mesh;
-
-/* norma_core_length and _normalise, without a call for nearly all vectors: those whose squares fit
- * a double. */
-static inline double steady_length(const double v[3]) {
-    const double square = norma_core_dot(v, v);
-    return square > NORMA_TINIEST && square < NORMA_HUGEST ? sqrt(square) : norma_core_length(v);
-}
-static inline void steady_normalise(const double v[3], double unit[3]) {
-    const double square = norma_core_dot(v, v);
-    if (!(square > NORMA_TINIEST && square < NORMA_HUGEST)) {
-        norma_core_normalise(v, unit);
-        return;
-    }
-    const double inverse = 1 / sqrt(square);
-    for (int k = 0; k < 3; k++) unit[k] = v[k] * inverse;
-}
-
-static inline int steady_make_perpendicular(
-    const double v[3], const double normal[3], double out[3]) {
-    const double along = norma_core_dot(v, normal);
-    for (int k = 0; k < 3; k++) out[k] = v[k] - along * normal[k];
-    const double length = sqrt(norma_core_dot(out, out)); /* of a part of a unit vector */
-    if (!(length > STEADY_NOTHING_LEFT)) return 0;
-    const double inverse = 1 / length;
-    for (int k = 0; k < 3; k++) out[k] *= inverse;
-    return 1;
-}
-
-/* What steady_mesh has of the same names. */
+/* ---- steady.c: the vertex of each corner, and the corners around each vertex. */
 norma_result norma_core_steady_stars(
     const tangent_mesh *mesh, uint32_t **vertex_of, core_corners_of_position *around);
-
-/* ---- What of a mesh that moves stays: topology and texture coordinates, and so which corners a
- * vertex that moves may change. An update of all corners uses none of it: to know their groups
- * saved 12 % on models of games. */
-
-typedef struct tangent_store {
-    void *memory;
-    size_t count, size;
-} tangent_store;
-
-enum { TANGENT_PLAN_STORES = 12 };
-
-struct norma_tangent_plan {
-    core_call memory; /* of the creation's allocator, and of nothing else */
-    norma_tangent_mode mode;
-    core_mesh mesh; /* with corners of its own, and without positions */
-    int by_position;
-    size_t key_count, most_corners; /* most_corners: of a face */
-    float (*texcoords)[2];          /* of each key */
-    uint32_t *place;         /* NULL, or of each key the least with its texture coordinates */
-    uint32_t *position_weld; /* NULL, or of each position the least that is equal to it */
-    core_corners_of_position at_place, at_position;
-    tangent_store stores[TANGENT_PLAN_STORES];
-    size_t store_count, bytes;
-};
-
-/* The faces that some moved vertices have to do with. */
-typedef struct tangent_region {
-    uint8_t *wanted; /* of each key that stands for a place: its tangents may change */
-    uint8_t *near;   /* of each face: it has a corner at such a place */
-    size_t face_count, corner_count; /* of faces that are near */
-    int is_large;                    /* nothing is won by looking at it alone */
-} tangent_region;
-
-static inline uint32_t norma_core_tangent_place(const norma_tangent_plan *plan, size_t corner) {
-    const uint32_t key =
-        plan->by_position ? norma_core_corner(&plan->mesh, corner) : (uint32_t)corner;
-    return plan->place ? plan->place[key] : key;
-}
 #endif

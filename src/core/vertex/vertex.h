@@ -14,16 +14,6 @@ static inline int norma_core_has_votes(const core_vertex_sum *sum) { return !sig
 void norma_core_clear_sums(core_vertex_sum *sums, size_t count);
 void norma_core_add_vote(core_vertex_sum *sum, double weight, const double normal[3]);
 
-/* One face added by itself: a polygon, or a triangle that doubles do not decide. Corners elsewhere
- * than at the count positions from first on are passed over. The first corner's owner counts the
- * degenerate. */
-typedef struct core_face_adder {
-    const core_prepared_mesh *prepared;
-    core_vertex_sum *sums;
-    uint32_t first, count;
-    norma_count *degenerate;
-} core_face_adder;
-
 /* ---- what becomes of each vertex, by sums or by cones, before it is written. */
 
 typedef struct core_vertices {
@@ -49,22 +39,20 @@ static inline void norma_core_release_vertices(core_vertices *vertices) {
     *vertices = (core_vertices){.prepared = vertices->prepared};
 }
 
-/* vertex_sums.c, vertex_normals.c. What they return but NORMA_OK leaves nothing to release.
- * tally: degenerate faces are added. ranges: of the chunks of faces; those of a welded mesh may be
- * made ranges of welded positions. */
-norma_result norma_core_sum_vertices(
-    core_prepared_mesh *prepared, core_range *ranges, core_vertices *vertices, core_tally *tally);
-norma_result norma_core_cone_vertices(
-    core_prepared_mesh *prepared, core_vertices *vertices, core_tally *tally);
-
-/* Where faces in a row touch positions near each other, and none is welded, range by
- * range of positions, from the corners to the output. *written: whether it could, and all but what
- * takes the nearest normal is written; ranges: of the chunks of faces. */
+/* vertex_sums.c. Where faces in a row touch positions near each other, and none is welded: bin by
+ * bin (a range of positions with the faces that touch it), from the corners to the output.
+ * *written: whether it could, and all but what takes the nearest normal is written. ranges: of the
+ * chunks of faces. tally: what has no normal, and degenerate faces, are added. */
 norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *ranges,
     const core_output *output, core_tally *tally, int *written);
 
+/* vertex_sums.c: all sums, kept. What it returns but NORMA_OK leaves nothing to release. tally:
+ * degenerate faces are added. ranges: of the chunks of faces; those of a welded mesh may be made
+ * ranges of welded positions. */
+norma_result norma_core_sum_vertices(
+    core_prepared_mesh *prepared, core_range *ranges, core_vertices *vertices, core_tally *tally);
+/* The normal of a vertex by its sum, with NORMA_REASON_NONE, or the reason why it has none. */
 int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]);
-int norma_core_resolve_cone(const core_vertices *vertices, size_t vertex, float normal[3]);
 
 static inline size_t norma_core_count_chunks(const core_mesh *mesh) {
     return mesh->face_count / CORE_FACES_IN_CHUNK + (mesh->face_count % CORE_FACES_IN_CHUNK != 0);

@@ -1,5 +1,7 @@
-/* vertex_sums.c: the sums at all positions. Votes added one face at a time, and sums made normals
- * one at a time. The kernels of add_kernel.template.h do the same for many at once. */
+/* vertex_sums.c: the weighted sums at all positions, and the normals that they become: range of
+ * positions by range, each with the faces that touch it (bins), from the corners to the output
+ * (norma_core_bin_vertices), or all sums kept (norma_core_sum_vertices). The kernels of
+ * add_kernel.template.h add most faces and finish most sums; here is what they leave. */
 #include "core/vertex/vertex.h"
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"
@@ -16,8 +18,19 @@ void norma_core_clear_sums(core_vertex_sum *sums, size_t count) {
     for (size_t i = 0; i < count; i++) sums[i] = (core_vertex_sum){0, 0, 0, -0.0};
 }
 
-static void core_add_face(void *context, size_t f) {
-    const core_face_adder *adder = context;
+/* ---- one face added by itself, a polygon or a triangle that doubles do not decide: what the
+ * kernels call back for (core_adder's add_alone). Corners elsewhere than at the count positions
+ * from first on are passed over. The first corner's owner counts the degenerate. */
+
+typedef struct lone_adder {
+    const core_prepared_mesh *prepared;
+    core_vertex_sum *sums;
+    uint32_t first, count;
+    norma_count *degenerate;
+} lone_adder;
+
+static void add_alone(void *context, size_t f) {
+    const lone_adder *adder = context;
     const core_prepared_mesh *prepared = adder->prepared;
     const core_mesh *mesh = &prepared->mesh;
     const size_t begin = norma_core_face_begin(mesh, f), end = norma_core_face_end(mesh, f);
@@ -215,6 +228,40 @@ static norma_result core_each_bin(
     return norma_core_parallel(call, bins->step, work_on_bins, &tasks);
 }
 
+/* ---- who adds what */
+
+enum { FACES_TO_WIDEN = 256 };
+
+static void add_widened(
+    const core_kernels *kernels, const core_adder *adder, size_t begin, size_t end) {
+    uint32_t corners[3 * FACES_TO_WIDEN];
+    core_mesh mesh = *adder->mesh;
+    core_adder wide = *adder;
+    mesh.corner_count = 3 * (end - begin);
+    norma_core_read_corners(&mesh, 3 * begin, mesh.corner_count, corners);
+    mesh.corners = corners;
+    mesh.corner_size = sizeof *corners;
+    wide.mesh = &mesh;
+    wide.first_face = begin;
+    kernels->add_triangles(&wide, 0, end - begin);
+}
+
+/* The mesh's faces from begin to before end. Corners of triangles of other than 32 bits are made so
+ * first, so that one loop is enough. */
+static void add_faces_of_mesh(
+    const core_kernels *kernels, const core_adder *adder, size_t begin, size_t end) {
+    if (norma_core_face_starts(adder->mesh)) {
+        kernels->add_polygons(adder, begin, end);
+        return;
+    }
+    if (adder->mesh->corner_size == sizeof(uint32_t)) {
+        kernels->add_triangles(adder, begin, end);
+        return;
+    }
+    for (size_t f = begin; f < end; f += FACES_TO_WIDEN)
+        add_widened(kernels, adder, f, end - f < FACES_TO_WIDEN ? end : f + FACES_TO_WIDEN);
+}
+
 /* Adds all faces of some chunks that touch the bin; sums, first and count of the adder are its. */
 static void core_add_to_bin(const core_kernels *kernels, const core_bins *bins, const core_bin *bin,
     core_chunks chunks, core_adder *adder) {
@@ -223,8 +270,7 @@ static void core_add_to_bin(const core_kernels *kernels, const core_bins *bins, 
     for (size_t chunk = core_chunk_of_bin(bins, bin, chunks.begin); chunk < chunks.end;
          chunk = core_chunk_of_bin(bins, bin, chunk + 1)) {
         adder->owns_all = core_bin_owns(bins, bin, chunk);
-        norma_core_add_faces(
-            kernels, adder, chunk * CORE_FACES_IN_CHUNK, core_chunk_end(bins, chunk));
+        add_faces_of_mesh(kernels, adder, chunk * CORE_FACES_IN_CHUNK, core_chunk_end(bins, chunk));
     }
 }
 
@@ -233,14 +279,14 @@ static void add_votes_of_bin(const core_prepared_mesh *prepared, const core_bins
     const core_bin *bin, core_chunks chunks, int scattered, core_vertex_sum *sums,
     norma_count *degenerate) {
     const norma_options *o = &prepared->call->options;
-    core_face_adder face_adder = {prepared, sums, bin->first, bin->count, degenerate};
+    lone_adder lone = {prepared, sums, bin->first, bin->count, degenerate};
     core_adder adder = {.mesh = &prepared->mesh,
         .weight = o->weight,
         .sums = sums,
         .scattered = scattered,
         .by_distance = norma_core_welds_near(prepared->call),
-        .add_face = core_add_face,
-        .context = &face_adder};
+        .add_alone = add_alone,
+        .context = &lone};
     if (!chunks.begin) norma_core_clear_sums(sums, bin->count);
     core_add_to_bin(norma_core_kernels(prepared->call->level), bins, bin, chunks, &adder);
 }
