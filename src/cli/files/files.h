@@ -94,7 +94,7 @@ void cli_inputs_free(cli_inputs *inputs);
 int cli_path_matches(const char *pattern, const char *path);
 char *cli_join(const char *folder, const char *name); /* the caller's to free */
 
-/* ---- Where the output of each input goes. */
+/* ---- Where the output of each input goes, and whether it may (outputs.c). */
 
 const char *cli_base_name(const char *path);           /* behind its last slash */
 int cli_ends_in(const char *path, const char *ending); /* in letters of either case */
@@ -114,7 +114,21 @@ void cli_remove_empty_folders(const cli_files *files);
 /* The folders below --out-dir that an output lies in. A status. */
 int cli_make_folders(const cli_files *files, const char *output);
 
-/* ---- A report that goes to a file, whole or not at all. */
+extern const cli_option cli_output_options[]; /* -o --out-dir --in-place */
+extern const size_t cli_output_option_count;
+
+/* Whether all have somewhere to go, each its own place; makes --out-dir. A status. */
+int cli_check_outputs(const cli_subcommand *command, const cli_common *common, cli_files *files);
+/* Whether no output is a source, as far as the inputs' names say. ending: as of cli_output_of. A
+ * status. */
+int cli_guard_outputs(const cli_files *files, const char *ending);
+/* The same of one output, just before it is written. */
+int cli_guard_output_of(const cli_files *files, const char *input, const char *output);
+/* To standard output, or to a file as files say; options: how its progress is told. */
+norma_document_result cli_save(const cli_files *files, norma_document *document, const char *output,
+    norma_save_options *options, norma_document_error *error);
+
+/* ---- A report that goes to a file, whole or not at all (outputs.c). */
 
 typedef struct cli_output {
     FILE *out;
@@ -129,7 +143,8 @@ int cli_output_begin(cli_output *output, const char *path, cli_guard *guard);
 int cli_output_end(cli_output *output);   /* a status */
 void cli_output_drop(cli_output *output); /* as if it had never been begun */
 
-/* ---- Work on the files of a batch one after the other, in a process of its own (process.h). */
+/* ---- Work on the files of a batch one after the other, in a process of its own (batch.c,
+ * process.h). */
 
 typedef struct cli_each {
     size_t count;
@@ -144,7 +159,8 @@ int cli_run_each(const cli_each *each); /* the worst status */
  * of the first can replace a picture of the second. */
 void cli_guard_look_ahead(cli_guard *guard, const cli_inputs *inputs, norma_file_format format);
 
-/* ---- Commands that change files: each is opened, changed and written, and a line says so. */
+/* ---- Commands that change files: each is opened, changed and written, and a line says so
+ * (change_files.c). */
 
 #define CLI_FORMATS "obj, ply, stl, gltf, glb, b3dm, i3dm, cmpt or 3mf"
 #define CLI_INPUT_FORMAT_HELP                                                                      \
@@ -161,8 +177,6 @@ void cli_guard_look_ahead(cli_guard *guard, const cli_inputs *inputs, norma_file
     "                        STL in passes; other files that need more fail\n"                     \
     "  --json                prints a summary as JSON, one object per line\n"                      \
     "  --quiet               prints only errors\n"
-extern const cli_option cli_output_options[]; /* -o --out-dir --in-place */
-extern const size_t cli_output_option_count;
 
 typedef struct cli_changer cli_changer;
 
@@ -199,11 +213,6 @@ enum { CLI_OWN_TABLES = 2 };
 int cli_run_changer(const cli_subcommand *command, const cli_changer *changer,
     const cli_table *tables, size_t table_count, int count, char **arguments);
 
-/* Whether all have somewhere to go, each its own place; makes --out-dir. A status. */
-int cli_check_outputs(const cli_subcommand *command, const cli_common *common, cli_files *files);
-/* Whether no output is a source, as far as the inputs' names say. ending: as of cli_output_of. A
- * status. */
-int cli_guard_outputs(const cli_files *files, const char *ending);
 /* The line, or the JSON object, about a file of a batch that was changed as a whole, by what
  * changer->work holds of it; before, after: its bytes, those of the files that it names among them,
  * 0 where they are not known. And for programs, of one that was not changed. */
@@ -211,11 +220,8 @@ void cli_report_grown(
     const cli_all_files *all, const char *input, const char *output, double before, double after);
 void cli_report_changed(const cli_all_files *all, const char *input, const char *output,
     const norma_document_error *error);
-/* To standard output, or to a file as files say; options: how its progress is told. */
-norma_document_result cli_save(const cli_files *files, norma_document *document, const char *output,
-    norma_save_options *options, norma_document_error *error);
 
-/* ---- Files that do not fit into memory, changed piece by piece. */
+/* ---- Files that do not fit into memory, changed piece by piece (change_files.c). */
 
 /* Whether this input can be read in passes, as only files of some size are; need: what it takes to
  * compute its normals at once. */

@@ -1,4 +1,4 @@
-/* outputs.c: where outputs go, and how a report gets there. */
+/* outputs.c: where outputs go, whether they may, and how a document or a report gets there. */
 #define _GNU_SOURCE /* fopencookie */
 #include "cli/files/files.h"
 #include "cli/process/process.h"
@@ -26,6 +26,11 @@ int cli_ends_in(const char *path, const char *ending) {
 }
 
 int cli_is_standard(const char *name) { return strcmp(name, "-") == 0; }
+
+int cli_is_folder(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
 
 int cli_is_stream(const char *path) {
     struct stat status;
@@ -207,6 +212,126 @@ void cli_remove_empty_folders(const cli_files *files) {
         free(path);
     }
     rmdir(files->folder);
+}
+
+/* ---- whether all outputs have somewhere to go, and none is a source */
+
+const cli_option cli_output_options[] = {
+    {"output", 'o', CLI_TO(CLI_ONCE, cli_files, output),
+        .expected = "a name, or - for standard output"},
+    {"out-dir", CLI_TO(CLI_ONCE, cli_files, folder), .expected = "the name of a folder"},
+    {"in-place", CLI_SETS(cli_files, in_place, 1)},
+};
+const size_t cli_output_option_count = CLI_COUNT(cli_output_options);
+
+int cli_guard_output_of(const cli_files *files, const char *input, const char *output) {
+    return cli_guard_output(files->guard, output, files->in_place ? input : NULL);
+}
+
+static int guard_each(const cli_files *files, const char *ending) {
+    int status = CLI_OK;
+    for (size_t i = 0; i < files->inputs.count && !status; ++i) {
+        char *output = cli_output_of(files, i, ending);
+        status = output ? cli_guard_output_of(files, files->inputs.paths[i], output)
+                        : cli_out_of_memory();
+        free(output);
+    }
+    return status;
+}
+
+int cli_guard_outputs(const cli_files *files, const char *ending) {
+    const int status = guard_each(files, ending);
+    if (status) return status;
+    if (ending || files->inputs.count > 1)
+        cli_guard_look_ahead(files->guard, &files->inputs, files->format);
+    return guard_each(files, ending);
+}
+
+static int same_file(const char *a, const char *b) {
+    struct stat of_a, of_b;
+    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && S_ISREG(of_a.st_mode) &&
+           of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
+}
+
+/* What the library would say after the work, said before it. */
+static int check_output(const cli_subcommand *command, const cli_files *files, const char *input) {
+    const char *output = files->output, *dot = strrchr(cli_base_name(output), '.'),
+               *input_dot = strrchr(cli_base_name(input), '.');
+    norma_file_format format = files->format ? files->format : norma_file_format_of_path(input),
+                      named = norma_file_format_of_path(output);
+    if (cli_is_standard(output)) return CLI_OK;
+    if (cli_is_folder(output))
+        return cli_usage(
+            command, "-o %s is a folder; expected a file, or --out-dir %s", output, output);
+    if (!cli_is_standard(input) && same_file(input, output))
+        return cli_usage(
+            command, "-o names the input %s; expected another name, or --in-place", input);
+    if (!format || named == format || cli_is_stream(output) ||
+        (!named && dot && input_dot && !strcmp(dot, input_dot)))
+        return CLI_OK;
+    const char *name = norma_file_format_name(format);
+    return cli_usage(command,
+        "-o %s: the output has the format of its input, %s; expected a name that ends in .%s",
+        output, name, name);
+}
+
+int cli_check_outputs(const cli_subcommand *command, const cli_common *common, cli_files *files) {
+    int ways = (files->output != NULL) + (files->folder != NULL) + files->in_place, standard = 0;
+    for (size_t i = 0; i < files->inputs.count; ++i)
+        standard |= cli_is_standard(files->inputs.paths[i]);
+    if (ways == 0)
+        return cli_usage(
+            command, "no output was given; expected -o OUT, --out-dir FOLDER or --in-place");
+    if (ways > 1) return cli_usage(command, "-o, --out-dir and --in-place exclude each other");
+    if (files->output && files->inputs.count > 1)
+        return cli_usage(command, "one -o for %zu inputs; expected --out-dir FOLDER or --in-place",
+            files->inputs.count);
+    if (files->output && cli_is_standard(files->output) && common->json)
+        return cli_usage(command, "-o - and --json would both write to standard output");
+    if (!files->output && standard)
+        return cli_usage(command, "standard input has no name to write to; expected -o OUT");
+    int status = files->output ? check_output(command, files, files->inputs.paths[0])
+                               : cli_place_outputs(command, files, NULL);
+    if (!status) status = cli_guard_outputs(files, NULL);
+    return status ? status : cli_make_out_dir(command, files);
+}
+
+/* ---- a document written */
+
+/* Past stdio's buffer. *failed: what the system said. */
+static int write_to_stdout(void *failed, const void *bytes, size_t size) {
+    const unsigned char *at = bytes;
+    while (size > 0) {
+        ssize_t written = write(STDOUT_FILENO, at, size);
+        if (written < 0 && errno != EINTR) {
+            *(int *)failed = errno;
+            return 1;
+        }
+        at += written > 0 ? written : 0;
+        size -= written > 0 ? (size_t)written : 0;
+    }
+    return 0;
+}
+
+static norma_document_result write_standard(norma_document *document, norma_document_error *error) {
+    int failed = 0;
+    norma_document_result result = norma_document_write(document, write_to_stdout, &failed, error);
+    if (result && failed)
+        snprintf(error->message, sizeof error->message, "standard output: cannot be written: %s",
+            strerror(failed));
+    return result;
+}
+
+norma_document_result cli_save(const cli_files *files, norma_document *document, const char *output,
+    norma_save_options *options, norma_document_error *error) {
+    if (cli_is_standard(output)) return write_standard(document, error);
+    if (cli_make_folders(files, output)) return cli_reported(error);
+    options->struct_size = sizeof *options;
+    options->in_place = files->in_place;
+    cli_writing_begin();
+    const norma_document_result result = norma_document_save(document, output, options, error);
+    cli_writing_end();
+    return result;
 }
 
 /* ---- A report that goes to a file, written whole or not at all. It goes there piece
