@@ -171,7 +171,7 @@ typedef struct gltf_data { /* new contents of an accessor */
 } gltf_data;
 
 typedef struct gltf_patch
-    gltf_patch; /* gltf.h: what is to become of accessors, views and buffers */
+    gltf_patch; /* gltf_layout.h: what is to become of accessors, views and buffers */
 
 enum { TILE_DEPTH = 8 };
 /* A GLB in its file: all of it, or the end of a tile of 3D Tiles 1.0 (tile_search.c). */
@@ -230,20 +230,13 @@ static inline gltf *norma_gltf_of(const norma_document *document) { return docum
 
 /* ---- reading; each gives NORMA_DOCUMENT_OK or what norma_document_fail returned */
 
-/* Bytes in order, until one call of write fails. */
-typedef struct gltf_output {
-    norma_write *write;
-    void *user;
-    int failed;
-} gltf_output;
-/* What stands before and behind a GLB of glb bytes in its file, which is so long then;
- * gltf_write.c. */
+/* tile_search.c: fills g->tile; where the file is a tile of 3D Tiles 1.0, the GLB in it. */
 norma_document_result norma_gltf_find_tile(gltf *g, norma_document_error *error);
 /* How many a tile has; tiles: written, the first of them, as many as there is room for. left_out:
  * written, those without one. */
 norma_document_result norma_gltf_find_tiles(const norma_document *document, gltf_tile *tiles,
     size_t room, size_t *found, gltf_tile *left_out, norma_document_error *error);
-/* Bytes behind the GLB that are more than what aligns a tile. */
+/* gltf_write.c: how many bytes behind the GLB are more than what aligns a tile. */
 size_t norma_gltf_surplus(const gltf *g);
 norma_document_result norma_gltf_read_buffers(
     gltf *g, norma_document_error *error); /* buffers.c: the descriptions, no bytes yet */
@@ -258,18 +251,21 @@ norma_document_result norma_gltf_read_tile_instances(gltf *g, norma_document_err
 /* Where the origin of the document's positions lies, by what is not in its nodes: RTC_CENTER of a
  * tile, CESIUM_RTC. 0: at no one place. */
 int norma_gltf_read_frame(const gltf *g, double center[3]);
+/* buffers.c: its bytes, once */
 norma_document_result norma_gltf_load_buffer(gltf *g, uint32_t buffer, norma_document_error *error);
-int norma_gltf_view_overruns(const gltf *g, uint32_t view); /* its end lies beyond its buffer's */
+int norma_gltf_view_overruns(
+    const gltf *g, uint32_t view); /* buffers.c: its end lies beyond its buffer's */
+/* accessors.c, as all that follows without the name of a file */
 norma_document_result norma_gltf_view_bytes(gltf *g, uint32_t view, const unsigned char **bytes,
     norma_document_error *error); /* decoded where compressed; view->length of them */
+/* meshopt_views.c, or meshopt_left_out.c: a compressed view's bytes */
 norma_document_result norma_gltf_decode_meshopt(
     gltf *g, uint32_t view, norma_document_error *error);
-
 const char *norma_gltf_extension_of(
     const gltf *g, const gltf_meshopt *m); /* its name in the file */
-/* Compresses m->count rows of m->stride bytes by m->mode and m->filter, or by others where those do
- * not give the same bytes back; m says by which, and how long it became. To be freed; NULL: out of
- * memory. */
+/* meshopt_views.c: compresses m->count rows of m->stride bytes by m->mode and m->filter, or by
+ * others where those do not give the same bytes back; m says by which, and how long it became. To
+ * be freed; NULL: out of memory. */
 unsigned char *norma_gltf_encode_meshopt(gltf_meshopt *m, const unsigned char *bytes);
 int norma_gltf_reads_meshopt(void); /* 0: the library is built without meshoptimizer */
 /* Reads the extension of a primitive whose accessors are known, and gives the
@@ -321,16 +317,17 @@ norma_vec3_view norma_gltf_vec3_view(
 norma_document_result norma_gltf_position_view(
     gltf *g, uint32_t accessor, norma_vec3_view *view, norma_document_error *error);
 
-/* Corners of the primitive's triangles (strips and fans unrolled), 3 * faces, each below vertices;
- * cached. Fails for what cannot be read. */
+/* primitives.c: corners of the primitive's triangles (strips and fans unrolled), 3 * faces, each
+ * below vertices; cached. Fails for what cannot be read. */
 norma_document_result norma_gltf_corners(
     gltf *g, uint32_t primitive, const uint32_t **corners, norma_document_error *error);
 
 uint32_t norma_gltf_find(const gltf *g, const gltf_attributes *attributes,
     const char *name); /* number in g->attributes, or GLTF_NONE */
 
-/* Optional object members: 1: there (or, 2nd form, absent and *value left as it was), 0: there with
- * another type or out of range; message filled by the caller. */
+/* members.c, as the rest of this part. Optional object members: 1: there (or, 2nd form, absent and
+ * *value left as it was), 0: there with another type or out of range; message filled by the caller.
+ */
 int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value);
 int norma_gltf_index_member(
     const gltf *g, uint32_t object, const char *key, uint32_t limit, uint32_t *value);
@@ -372,9 +369,7 @@ typedef struct gltf_slot {
                               g->attributes); NULL with GLTF_SLOT_INDICES */
 } gltf_slot;
 
-int norma_gltf_has_change(const norma_document *document); /* since it was read */
-void norma_gltf_adopt(norma_document *document);           /* its state is its own from now on */
-/* Before anything is put. */
+/* gltf_change.c, before anything is put: forgets a change that changed nothing. */
 void norma_gltf_begin_change(gltf *g);
 int norma_gltf_drop_change(
     norma_document *document); /* as if it had not been begun; 0: no memory */
@@ -414,17 +409,20 @@ uint32_t *norma_gltf_accessor_uses(const gltf *g);
 /* Normals and tangents of a primitive are removed in the JSON: no new contents for them. 0: out of
  * memory. */
 int norma_gltf_strip(gltf *g, uint32_t primitive);
-/* Turns all that was put into edits and views. To be called once, at the end of compute or
- * transform; afterwards g->changed says whether anything is new. */
+/* gltf_change.c: turns all that was put into edits and views. To be called once, at the end of
+ * compute or transform; afterwards g->changed says whether anything is new. */
 norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error);
 
-/* ---- writing (gltf_write.c, gltf.c) */
+/* ---- writing, and what waits to be written (gltf_write.c) */
+int norma_gltf_has_change(const norma_document *document); /* since it was read */
+void norma_gltf_adopt(norma_document *document);           /* its state is its own from now on */
 norma_document_result norma_gltf_write(norma_document *document, const char *path,
     norma_write *write, void *user, norma_document_error *error);
 norma_document_result norma_gltf_reopen(
     norma_document *document, norma_document *made, norma_document_error *error);
 
-/* ---- commands */
+/* ---- commands (gltf_compute.c, gltf_tangents.c, gltf_pack.c; edit: vertex_contents.c;
+ * gltf_transform.c, turn_green.c) */
 norma_document_result norma_gltf_compute(norma_document *document,
     const norma_compute_options *options, norma_compute_summary *summary,
     norma_document_error *error);
@@ -442,18 +440,18 @@ norma_document_result norma_gltf_turn_green(
 norma_document_result norma_gltf_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error);
-/* vertex_contents.c: the elements of an accessor as the edit's new vertices have them (*owned: to
- * be freed; NULL: as stored); all attributes that the edit does not set, put. */
-size_t norma_gltf_vertex_size(
-    const gltf *g, const gltf_primitive *p); /* bytes, those of all targets among them */
+/* vertex_contents.c: bytes of a vertex, those of all targets among them */
+size_t norma_gltf_vertex_size(const gltf *g, const gltf_primitive *p);
+/* vertex_contents.c: of each vertex the first that is the same in all attributes and targets */
 norma_document_result norma_gltf_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error);
+/* primitives.c */
 norma_document_result norma_gltf_mesh_data(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error);
 /* How the components of an accessor are stored, in a word; "" for GLTF_NONE. */
 const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor); /* gltf_scene.c */
 
-/* ---- 4x4 matrices as glTF's nodes can say them. Column-major, affine: the last row is
+/* ---- 4x4 matrices as glTF's nodes can say them (nodes.c). Column-major, affine: the last row is
  * taken as 0 0 0 1. */
 
 typedef struct gltf_trs { /* translation after rotation after scale; one scale is negative where the
@@ -479,7 +477,8 @@ double norma_gltf_matrix_decompose(const double m[16], gltf_trs *trs);
  * decomposition, inner a rotation. So two nodes, one below the other, hold what one cannot. */
 void norma_gltf_matrix_split(const double m[16], gltf_trs *outer, gltf_trs *inner);
 
-/* ---- what else a glTF's surfaces have (gltf_scene.c, drawn_mesh.c, skins.c) */
+/* ---- what else a glTF's surfaces have (gltf_scene.c, drawn_mesh.c, skins.c; what they and others
+ * read of the JSON: members.c) */
 
 /* What several elements share is found out once, so that a small file that names one thing a
  * thousand times costs no more than its size. */
@@ -514,12 +513,13 @@ const char *norma_gltf_name(gltf *g, uint32_t token);
 char *norma_gltf_read_name(const gltf *g, uint32_t token); /* the same, to be freed */
 /* "/LIST/NUMBER"; NULL: out of memory. */
 const char *norma_gltf_where(gltf *g, const char *list, size_t number);
-/* An accessor as floats, width of them for each element, tight: the file's own bytes where they are
- * just that, else a decoded copy that the document keeps. */
+/* accessors.c: an accessor as floats, width of them for each element, tight: the file's own bytes
+ * where they are just that, else a decoded copy that the document keeps. */
 norma_document_result norma_gltf_decode(
     gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error);
 
-uint32_t norma_gltf_normal_use(const gltf *g, uint32_t material); /* the texture's info */
+uint32_t norma_gltf_normal_use(
+    const gltf *g, uint32_t material); /* gltf_scene.c: the token of the normal texture's info */
 /* Where a texture, by its info, is looked up: everything of it that needs no image. */
 norma_texture_info norma_gltf_normal_map(const gltf *g, uint32_t material); /* or clear coat's */
 int norma_gltf_moves(const norma_texture_info *place); /* its transform is not the identity */
@@ -527,18 +527,18 @@ int norma_gltf_moves(const norma_texture_info *place); /* its transform is not t
 /* drawn_mesh.c: the inverse bind matrices of a skin, if they are there. */
 norma_document_result norma_gltf_read_inverse(gltf *g, uint32_t skin, size_t joints,
     gltf_array *array, int *there, norma_document_error *error);
-/* The joints and weights of a primitive's vertices, as norma_skin_positions takes them, the weights
- * of each divided by their sum. To be freed after a failure too. */
+/* drawn_mesh.c: the joints and weights of a primitive's vertices, as norma_skin_positions takes
+ * them, the weights of each divided by their sum. To be freed after a failure too. */
 norma_document_result norma_gltf_read_influences(
     gltf *g, uint32_t primitive, norma_skin *skin, norma_document_error *error);
-/* What they counted for norma_gltf_spend no longer does. */
+/* drawn_mesh.c: and what they counted for norma_gltf_spend no longer does. */
 void norma_gltf_free_influences(gltf *g, uint32_t primitive, norma_skin *skin);
 /* skins.c */
 size_t norma_gltf_skin_count(const norma_document *document);
 norma_document_result norma_gltf_skin(
     norma_document *document, size_t index, norma_skin_info *info, norma_document_error *error);
 
-/* Where in the JSON a skin lies. */
+/* members.c: where in the JSON a skin lies. */
 norma_document_result norma_gltf_skin_token(
     gltf *g, uint32_t skin, uint32_t *token, norma_document_error *error);
 
@@ -546,6 +546,7 @@ norma_document_result norma_gltf_skin_token(
 norma_document_result norma_gltf_move_drawn(norma_document *document, size_t node, size_t mesh,
     norma_drawn_mesh *drawn, norma_document_error *error);
 
+/* gltf_scene.c */
 norma_document_result norma_gltf_normal_texture(norma_document *document, size_t material,
     norma_texture_info *map, norma_document_error *error);
 
@@ -564,15 +565,15 @@ size_t norma_gltf_tile_instance(const norma_document *document, size_t index, do
 /* members.c: whether a file may require the extension without a word in it changing what its
  * meshes' numbers mean. */
 int norma_gltf_is_known(const char *name);
-/* Its elements have no bytes at all: zeros by the specification, that an extension or the program
- * that loads the file is to fill. What norma check judges they are not. */
+/* accessors.c: its elements have no bytes at all: zeros by the specification, that an extension or
+ * the program that loads the file is to fill. What norma check judges they are not. */
 int norma_gltf_is_placeholder(const gltf *g, uint32_t accessor);
 /* members.c: it asks for a version later than the one that is read here. */
 int norma_gltf_needs_later(const gltf *g);
 
-/* The fields of a drawing node's info that are not about what it draws. */
-norma_document_result norma_gltf_read_unread(
-    norma_document *document, norma_document_error *error); /* unread_parts.c */
+/* unread_parts.c: lists which parts of the document were not read, and why. */
+norma_document_result norma_gltf_read_unread(norma_document *document, norma_document_error *error);
+/* gltf_scene.c: the fields of a node's info that are not about what it draws */
 norma_document_result norma_gltf_describe_node(
     const norma_document *document, size_t index, norma_node_info *info);
 
@@ -592,16 +593,8 @@ static inline double norma_gltf_sine(double x) {
 int norma_gltf_same_folder(
     const gltf *g, const char *path); /* path stands in the folder that the asset was read from */
 
-/* ---- The elements of one accessor through a matrix, and back into an encoding. */
-
-typedef struct bake_map { /* what transforms one mesh */
-    uint32_t id;          /* equal for equal matrices */
-    double matrix[16];
-    double normal[9];   /* sign(det) cof, times a power of two */
-    double fallback[3]; /* unit: what becomes of normals that a singular matrix makes zero */
-    int mirrored, rank;
-    int turns; /* 0: directions stay as they are (translation, uniform scale) */
-} bake_map;
+/* ---- Numbers of an element's kind into an encoding (bake_mesh.c), also for those who do not bake.
+ */
 
 typedef enum bake_role {
     BAKE_POSITIONS = 0,
@@ -620,7 +613,7 @@ typedef enum bake_encoded { BAKE_ENCODED = 0, BAKE_NO_MEMORY, BAKE_TOO_LARGE } b
 bake_encoded norma_gltf_encode(
     bake_role role, const gltf_array *stored, const double *values, gltf_data *data);
 
-/* ---- What of a buffer's file belongs to the asset that names it. */
+/* ---- What of a buffer's file belongs to the asset that names it (buffers.c). */
 
 typedef struct range {
     size_t start, end;
@@ -648,7 +641,7 @@ int norma_gltf_equals_any_case(const char *a, const char *b);
 int norma_gltf_has_suffix(const char *name, const char *const *suffixes, size_t count);
 
 /* ---- The JSON of a file that may be an asset, looked into without opening it as a
- * document. */
+ * document (buffers.c). */
 
 typedef enum gltf_other {
     GLTF_OTHER_NONE = 0, /* no glTF */
@@ -724,10 +717,13 @@ static inline const uint32_t *norma_gltf_points(const gltf_surface *s) {
     return s->points ? s->points : (const uint32_t *)s->core.corners;
 }
 
-norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job); /* vertex_sharing.c */
+/* ---- vertex_sharing.c: which primitives share vertices, and the vertices that their points become
+ */
+norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job);
 norma_document_result norma_gltf_take_points(
     gltf_job *job, gltf_surface *surface); /* points become corners */
 norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set);
+norma_document_result norma_gltf_put_indices(gltf_job *job, uint32_t primitive);
 void norma_gltf_vertex_sharing_free(gltf_job *job);
 /* The place for the number, + 1, of the vertex that copies an old one and has this code, of size
  * bytes; codes has those of all vertices. 0 stands there as long as it is none. NULL: out of
@@ -739,8 +735,9 @@ uint32_t *norma_gltf_find_vertex(
 static inline uint32_t norma_gltf_old_vertex(const gltf_set *set, size_t vertex) {
     return vertex < set->vertices ? (uint32_t)vertex : set->added[vertex - set->vertices];
 }
-/* vertex_contents.c: a further vertex behind all others, a copy of an old one: its number;
- * SIZE_MAX: out of memory, or of numbers. */
+
+/* ---- vertex_contents.c: what a set's vertices hold, put. A further vertex behind all others, a
+ * copy of an old one: its number; SIZE_MAX: out of memory, or of numbers. */
 size_t norma_gltf_add_vertex(gltf_set *set, uint32_t vertex);
 /* The same contents in a slot of every primitive of the set; the elements of an
  * accessor, with copies for the added vertices. */
@@ -749,7 +746,7 @@ norma_document_result norma_gltf_put_in_set(
 norma_document_result norma_gltf_copy_elements(
     gltf_job *job, const gltf_set *set, uint32_t accessor, gltf_data *data);
 
-norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t set); /* vertex_contents.c */
+norma_document_result norma_gltf_put_set(gltf_job *job, uint32_t set);
 /* New differences of a target's normals or tangents, three numbers a vertex, in the encoding that
  * they had where that can hold them all; vertices that are not broken keep their bits. */
 norma_document_result norma_gltf_put_deltas(
@@ -757,12 +754,9 @@ norma_document_result norma_gltf_put_deltas(
 /* gltf_tangents.c: once all sets are put, what became of their tangents: counted, and marked
  * where they are to be computed anew. */
 norma_document_result norma_gltf_account_tangents(gltf_job *job);
-norma_document_result norma_gltf_put_indices(
-    gltf_job *job, uint32_t primitive); /* vertex_sharing.c */
 
-/* ---- The surfaces of a glTF, mesh by mesh. */
-
-/* A mesh of which no triangle can be read is left out. */
+/* ---- The surfaces of a glTF, mesh by mesh (gltf_compute.c). A mesh of which no triangle can be
+ * read is left out. */
 norma_document_result norma_gltf_visit_surfaces(
     norma_document *document, visit_surface *visit, void *user, norma_document_error *error);
 

@@ -4,9 +4,11 @@
 #define NORMA_IO_GLTF_LAYOUT_H
 #include "io/gltf/gltf.h"
 
-/* ---- What is to become of accessors, views and buffers. patch.c gathers what is put,
- * and decides accessor by accessor, assign_views.c view by view, byte_layout.c where
- * in the buffers the bytes go, gltf_write.c writes. */
+/* ---- What is to become of accessors, views and buffers: the patch. In three steps:
+ * norma_gltf_finish (gltf_change.c) makes of what was put accessors (patch.c) and views
+ * (assign_views.c); norma_gltf_lay_out (gltf_write.c) gives what is to stand at a path its bytes in
+ * the buffers, by byte_layout.c, and the JSON that says so: the layout; norma_gltf_write writes
+ * that. */
 
 typedef struct patch_slot {
     gltf_slot slot;
@@ -115,19 +117,20 @@ gltf_patch *norma_gltf_patch_of(gltf *g); /* made on first use; NULL: out of mem
 void norma_gltf_patch_free(gltf *g);
 uint32_t *norma_gltf_view_pins(const gltf *g); /* NULL: out of memory */
 
-/* The pins of views that streams no longer need. */
+/* Pins of views that hold streams, once it is known which of these are kept. */
 void norma_gltf_unpin_streams(gltf *g);
-void norma_gltf_edit_extensions(gltf *g); /* patch.c: what was unlisted */
 
-/* repack_views.c: an old view of which runs shrink, without the gaps that they would leave; the
- * first of them, and of each the next. *done 0: it is left to others. */
+/* repack_views.c: an old view of which runs shrink, without the gaps that they would leave. first:
+ * of these runs, next: of each. *done 0: it is left to others. */
 norma_document_result norma_gltf_repack_view(gltf *g, uint32_t view, uint32_t first,
     const uint32_t *next, int *done, norma_document_error *error);
+/* Says in the JSON, or of the new accessor, that the run lies there. */
 void norma_gltf_point_data_run(gltf *g, const data_run *run, uint32_t view, size_t offset);
 
-/* The steps of norma_gltf_finish. */
+/* The steps of norma_gltf_finish: patch.c, assign_views.c, and patch.c for what was unlisted. */
 norma_document_result norma_gltf_assign_accessors(gltf *g, norma_document_error *error);
 norma_document_result norma_gltf_assign_views(gltf *g, norma_document_error *error);
+void norma_gltf_edit_extensions(gltf *g);
 
 typedef enum gltf_destination {
     GLTF_TO_PATH,
@@ -135,25 +138,27 @@ typedef enum gltf_destination {
     GLTF_TO_STREAM,
     GLTF_TO_MEMORY /* to be read again, and changed further; files only grow at their end */
 } gltf_destination;
-gltf_destination norma_gltf_destination(const gltf *g, const char *path);
-/* Fills patch->buffers and patch->layout for what is to stand at path (NULL: a stream); what is
- * there for this path already stays. */
+gltf_destination norma_gltf_destination(const gltf *g, const char *path); /* gltf_write.c */
+/* gltf_write.c: fills patch->buffers and patch->layout for what is to stand at path (NULL: a
+ * stream); what is there for this path already stays. */
 norma_document_result norma_gltf_lay_out(gltf *g, const char *path, norma_document_error *error);
-/* The main file by the layout. */
-void norma_gltf_free_layout(gltf *g);
+void norma_gltf_free_layout(gltf *g); /* patch.c */
+
+/* ---- byte_layout.c: the bytes of buffers, and what the layout's JSON says of views and buffers */
 norma_document_result norma_gltf_fill_buffers(
-    gltf *g, gltf_destination destination, norma_document_error *error); /* byte_layout.c */
+    gltf *g, gltf_destination destination, norma_document_error *error);
 /* watch: NULL, or asked on the way; where it cancels, the rest is missing. */
 void norma_gltf_add_base64(
     json_text *text, const patch_segment *segments, size_t count, norma_watch *watch);
-void norma_gltf_edit_views(gltf *g); /* byte_layout.c: the layout's JSON */
+void norma_gltf_edit_views(gltf *g);
 norma_document_result norma_gltf_edit_buffers(
     gltf *g, gltf_destination destination, norma_document_error *error);
-/* By other buffers, one file; -1: out of memory. */
+/* Whether another buffer names the same file; -1: out of memory. */
 int norma_gltf_is_named_twice(const gltf *g, uint32_t buffer);
 gltf_storage norma_gltf_storage_of(
     const gltf *g, uint32_t buffer); /* of old ones and the one more */
 int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *bytes, size_t size);
+
 /* gltf_write.c: adds to counts how often the JSON names each texture, each image. */
 void norma_gltf_count_texture_uses(const gltf *g, uint32_t *counts, size_t textures);
 void norma_gltf_count_image_uses(const gltf *g, uint32_t *counts, size_t images);
@@ -169,8 +174,10 @@ typedef enum gltf_list {
 } gltf_list;
 norma_document_result norma_gltf_check_dangling(
     const gltf *g, gltf_list list, norma_document_error *error);
-/* ---- The node hierarchy as it is to become: nodes get new parents, new nodes come behind
- * the old ones, and at the end the JSON of what changed is edited. Numbers of nodes never shift. */
+
+/* ---- The node hierarchy as it is to become (new_tree.c): nodes get new parents, new nodes come
+ * behind the old ones, and at the end the JSON of what changed is edited. Numbers of nodes never
+ * shift. */
 
 typedef struct tree_node {
     uint32_t parent, first, last, before, after; /* siblings in order; GLTF_NONE: the last one */
@@ -221,6 +228,15 @@ norma_document_result norma_gltf_tree_write(
 /* ---- --bake: gltf_transform.c decides which nodes are baked and what becomes of the hierarchy,
  * bake_mesh.c transforms a mesh's data and reverses its triangles. */
 
+typedef struct bake_map { /* what transforms one mesh */
+    uint32_t id;          /* equal for equal matrices */
+    double matrix[16];
+    double normal[9];   /* sign(det) cof, times a power of two */
+    double fallback[3]; /* unit: what becomes of normals that a singular matrix makes zero */
+    int mirrored, rank;
+    int turns; /* 0: directions stay as they are (translation, uniform scale) */
+} bake_map;
+
 /* Contents that several slots ask for, made once. */
 typedef struct bake_entry {
     uint32_t role, a, b, map; /* found by these */
@@ -238,12 +254,11 @@ void norma_gltf_bake_cache_free(bake_cache *cache);
 int norma_gltf_bake_map(
     bake_cache *cache, const double matrix[16], bake_map *map); /* 0: out of memory */
 
-/* A mesh (copy 0: itself) as the node, for messages, draws it under the map; vertices are added to
- * *vertices. */
 /* One use of a mesh: copy is the number that its slots have, node the one that draws it. */
 typedef struct mesh_use {
     uint32_t mesh, copy, node;
 } mesh_use;
+/* The mesh, or its copy, under the map; vertices are added to *vertices. */
 norma_document_result norma_gltf_bake_mesh(gltf *g, bake_cache *cache, const mesh_use *use,
     const bake_map *map, size_t *vertices, norma_document_error *error);
 #endif

@@ -599,7 +599,6 @@ norma_document_result norma_gltf_recentre(
     recentring r = {.g = norma_gltf_of(document)};
     norma_document_result result = NORMA_DOCUMENT_OK;
     norma_gltf_begin_change(r.g);
-    if (result) return result;
     norma_gltf_tree_read(r.g, &r.tree);
     uint32_t *order = gltf_bake_order(r.g, &r.tree);
     r.flags = order ? gltf_bake_flags(r.g, order) : NULL;
@@ -673,9 +672,8 @@ norma_document_result norma_gltf_transform(norma_document *document,
     gltf *g = norma_gltf_of(document);
     norma_matrix_info info;
     norma_document_result result = NORMA_DOCUMENT_OK;
-    norma_gltf_begin_change(g);
     double normal[9];
-    if (result) return result;
+    norma_gltf_begin_change(g);
     norma_normal_matrix_double(options->matrix, NORMA_WINDING_KEPT, normal, &info);
     summary->mirrored = info.mirrored;
     if (g->node_count == 0) {

@@ -7,6 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Bytes in order, until one call of write fails. */
+typedef struct gltf_output {
+    norma_write *write;
+    void *user;
+    int failed;
+} gltf_output;
+
 /* ---- names of what is written beside an asset: its buffers, and images that are given. */
 
 /* ---- How often the JSON names each texture and each image. Extensions name them in ways
@@ -410,50 +417,6 @@ static void gltf_end_tile(const gltf *g, size_t glb, gltf_output *out) {
     gltf_write_bytes(out, source + g->tile.at + g->container_size, norma_gltf_surplus(g));
     gltf_write_fill(out, 0, tile_padding(g, glb));
     gltf_write_bytes(out, source + g->tile.end, g->document->source.size - g->tile.end);
-}
-
-/* ---- Beginning and end of a change: what was put becomes edits and views. */
-
-void norma_gltf_begin_change(gltf *g) { norma_gltf_patch_free(g); /* one that changed nothing */ }
-
-int norma_gltf_drop_change(norma_document *document) {
-    gltf *g = norma_gltf_of(document);
-    norma_gltf_patch_free(g);
-    norma_json_edits_destroy(g->edits);
-    g->edits = norma_json_edits_create(&g->json, 0);
-    g->changed = 0;
-    return g->edits != NULL;
-}
-
-static void append_copies(gltf *g) {
-    const gltf_patch *patch = g->patch;
-    for (size_t i = 0; i < patch->copy_count; ++i) {
-        json_text text = {0};
-        text.failed = !norma_json_write(
-            patch->copies[i].edits, g->meshes[patch->copies[i].mesh].token, &text);
-        norma_json_append_made(g->edits, 0, "meshes", &text);
-    }
-}
-
-norma_document_result norma_gltf_finish(gltf *g, norma_document_error *error) {
-    gltf_patch *patch = norma_gltf_patch_of(g);
-    norma_document_result result = patch ? norma_gltf_assign_accessors(g, error)
-                                         : norma_document_fail_memory(g->document, error);
-    if (!result) result = norma_gltf_assign_views(g, error);
-    if (!result && patch->accessor_count)
-        result = norma_gltf_check_dangling(g, GLTF_LIST_ACCESSORS, error);
-    if (!result && patch->view_count > g->view_count)
-        result = norma_gltf_check_dangling(g, GLTF_LIST_VIEWS, error);
-    if (!result && patch->copy_count)
-        result = norma_gltf_check_dangling(g, GLTF_LIST_MESHES, error);
-    if (!result) append_copies(g);
-    if (result) return result;
-    norma_gltf_edit_extensions(g);
-    if (norma_json_edits_failed(g->edits)) return norma_document_fail_memory(g->document, error);
-    g->changed = norma_json_edits_any(g->edits);
-    for (size_t i = 0; i < patch->view_count; ++i)
-        g->changed |= patch->views[i].plain.bytes != NULL;
-    return NORMA_DOCUMENT_OK;
 }
 
 /* ---- The asset's main file: the JSON with all edits, as text or in a GLB with its other

@@ -1,4 +1,4 @@
-/* patch.c: what is put into an asset, gathered; lists that nothing may be added to; and which old
+/* patch.c: what is put into an asset, gathered; lists that nothing may be added to; which old
  * accessors are replaced. */
 #include "io/gltf/gltf_layout.h"
 #include "core/call/table.h"
@@ -450,7 +450,8 @@ static norma_document_result gltf_unpack_changed(gltf *g, norma_document_error *
     return result;
 }
 
-/* The copies of a mesh GLTF_DRACO their streams as well, where they keep them. */
+/* The copies of a mesh pin their streams as well, where they keep them; primitives that are written
+ * without theirs no longer do. */
 void norma_gltf_unpin_streams(gltf *g) {
     const gltf_patch *patch = g->patch;
     for (size_t c = 0; c < patch->copy_count; ++c) {
