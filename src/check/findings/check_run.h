@@ -8,9 +8,6 @@
 #include <math.h>
 #include "core/face/face.h"
 
-/* ---- What the files of src/check share: one run over a file, one mesh in it with the
- * geometry that its rules have in common, and how findings are added. */
-
 typedef enum check_rule {
 #define RULE(id, name, render, print, fix, verb, validator, what, cause, why, how) RULE_##id,
 #include "check/findings/rules.def"
@@ -18,7 +15,7 @@ typedef enum check_rule {
     CHECK_RULE_COUNT
 } check_rule;
 
-/* ---- findings */
+/* ---- findings (findings.c) */
 
 typedef struct check_spot { /* SIZE_MAX: does not apply */
     size_t vertex, face, normal;
@@ -111,7 +108,7 @@ typedef struct check_place {
 
 typedef struct check_mesh check_mesh;
 
-typedef struct check_report { /* one finding to be added */
+typedef struct check_finding { /* to be added, by norma_check_report or norma_check_add */
     check_rule rule;
     norma_severity severity;
     const char *unit;  /* NULL: "" */
@@ -121,7 +118,7 @@ typedef struct check_report { /* one finding to be added */
     check_hits *hits;  /* count 0: nothing is added. Emptied */
     const char *message;
     const norma_deviation *deviation;
-} check_report;
+} check_finding;
 
 /* The fields that the caller's header has: a struct_size of 0 is that of the first version, what it
  * does not know is zero. ARGUMENT: a later caller asks for what this library does not know. */
@@ -140,7 +137,7 @@ void norma_check_hits_merge(const check_run *run, check_hits *into, check_hits *
 void norma_check_hits_free(check_hits *hits);
 /* mesh may be NULL: samples then have no positions. MEMORY. Frees the hits' samples in any case. */
 norma_result norma_check_add(
-    check_run *run, const check_place *place, const check_mesh *mesh, check_report *report);
+    check_run *run, const check_place *place, const check_mesh *mesh, check_finding *report);
 /* A finding of count 1 without a value, and without a place but spot. */
 norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh,
     check_rule rule, norma_severity severity, check_spot spot, const char *message);
@@ -155,11 +152,11 @@ int norma_check_is_required(const norma_rule *rule);
 enum { CHECK_MESSAGE = 1000 };
 void norma_check_message(char text[CHECK_MESSAGE], const char *format, ...);
 /* norma_check_add at the mesh's place, with such a message. */
-norma_result norma_check_report(check_mesh *m, check_report *report, const char *format, ...);
+norma_result norma_check_report(check_mesh *m, check_finding *report, const char *format, ...);
 /* For messages: "1 tangent", "2 tangents". */
 static inline const char *norma_check_plural(size_t count) { return count == 1 ? "" : "s"; }
 
-/* ---- one mesh */
+/* ---- one mesh (check_mesh.c) */
 
 typedef struct check_face {
     float normal[3]; /* unit; zero: the face is degenerate, or not finite */
@@ -223,7 +220,7 @@ static inline size_t norma_check_normal_count(const check_mesh *m) {
 /* A face whose height is less than this of its longest edge: its direction says little, and its
  * area is almost nothing. */
 static inline int norma_check_is_sliver(const check_face *face) { return face->height < 1e-4F; }
-/* check_mesh.c: twice the area of some face, 0 where it is not finite; and sum with that of each
+/* Twice the area of some face, 0 where it is not finite; and sum with that of each
  * face added, one after another. */
 double norma_check_twice_area(const check_mesh *m, size_t face);
 double norma_check_add_areas(const check_mesh *m, double sum);
@@ -278,7 +275,7 @@ static inline size_t norma_check_block_count(size_t count, size_t size) {
     return count / size + (count % size != 0);
 }
 
-/* ---- places */
+/* ---- places (findings.c) */
 
 /* "mesh 0 primitive 1 \"name\"", or "" for the one mesh of OBJ, PLY and STL. */
 void norma_check_label(const norma_mesh_info *info, char label[CHECK_MESSAGE]);
@@ -288,7 +285,7 @@ void norma_check_silence(uint8_t mask[CHECK_RULE_COUNT], const char *ignore);
 /* Whether both are primitives of one glTF mesh, in this order. */
 int norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *second);
 
-/* ---- what stands behind norma_findings */
+/* ---- what stands behind norma_findings (findings.c) */
 
 typedef struct findings_entry {
     norma_finding finding;

@@ -136,7 +136,7 @@ void norma_check_message(char out[CHECK_MESSAGE], const char *format, ...) {
     va_end(arguments);
 }
 
-norma_result norma_check_report(check_mesh *m, check_report *report, const char *format, ...) {
+norma_result norma_check_report(check_mesh *m, check_finding *report, const char *format, ...) {
     char message[CHECK_MESSAGE];
     va_list arguments;
     va_start(arguments, format);
@@ -316,7 +316,7 @@ static const norma_deviation *copy_deviation(const norma_deviation *deviation) {
 }
 
 /* What may be meant (information) stays what it is. */
-static norma_severity raised_severity(const check_run *run, const check_report *report) {
+static norma_severity raised_severity(const check_run *run, const check_finding *report) {
     const int raised = run->findings->profile == NORMA_CHECK_PROFILE_GENERATED &&
                        report->severity == NORMA_SEVERITY_WARNING &&
                        norma_check_is_required(&norma_rules(NULL)[report->rule]);
@@ -324,7 +324,7 @@ static norma_severity raised_severity(const check_run *run, const check_report *
 }
 
 static norma_result fill_finding(norma_finding *finding, const check_place *place,
-    const check_mesh *mesh, const check_report *report, norma_severity severity) {
+    const check_mesh *mesh, const check_finding *report, norma_severity severity) {
     const check_hits *hits = report->hits;
     *finding = (norma_finding){
         .rule = &norma_rules(NULL)[report->rule],
@@ -350,7 +350,7 @@ static norma_result fill_finding(norma_finding *finding, const check_place *plac
 }
 
 norma_result norma_check_add(
-    check_run *run, const check_place *place, const check_mesh *mesh, check_report *report) {
+    check_run *run, const check_place *place, const check_mesh *mesh, check_finding *report) {
     norma_result result = report->hits->failed ? NORMA_ERROR_MEMORY : NORMA_OK;
     if (!result && report->hits->count) {
         findings_entry *entry = new_entry(run->findings);
@@ -404,7 +404,7 @@ norma_result norma_check_add_one(check_run *run, const check_place *place, const
     check_hits hits = {0};
     norma_check_hit(run, &hits, 0, spot);
     return norma_check_add(run, place, mesh,
-        &(check_report){
+        &(check_finding){
             .rule = rule, .severity = severity, .no_value = 1, .hits = &hits, .message = message});
 }
 

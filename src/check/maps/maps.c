@@ -435,7 +435,7 @@ static norma_result add_map_finding(
         map->name ? map->name : "", what);
     norma_check_hit(m->run, &one, value, CHECK_NOWHERE);
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = rule,
+        &(check_finding){.rule = rule,
             .severity = NORMA_SEVERITY_WARNING,
             .unit = rule == RULE_N811 ? "%" : "",
             .hits = &one,

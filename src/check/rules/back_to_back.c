@@ -73,7 +73,7 @@ static norma_result find_sheets(
 
 static norma_result add_solids(check_mesh *m, norma_severity severity, check_hits *hits) {
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N306, .severity = severity, .no_value = 1, .hits = hits},
+        &(check_finding){.rule = RULE_N306, .severity = severity, .no_value = 1, .hits = hits},
         "a second copy of the solid, turned inside out: %z pair%s of back-to-back faces",
         hits->count, norma_check_plural(hits->count));
 }
@@ -86,7 +86,7 @@ static norma_result add_sheets(
         norma_check_message(
             solids, "; %z of them make up a second copy of a solid, turned inside out", of_solids);
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N306, .severity = severity, .no_value = 1, .hits = hits},
+        &(check_finding){.rule = RULE_N306, .severity = severity, .no_value = 1, .hits = hits},
         "%s: %z pair%s of back-to-back faces%s",
         print                             ? "walls without thickness"
         : m->given->material.double_sided ? "drawn twice, and flickering if their shading differs, "

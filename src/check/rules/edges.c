@@ -17,7 +17,7 @@ norma_result norma_check_add_open(check_mesh *m, const core_topology *topology, 
                 norma_check_hit(
                     m->run, &hits, 0, (check_spot){norma_core_corner(&m->mesh, c), f, SIZE_MAX});
     return norma_check_report(m,
-        &(check_report){
+        &(check_finding){
             .rule = RULE_N307, .severity = NORMA_SEVERITY_WARNING, .no_value = 1, .hits = &hits},
         "holes, or sheets without thickness: %z edge%s of one face only; nothing separates inside "
         "from outside there",
@@ -239,7 +239,7 @@ static norma_result add_conflicts_of(
     char message[CHECK_MESSAGE];
     describe_conflicts(kind, hits->count, turned, message);
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N301,
+        &(check_finding){.rule = RULE_N301,
             .severity = informs ? NORMA_SEVERITY_INFO : severities[kind],
             .no_value = 1,
             .no_fix = kind != CONFLICT_TURNED,
@@ -312,7 +312,7 @@ static norma_result add_many(check_mesh *m, edge_part *sum) {
                                   ? NORMA_SEVERITY_WARNING
                                   : NORMA_SEVERITY_INFO;
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N303,
+        &(check_finding){.rule = RULE_N303,
             .severity = severity,
             .unit = edges ? "faces" : "fans",
             .hits = &sum->many,
@@ -321,7 +321,7 @@ static norma_result add_many(check_mesh *m, edge_part *sum) {
 
 static norma_result add_duplicates(check_mesh *m, check_hits *hits, double twice_area) {
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N305,
+        &(check_finding){.rule = RULE_N305,
             .severity = twice_area < SPECK * norma_check_add_areas(m, 0) ? NORMA_SEVERITY_INFO
                                                                          : NORMA_SEVERITY_WARNING,
             .no_value = 1,

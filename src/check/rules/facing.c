@@ -240,7 +240,7 @@ norma_result norma_check_deviation(check_mesh *m) {
     hits.count = count_normals(m);
     describe_deviation(deviation, hits.count, message);
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N204,
+        &(check_finding){.rule = RULE_N204,
             .severity = NORMA_SEVERITY_INFO,
             .unit = "deg",
             .hits = &hits,
@@ -359,7 +359,7 @@ static norma_result add_frame(check_mesh *m, const explain_frame *frame) {
             median, how);
     norma_check_hit(m->run, &hits, median, CHECK_NOWHERE);
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N206,
+        &(check_finding){.rule = RULE_N206,
             .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_ERROR,
             .unit = "deg",
             .hits = &hits,
@@ -542,7 +542,7 @@ static norma_result add_far(check_mesh *m, const far_state *state, int large) {
                 norma_check_arc_cosine(fmax((double)state->greatest[i], -1)) * (180 / NORMA_PI),
                 norma_check_normal_spot(m, i));
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N202,
+        &(check_finding){.rule = RULE_N202,
             .severity = m->on_purpose || !large ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,
             .unit = "deg",
             .hits = &hits},
@@ -645,7 +645,7 @@ static norma_result add_opposed(check_mesh *m) {
     gather_hits(m, &hits);
     describe_sides(&sides, which);
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N201,
+        &(check_finding){.rule = RULE_N201,
             .severity = severity,
             .unit = "deg",
             .no_fix = !sides.turned && !sides.right,

@@ -123,7 +123,7 @@ static norma_result judge_bends(check_mesh *m) {
     }
     if (!hits.count) return NORMA_OK;
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N901,
+        &(check_finding){.rule = RULE_N901,
             .severity = hits.worst > BENDS_MUCH_DEG ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .unit = "deg",
             .hits = &hits},
@@ -152,7 +152,7 @@ static norma_result judge_sums(check_mesh *m) {
     }
     if (!hits.count) return NORMA_OK;
     return norma_check_report(m,
-        &(check_report){
+        &(check_finding){
             .rule = RULE_N902, .severity = NORMA_SEVERITY_WARNING, .unit = "length", .hits = &hits},
         "spots and sparks: %z normal%s reduced to less than a tenth by a morph target at weight 1 "
         "(to %g)",

@@ -97,7 +97,7 @@ static norma_result add_node_finding(const node_judgement *j, check_rule rule,
     check_hits hits = {.count = count, .worst = worst, .worst_spot = CHECK_NOWHERE};
     if (!count || !j->rules[rule]) return NORMA_OK;
     return norma_check_add(j->run, &j->place, NULL,
-        &(check_report){.rule = rule,
+        &(check_finding){.rule = rule,
             .severity = severity,
             .unit = unit,
             .no_value = isnan(worst),

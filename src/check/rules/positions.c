@@ -210,7 +210,7 @@ static norma_result open_slots(grid *g, size_t used) {
 
 static norma_result add_coincident(check_mesh *m, check_hits *hits, double step) {
     return norma_check_report(m,
-        &(check_report){
+        &(check_finding){
             .rule = RULE_N503, .severity = NORMA_SEVERITY_INFO, .no_value = 1, .hits = hits},
         "cracks in the surface: %z position%s closer to another than %g (a millionth of the mesh's "
         "diagonal), but not equal to it",
@@ -385,7 +385,7 @@ norma_result norma_check_distance_add(check_mesh *m, const check_largest *larges
     check_hits hits = {0};
     norma_check_hit(m->run, &hits, spacing / median, norma_check_vertex(largest->vertex));
     return norma_check_report(m,
-        &(check_report){
+        &(check_finding){
             .rule = RULE_N701, .severity = NORMA_SEVERITY_WARNING, .unit = "ratio", .hits = &hits},
         "steps in the surface: coordinates up to %g are rounded to %g, and half of the edges are "
         "shorter than %g; faces turn by about %g degrees",
@@ -429,7 +429,7 @@ norma_result norma_check_encoding_add(check_mesh *m) {
         m->given->info.encoding, bound);
     norma_check_hit(m->run, &hits, bound, CHECK_NOWHERE);
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N702,
+        &(check_finding){.rule = RULE_N702,
             .severity = NORMA_SEVERITY_INFO,
             .unit = "deg",
             .hits = &hits,

@@ -256,7 +256,7 @@ static void free_seams(seam_hits *hits) {
 
 static norma_result add_seams_of(check_mesh *m, norma_severity severity, check_hits *hits) {
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N501, .severity = severity, .unit = "deg", .hits = hits},
+        &(check_finding){.rule = RULE_N501, .severity = severity, .unit = "deg", .hits = hits},
         severity == NORMA_SEVERITY_INFO
             ? "a step in the shading, which may be meant: at %z position%s on seams normals "
               "differ, by up to %g degrees"

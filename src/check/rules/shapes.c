@@ -81,7 +81,7 @@ static norma_result add_findings(check_mesh *m, check_shapes *sum) {
     norma_result result = NORMA_OK;
     if (sum->degenerate.count)
         result = norma_check_report(m,
-            &(check_report){.rule = RULE_N401,
+            &(check_finding){.rule = RULE_N401,
                 .severity = NORMA_SEVERITY_INFO,
                 .unit = "ratio",
                 .hits = &sum->degenerate},
@@ -89,7 +89,7 @@ static norma_result add_findings(check_mesh *m, check_shapes *sum) {
             m->mesh.face_count);
     if (!result && sum->slivers.count)
         result = norma_check_report(m,
-            &(check_report){.rule = RULE_N402,
+            &(check_finding){.rule = RULE_N402,
                 .severity = NORMA_SEVERITY_INFO,
                 .unit = "deg",
                 .hits = &sum->slivers},
@@ -256,7 +256,7 @@ static norma_result judge_large(const check_mesh *m, check_hits *hits) {
 static norma_result add_cancelled(check_mesh *m, check_hits *hits) {
     int missing = m->given->info.normals == NORMA_NORMALS_NONE;
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N403,
+        &(check_finding){.rule = RULE_N403,
             .severity = missing ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .unit = "ratio",
             .hits = hits},
@@ -458,7 +458,7 @@ static void judge_polygons(void *context, size_t block, size_t begin, size_t end
 static norma_result add_folded(check_mesh *m, norma_severity severity, check_folds *f) {
     if (!f->hits.count || !norma_check_wants(m, RULE_N404)) return NORMA_OK;
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N404,
+        &(check_finding){.rule = RULE_N404,
             .severity = severity,
             .unit = "ratio",
             .no_fix = f->crossing == f->hits.count,
@@ -476,7 +476,7 @@ static norma_result tell_bad_polygons(check_mesh *m, check_polygons *sum) {
     if (!result) result = add_folded(m, NORMA_SEVERITY_INFO, &sum->slight);
     if (result || !sum->bent.count || !norma_check_wants(m, RULE_N405)) return result;
     return norma_check_report(m,
-        &(check_report){
+        &(check_finding){
             .rule = RULE_N405, .severity = NORMA_SEVERITY_INFO, .unit = "deg", .hits = &sum->bent},
         "not flat, so that readers cut them differently: %z of %z polygons, by up to %g degrees",
         sum->bent.count, m->mesh.face_count, sum->bent.worst);

@@ -292,7 +292,7 @@ norma_result norma_check_facets_add(check_mesh *m, check_facets *sum) {
             "by up to %g degrees; some use the normal, others the winding",
             hits->count, m->mesh.face_count, hits->worst);
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N205,
+        &(check_finding){.rule = RULE_N205,
             .severity = matters ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .unit = "deg",
             .no_value = zeros == hits->count,

@@ -115,7 +115,7 @@ static norma_result add_smoothed(check_mesh *m, smoothed_part *sum) {
     if (!result) result = norma_check_is_of_another_frame(m, &other_frame);
     if (result || is_placeholder || other_frame) return result;
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N207,
+        &(check_finding){.rule = RULE_N207,
             .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING,
             .unit = "deg",
             .hits = &sum->hits},

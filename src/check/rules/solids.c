@@ -39,7 +39,7 @@ static norma_result add_inward(check_mesh *m, check_hits *hits, size_t count) {
                                     : m->given->material.double_sided ? NORMA_SEVERITY_INFO
                                                                       : NORMA_SEVERITY_WARNING;
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N302, .severity = severity, .unit = "volume", .hits = hits},
+        &(check_finding){.rule = RULE_N302, .severity = severity, .unit = "volume", .hits = hits},
         "faces look inward at %z of %z component%s: closed, and inside out", hits->count, count,
         norma_check_plural(count));
 }
@@ -48,7 +48,7 @@ static norma_result add_nested(check_mesh *m, check_hits *hits) {
     norma_severity severity =
         m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
     return norma_check_report(m,
-        &(check_report){
+        &(check_finding){
             .rule = RULE_N302, .severity = severity, .unit = "volume", .no_fix = 1, .hits = hits},
         "a solid within a solid: %z component%s facing outward; either cavities that were turned, "
         "or separate bodies",
@@ -128,7 +128,7 @@ static norma_result tell_undecidable(const check_solids *s) {
     }
     if (hits.count) {
         return norma_check_report(m,
-            &(check_report){
+            &(check_finding){
                 .rule = RULE_N304, .severity = NORMA_SEVERITY_INFO, .unit = "faces", .hits = &hits},
             one_sided ? "no inside and outside: %z of %z component%s %s open or one-sided (%z)"
                       : "no inside and outside: %z of %z component%s %s open",

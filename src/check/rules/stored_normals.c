@@ -87,7 +87,7 @@ static norma_result add_zero(check_mesh *m, check_hits *hits, size_t idle) {
             "black spots: %z zero-length normal%s; normalising one divides by zero", hits->count,
             norma_check_plural(hits->count));
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N102,
+        &(check_finding){.rule = RULE_N102,
             .severity = NORMA_SEVERITY_ERROR,
             .unit = "length",
             .hits = hits,
@@ -102,7 +102,7 @@ static int wants_lengths(const check_mesh *m, check_rule rule) {
 static norma_result add_non_unit(check_mesh *m, norma_severity severity, check_hits *hits) {
     if (!hits->count || !wants_lengths(m, RULE_N103)) return NORMA_OK;
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N103, .severity = severity, .unit = "length", .hits = hits},
+        &(check_finding){.rule = RULE_N103, .severity = severity, .unit = "length", .hits = hits},
         "too bright or too dark, if a shader does not renormalise: %z normal%s whose length "
         "differs from 1, by up to %g",
         hits->count, norma_check_plural(hits->count), hits->worst);
@@ -112,7 +112,7 @@ static norma_result add_lengths(check_mesh *m, check_lengths *sum, size_t idle) 
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N101) && sum->non_finite.count)
         result = norma_check_report(m,
-            &(check_report){.rule = RULE_N101,
+            &(check_finding){.rule = RULE_N101,
                 .severity = NORMA_SEVERITY_ERROR,
                 .no_value = 1,
                 .hits = &sum->non_finite},
@@ -193,7 +193,7 @@ static norma_result add_faces_without(check_mesh *m) {
         if (!some || lacks_normals(m, f)) norma_check_hit(m->run, &hits, 0, norma_check_face(f));
     int obj = m->run->format == NORMA_FILE_OBJ, gltf = !obj && m->run->format != NORMA_FILE_PLY;
     return norma_check_report(m,
-        &(check_report){.rule = RULE_N104,
+        &(check_finding){.rule = RULE_N104,
             .severity = obj && some ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO,
             .no_value = 1,
             .hits = &hits},
@@ -212,7 +212,7 @@ static norma_result add_unused(check_mesh *m) {
         norma_check_plural(hits.count));
     hits.worst_spot = CHECK_NOWHERE;
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N105,
+        &(check_finding){.rule = RULE_N105,
             .severity = NORMA_SEVERITY_INFO,
             .no_value = 1,
             .hits = &hits,
@@ -263,7 +263,7 @@ static norma_result add_mismatch(check_mesh *m) {
             "refused by readers, or shaded by the wrong normals: %z normal%s more than positions",
             a->normals_surplus, norma_check_plural(a->normals_surplus));
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N106,
+        &(check_finding){.rule = RULE_N106,
             .severity = NORMA_SEVERITY_ERROR,
             .no_value = 1,
             .fix_is_unsafe = none,

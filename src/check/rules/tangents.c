@@ -102,7 +102,7 @@ static norma_result add_signs(check_mesh *m, const uint8_t *verdicts, size_t wit
             "that the UVs give, and %z the opposite",
             map, with, norma_check_plural(with), with == 1 ? "has" : "have", against);
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N804,
+        &(check_finding){.rule = RULE_N804,
             .severity = mixed ? norma_check_tangent_severity(m) : NORMA_SEVERITY_INFO,
             .no_value = 1,
             .no_fix = !mixed,
@@ -156,7 +156,7 @@ norma_result norma_check_tangent_deviation(check_mesh *m) {
     norma_check_hit(m->run, &hits, deviation.max_rad * (180 / 3.141592653589793), CHECK_NOWHERE);
     describe(&deviation, message);
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N807,
+        &(check_finding){.rule = RULE_N807,
             .severity = NORMA_SEVERITY_INFO,
             .unit = "deg",
             .hits = &hits,
@@ -226,7 +226,7 @@ static norma_result add_tangent_findings(check_mesh *m, tangent_part *sum) {
     name_of_map(m, map);
     if (norma_check_wants(m, RULE_N801) && sum->bad.count)
         result = norma_check_report(m,
-            &(check_report){.rule = RULE_N801,
+            &(check_finding){.rule = RULE_N801,
                 .severity = NORMA_SEVERITY_ERROR,
                 .unit = "length",
                 .hits = &sum->bad},
@@ -236,7 +236,7 @@ static norma_result add_tangent_findings(check_mesh *m, tangent_part *sum) {
             norma_check_plural(sum->bad.count));
     if (!result && norma_check_wants(m, RULE_N802) && sum->sign.count)
         result = norma_check_report(m,
-            &(check_report){.rule = RULE_N802,
+            &(check_finding){.rule = RULE_N802,
                 .severity = NORMA_SEVERITY_ERROR,
                 .no_value = 1,
                 .hits = &sum->sign},
@@ -246,7 +246,7 @@ static norma_result add_tangent_findings(check_mesh *m, tangent_part *sum) {
             norma_check_plural(sum->sign.count));
     if (!result && norma_check_wants(m, RULE_N803) && sum->leaning.count)
         result = norma_check_report(m,
-            &(check_report){.rule = RULE_N803,
+            &(check_finding){.rule = RULE_N803,
                 .severity = norma_check_tangent_severity(m),
                 .unit = "deg",
                 .hits = &sum->leaning},
@@ -291,7 +291,7 @@ static norma_result add_no_tangents(check_mesh *m) {
     check_hits one = {0};
     norma_check_hit(m->run, &one, 0, CHECK_NOWHERE);
     return norma_check_add(m->run, &m->place, m,
-        &(check_report){.rule = RULE_N805,
+        &(check_finding){.rule = RULE_N805,
             .severity = NORMA_SEVERITY_INFO,
             .no_value = 1,
             .no_fix = !m->given->attributes.texcoords,

@@ -91,6 +91,9 @@ static int is_same_morphs(const norma_check_mesh *a, const norma_check_mesh *b) 
     return 1;
 }
 
+/* How a mesh differs from another. */
+typedef enum check_change { CHECK_SAME, CHECK_SAME_SURFACE, CHECK_ALL_CHANGED } check_change;
+
 static check_change check_compare(const norma_check_mesh *a, const norma_check_mesh *b) {
     if (strcmp(a->info.where, b->info.where) != 0 || a->info.normals != b->info.normals ||
         a->attributes.material != b->attributes.material ||
@@ -108,16 +111,13 @@ static check_change check_compare(const norma_check_mesh *a, const norma_check_m
 
 /* ---- what is not looked at again */
 
+/* Takes from rules those to which it makes no difference. */
 static void check_leave_known(uint8_t rules[CHECK_RULE_COUNT], check_change change) {
     for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
         if (change == CHECK_SAME ||
             (change == CHECK_SAME_SURFACE && is_of_surface((check_rule)rule)))
             rules[rule] = 0;
 }
-
-/* ---- the rules over an open document: each mesh that it could read, its normal maps, then its
- * nodes and skins; what it could not read is told of (N002), and so is a file that could not be
- * opened (N001). */
 
 /* ---- normal maps: each image is read once, for all meshes that show it; one that cannot be is
  * told of (N002) */

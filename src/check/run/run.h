@@ -11,11 +11,13 @@ norma_result norma_check_begin(
  * arrays that no rule may walk. */
 norma_result norma_check_open_mesh(check_run *run, const norma_check_mesh *given, check_mesh *m);
 void norma_check_close_mesh(check_mesh *m);
-/* meshes: those that norma_check_group_size says belong together. orders: of their places, or NULL:
- * they are next. */
+/* meshes: those that belong together, as norma_check_siblings has it. orders: of their places, or
+ * NULL: they are next. */
 norma_result norma_check_run_group(
     check_run *run, const norma_check_mesh *meshes, size_t count, const size_t *orders);
 norma_findings *norma_check_finish(check_run *run);
+void norma_check_abandon(check_run *run);
+
 /* check_document.c: what is the same in known->document as here is not looked at again, but by the
  * rules of known->again: the findings there, of every rule that is asked for, are copied. known
  * NULL: nothing is known. */
@@ -29,11 +31,6 @@ typedef struct check_known {
 norma_document_result norma_check_again(norma_document *document, const check_known *known,
     const norma_check_options *options, norma_findings **findings, norma_document_error *error);
 
-/* known.c: how a mesh differs from another. Takes from rules those that it makes no difference to.
- */
-typedef enum check_change { CHECK_SAME, CHECK_SAME_SURFACE, CHECK_ALL_CHANGED } check_change;
-
 /* check_document.c: that the rules failed, in words. */
 norma_document_result norma_check_fail(norma_document_error *error, norma_result result);
-void norma_check_abandon(check_run *run);
 #endif

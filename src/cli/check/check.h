@@ -322,19 +322,6 @@ cli_parsed *check_load_json(const char *path, const char *expected);
 void check_fingerprint(
     const char *path, const char *rule, const char *where, norma_severity severity, char text[17]);
 
-/* ---- Norma check --fix: a document mended, judged again, and written where it was asked
- * for. */
-
-typedef struct check_fixed {
-    norma_document *document; /* as it is now; judged by findings */
-    norma_findings *findings;
-    int written;
-    char *table; /* counts before and after, lines of text; NULL: nothing changed */
-    norma_fix_summary summary;
-    size_t
-        first_note; /* of the document: what could not be fixed, and why, is noted from there on */
-} check_fixed;
-
 /* ---- A small drawing of a finding's place, as SVG. */
 
 /* Writes an <svg> of the surface round the worst place of a finding, the faces that it names in

@@ -10,6 +10,16 @@
 
 /* ---- A document mended, judged again, and written where it was asked for. */
 
+typedef struct check_fixed {
+    norma_document *document; /* as it is now; judged by findings */
+    norma_findings *findings;
+    int written;
+    char *table; /* counts before and after, lines of text; NULL: nothing changed */
+    norma_fix_summary summary;
+    size_t
+        first_note; /* of the document: what could not be fixed, and why, is noted from there on */
+} check_fixed;
+
 /* ---- the table */
 
 /* What a rule counts; *gravest: the highest severity of its findings so far. */
