@@ -1,7 +1,7 @@
-/* fix.h: what the files of mending share: one mesh of a document, what the rules found in it, and
+/* fix.h: what the files of fixing share: one mesh of a document, what the rules found in it, and
  * the edit that grows out of it. */
-#ifndef NORMA_CHECK_MEND_INTERNAL_H
-#define NORMA_CHECK_MEND_INTERNAL_H
+#ifndef NORMA_CHECK_FIX_FIX_H
+#define NORMA_CHECK_FIX_FIX_H
 #include "check/findings/check_run.h"
 #include "check/run/run.h"
 #include <math.h>
@@ -144,12 +144,21 @@ typedef struct fix_whole { /* fix_mesh.c */
 norma_document_result norma_fix_open_whole(
     const fix_group *group, fix_whole *whole, norma_result *how);
 void norma_fix_close_whole(fix_whole *whole);
+/* Marks the faces of all that the findings of a rule name, those that may be fixed; 1: there are
+ * any. */
+int norma_fix_mark_whole(const fix_whole *whole, check_rule rule, uint8_t *marks);
 
-norma_result norma_fix_faces(fix_mesh *m);     /* fix_elements.c: N301, N302, N305, N401 */
+/* fix_sides.c: where normals and winding disagree. Which faces are turned, for a group; then for
+ * each mesh, which are reversed (N201, N301, and N302 and N304 by m->turned), and which normals. */
+norma_document_result norma_fix_ask_sides(const fix_group *group, norma_result *how);
+norma_result norma_fix_windings(fix_mesh *m);
+norma_result norma_fix_turn_normals(fix_mesh *m);
+
+norma_result norma_fix_faces(fix_mesh *m);     /* fix_elements.c: N305, N401 */
 norma_result norma_fix_polygons(fix_mesh *m);  /* fix_elements.c: N404, N405 */
 norma_result norma_fix_positions(fix_mesh *m); /* fix_elements.c: N503 */
 norma_result norma_fix_normals(
-    fix_mesh *m); /* fix_normals.c: N101 to N103, N201 to N203, N205, N206, N501 */
+    fix_mesh *m); /* fix_normals.c: N101 to N103, N201 (by fix_sides.c) to N203, N205, N206, N501 */
 norma_result norma_fix_vertices(
     fix_mesh *m); /* fix_elements.c: N403, N502; last, and only where nothing else is edited */
 norma_result norma_fix_tangents(fix_mesh *m); /* fix_normals.c: N801 to N805 */
@@ -171,11 +180,6 @@ int norma_fix_compare_edges(const void *a, const void *b);
  * each of its corners. Returns how many. */
 size_t norma_fix_face_edges(const core_mesh *mesh, size_t face, uint32_t face_number,
     uint32_t mesh_number, fix_edge *edges);
-
-/* parents: of each face one of the same part, itself where none is less. Returns the least;
- * shortens the way to it. */
-uint32_t norma_fix_root(uint32_t *parents, uint32_t face);
-void norma_fix_unite(uint32_t *parents, uint32_t one, uint32_t other);
 
 /* ---- what fixes would make of a document, found out on a copy of it, and measured. */
 

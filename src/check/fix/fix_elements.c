@@ -5,122 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Faces put right: windings made to agree (norma_orient), whole bodies turned
- * (fix_plan.c), faces left out that are there twice or have no area. */
-
-/* ---- parts of a surface: faces that edges join, by exactly equal positions */
-
-/* For each face the least face of its part. NULL: out of memory. */
-static uint32_t *find_parts(const core_mesh *mesh) {
-    uint32_t *parents = malloc((mesh->face_count + 1) * sizeof *parents);
-    fix_edge *edges = malloc((mesh->corner_count + 1) * sizeof *edges);
-    if (!parents || !edges) {
-        free(parents);
-        free(edges);
-        return NULL;
-    }
-    for (size_t face = 0; face < mesh->face_count; face++) parents[face] = (uint32_t)face;
-    size_t count = 0;
-    for (size_t face = 0; face < mesh->face_count; face++)
-        count += norma_fix_face_edges(mesh, face, (uint32_t)face, 0, edges + count);
-    qsort(edges, count, sizeof *edges, norma_fix_compare_edges);
-    for (size_t i = 1; i < count; i++)
-        if (norma_fix_compare_edges(&edges[i - 1], &edges[i]) == 0)
-            norma_fix_unite(parents, edges[i - 1].face, edges[i].face);
-    for (size_t face = 0; face < mesh->face_count; face++)
-        parents[face] = norma_fix_root(parents, (uint32_t)face);
-    free(edges);
-    return parents;
-}
-
-/* ---- windings */
-
-static void note_undecided(const fix_mesh *m, check_rule rule, size_t faces) {
-    static const char why[] = "neither volume nor rays show which side is outward";
-    char text[CHECK_MESSAGE];
-    const norma_rule *rules = norma_rules(NULL);
-    norma_check_message(text, "%s %s is not fixed%s%s for %z face%s: %s", rules[rule].id,
-        rules[rule].name, *m->info.where ? " at " : "", m->info.where, faces,
-        norma_check_plural(faces), why);
-    norma_fix_note(m->plan, FIX_RULE(rule), text, why);
-}
-
-static int is_shown(const fix_mesh *m, size_t face) {
-    return (m->sides[face] & (CORE_SIDE_TURNED | CORE_SIDE_UNDECIDED)) == CORE_SIDE_TURNED;
-}
-
-/* A part that is turned as a whole is not what N301 asks for, unless it names one of its faces:
- * then it is wound against another primitive. */
-static void leave_whole_parts(const fix_mesh *m, const uint32_t *parts, uint8_t *reverse) {
-    uint8_t *stays = calloc(m->mesh.face_count + 1, 1), *named = NULL;
-    const int any = norma_fix_mark(m, RULE_N301, MEND_FACE, m->mesh.face_count, &named);
-    for (size_t face = 0; stays && face < m->mesh.face_count; face++)
-        if (!reverse[face] || (any > 0 && named[face])) stays[parts[face]] = 1;
-    for (size_t face = 0; stays && face < m->mesh.face_count; face++)
-        reverse[face] &= stays[parts[face]];
-    free(named);
-    free(stays);
-}
-
-/* Those that are shown to be turned: of parts that disagree with themselves (N301). */
-static norma_result reverse_turned(const fix_mesh *m, uint8_t *reverse) {
-    uint32_t *parts = find_parts(&m->mesh);
-    size_t undecided = 0;
-    if (!parts) return NORMA_ERROR_MEMORY;
-    for (size_t face = 0; face < m->mesh.face_count; face++) {
-        reverse[face] = (uint8_t)is_shown(m, face);
-        undecided += m->sides[face] & CORE_SIDE_TURNED && m->sides[face] & CORE_SIDE_UNDECIDED;
-    }
-    leave_whole_parts(m, parts, reverse);
-    free(parts);
-    if (undecided) note_undecided(m, RULE_N301, undecided);
-    return NORMA_OK;
-}
-
-/* The parts of faces whose winding is shown to be wrong, and whose normals are right (N201): all
- * that is turned in them, so that they still agree. */
-static norma_result reverse_opposed(const fix_mesh *m, uint8_t *reverse) {
-    uint8_t *named = NULL;
-    const size_t faces = m->mesh.face_count;
-    const int any = norma_fix_mark(m, RULE_N201, MEND_FACE, faces, &named);
-    uint32_t *parts = any > 0 ? find_parts(&m->mesh) : NULL;
-    uint8_t *opposed = any > 0 ? calloc(faces + 1, 1) : NULL;
-    const int fine = any == 0 || (parts && opposed);
-    size_t undecided = 0;
-    for (size_t face = 0; face < faces && any > 0 && fine; face++) {
-        if (!named[face]) continue;
-        undecided += (m->sides[face] & CORE_SIDE_UNDECIDED) != 0;
-        if (is_shown(m, face)) opposed[parts[face]] = 1;
-    }
-    for (size_t face = 0; face < faces && any > 0 && fine; face++)
-        if (opposed[parts[face]] && is_shown(m, face)) reverse[face] = 1;
-    if (undecided && fine) note_undecided(m, RULE_N201, undecided);
-    free(named);
-    free(parts);
-    free(opposed);
-    return fine ? NORMA_OK : NORMA_ERROR_MEMORY;
-}
-
-/* A body that is turned as a whole (N302, N304) is turned once, whatever else names its faces. */
-static norma_result reorient(fix_mesh *m) {
-    const int alike = norma_fix_has(m, RULE_N301), opposed = norma_fix_has(m, RULE_N201);
-    int any = 0;
-    if (!alike && !opposed && !m->turned) return NORMA_OK;
-    uint8_t *reverse = calloc(m->mesh.face_count + 1, 1);
-    norma_result result = reverse ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (!result && alike && m->sides) result = reverse_turned(m, reverse);
-    if (!result && opposed && m->sides) result = reverse_opposed(m, reverse);
-    for (size_t face = 0; face < m->mesh.face_count && !result; face++) {
-        if (m->turned && m->turned[face]) reverse[face] = !m->sides || is_shown(m, face);
-        any |= reverse[face];
-    }
-    if (any && !result)
-        m->edit->reverse_faces = reverse;
-    else
-        free(reverse);
-    return result;
-}
-
 /* ---- left out: faces that are there twice, faces without area. A face without area may still be
  * what joins its neighbours: where an edge that was closed would be open without it, it stays, and
  * so do those that share edges with it. */
@@ -151,7 +35,7 @@ static void keep_joints(const fix_edge *edges, size_t count, uint32_t *groups, u
         size_t first = SIZE_MAX;
         for (size_t i = begin; i < begin + of; i++) {
             if (!drop[edges[i].face]) continue;
-            if (first != SIZE_MAX) norma_fix_unite(groups, edges[first].face, edges[i].face);
+            if (first != SIZE_MAX) norma_core_join_sets(groups, edges[first].face, edges[i].face);
             first = i;
         }
         if (first != SIZE_MAX && is_balanced(&edges[begin], of, NULL) &&
@@ -159,9 +43,9 @@ static void keep_joints(const fix_edge *edges, size_t count, uint32_t *groups, u
             needed[edges[first].face] = 1;
     }
     for (size_t f = 0; f < face_count; f++)
-        if (needed[f]) needed[norma_fix_root(groups, (uint32_t)f)] = 1;
+        if (needed[f]) needed[norma_core_set_of(groups, (uint32_t)f)] = 1;
     for (size_t f = 0; f < face_count; f++)
-        if (needed[norma_fix_root(groups, (uint32_t)f)]) drop[f] = 0;
+        if (needed[norma_core_set_of(groups, (uint32_t)f)]) drop[f] = 0;
 }
 
 static norma_result keep_closed(const core_mesh *mesh, uint8_t *drop) {
@@ -214,7 +98,7 @@ static void note_kept(const fix_mesh *m, const uint8_t *named, const uint8_t *dr
         "closed edges would become open, or a primitive would have no face");
 }
 
-static norma_result drop_named(fix_mesh *m) {
+norma_result norma_fix_faces(fix_mesh *m) {
     uint8_t *marks = NULL;
     const size_t faces = m->mesh.face_count;
     const int twice = norma_fix_mark(m, RULE_N305, MEND_FACE, faces, &marks),
@@ -231,11 +115,6 @@ static norma_result drop_named(fix_mesh *m) {
     else
         free(marks);
     return result;
-}
-
-norma_result norma_fix_faces(fix_mesh *m) {
-    norma_result result = reorient(m);
-    return result ? result : drop_named(m);
 }
 
 /* ---- Polygons that readers would cut wrong or differently (N404, N405) are cut into

@@ -40,16 +40,6 @@ size_t norma_fix_face_edges(const core_mesh *mesh, size_t face, uint32_t face_nu
     return count;
 }
 
-uint32_t norma_fix_root(uint32_t *parents, uint32_t face) {
-    while (parents[face] != face) face = parents[face] = parents[parents[face]];
-    return face;
-}
-
-void norma_fix_unite(uint32_t *parents, uint32_t one, uint32_t other) {
-    const uint32_t a = norma_fix_root(parents, one), b = norma_fix_root(parents, other);
-    parents[a > b ? a : b] = a < b ? a : b;
-}
-
 /* ---- The primitives of a glTF mesh, or the one mesh of another file, side by side. */
 
 norma_document_result norma_fix_open_whole(
@@ -147,6 +137,23 @@ void norma_fix_note(fix_plan *plan, uint64_t rules, const char *text, const char
     char *copy = notes ? malloc(size) : NULL;
     if (notes) plan->notes = notes;
     if (copy) notes[plan->note_count++] = (fix_note){memcpy(copy, text, size), why, rules};
+}
+
+int norma_fix_mark_whole(const fix_whole *t, check_rule rule, uint8_t *marks) {
+    const fix_group *g = t->group;
+    size_t begin = 0;
+    int any = 0;
+    for (size_t i = 0; i < g->count; begin += t->meshes[i++].face_count)
+        for (size_t k = 0; k < norma_findings_count(g->findings); k++) {
+            const norma_finding *finding = norma_findings_get(g->findings, k);
+            if (!norma_fix_is_rule(finding, rule) || !norma_fix_may(g->request, finding) ||
+                strcmp(finding->where, g->wheres[i]) != 0)
+                continue;
+            for (size_t s = 0; s < finding->sample_count; s++)
+                if (finding->samples[s].face < t->meshes[i].face_count)
+                    marks[begin + finding->samples[s].face] = 1, any = 1;
+        }
+    return any;
 }
 
 /* ---- a mesh as it will be */

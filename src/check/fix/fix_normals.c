@@ -1,12 +1,10 @@
-/* fix_normals.c: normals and tangents put right one by one. */
+/* fix_normals.c: normals and tangents put right one by one: what is no unit vector, what lies on
+ * the wrong side, what is far from the surface, facets that differ from their winding, seams. New
+ * ones come from the surface, by the weight and crease that the others show. */
 #include "check/fix/fix.h"
 #include "check/rules/rules.h"
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- Normals put right one by one: what is no unit vector, what lies on the wrong side,
- * what is far from the surface, facets that differ from their winding, seams. New ones come from
- * the surface, by the weight and crease that the others show. */
 
 /* What a rule names normals by: their own number in OBJ, the facet in STL, else the vertex. */
 static fix_element element_of(const fix_mesh *m) {
@@ -95,56 +93,6 @@ static norma_result normalise_named(fix_mesh *m) {
         result = norma_fix_set_normal(m, i, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
     }
     free(marks);
-    return result;
-}
-
-/* ---- sides: after the windings have become what they will be, a normal that more of its faces
- * oppose than not is turned round, unless it is unknown which of both is wrong */
-
-typedef struct side_count {
-    uint32_t with, against;
-    int candidate;
-} side_count;
-
-static void count_sides(const fix_mesh *m, const uint8_t *named, side_count *sides) {
-    for (size_t face = 0; face < m->mesh.face_count; face++) {
-        const float *direction = m->face_normals + 3 * face;
-        const int decided = m->sides && !(m->sides[face] & CORE_SIDE_UNDECIDED);
-        int candidate = (named && named[face] && decided) ||
-                        (m->edit->reverse_faces && m->edit->reverse_faces[face]);
-        for (size_t c = norma_core_face_begin(&m->mesh, face);
-             c < norma_core_face_end(&m->mesh, face); c++) {
-            double normal[3];
-            size_t number = norma_fix_normal_of(m, face, c);
-            if (number == SIZE_MAX) continue;
-            norma_fix_normal(m, number, normal);
-            double dot = norma_check_dot(direction, normal);
-            sides[number].with += dot > 0;
-            sides[number].against += dot < 0;
-            sides[number].candidate |= candidate;
-        }
-    }
-}
-
-static norma_result turn_sides(fix_mesh *m) {
-    uint8_t *named = NULL;
-    int any = norma_fix_mark(m, RULE_N201, MEND_FACE, m->mesh.face_count, &named);
-    size_t count = norma_fix_normal_count(m);
-    norma_result result = any < 0 ? NORMA_ERROR_MEMORY : NORMA_OK;
-    if (!result && count && (any || m->edit->reverse_faces)) {
-        side_count *sides = calloc(count + 1, sizeof *sides);
-        result = sides ? norma_fix_face_normals(m) : NORMA_ERROR_MEMORY;
-        if (!result) count_sides(m, named, sides);
-        for (size_t i = 0; i < count && !result; i++) {
-            double normal[3];
-            if (!sides[i].candidate || sides[i].against <= sides[i].with) continue;
-            norma_fix_normal(m, i, normal);
-            for (int axis = 0; axis < 3; axis++) normal[axis] = -normal[axis];
-            result = norma_fix_set_normal(m, i, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
-        }
-        free(sides);
-    }
-    free(named);
     return result;
 }
 
@@ -294,7 +242,7 @@ static norma_result share_seams(fix_mesh *m) {
 norma_result norma_fix_normals(fix_mesh *m) {
     norma_result result = norma_fix_normal_count(m) ? recompute_named(m) : NORMA_OK;
     if (!result && norma_fix_normal_count(m)) result = normalise_named(m);
-    if (!result) result = turn_sides(m);
+    if (!result) result = norma_fix_turn_normals(m);
     if (!result && m->info.normals == NORMA_NORMALS_PER_FACET) result = rewrite_facets(m);
     return result ? result : share_seams(m);
 }

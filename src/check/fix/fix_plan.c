@@ -47,26 +47,27 @@ static void find_body_parts(bodies *b) {
     const fix_edge *e = b->edges;
     for (size_t i = 1; i < b->edge_count; i++)
         if (norma_fix_compare_edges(&e[i - 1], &e[i]) == 0)
-            norma_fix_unite(b->parts, e[i - 1].face, e[i].face);
+            norma_core_join_sets(b->parts, e[i - 1].face, e[i].face);
     for (size_t begin = 0, end; begin < b->edge_count; begin = end) {
         for (end = begin + 1;
              end < b->edge_count && norma_fix_compare_edges(&e[begin], &e[end]) == 0;)
             end++;
         if (end - begin != 2 || e[begin].way == e[begin + 1].way)
-            b->open[norma_fix_root(b->parts, e[begin].face)] = 1;
+            b->open[norma_core_set_of(b->parts, e[begin].face)] = 1;
     }
 }
 
 static void join_open(bodies *b) {
-    for (size_t f = 0; f < b->face_count; f++) b->joined[f] = norma_fix_root(b->parts, (uint32_t)f);
+    for (size_t f = 0; f < b->face_count; f++)
+        b->joined[f] = norma_core_set_of(b->parts, (uint32_t)f);
     for (size_t begin = 0, end; begin < b->edge_count; begin = end) {
         size_t first = SIZE_MAX;
         for (end = begin; end < b->edge_count && same_edge(&b->edges[begin], &b->edges[end]);
              end++) {
-            const uint32_t part = norma_fix_root(b->parts, b->edges[end].face);
+            const uint32_t part = norma_core_set_of(b->parts, b->edges[end].face);
             if (!b->open[part]) continue;
             if (first != SIZE_MAX)
-                norma_fix_unite(b->joined, b->edges[first].face, b->edges[end].face);
+                norma_core_join_sets(b->joined, b->edges[first].face, b->edges[end].face);
             first = end;
         }
     }
@@ -88,9 +89,9 @@ static norma_result fix_whole_bodies(const core_mesh *meshes, size_t count, uint
         find_body_parts(&b);
         join_open(&b);
         for (size_t f = 0; f < b.face_count; f++)
-            if (named[f]) bodies_named[norma_fix_root(b.joined, (uint32_t)f)] = 1;
+            if (named[f]) bodies_named[norma_core_set_of(b.joined, (uint32_t)f)] = 1;
         for (size_t f = 0; f < b.face_count; f++)
-            named[f] = bodies_named[norma_fix_root(b.joined, (uint32_t)f)];
+            named[f] = bodies_named[norma_core_set_of(b.joined, (uint32_t)f)];
     }
     free(b.edges);
     free(b.parts);
@@ -103,23 +104,6 @@ static norma_result fix_whole_bodies(const core_mesh *meshes, size_t count, uint
 /* ---- Which faces are reversed with the whole body that they belong to: bodies that look
  * inward (N302), and, where that is asked for, open ones (N304) as a majority of rays has it. The
  * primitives of a glTF mesh are looked at together, as those rules do. */
-
-static int fix_mark_named(const fix_whole *t, check_rule rule, uint8_t *marks) {
-    const fix_group *g = t->group;
-    size_t begin = 0;
-    int any = 0;
-    for (size_t i = 0; i < g->count; begin += t->meshes[i++].face_count)
-        for (size_t k = 0; k < norma_findings_count(g->findings); k++) {
-            const norma_finding *finding = norma_findings_get(g->findings, k);
-            if (!norma_fix_is_rule(finding, rule) || !norma_fix_may(g->request, finding) ||
-                strcmp(finding->where, g->wheres[i]) != 0)
-                continue;
-            for (size_t s = 0; s < finding->sample_count; s++)
-                if (finding->samples[s].face < t->meshes[i].face_count)
-                    marks[begin + finding->samples[s].face] = 1, any = 1;
-        }
-    return any;
-}
 
 /* ---- rays */
 
@@ -222,8 +206,8 @@ static norma_result turn_shells(fix_whole *t, uint8_t *marks) {
 
 static norma_result turn_whole(fix_whole *t, uint8_t *inward, uint8_t *open) {
     norma_result result = NORMA_OK;
-    if (fix_mark_named(t, RULE_N302, inward)) result = turn_shells(t, inward);
-    if (result || !fix_mark_named(t, RULE_N304, open)) return result;
+    if (norma_fix_mark_whole(t, RULE_N302, inward)) result = turn_shells(t, inward);
+    if (result || !norma_fix_mark_whole(t, RULE_N304, open)) return result;
     result = fix_whole_bodies(t->meshes, t->group->count, open);
     return result ? result : ask_rays(t, open);
 }
@@ -258,117 +242,7 @@ static norma_document_result fix_turn(const fix_group *group, norma_result *how)
     return result;
 }
 
-/* ---- Where normals and winding disagree (N201, N205), or neighbours do (N301), which faces
- * are turned: those that are shown to be, by the volume of what is closed and by rays from what is
- * open. Rays say nothing of a material that is seen from both sides. The primitives of a glTF mesh
- * are looked at together. */
-
-/* 1: its material is double-sided, or not opaque. */
-static norma_document_result is_on_purpose(const fix_group *group, size_t index, int *on_purpose) {
-    norma_mesh_attributes attributes;
-    norma_material_info material;
-    *on_purpose = 0;
-    norma_document_result result =
-        norma_document_mesh_attributes(group->document, index, &attributes, group->error);
-    if (result || attributes.material >= norma_document_material_count(group->document))
-        return result;
-    result = norma_document_material_info(group->document, attributes.material, &material);
-    *on_purpose = !result && (material.double_sided || material.not_opaque);
-    return result;
-}
-
-static norma_document_result share_sides(
-    const fix_whole *whole, const uint8_t *sides, norma_result *how) {
-    const fix_group *group = whole->group;
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t i = 0; i < group->count && !result; sides += whole->meshes[i++].face_count) {
-        const size_t faces = whole->meshes[i].face_count;
-        int on_purpose;
-        uint8_t *own = malloc(faces + 1);
-        if (!own) {
-            *how = NORMA_ERROR_MEMORY;
-            return result;
-        }
-        memcpy(own, sides, faces);
-        group->sides[group->indices[i]] = own;
-        result = is_on_purpose(group, group->indices[i], &on_purpose);
-        for (size_t f = 0; f < faces && !result && on_purpose; f++)
-            if (own[f] & CORE_SIDE_BY_RAYS) own[f] |= CORE_SIDE_UNDECIDED;
-    }
-    return result;
-}
-
-/* The faces whose sides matter: those that are named, those that are turned with a whole body, and
- * those at edges that two faces run along the same way. Rays are cast from the pieces of these
- * alone, as the rules do. NULL: out of memory. */
-static uint8_t *mark_asked_faces(const fix_whole *whole, const core_topology *topology) {
-    static const check_rule rules[] = {RULE_N201, RULE_N205};
-    const fix_group *group = whole->group;
-    uint8_t *asked = calloc(whole->face_count + 1, 1);
-    if (!asked) return NULL;
-    (void)norma_check_count_conflicts(topology, asked);
-    for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
-        (void)fix_mark_named(whole, rules[i], asked);
-    size_t begin = 0;
-    for (size_t i = 0; i < group->count; begin += whole->meshes[i++].face_count) {
-        const uint8_t *turned = group->turned[group->indices[i]];
-        for (size_t f = 0; turned && f < whole->meshes[i].face_count; f++)
-            asked[begin + f] |= turned[f];
-    }
-    return asked;
-}
-
-static norma_result ask_sides(const fix_whole *whole, check_judge *judge, uint8_t *sides) {
-    const fix_group *group = whole->group;
-    norma_result result = NORMA_OK;
-    if (!judge->is_open)
-        result = norma_check_open_judge(
-            whole->meshes, group->count, group->request->options.threads, judge);
-    if (result) return result;
-    norma_core_side_judge_forget(&judge->sides);
-    uint8_t *asked = mark_asked_faces(whole, &judge->sides.topology);
-    result = asked ? norma_core_side_judge_ask(&judge->sides, 0, whole->face_count, asked, sides)
-                   : NORMA_ERROR_MEMORY;
-    free(asked);
-    return result ? result : norma_check_sides_at_folds(&judge->sides, 0, whole->face_count, sides);
-}
-
-/* Those of an STL by their stored normals, where nothing else decides. */
-static norma_document_result judge_group_sides(
-    fix_whole *whole, uint8_t *sides, norma_result *how) {
-    const fix_group *group = whole->group;
-    check_judge own = {.is_open = 0},
-                *judge = group->request->judges ? &group->request->judges[group->indices[0]] : &own;
-    norma_mesh_info info;
-    norma_mesh_data data;
-    norma_document_result result =
-        norma_document_mesh_info(group->document, group->indices[0], &info);
-    if (!result)
-        result = norma_document_mesh_data(group->document, group->indices[0], &data, group->error);
-    if (result || !whole->face_count) return result;
-    *how = ask_sides(whole, judge, sides);
-    if (!*how && info.normals == NORMA_NORMALS_PER_FACET)
-        *how = norma_check_sides_by_facets(&judge->sides, &data.normals, sides);
-    norma_check_close_judge(&own);
-    return result;
-}
-
-/* N201, N205, N301 */
-static norma_document_result fix_sides(const fix_group *group, norma_result *how) {
-    fix_whole whole;
-    norma_document_result result = norma_fix_open_whole(group, &whole, how);
-    uint8_t *sides = !result && !*how ? malloc(whole.face_count + 1) : NULL;
-    if (!result && !*how && !sides) *how = NORMA_ERROR_MEMORY;
-    if (!result && !*how) result = judge_group_sides(&whole, sides, how);
-    if (!result && !*how) result = share_sides(&whole, sides, how);
-    norma_fix_close_whole(&whole);
-    free(sides);
-    return result;
-}
-
-/* ---- What the rules found and a program may put right: every element that a finding names,
- * by an edit of its mesh; missing normals by computing them; transforms by baking them. A plan is
- * made without a change to the document, and may be applied to any copy of it. */
+/* ---- the plan of a document */
 
 typedef struct mender {
     norma_document *document;
@@ -439,6 +313,7 @@ static void strip_normals(fix_mesh *m) {
 static norma_result fix_arrays(fix_mesh *mesh) {
     norma_result result = norma_core_mesh_shape(&mesh->data.mesh, &mesh->mesh);
     mesh->mesh.scale = 1;
+    if (!result) result = norma_fix_windings(mesh);
     if (!result) result = norma_fix_faces(mesh);
     if (!result) result = norma_fix_polygons(mesh);
     if (!result) result = norma_fix_positions(mesh);
@@ -515,7 +390,7 @@ static norma_document_result fix_groups(mender *m, int turns, int sides, int sha
         const fix_group group = {m->document, m->findings, indices, wheres, count, m->request,
             m->turned, m->sides, m->smooth, m->plan, m->error};
         if (count && turns) result = fix_turn(&group, &how);
-        if (count && !result && !how && sides) result = fix_sides(&group, &how);
+        if (count && !result && !how && sides) result = norma_fix_ask_sides(&group, &how);
         if (!result && !how && count > 1 && shares) result = norma_fix_seams(&group, &how);
         if (!result && how) result = fail_plan(m, how);
     }
