@@ -19,5 +19,15 @@ mkdir -p "$scratch/made/a"
 printf 'static int twice(int a) { return a; }\nstatic int declared(void);\nstatic const char words[] = "a";\n' >"$scratch/made/a/one.c"
 printf 'static unsigned long long\ntwice(int a,\n    int b) {\n    return 0;\n}\nstatic int declared(void);\nCORE_INLINE void once(void) {}\nstatic const int words[2][3] = {{0}};\n' >"$scratch/made/two.c"
 check "a function and a table that two files have are found, a prototype is none" test "$(scripts/static-names.sh "$scratch/made" | tr '\n' ';')" = "twice: a/one.c two.c;words: a/one.c two.c;"
+# A comment that names a file is a way to it: strays FOLDER lists the names of C files in FOLDER, includes aside, that
+# no file of the tree has.
+find . -path ./build -prune -o -path ./.git -prune -o -type f -name '*.[ch]*' -printf '%f\n' | LC_ALL=C sort -u >"$scratch/files"
+strays() {
+    grep -rohE --include='*.[ch]' --include='*.cpp' --include='*.def' '^[^#].*[A-Za-z0-9_]\.(c|h|cpp|hpp)\b.*' "$1" | grep -oE '[A-Za-z0-9_]+(\.template)?\.(c|h|cpp|hpp)\b' | LC_ALL=C sort -u | LC_ALL=C comm -23 - "$scratch/files"
+}
+lost=$(strays src)
+if [ -z "$lost" ]; then pass "every file that a comment in src names is there"; else fail "every file that a comment in src names is there" "$lost"; fi
+printf '/* As in names_that_are_gone.c, unlike corner.h. */\n#include "gone_too.h"\nint a;\n' >"$scratch/made/a/one.c"
+check "a name that no file has is found, an include is none" test "$(strays "$scratch/made")" = names_that_are_gone.c
 echo "# src: $(find src -name '*.[ch]' -o -name '*.cpp' -o -name '*.def' | wc -l) files, $(find src -name '*.h' | wc -l) private headers, $(find src -type f \( -name '*.[ch]' -o -name '*.cpp' -o -name '*.def' \) -exec cat {} + | wc -l) lines; core: $(find src/core -name '*.[ch]' | wc -l) files, $(find src/core -name '*.[ch]' -exec cat {} + | wc -l) lines"
 finish

@@ -176,9 +176,6 @@ int norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *se
     return first->mesh == second->mesh && second->primitive > first->primitive;
 }
 
-/* ---- Findings as they are gathered, and as they are read. Each owns its texts and its
- * samples. */
-
 /* ---- gathering */
 
 static int is_worse(const check_hits *hits, double value) {

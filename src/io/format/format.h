@@ -1,8 +1,8 @@
 /* format.h: what the formats share with the public functions: a format is a table of functions over
  * its own state; what waits to be written; what a document tells beside its meshes; which normals
  * are computed and what is counted. */
-#ifndef NORMA_DOCUMENT_INTERNAL_H
-#define NORMA_DOCUMENT_INTERNAL_H
+#ifndef NORMA_IO_FORMAT_FORMAT_H
+#define NORMA_IO_FORMAT_FORMAT_H
 #include <norma/document.h>
 #include "io/file/file.h"
 #include "io/format/for_fixes.h"
@@ -42,7 +42,20 @@ typedef struct shared_normals {
 } shared_normals;
 
 /* ---- What the formats and document.c share. A format is a table of functions over its own
- * state. */
+ * state.
+ *
+ * A change waits until it is asked for or saved, in one of two ways:
+ *   glTF                  by has_change, reopen, adopt and drop_change: the patch and the edits of
+ *                         the JSON become a file in memory, which is read anew (flush_changes in
+ *                         document.c) before anything is asked or changed.
+ *   OBJ, PLY, STL         by edited (edits.c): beside the bytes that were read. PLY and STL become
+ *                         bytes of their own, read again, before arrays are given out or the next
+ *                         change (norma_edited_flush); OBJ's wait together (edited->gathers), and
+ *                         show as they are.
+ * 3MF is opened by edited as well, and its bytes are replaced at once; composites (cmpt) have
+ * neither. document.c begins each change (begin_change, begin_edit) and takes back what failed
+ * (end_change).
+ */
 
 typedef struct format_functions format_functions;
 typedef struct scene_functions scene_functions;
@@ -159,7 +172,7 @@ struct format_functions {
     /* NULL, or the first of the files beside its own that has changed since this document was read
      * from it, the caller's to free. */
     char *(*changed_companion)(const norma_document *document);
-    /* All NULL where changes show at once. Else: whether one waits; gives made the bytes and
+    /* All NULL but for glTF (above). Whether a change waits; gives made the bytes and
      * buffers that it is to be read from; makes the document's state its own; takes back a change
      * that failed (0: memory is out). */
     int (*has_change)(const norma_document *document);

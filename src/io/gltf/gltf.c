@@ -429,8 +429,7 @@ static char *gltf_changed_companion(const norma_document *document) {
     return NULL;
 }
 
-/* ---- a glTF document as a format: its container (text, or GLB 2.0 with its chunks), what it
- * requires, and its table of functions. */
+/* ---- the container: text, or GLB with its chunks */
 
 enum { GLB_HEADER = 12, GLB_CHUNK_HEADER = 8 };
 static const uint32_t GLB_MAGIC = 0x46546C67, GLB_JSON = 0x4E4F534A, GLB_BIN = 0x004E4942;

@@ -329,8 +329,7 @@ static norma_document_result scene_read_unread(
 
 const scene_functions norma_obj_scene = {.materials = walk_all, .unread = scene_read_unread};
 
-/* ---- OBJ as a document: one mesh, its positions as doubles, a normal for each corner that names
- * one. */
+/* ---- the document */
 
 static size_t obj_mesh_count(const norma_document *document) {
     (void)document;

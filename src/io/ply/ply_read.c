@@ -58,9 +58,6 @@ size_t norma_ply_strip_encode(const uint32_t *corners, size_t triangles, int64_t
     return size;
 }
 
-/* ---- Positions, corners and normals of a PLY for the core: views of the file's own bytes
- * where their layout allows, decoded copies elsewhere. */
-
 /* ---- three properties of each row */
 
 static void read_rows_with_lists(

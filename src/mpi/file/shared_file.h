@@ -6,8 +6,6 @@
 #include <norma/norma.h>
 #include <sys/types.h>
 
-/* ---- One file that all ranks read, and one that all write, whole or not at all. */
-
 typedef struct mpi_job {
     mpi_call call;
     core_call core;

@@ -97,9 +97,6 @@ typedef struct render_egl {
     PFNEGLDESTROYCONTEXTPROC destroy_context;
 } render_egl;
 
-/* ---- The renderer's state: programs that are compiled when they are first used, surfaces
- * that are uploaded once, the framebuffer. */
-
 /* ---- programs */
 
 enum render_program {

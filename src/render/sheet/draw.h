@@ -5,8 +5,6 @@
 #include "render/gl/device.h"
 #include <stddef.h>
 
-/* ---- One panel: where its scene lies, how its camera stands, and its picture. */
-
 typedef struct render_placed { /* one draw of a scene, ready */
     const render_surface *surface;
     const render_upload *upload;

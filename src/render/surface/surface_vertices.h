@@ -3,8 +3,6 @@
 #define NORMA_RENDER_VERTICES_H
 #include "render/picture/picture.h"
 
-/* ---- A surface as vertices and triangles for the graphics processor. */
-
 enum render_kind {
     RENDER_SMOOTH = 0, /* a vertex for each position and normal */
     RENDER_FACETED, /* each triangle's last vertex holds its face's normal, and is no other face's
