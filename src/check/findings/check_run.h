@@ -15,7 +15,7 @@ typedef enum check_rule {
     CHECK_RULE_COUNT
 } check_rule;
 
-/* ---- findings (findings.c) */
+/* ---- one run, and what it looks at */
 
 typedef struct check_spot { /* SIZE_MAX: does not apply */
     size_t vertex, face, normal;
@@ -120,10 +120,13 @@ typedef struct check_finding { /* to be added, by norma_check_report or norma_ch
     const norma_deviation *deviation;
 } check_finding;
 
-/* The fields that the caller's header has: a struct_size of 0 is that of the first version, what it
- * does not know is zero. ARGUMENT: a later caller asks for what this library does not know. */
+/* run.c: the fields that the caller's header has: a struct_size of 0 is that of the first version,
+ * what it does not know is zero. ARGUMENT: a later caller asks for what this library does not know.
+ */
 norma_result norma_check_take_options(
     const norma_check_options *given, norma_check_options *options);
+
+/* ---- findings (findings.c) */
 
 /* Room for one more element of size bytes than count. NULL: out of memory; the block stays. */
 void *norma_check_grow(void *block, size_t count, size_t *room, size_t size);

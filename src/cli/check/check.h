@@ -1,13 +1,11 @@
-/* check.h: what the files of norma check share. */
+/* check.h: what the files of norma check share: its settings, the report on one file, the forms of
+ * reports. */
 #ifndef NORMA_CLI_CHECK_CHECK_H
 #define NORMA_CLI_CHECK_CHECK_H
 #include "cli/compare/compare.h"
 #include "cli/files/files.h"
 #include <norma/check.h>
 #include <inttypes.h>
-
-/* ---- What the files of norma check share: its settings, the report on one file, the
- * forms of reports. */
 
 enum { CHECK_RULES = 128 }; /* room for a byte of each rule */
 
@@ -204,11 +202,13 @@ void check_begin_entry(const check_list *list, size_t entry, const check_format 
 /* In the text of an entry: what is told once though several files have it, behind a key of 16
  * hexadecimal digits, and where the other files are named. No other text has these bytes. */
 enum { CHECK_SAME = 1, CHECK_ALSO = 2, CHECK_SAME_END = 3 };
-/* Relative to the working folder where it is in there; the caller's path, or a part of it. */
+/* findings_text.c: relative to the working folder where it is in there; the caller's path, or a
+ * part of it. */
 const char *check_shown_path(const char *path);
 
-/* The results of a SARIF report, of which it holds a limited number: rules with the most of them
- * lose some (findings_data.c). text: results as check_format_sarif writes them, each on a line. */
+/* ---- the results of a SARIF report (findings_data.c), of which it holds a limited number: rules
+ * with the most of them lose some. text: results as check_format_sarif writes them, each on a line.
+ */
 typedef struct check_results check_results;
 check_results *check_results_new(void); /* NULL: out of memory */
 void check_results_free(check_results *results);
@@ -216,13 +216,14 @@ int check_results_add(check_results *results, const char *text, size_t size); /*
 /* Says on standard error, and in totals, what was left out. */
 void check_results_write(const check_results *results, FILE *out, check_totals *totals);
 
-/* check_command.c */
+/* ---- the forms by name (check_command.c) */
 #define CHECK_FORMAT_NAMES "text, line, json, sarif or html"
 const check_format *check_find_format(const char *name);    /* NULL: none is called so */
 const check_format *check_format_of_name(const char *path); /* by its ending; NULL: none */
 
-/* How a page can be taken apart again: each file begins with CHECK_HTML_FILE and its path, and the
- * totals are JSON between CHECK_HTML_TOTALS and the end of that script. */
+/* ---- what the forms write (findings_text.c). How a page can be taken apart again: each file
+ * begins with CHECK_HTML_FILE and its path, and the totals are JSON between CHECK_HTML_TOTALS and
+ * the end of that script. */
 #define CHECK_HTML_FILE   "<section class=\"file\" data-path=\""
 #define CHECK_HTML_STATUS "\" data-status=\"%s\" data-errors=\"%zu\" data-warnings=\"%zu\""
 #define CHECK_HTML_SCAN                                                                            \
@@ -238,8 +239,8 @@ void check_write_shard(cli_json *json, const check_settings *settings);
 void check_write_counts(cli_json *json, const check_totals *totals, int whole);
 /* Percent-encoded: letters, digits and - . _ ~ / stay. A path as exact bytes in any text. */
 void check_write_bytes(FILE *out, const char *path);
-/* Letters, digits and the characters of kept stay; all else is percent-encoded. What does not fit
- * into size bytes is cut off. */
+/* findings_data.c: letters, digits and the characters of kept stay; all else is percent-encoded.
+ * What does not fit into size bytes is cut off. */
 void check_spell_uri(const char *text, const char *kept, char *uri, size_t size);
 void check_write_verdict(FILE *out, const check_totals *totals); /* without a line end */
 
@@ -269,7 +270,8 @@ int check_is_new_note(const norma_document *document, size_t first, size_t i);
  * node that it is about. NULL: none. */
 const char *check_node_path(norma_document *document, const char *where);
 
-/* Checks one of settings->files->inputs and writes its part of the report; adds to totals. */
+/* check_one.c: checks one of settings->files->inputs and writes its part of the report; adds to
+ * totals. */
 void check_one_file(const check_settings *settings, const check_config *config,
     const check_format *format, size_t index, FILE *out, check_totals *totals);
 

@@ -231,7 +231,7 @@ static inline void norma_core_join_sets(uint32_t *joined, uint32_t a, uint32_t b
         joined[set_a] = set_b;
 }
 
-/* ---- for what is sorted seldom and may be large. */
+/* ---- for what is sorted seldom and may be large (sort.c). */
 
 enum { SORT_MOST_BYTES = 32 }; /* of one item */
 
@@ -286,9 +286,10 @@ int norma_core_progress(core_call *call, double fraction_of_stage);
  * cancel. */
 norma_result norma_core_finish(core_call *call, norma_result result);
 
-/* How many may work, where the caller has no parallel_for: at least 1. To begin a thread, and with
- * NORMA_ALL_THREADS to ask the system, takes longer than the normals of some thousand corners: so a
- * call says first how many there are, and few are for the calling thread alone. */
+/* threads.c: how many may work, where the caller has no parallel_for: at least 1. To begin a
+ * thread, and with NORMA_ALL_THREADS to ask the system, takes longer than the normals of some
+ * thousand corners: so a call says first how many there are, and few are for the calling thread
+ * alone. */
 void norma_core_share(core_call *call, size_t corners);
 size_t norma_core_workers(const core_call *call);
 /* Into how many parts work is divided that each of them must have one of: as many as may work, and
@@ -341,7 +342,8 @@ static inline void norma_core_write_normals(
 void norma_core_write_element(
     const core_output *output, size_t index, int reason, const float normal[3], core_tally *tally);
 
-/* Elements below count are written, so many in a chunk; sum: what all chunks counted is added. */
+/* threads.c: elements below count are written, so many in a chunk; sum: what all chunks counted is
+ * added. */
 typedef void core_write_chunk(const void *context, size_t begin, size_t end, core_tally *tally);
 norma_result norma_core_write_chunks(core_call *call, size_t count, size_t in_chunk,
     core_write_chunk *write, const void *context, core_tally *sum);

@@ -364,7 +364,7 @@ struct core_kernels {
     int (*finish)(const core_vertex_sum sums[CORE_LANES], float normals[CORE_LANES][3]);
 };
 
-/* Every level gives the same bits. */
+/* kernels.c: those of a level. Every level gives the same bits. */
 const core_kernels *norma_core_kernels(core_level level);
 const core_kernels *norma_core_kernels_portable(void);
 #if defined(CORE_HAS_X86)

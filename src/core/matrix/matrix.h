@@ -7,7 +7,7 @@
 #include <float.h>
 #include <math.h>
 
-/* ---- What the files about matrices share. A 3x3 is nine numbers, column after column. */
+/* ---- matrix_info.c */
 
 /* The upper 3x3 of a model; 0 where an entry is not finite. */
 int norma_matrix_upper_float(const float model[16], double upper[9]);
@@ -42,8 +42,8 @@ void norma_singular_values(const double matrix[9], double values[3], double v[9]
  * rather than a direction. */
 #define NOTHING_LEFT 0x1p-20
 
-/* A tangent made unit and perpendicular to the normal; the normal may be zero or not finite: then
- * it asks nothing of the tangent. */
+/* transform.c: a tangent made unit and perpendicular to the normal; the normal may be zero or not
+ * finite: then it asks nothing of the tangent. */
 void norma_core_perpendicular_tangent(
     const double normal[3], const double tangent[3], double out[3]);
 
@@ -96,7 +96,7 @@ static inline int norma_vec3_unit(double v[3]) {
     return 1;
 }
 
-/* ---- What the files about skins share. */
+/* ---- What the files about skins share (skin.c, skin_block.c, skin_dual.c, skin_exact.c). */
 
 /* A matrix as a row of sixteen doubles, two registers of AVX-512: the first nine of it, its
  * translation, and its size, the largest of the nine. Rows are added up whole. */

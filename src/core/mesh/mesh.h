@@ -4,8 +4,8 @@
 #define NORMA_CORE_MESH_MESH_H
 #include "core/call/call.h"
 
-/* ---- the caller's mesh, checked, and read corner by corner. Corners and positions are numbered in
- * 32 bits. */
+/* ---- the caller's mesh, checked, and read corner by corner (mesh.c). Corners and positions are
+ * numbered in 32 bits. */
 
 typedef struct core_mesh {
     norma_vec3_view positions; /* its stride is never 0 */
@@ -28,8 +28,8 @@ norma_result norma_core_check_face_starts(const core_mesh *mesh, norma_fault *fa
 /* ARGUMENT (face_starts) or INDEX or CANCELLED: reads the arrays. */
 norma_result norma_core_mesh_content(core_call *call, core_mesh *mesh);
 
-/* The same; and of each CORE_FACES_IN_CHUNK faces in a row, the least and the greatest position
- * that their corners name. */
+/* norma_core_mesh_content; and of each CORE_FACES_IN_CHUNK faces in a row, the least and the
+ * greatest position that their corners name. */
 enum { CORE_FACES_IN_CHUNK = 1024 };
 typedef struct core_range {
     uint32_t least, most;
@@ -41,7 +41,7 @@ norma_result norma_core_mesh_ranges(core_call *call, core_mesh *mesh, core_range
 double norma_core_largest_coordinate(const core_mesh *mesh);
 double norma_core_scale_for(double largest);
 
-/* Out of line, so that the common cases stay short. */
+/* For norma_core_corner and norma_core_position below: out of line, so that these stay short. */
 uint32_t norma_core_small_corner(const core_mesh *mesh, size_t corner);
 void norma_core_other_position(const core_mesh *mesh, uint32_t index, double out[3]);
 
@@ -128,7 +128,7 @@ static inline size_t norma_core_previous_kept(const core_mesh *mesh, size_t face
     return corner;
 }
 
-/* ---- which of many keys are one, for whatever the caller calls a key. */
+/* ---- which of many keys are one, for whatever the caller calls a key (weld.c). */
 
 typedef struct weld_keys {
     size_t count;
@@ -150,7 +150,7 @@ static inline uint64_t norma_core_weld_mix(uint64_t sum) {
 norma_result norma_core_weld_keys(
     core_call *call, const weld_keys *keys, uint32_t *weld, size_t *found);
 
-/* ---- which positions are one. */
+/* ---- which positions are one (weld.c). */
 
 /* Sets mesh->weld as the options ask: NULL for NORMA_WELD_NONE and where no two positions are one,
  * else for each position the least index of those that are one with it. NaN is equal to nothing.
@@ -158,7 +158,7 @@ norma_result norma_core_weld_keys(
 norma_result norma_core_weld(core_call *call, core_mesh *mesh);
 void norma_core_unweld(const core_call *call, core_mesh *mesh);
 
-/* ---- the corners around each position. */
+/* ---- the corners around each position (corners_of_position.c). */
 
 typedef struct core_corners_of_position {
     uint32_t *starts;  /* position_count + 1 offsets into corners */
@@ -178,12 +178,12 @@ static inline size_t norma_core_face_of(const core_corners_of_position *corners_
     return corners_of->faces ? corners_of->faces[corner] : corner / 3;
 }
 
-/* Whether faces in a row touch positions all over the mesh; its indices are checked.
+/* mesh.c: whether faces in a row touch positions all over the mesh; its indices are checked.
  * Looks at some of them. */
 int norma_core_is_scattered(const core_mesh *mesh);
 
-/* ---- a balanced tree over positions (Bentley 1975), for the two questions about distance: what is
- * nearest, and what lies within a step. */
+/* ---- nearest.c: a balanced tree over positions (Bentley 1975), for the two questions about
+ * distance: what is nearest, and what lies within a step. */
 
 typedef struct core_box {
     double low[3], high[3];
@@ -218,7 +218,7 @@ uint32_t norma_core_kdtree_nearest(const core_kdtree *tree, const double point[3
 double norma_core_box_least(const core_box *a, const core_box *b);
 double norma_core_box_greatest(const core_box *a, const core_box *b);
 
-/* ---- the nearest element that has a normal, for those that have none. */
+/* ---- the nearest element that has a normal, for those that have none (nearest.c). */
 
 typedef struct core_nearest {
     core_call *call;

@@ -101,8 +101,8 @@ typedef struct plan_work {
     core_tally *tally; /* what the calling thread sums up */
 } plan_work;
 
-/* What a sum of three components and a weight amounts to: NORMA_REASON_NONE and the normal,
- * UNREFERENCED where nobody voted (the weight is -0), or CANCELLED. */
+/* plan_kernel.c: what a sum of three components and a weight amounts to: NORMA_REASON_NONE and the
+ * normal, UNREFERENCED where nobody voted (the weight is -0), or CANCELLED. */
 int norma_core_plan_decide(const double sum[4], float normal[3]);
 
 /* The same of the normals that voted, by the most visible one. */
@@ -124,10 +124,10 @@ static inline plan_range norma_core_plan_range(size_t count, size_t tasks, size_
         (size_t)((uint64_t)count * task / tasks), (size_t)((uint64_t)count * (task + 1) / tasks)};
 }
 
-/* ---- Some hundred neighbouring groups, and all faces that vote in them, numbered anew in
- * 16 bits, so that a block is measured and summed within the nearest cache, on the stack of the
- * thread that does it. Faces on the rim lie in more than one block and are measured in each;
- * nothing else is shared, and only normals are written.
+/* ---- Blocks (plan_blocks.c, plan_build.c): some hundred neighbouring groups, and all faces that
+ * vote in them, numbered anew in 16 bits, so that a block is measured and summed within the nearest
+ * cache, on the stack of the thread that does it. Faces on the rim lie in more than one block and
+ * are measured in each; nothing else is shared, and only normals are written.
  *
  * How much longer an update takes without each speciality, on eleven real meshes of 35,000 to
  * 100,000 faces, the median and the most: members listed by fours 16 and 29 %; eight triangles in
@@ -221,7 +221,7 @@ static inline uint32_t norma_core_block_group_of(const block_view *t, uint32_t o
     return t->group_of ? t->group_of[own] : own;
 }
 
-/* ---- one block, measured and summed; on the stack */
+/* ---- one block, measured and summed, on the stack (face_block_update.c, plan_kernel.c) */
 
 /* What later blocks will read and this one will write, asked for little by little while this one is
  * measured: asked for all at once it fills the list of what is under way, and every read waits

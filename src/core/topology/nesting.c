@@ -54,6 +54,19 @@ static double reach_from(const core_mesh *mesh, size_t face, const double centre
     return sqrt(most);
 }
 
+typedef struct core_dipole {
+    double centre[3], area[3],
+        radius;    /* the sum of the faces' area vectors stands for them outside of some radii */
+    double weight; /* the sum of their areas */
+    uint32_t begin, count, left, right; /* of faces; nodes; right 0: a leaf */
+} core_dipole;
+
+typedef struct core_dipoles {
+    core_dipole *nodes; /* NULL: there are none */
+    uint32_t *faces;
+    size_t node_count, count;
+} core_dipoles;
+
 typedef struct dipole_fill {
     const core_topology *topology;
     const uint8_t *reverse;

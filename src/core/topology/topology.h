@@ -7,7 +7,7 @@
 #include "core/call/call.h"
 #include <stdatomic.h>
 
-/* ---- Which faces lie side by side: the faces along each edge of (welded) positions,
+/* ---- topology.c: which faces lie side by side: the faces along each edge of (welded) positions,
  * and what is out of the ordinary there. */
 
 /* What is at the other side of the edge that runs from a kept corner to the face's next kept
@@ -74,8 +74,9 @@ norma_result norma_core_topology_open(
     core_call *call, const core_mesh *checked, core_topology *topology);
 void norma_core_topology_close(core_topology *topology);
 
-/* Sorts the corners around each position and pairs the edges. O(corners log of the valence). */
+/* Into how many blocks a visitor is told. */
 size_t norma_core_topology_blocks(const core_topology *topology);
+/* Sorts the corners around each position and pairs the edges. O(corners log of the valence). */
 norma_result norma_core_pair_edges(core_topology *topology, const core_topology_visitor *visitor);
 
 /* The kept corner behind a kept corner, and the one before it. */
@@ -89,29 +90,26 @@ static inline size_t norma_core_topology_face(const core_topology *t, size_t cor
     return t->polygons ? t->corners_of.faces[corner] : corner / 3;
 }
 
-/* ---- The parts that edges hold together, which of them are closed, and how they lie in
- * one another. */
+/* ---- components.c: the parts that edges hold together, which of them are closed, and how they lie
+ * in one another (nesting.c). */
 
 enum {
-    COMPONENT_OPEN = 1,
-    COMPONENT_CONFLICT = 2,
-    COMPONENT_MANY = 4,
-    COMPONENT_ONE_SIDED = 8,
-    COMPONENT_UNBALANCED = 16,
-    COMPONENT_UNDECIDED = 32
+    COMPONENT_OPEN = 1,        /* it has an edge of one face */
+    COMPONENT_CONFLICT = 2,    /* an edge of two that run the same way */
+    COMPONENT_MANY = 4,        /* an edge of more than two */
+    COMPONENT_ONE_SIDED = 8,   /* no winding of its faces agrees with itself (only where conflicts
+                                  were followed) */
+    COMPONENT_UNBALANCED = 16, /* an edge of more than two along which its own faces do not run as
+                                  often one way as the other */
+    COMPONENT_UNDECIDED = 32   /* rays do not say which side of it is outward */
 };
-/* It has an edge of one face; one of two that run the same way; one of more than two; no winding of
- * its faces agrees with itself (only where conflicts were followed); an edge of more than two along
- * which its own faces do not run as often one way as the other; rays do not say which side of it is
- * outward. */
 
 typedef enum component_verdict {
-    COMPONENT_FINE = 0,
-    COMPONENT_INWARD,
-    COMPONENT_NESTED
+    COMPONENT_FINE = 0, /* nothing is wrong, or nothing can be known */
+    COMPONENT_INWARD, /* of negative volume that nothing encloses or that lies right inside a cavity
+                       */
+    COMPONENT_NESTED  /* a solid right inside a solid */
 } component_verdict;
-/* Nothing is wrong, or nothing can be known; of negative volume that nothing encloses or that lies
- * right inside a cavity; a solid right inside a solid. */
 
 typedef struct core_component {
     double low[3], high[3];
@@ -239,19 +237,6 @@ enum { CORE_MOST_NEAR = 64 };
  * CORE_MOST_NEAR, any number. */
 double norma_core_triangle_tree_around(const core_triangle_tree *tree, const double point[3],
     double slack, size_t *triangle, uint32_t near[CORE_MOST_NEAR], size_t *count);
-
-typedef struct core_dipole {
-    double centre[3], area[3],
-        radius;    /* the sum of the faces' area vectors stands for them outside of some radii */
-    double weight; /* the sum of their areas */
-    uint32_t begin, count, left, right; /* of faces; nodes; right 0: a leaf */
-} core_dipole;
-
-typedef struct core_dipoles {
-    core_dipole *nodes; /* NULL: there are none */
-    uint32_t *faces;
-    size_t node_count, count;
-} core_dipoles;
 
 /* ---- Which way an open part is seen most from outside. */
 

@@ -69,7 +69,7 @@ typedef struct companion_writers { /* freed by who made it; paths: what messages
     uint64_t
         size; /* bytes of all files beside the document, also of those that are there already */
 } companion_writers;
-/* 0: memory is out, and the writer is abandoned. */
+/* format.c, these four. 0: memory is out, and the writer is abandoned. */
 int norma_document_add_writer(companion_writers *writers, file_writer *writer, const char *path);
 /* What one of them replaces must be the file of this stamp; which is renewed, unless they outlive
  * it.
@@ -197,15 +197,16 @@ extern const format_functions norma_obj_functions, norma_ply_functions, norma_st
     norma_gltf_functions /* all that hold one glTF */, norma_composite_functions,
     norma_3mf_functions;
 
-/* For visit_files: hands visit the file of a name, which is relative to the
- * document's folder or absolute. Returns 1 if visit stopped, -1 if memory is out, else 0. */
+/* ---- format.c: what the formats call. For visit_files: hands visit the file of a name, which is
+ * relative to the document's folder or absolute. Returns 1 if visit stopped, -1 if memory is out,
+ * else 0. */
 int norma_document_visit_name(const norma_document *document, const char *name, size_t length,
     norma_visit_file *visit, void *user);
 /* The same for names with blanks between; since a name may hold blanks, also for all of the text.
  */
 int norma_document_visit_names(const norma_document *document, const char *text, size_t length,
     norma_visit_file *visit, void *user);
-/* Whether path is one of the files that visit_files names. */
+/* document_life.c: whether path is one of the files that visit_files names. */
 int norma_document_names_file(const norma_document *document, const char *path);
 
 /* Fills error (may be NULL) with "PATH: " and the formatted message, and returns result. place, if
@@ -236,12 +237,12 @@ norma_document_result norma_document_fail_cancelled(
 norma_document_result norma_document_fail_core(
     const norma_document *document, norma_document_error *error, norma_result result);
 
-/* What document.c and document_save.c share. A caller's header may be older or newer than this
- * library: what it does not know is zero, what we do not know is left out; a size of 0 is that of
- * the first version. */
+/* ---- io/document: what its files share (document_life.c, where no other is named). A caller's
+ * header may be older or newer than this library: what it does not know is zero, what we do not
+ * know is left out; a size of 0 is that of the first version. */
 void norma_document_copy_options(void *copy, size_t size, size_t first_size, const void *given);
 void norma_document_clear(norma_document_error *error);
-/* What is wrong with them, or NULL. */
+/* document.c: what is wrong with them, or NULL. */
 const char *norma_document_bad_compute_option(const norma_compute_options *options);
 norma_document_result norma_document_usable(const norma_document *document,
     norma_document_error *error); /* opened whole, and no change of it has failed */
@@ -252,25 +253,25 @@ norma_document_result norma_document_read(
 /* Whether a file that it is read from has been written to, with the error. Mapped bytes are those
  * of the file as it is now: half of them may be old, half of them new. */
 int norma_document_changed(const norma_document *document, norma_document_error *error);
-/* Before it is asked: what a change has made of it shows, unless it cannot be read anew; then it
- * answers as it was. Whether there is a document. */
+/* document.c: before it is asked: what a change has made of it shows, unless it cannot be read
+ * anew; then it answers as it was. Whether there is a document. */
 int norma_document_up_to_date(const norma_document *document);
 
-/* Of the image of this number the bytes that it will have; NULL: those of its file. */
+/* format.c: of the image of this number the bytes that it will have; NULL: those of its file. */
 const given_image *norma_document_given_image(const norma_document *document, size_t number);
 void norma_document_forget_images(norma_document *document);
 
-/* Writes the document and what goes beside it to temporary files, and adds their writers, in the
- * order in which they are to be put in place. options: all fields are read. */
+/* document_save.c: writes the document and what goes beside it to temporary files, and adds their
+ * writers, in the order in which they are to be put in place. options: all fields are read. */
 norma_document_result norma_document_prepare(norma_document *document, const char *path,
     const norma_save_options *options, companion_writers *writers, norma_document_error *error);
 
-/* Whether it may be written to this path. */
+/* document_save.c: whether it may be written to this path. */
 norma_document_result norma_document_check_target(
     const norma_document *document, const char *path, int in_place, norma_document_error *error);
 
-/* A file beside the document's own, read into memory; cancelled by the document's progress. Returns
- * what norma_file_open does. */
+/* format.c: a file beside the document's own, read into memory; cancelled by the document's
+ * progress. Returns what norma_file_open does. */
 int norma_document_load_file(const norma_document *document, const char *path, file_bytes *bytes);
 
 /* Whether a text begins like a file of zeros, such as one with a hole: a reader refuses it at once

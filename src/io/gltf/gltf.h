@@ -372,7 +372,7 @@ typedef struct gltf_slot {
 /* gltf_change.c, before anything is put: forgets a change that changed nothing. */
 void norma_gltf_begin_change(gltf *g);
 int norma_gltf_drop_change(
-    norma_document *document); /* as if it had not been begun; 0: no memory */
+    norma_document *document); /* gltf_change.c: as if it had not been begun; 0: no memory */
 /* Whether it is no longer what the file is: by a change that waits, or by those before. */
 static inline int norma_gltf_differs(const gltf *g) {
     return g->changed || g->document->given_count > 0;
@@ -550,7 +550,7 @@ norma_document_result norma_gltf_move_drawn(norma_document *document, size_t nod
 norma_document_result norma_gltf_normal_texture(norma_document *document, size_t material,
     norma_texture_info *map, norma_document_error *error);
 
-/* nodes.c: where a node draws its mesh, again and again (EXT_mesh_gpu_instancing) */
+/* ---- nodes.c: where a node draws its mesh, again and again (EXT_mesh_gpu_instancing) */
 typedef struct gltf_instances {
     gltf_array translation, rotation, scale;
     int has_translation, has_rotation, has_scale;

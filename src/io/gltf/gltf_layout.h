@@ -124,7 +124,7 @@ void norma_gltf_unpin_streams(gltf *g);
  * of these runs, next: of each. *done 0: it is left to others. */
 norma_document_result norma_gltf_repack_view(gltf *g, uint32_t view, uint32_t first,
     const uint32_t *next, int *done, norma_document_error *error);
-/* Says in the JSON, or of the new accessor, that the run lies there. */
+/* repack_views.c: says in the JSON, or of the new accessor, that the run lies there. */
 void norma_gltf_point_data_run(gltf *g, const data_run *run, uint32_t view, size_t offset);
 
 /* The steps of norma_gltf_finish: patch.c, assign_views.c, and patch.c for what was unlisted. */
@@ -162,7 +162,7 @@ int norma_gltf_segments_equal(const patch_buffer *buffer, const unsigned char *b
 /* gltf_write.c: adds to counts how often the JSON names each texture, each image. */
 void norma_gltf_count_texture_uses(const gltf *g, uint32_t *counts, size_t textures);
 void norma_gltf_count_image_uses(const gltf *g, uint32_t *counts, size_t images);
-/* patch.c: refuses to add to a list that some index of the file reaches beyond. */
+/* ---- patch.c: refuses to add to a list that some index of the file reaches beyond. */
 typedef enum gltf_list {
     GLTF_LIST_ACCESSORS,
     GLTF_LIST_VIEWS,

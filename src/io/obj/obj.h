@@ -239,7 +239,7 @@ static inline uint32_t norma_obj_resolve(int64_t index, size_t count) {
 }
 
 /* ---- What one stretch of an OBJ's text holds, counted from its own beginning.
- * obj_read.c reads the stretches and puts them together. */
+ * obj_text.c reads such a stretch; obj_read.c asks for all of them, and puts them together. */
 
 typedef enum obj_list { OBJ_OF_CORNER, OBJ_OF_CORNER_NORMAL, OBJ_OF_OTHER_NORMAL } obj_list;
 
