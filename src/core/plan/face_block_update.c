@@ -14,7 +14,7 @@ typedef struct mark_span {
 static mark_span mark_store(const plan_work *work, block_marks *marks, uint32_t count) {
     const norma_plan *plan = work->plan;
     mark_span span = {UINT32_MAX, 0};
-    memset(marks->bits, 0, ((size_t)count + 63) / 64 * sizeof *marks->bits);
+    if (!marks->borrowed) memset(marks->bits, 0, ((size_t)count + 63) / 64 * sizeof *marks->bits);
     for (size_t i = 0; i < work->moved_count; i++) {
         const uint32_t end = plan->occurrence_starts[work->moved[i] + 1];
         for (uint32_t at = plan->occurrence_starts[work->moved[i]]; at < end; at++) {
@@ -63,16 +63,25 @@ static size_t block_of(const norma_plan *plan, size_t low, size_t high, uint32_t
     return low;
 }
 
+static void core_marks_open(const plan_work *work, block_marks *marks) {
+    marks->next_block = 0;
+    marks->bits = marks->own;
+    marks->borrowed =
+        work->plan->occurrence_count > MARKS_IN_BLOCK && norma_core_plan_borrow(work->plan);
+    if (marks->borrowed) marks->bits = work->plan->shared->bits;
+}
+
 /* Marks what moved in the next blocks; 0 where none are left. */
 static int core_marks_next(const plan_work *work, block_marks *marks) {
     const norma_plan *plan = work->plan;
-    const size_t first = marks->next_block;
+    const size_t first = marks->next_block,
+                 room = marks->borrowed ? plan->occurrence_count : MARKS_IN_BLOCK;
     marks->block_count = marks->busy = 0;
     if (first == plan->block_count) return 0;
     marks->first_occurrence = occurrences_before(plan, first);
-    size_t end = first + 1;
+    size_t end = marks->borrowed ? plan->block_count : first + 1;
     while (end < plan->block_count &&
-           occurrences_before(plan, end + 1) - marks->first_occurrence <= MARKS_IN_BLOCK)
+           occurrences_before(plan, end + 1) - marks->first_occurrence <= room)
         end++;
     marks->next_block = end;
     const mark_span span =
@@ -86,6 +95,22 @@ static int core_marks_next(const plan_work *work, block_marks *marks) {
             (size_t)any_marked(marks->bits, occurrences_before(plan, t) - marks->first_occurrence,
                 occurrences_before(plan, t + 1) - marks->first_occurrence);
     return 1;
+}
+
+/* The plan's bits are zero between updates: to clear them all before each would take longer than to
+ * move a vertex. */
+static void clear_borrowed(const plan_work *work, block_marks *marks) {
+    const norma_plan *plan = work->plan;
+    for (size_t i = 0; i < work->moved_count; i++)
+        for (uint32_t at = plan->occurrence_starts[work->moved[i]];
+             at < plan->occurrence_starts[work->moved[i] + 1]; at++)
+            marks->bits[plan->occurrences[at] / 64] = 0;
+}
+
+static void core_marks_close(const plan_work *work, block_marks *marks) {
+    if (!marks->borrowed) return;
+    clear_borrowed(work, marks);
+    norma_core_plan_give_back(work->plan);
 }
 
 /* ---- what that touches in a block */
@@ -625,9 +650,11 @@ static norma_result run_blocks(blocks_work *w, size_t first, size_t count, size_
 
 static norma_result update_moved_blocks(blocks_work *w) {
     norma_result result = NORMA_OK;
+    core_marks_open(w->work, &w->marks);
     while (result == NORMA_OK && core_marks_next(w->work, &w->marks))
         if (w->marks.busy)
             result = run_blocks(w, w->marks.first_block, w->marks.block_count, w->marks.busy);
+    core_marks_close(w->work, &w->marks);
     return result;
 }
 

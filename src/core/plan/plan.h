@@ -5,6 +5,7 @@
 #ifndef NORMA_CORE_PLAN_H
 #define NORMA_CORE_PLAN_H
 #include "core/corner/corner.h"
+#include <stdatomic.h>
 
 enum { PLAN_MOST_BLOCKS = 24 };
 
@@ -31,6 +32,13 @@ typedef struct overflow_group {
 
 typedef struct plan_block plan_block;
 
+/* The one part of a plan that updates write: marks for what moved, of a mesh that is larger than
+ * the stack has bits for. Whoever comes while another has them does without, in more passes. */
+typedef struct plan_shared {
+    atomic_flag taken;
+    uint64_t *bits;
+} plan_shared;
+
 struct norma_plan {
     core_call memory; /* of the creation's allocator, and of nothing else */
     norma_element of;
@@ -46,10 +54,19 @@ struct norma_plan {
     uint32_t *words;                           /* the blocks' lists */
     uint32_t *occurrence_starts, *occurrences; /* of each vertex, where the blocks have it */
     size_t occurrence_count;
+    plan_shared *shared; /* NULL where the stack suffices */
     overflow_group overflow;
     plan_store stores[PLAN_MOST_BLOCKS];
     size_t store_count, bytes;
 };
+
+static inline int norma_core_plan_borrow(const norma_plan *plan) {
+    return plan->shared &&
+           !atomic_flag_test_and_set_explicit(&plan->shared->taken, memory_order_acquire);
+}
+static inline void norma_core_plan_give_back(const norma_plan *plan) {
+    atomic_flag_clear_explicit(&plan->shared->taken, memory_order_release);
+}
 
 /* Memory that is the plan's, from the allocator of its creation. */
 static inline void *norma_core_plan_keep(norma_plan *plan, size_t count, size_t size) {
@@ -287,14 +304,16 @@ block_kernels norma_core_block_kernels(norma_isa isa);
 
 /* ---- from vertices that moved to what of each block they touch. */
 
-enum { MARKS_IN_BLOCK = 1 << 17 }; /* occurrences that the stack has bits for; more take passes */
+enum { MARKS_IN_BLOCK = 1 << 17 }; /* occurrences that the stack has bits for */
 
 typedef struct block_marks {
     size_t first_block, block_count, busy; /* the blocks in which anything that is marked now may
                                             lie, and how many it does lie in */
     size_t next_block;
     uint32_t first_occurrence;
-    uint64_t bits[MARKS_IN_BLOCK / 64]; /* of each occurrence from there on */
+    uint64_t *bits; /* of each occurrence from there on */
+    int borrowed;   /* the plan's, which has bits for all */
+    uint64_t own[MARKS_IN_BLOCK / 64];
 } block_marks;
 
 typedef enum block_moved { BLOCK_NOT_MOVED = 0, BLOCK_PARTLY_MOVED, BLOCK_ALL_MOVED } block_moved;

@@ -634,6 +634,17 @@ static norma_result list_occurrences(norma_plan *plan) {
     return NORMA_OK;
 }
 
+static norma_result keep_marks(norma_plan *plan) {
+    if (plan->occurrence_count <= MARKS_IN_BLOCK) return NORMA_OK;
+    plan_shared *shared = norma_core_plan_keep(plan, 1, sizeof *shared);
+    uint64_t *bits = norma_core_plan_keep(plan, plan->occurrence_count / 64 + 1, sizeof *bits);
+    if (!shared || !bits) return NORMA_ERROR_MEMORY;
+    memset(bits, 0, (plan->occurrence_count / 64 + 1) * sizeof *bits);
+    *shared = (plan_shared){ATOMIC_FLAG_INIT, bits};
+    plan->shared = shared;
+    return NORMA_OK;
+}
+
 static norma_result build_blocks(
     block_builder *b, block_draft *d, const uint32_t *order, size_t count) {
     enum { RINGS_BETWEEN_TELLING = 1 << 16 };
@@ -670,6 +681,7 @@ norma_result norma_core_plan_block(norma_plan *plan, plan_groups *groups, uint8_
         norma_core_release(call, b->words, b->word_room, sizeof *b->words);
         norma_core_release(call, b->blocks, b->block_room, sizeof *b->blocks);
         if (result == NORMA_OK) result = list_occurrences(plan);
+        if (result == NORMA_OK) result = keep_marks(plan);
     }
     norma_core_release(call, order, count, sizeof *order);
     norma_core_release(call, b, 1, sizeof *b);
