@@ -222,7 +222,15 @@ static void check_namespaces(model_reader *r, const char **attributes) {
             fail_model(r, "the attribute %.40s is not allowed in a 3MF", attributes[0]);
 }
 
-/* Prefixes of the namespaces that a reader has to know (chapter 2.4). */
+static int is_required(const model_reader *r, const char *space) {
+    const tmf_state *state = r->state;
+    for (size_t i = state->required_count; i > 0 && state->required[i - 1].part == r->part; --i)
+        if (strcmp(state->required[i - 1].space, space) == 0) return 1;
+    return 0;
+}
+
+/* Prefixes of the namespaces that a reader has to know (chapter 2.4); each kept once, however often
+ * it is named: a prefix is shorter than what it stands for. */
 static void read_required(model_reader *r, const char **attributes) {
     tmf_state *state = r->state;
     const char *at = value_of(attributes, "requiredextensions");
@@ -235,7 +243,7 @@ static void read_required(model_reader *r, const char **attributes) {
             return;
         }
         at = skip_blanks(at + length);
-        if (is_one_of(KNOWN, space)) continue;
+        if (is_one_of(KNOWN, space) || is_required(r, space)) continue;
         tmf_required *list = norma_io_grow(
             state->required, &state->required_capacity, state->required_count + 1, sizeof *list);
         char *copy = norma_io_copy_text(space, strlen(space));

@@ -264,7 +264,7 @@ static void test_broken_models(void **state) {
 /* Production is read, and materials say nothing about triangles; what else is required may. */
 static void test_required(void **state) {
     document_bytes bytes =
-        package("<model requiredextensions=\" m\tp b\n\" xmlns:b=\"https://example.org/beams\" "
+        package("<model requiredextensions=\" m\tp b b\n\" xmlns:b=\"https://example.org/beams\" "
                 "xmlns:p=\"" PRODUCTION "\" xmlns:m=\"" TMF_MATERIALS
                 "\" xsi:like=\"undeclared\" " CORE "><resources/><build/></model>",
             RELS);
