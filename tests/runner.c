@@ -50,7 +50,7 @@ static const char usage[] =
     "usage: norma_tests [-j JOBS] [--quick | --long] [--list] [NAME[:CASE]...]\n"
     "  NAME   a test file, with or without test_, or a pattern in quotes; none: all of them\n"
     "  CASE   only cases of that name, or pattern\n"
-    "  --quick, --long   without, or only, those that take long under a sanitizer\n"
+    "  --quick, --long   without, or only, those that take long in this tree\n"
     "  TEST_TIMEOUT   seconds that a test file may take (7200)\n";
 
 /* ---- starting */
