@@ -291,6 +291,14 @@ mkdir -p tree/sub && printf "$bad" >tree/sub/"a #1.obj" && printf "$bad" >tree/b
 hrefs() { norma check "$@" --no-config --page pages/ --format html | sed -n 's/.*class="place" href="\([^"]*\)#finding=N102:.*/\1/p' | sort | tr '\n' ' '; }
 found="$(hrefs tree)$(hrefs "$PWD/tree")$(hrefs tree/sub/*)"
 if [ "$found" = "pages/b.c.html pages/sub/a%20%231.html pages/b.c.html pages/sub/a%20%231.html pages/a%20%231.html " ]; then pass "--page FOLDER/: links lead to the pages of norma view"; else fail "--page FOLDER/: links lead to the pages of norma view" "$found"; fi
+# Where two pages would meet, both keep their folders, as those of norma view do; where they cannot, both commands refuse.
+mkdir -p meet/two && printf "$bad" | tee meet/two/a.obj >meet/a.obj && printf '%s\n' meet/a.obj meet/two/a.obj >meet.txt
+found="$(hrefs meet/a.obj meet/two/a.obj)$(hrefs --files-from meet.txt)$(hrefs meet/a.obj meet/two/a.obj --shard 2/2)$(hrefs meet/a.obj meet/two/a.obj --shard 1/2)"
+if [ "$found" = "pages/a.html pages/two/a.html pages/a.html pages/two/a.html pages/a.html pages/two/a.html " ]; then pass "--page FOLDER/: two files of one name have a page each"; else fail "--page FOLDER/: two files of one name have a page each" "$found"; fi
+cp meet/a.obj meet/a.ply
+status=0; norma check meet --no-config --page pages/ --format html >met.html 2>met || status=$?
+norma view meet --out-dir pages 2>viewed || true
+check "--page FOLDER/: two files for one page are refused, in the words of norma view" bash -c '[ "$0" = 2 ] && [ ! -s met.html ] && grep -q "meet/a.obj and meet/a.ply would both be written to pages/a.html" met && grep -qF "$(sed "s/.*view: //;s/ (.*//" viewed)" met' "$status"
 if norma view tree --out-dir pages --quiet 2>/dev/null; then check "norma view writes them there" test -s "pages/sub/a #1.html" -a -s pages/b.c.html; else skip "this norma has no page"; fi
 check "no link without --page" bash -c '! norma check linked --no-config --format html | grep -q "class=\"place\" href"'
 check "--page takes an address without a question" bash -c 'norma check linked --page "norma.html?v=2" -o x.html 2>usage >/dev/null; [ $? -eq 2 ] && grep -q "expected an address without" usage && [ ! -e x.html ]'

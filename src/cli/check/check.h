@@ -270,6 +270,7 @@ int check_is_new_note(const norma_document *document, size_t first, size_t i);
  * node that it is about. NULL: none. */
 const char *check_node_path(norma_document *document, const char *where);
 
+int check_page_is_folder(const check_settings *settings); /* check_one.c: else it is norma.html */
 /* check_one.c: checks one of settings->files->inputs and writes its part of the report; adds to
  * totals. */
 void check_one_file(const check_settings *settings, const check_config *config,

@@ -448,6 +448,14 @@ static int find_lost_files(const cli_subcommand *command, const check_work *work
     return status;
 }
 
+/* As norma view places the pages of the same words; before a shard is taken of the inputs. */
+static int place_pages(const cli_subcommand *command, const check_work *work) {
+    cli_files pages = work->files;
+    pages.output = NULL;
+    pages.folder = work->settings.page;
+    return cli_place_outputs(command, &pages, ".html");
+}
+
 static int find_inputs(const cli_subcommand *command, check_work *work) {
     int status = cli_find_listed(command, &work->files);
     if (status == CLI_USAGE) return status;
@@ -456,6 +464,8 @@ static int find_inputs(const cli_subcommand *command, check_work *work) {
     if (work->settings.against && work->files.words.count == 1 &&
         cli_is_folder(work->files.words.words[0]))
         status = cli_worse(status, find_lost_files(command, work));
+    const int placed = check_page_is_folder(&work->settings) ? place_pages(command, work) : CLI_OK;
+    if (placed) return placed;
     if (work->settings.shards)
         check_keep_shard(&work->files.inputs, work->settings.shard, work->settings.shards);
     return status == CLI_USAGE ? status : cli_worse(status, check_sort_inputs(&work->files.inputs));

@@ -423,12 +423,17 @@ static void report_unreadable(
 /* ---- The page that shows the file: norma.html opens it; of a folder, which ends in a slash, the
  * page that norma view --out-dir made for it. Standard input has no address. */
 
+int check_page_is_folder(const check_settings *settings) {
+    const size_t length = settings->page ? strlen(settings->page) : 0;
+    return length && settings->page[length - 1] == '/';
+}
+
 static char *address_of_page(const file_check *check) {
     static const char kept[] = "-._~/";
     const char *page = check->settings->page;
     if (!page || strcmp(check->path, "-") == 0) return NULL;
     const size_t length = strlen(page);
-    const int is_folder = length && page[length - 1] == '/';
+    const int is_folder = check_page_is_folder(check->settings);
     cli_files places = *check->settings->files;
     places.output = NULL, places.folder = "";
     char *name = is_folder ? cli_output_of(&places, check->index, ".html") : NULL;
