@@ -137,6 +137,10 @@ check "norma compare: the page has what is printed" grep -q 'fine: 0 % of the ar
 status=0
 "$norma" compare "$scratch/base.obj" "$scratch/other.obj" -o "$scratch/other.obj" 2>"$scratch/stderr" || status=$?
 check "norma compare -o: neither another ending nor an input" bash -c '[ "$0" = 2 ] && grep -q "ends in .png or .html" "$1" && cp "$2/base.obj" "$2/base.png" && ! "$3" compare "$2/base.png" "$2/other.obj" --input-format obj -o "$2/base.png" 2>"$1" && grep -q "would be overwritten" "$1" && cmp "$2/base.png" "$2/base.obj"' "$status" "$scratch/stderr" "$scratch" "$norma"
+status=0
+"$norma" compare "$scratch/base.obj" "$scratch/other.obj" -o "$scratch/none/x.png" --json >"$scratch/json" 2>"$scratch/stderr" || status=$?
+check "norma compare -o: a picture that was not written is an error, not an output" python3 -c 'import json, sys; said = json.load(open(sys.argv[2])); sys.exit(sys.argv[1] != "3" or "x.png" not in said["error"] or "output" in said or "ok" in said)' "$status" "$scratch/json"
+check "norma compare -o: a device takes a picture" "$norma" compare "$scratch/base.obj" "$scratch/other.obj" -o /dev/null --quiet
 "$norma" render "$scratch/square.obj" -o "$scratch/e.png" --show error --size 64x64 --samples 1 >"$scratch/stdout"
 check "errors without stored normals: said plainly" grep -q 'no normals are stored: there is nothing to compare' "$scratch/stdout"
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n' >"$scratch/stored.obj"

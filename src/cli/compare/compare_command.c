@@ -325,12 +325,11 @@ static void print_computed(const compare_work *work, const compared_scene *scene
 
 /* ---- a picture, or a page with it */
 
-static void write_page(FILE *out, const compare_work *work, const render_png *png) {
-    cli_memory_stream words = {.text = NULL};
-    if (cli_memory_open(&words)) {
-        print_comparison(work, words.out);
-        (void)cli_memory_close(&words);
-    }
+static int write_page(FILE *out, const compare_work *work, const render_png *png) {
+    cli_memory_stream words;
+    if (!cli_memory_open(&words)) return cli_out_of_memory();
+    print_comparison(work, words.out);
+    if (!cli_memory_close(&words)) return cli_out_of_memory();
     fputs(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
         "content=\"width=device-width,initial-scale=1\">\n<title>norma compare</title>\n<style>"
@@ -338,7 +337,7 @@ static void write_page(FILE *out, const compare_work *work, const render_png *pn
         "margin:0 auto;padding:1rem}img{max-width:100%;height:auto}pre{white-space:pre-wrap;"
         "overflow-wrap:anywhere}</style></head><body>\n<main><h1>norma compare</h1>\n<pre>",
         out);
-    for (char *line = words.text; line && *line;) { /* a line end is none of what is escaped */
+    for (char *line = words.text; *line;) { /* a line end is none of what is escaped */
         char *end = line + strcspn(line, "\n");
         const char ended = *end;
         *end = '\0';
@@ -353,6 +352,7 @@ static void write_page(FILE *out, const compare_work *work, const render_png *pn
     cli_write_base64(out, png->bytes, png->size);
     fputs("\"></main></body></html>\n", out);
     free(words.text);
+    return CLI_OK;
 }
 
 static int write_output(const compare_work *work) {
@@ -371,10 +371,13 @@ static int write_output(const compare_work *work) {
     if (!status) status = cli_output_begin(&output, work->output, work->files.guard);
     if (!status) {
         if (cli_ends_in(work->output, ".html"))
-            write_page(output.out, work, &png);
+            status = write_page(output.out, work, &png);
         else
             fwrite(png.bytes, 1, png.size, output.out);
-        status = cli_output_end(&output);
+        if (status)
+            cli_output_drop(&output);
+        else
+            status = cli_output_end(&output);
     }
     free(png.bytes);
     return status;
@@ -392,7 +395,8 @@ static int check_drawing(const cli_subcommand *command, compare_work *work) {
                                                           "or a pipe")
                                      : CLI_OK;
     }
-    if (!cli_ends_in(work->output, ".html") && !cli_ends_in(work->output, ".png"))
+    if (!cli_ends_in(work->output, ".html") && !cli_ends_in(work->output, ".png") &&
+        !cli_is_stream(work->output))
         return cli_usage(
             command, "-o %s: expected a name that ends in .png or .html", work->output);
     if (cli_is_folder(words->words[0]) && cli_is_folder(words->words[1]))
@@ -407,15 +411,17 @@ static int check_drawing(const cli_subcommand *command, compare_work *work) {
  * why there is nothing. */
 static int compare_into(compare_work *work, norma_document_error *error) {
     const norma_document_result result = compare_files(work, error);
-    int status = cli_status_of(result);
+    int status = cli_status_of(result), lost = CLI_OK; /* lost: why there is no work->output */
     if (!result) {
         find_worst(work);
-        status = passes_gate(work) ? CLI_OK : CLI_FINDINGS;
-        if (work->output) status = cli_worse(status, write_output(work));
+        if (work->output) lost = write_output(work);
+        status = cli_worse(passes_gate(work) ? CLI_OK : CLI_FINDINGS, lost);
     }
+    if (lost) /* which was printed */
+        snprintf(error->message, sizeof error->message, "%.500s: was not written", work->output);
     if (result) cli_name_error(error, work->names[work->pair.other.name != NULL]);
     if (work->common.json)
-        write_compare_json(work, result ? error->message : NULL);
+        write_compare_json(work, result || lost ? error->message : NULL);
     else if (!result)
         print_comparison(work, work->out);
     if (work->output && status < CLI_USAGE && !work->common.json) {
