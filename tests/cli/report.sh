@@ -394,4 +394,16 @@ json.dump({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(ra
     "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}, {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 3, "type": "VEC3"}]}, open("row.gltf", "w"))'
 norma check row.gltf --no-config --select N102 -o row.html >/dev/null
 if [ "$(filled row.html)" -gt 50 ] && [ "$(filled row.html)" -lt 260 ]; then pass "the whole model is what the nodes draw, at their places"; else fail "the whole model is what the nodes draw, at their places" "$(filled row.html) points"; fi
+# 100 kB that ask for 60 million primitives, all at one place, before the one with the finding, aside: that one is drawn, and most others are not even looked at.
+python3 -c '
+import json
+many = json.load(open("row.gltf"))
+many["extensionsUsed"] = ["EXT_mesh_gpu_instancing"]
+many["accessors"].append({"componentType": 5126, "count": 20000, "type": "VEC3"})
+many["meshes"].insert(0, {"primitives": [{"attributes": {"POSITION": 0}}] * 3000})
+many["nodes"] = [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 2}}}}, {"mesh": 1, "translation": [20, 0, 0]}]
+many["scenes"][0]["nodes"] = [0, 1]
+json.dump(many, open("many.gltf", "w"))'
+(ulimit -t 10; norma check many.gltf --no-config --select N102 -o many.html >/dev/null 2>said)
+if [ "$(filled many.html)" -gt 5 ] && [ "$(filled many.html)" -lt 260 ]; then pass "a picture of millions of primitives is drawn at once, with the one meant"; else fail "a picture of millions of primitives is drawn at once, with the one meant" "$(filled many.html) points; $(cat said)"; fi
 finish

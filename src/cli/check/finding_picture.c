@@ -317,9 +317,9 @@ static void draw_normals(FILE *out, const picture *drawn) {
 /* ---- The whole model, small in a corner of the picture: all meshes as the nodes place them, seen
  * as the close-up is, faces filled into a grid of points, the nearest wins (a depth buffer), and
  * rows of equal shade drawn as lines. A point marks the place. Of very many faces some stand for
- * all. */
+ * all, and so do some visits, each of one mesh at one place: a small file asks for millions. */
 
-enum { WHOLE = 64, WHOLE_MARGIN = 4, SHADES = 4, MOST_OF_WHOLE = 400000 };
+enum { WHOLE = 64, WHOLE_MARGIN = 4, SHADES = 4, MOST_OF_WHOLE = 400000, MOST_VISITS = 50000 };
 
 typedef enum whole_pass { WHOLE_COUNT, WHOLE_FRAME, WHOLE_FILL } whole_pass;
 
@@ -327,6 +327,7 @@ typedef struct whole_model {
     double right[3], up[3], view[3], place[3]; /* in the world */
     double box[4], least[2], scale;            /* of the view, to points */
     size_t faces, stride;
+    uint64_t visit_stride;
     double depth[WHOLE][WHOLE];
     unsigned char shade[WHOLE][WHOLE]; /* 0: nothing there */
 } whole_model;
@@ -430,11 +431,6 @@ static size_t first_mesh_of(norma_document *document, size_t number) {
     return from;
 }
 
-static int is_of_mesh(norma_document *document, size_t mesh, size_t number) {
-    norma_mesh_info info;
-    return !norma_document_mesh_info(document, mesh, &info) && info.mesh == number;
-}
-
 /* A skin places its mesh itself: in the pose that it was bound in. */
 static int place_node(
     const picture *drawn, const norma_node_info *node, size_t index, size_t k, double world[16]) {
@@ -455,18 +451,36 @@ static int find_first_node(const picture *drawn, double world[16]) {
     return 0;
 }
 
-/* All that the nodes draw; the mesh alone where none draws it. */
-static void visit_model(
-    const picture *drawn, whole_model *whole, whole_pass pass, int by_nodes, double world[16]) {
+static size_t count_primitives(norma_document *document, const norma_node_info *node) {
+    return first_mesh_of(document, node->mesh + 1) - first_mesh_of(document, node->mesh);
+}
+
+static uint64_t choose_visit_stride(norma_document *document) {
     norma_node_info node;
-    if (!by_nodes) visit_placed(drawn, whole, pass, drawn->mesh, world);
+    uint64_t visits = 0;
+    for (size_t i = 0; i < norma_document_node_count(document); ++i)
+        if (!norma_document_node_info(document, i, &node))
+            visits += (uint64_t)node.instances * count_primitives(document, &node);
+    return 1 + visits / MOST_VISITS;
+}
+
+/* All that the nodes draw; the mesh alone where none draws it. first: where the mesh of the picture
+ * is drawn, which is never left out. */
+static void visit_model(const picture *drawn, whole_model *whole, whole_pass pass, int by_nodes,
+    const double first[16]) {
+    norma_node_info node;
+    double world[16];
+    uint64_t at = 0; /* the next visit, from the first of the node */
+    if (!by_nodes || whole->visit_stride > 1) visit_placed(drawn, whole, pass, drawn->mesh, first);
     for (size_t i = 0; by_nodes && i < norma_document_node_count(drawn->document); ++i) {
         if (norma_document_node_info(drawn->document, i, &node)) continue;
-        const size_t first = first_mesh_of(drawn->document, node.mesh);
-        for (size_t k = 0; k < node.instances; ++k)
-            for (size_t mesh = first; is_of_mesh(drawn->document, mesh, node.mesh); ++mesh)
-                if (place_node(drawn, &node, i, k, world))
-                    visit_placed(drawn, whole, pass, mesh, world);
+        const size_t mesh = first_mesh_of(drawn->document, node.mesh),
+                     count = count_primitives(drawn->document, &node);
+        const uint64_t visits = (uint64_t)node.instances * count;
+        for (; at < visits; at += whole->visit_stride)
+            if (place_node(drawn, &node, i, (size_t)(at / count), world))
+                visit_placed(drawn, whole, pass, mesh + (size_t)(at % count), world);
+        at -= visits;
     }
 }
 
@@ -515,6 +529,7 @@ static void draw_whole(FILE *out, const picture *drawn) {
     cross(whole->up, whole->view, whole->right);
     const int is_seen = normalise(whole->view) && normalise(whole->right);
     cross(whole->view, whole->right, whole->up);
+    whole->visit_stride = choose_visit_stride(drawn->document);
     visit_model(drawn, whole, WHOLE_COUNT, by_nodes, world);
     whole->stride = 1 + whole->faces / MOST_OF_WHOLE;
     whole->scale = 1;
