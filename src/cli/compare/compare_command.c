@@ -152,6 +152,7 @@ static double size_of_base(const compared_scene *scene) {
 static void find_worst(compare_work *work) {
     const compared_scene *scene = &work->pair.other;
     const double near = size_of_base(&work->pair.base) / 20;
+    work->place_count = 0; /* those of the pair before are gone */
     for (size_t count = 0; count < MOST_WORST; work->place_count = ++count) {
         const norma_compare_sample *worst = NULL;
         for (const compared_piece *p = scene->pieces; p < scene->pieces + scene->count; ++p)
@@ -386,6 +387,8 @@ static int write_output(const compare_work *work) {
 /* A usage, or an output that is one of the inputs: a status. */
 static int check_drawing(const cli_subcommand *command, compare_work *work) {
     const cli_words *words = &work->files.words;
+    if (cli_is_folder(words->words[0]) && cli_is_folder(words->words[1]))
+        return cli_usage(command, "one -o for two folders; expected two files");
     if (cli_is_standard(work->output)) {
         work->out = stderr;
         if (work->common.json)
@@ -399,8 +402,6 @@ static int check_drawing(const cli_subcommand *command, compare_work *work) {
         !cli_is_stream(work->output))
         return cli_usage(
             command, "-o %s: expected a name that ends in .png or .html", work->output);
-    if (cli_is_folder(words->words[0]) && cli_is_folder(words->words[1]))
-        return cli_usage(command, "one -o for two folders; expected two files");
     for (size_t i = 0; i < words->count; ++i) cli_guard_read(work->files.guard, words->words[i]);
     return cli_guard_output(work->files.guard, work->output, NULL);
 }
