@@ -201,13 +201,14 @@ static void add_other_id(model_reader *r, const char **attributes) {
     others[state->other_count++] = other;
 }
 
-/* The namespace that a prefix, not terminated, is declared for here. */
-static const char *declared(const char **attributes, const char *prefix, size_t length) {
-    for (; attributes[0]; attributes += 2)
-        if (strncmp(attributes[0], "xmlns:", 6) == 0 && strlen(attributes[0]) == 6 + length &&
-            memcmp(attributes[0] + 6, prefix, length) == 0)
-            return attributes[1];
-    return NULL;
+/* The number of the attribute that declares a prefix, not terminated; of none that of the end. */
+static size_t find_declaration(const char **attributes, const char *prefix, size_t length) {
+    size_t i = 0;
+    for (; attributes[2 * i]; ++i)
+        if (strncmp(attributes[2 * i], "xmlns:", 6) == 0 &&
+            strncmp(attributes[2 * i] + 6, prefix, length) == 0 && !attributes[2 * i][6 + length])
+            break;
+    return i;
 }
 
 /* Only xml:lang is defined for them, and nothing of a schema's instance (chapter 2.3.2). */
@@ -229,20 +230,24 @@ static int is_required(const model_reader *r, const char *space) {
     return 0;
 }
 
-/* Prefixes of the namespaces that a reader has to know (chapter 2.4); each kept once, however often
- * it is named: a prefix is shorter than what it stands for. */
+/* Prefixes of the namespaces that a reader has to know (chapter 2.4); each is looked at once,
+ * however often it is named: a prefix is shorter than what it stands for. */
 static void read_required(model_reader *r, const char **attributes) {
     tmf_state *state = r->state;
+    char is_named[XML_MOST_ATTRIBUTES] = {0};
     const char *at = value_of(attributes, "requiredextensions");
     for (at = at ? skip_blanks(at) : ""; *at && !r->result;) {
         const size_t length = strcspn(at, " \t\r\n");
-        const char *space = declared(attributes, at, length);
+        const size_t found = find_declaration(attributes, at, length);
+        const char *space = attributes[2 * found] ? attributes[2 * found + 1] : NULL;
         if (!space) {
             fail_model(r, "requires the extension %.*s, a prefix that <model> does not declare",
                 length < 40 ? (int)length : 40, at);
             return;
         }
         at = skip_blanks(at + length);
+        if (is_named[found]) continue;
+        is_named[found] = 1;
         if (is_one_of(KNOWN, space) || is_required(r, space)) continue;
         tmf_required *list = norma_io_grow(
             state->required, &state->required_capacity, state->required_count + 1, sizeof *list);

@@ -7,9 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Each attribute of a tag is compared with those before it. */
-enum { MOST_ATTRIBUTES = 256 };
-
 static xml_event fail_xml(xml_reader *x, const char *wrong) {
     snprintf(x->wrong, sizeof x->wrong, "is not XML: %s", wrong);
     return XML_WRONG;
@@ -172,7 +169,7 @@ static xml_event read_tag(xml_reader *x, size_t end) {
             return XML_BEGINS;
         }
         if (next == x->at) return fail_xml(x, "a space is expected before an attribute");
-        if (x->attribute_count == 2 * MOST_ATTRIBUTES)
+        if (x->attribute_count == 2 * XML_MOST_ATTRIBUTES)
             return fail_xml(x, "more attributes in a tag than 256");
         x->at = next;
         char *value = take_xml_name(x, word);

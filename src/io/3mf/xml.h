@@ -3,6 +3,8 @@
 #define NORMA_IO_3MF_XML_H
 #include "io/file/file.h"
 
+enum { XML_MOST_ATTRIBUTES = 256 }; /* of a tag: each is compared with those before it */
+
 typedef enum xml_event {
     XML_BEGINS, /* an element; <a/> begins and ends */
     XML_ENDS,
