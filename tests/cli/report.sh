@@ -406,4 +406,18 @@ many["scenes"][0]["nodes"] = [0, 1]
 json.dump(many, open("many.gltf", "w"))'
 (ulimit -t 10; norma check many.gltf --no-config --select N102 -o many.html >/dev/null 2>said)
 if [ "$(filled many.html)" -gt 5 ] && [ "$(filled many.html)" -lt 260 ]; then pass "a picture of millions of primitives is drawn at once, with the one meant"; else fail "a picture of millions of primitives is drawn at once, with the one meant" "$(filled many.html) points; $(cat said)"; fi
+# 200 kB that ask for 400,000 triangles, each as large as the picture.
+python3 -c '
+import base64, json, struct
+heap = json.load(open("row.gltf"))
+data = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0) * 8 + struct.pack("<9f", 0, 0, 0, 0, 0, 1, 0, 0, 1) * 8
+heap["buffers"] = [{"byteLength": 576, "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]
+heap["bufferViews"][0]["byteLength"] = 576
+for part in 0, 1: heap["accessors"][part].update({"count": 24, "byteOffset": 288 * part})
+heap["accessors"].append({"componentType": 5126, "count": 49999, "type": "VEC3"})
+heap["nodes"] = [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 2}}}}]
+heap.update({"extensionsUsed": ["EXT_mesh_gpu_instancing"], "scenes": [{"nodes": [0]}], "extras": "x" * 200000})
+json.dump(heap, open("heap.gltf", "w"))'
+(ulimit -t 10; norma check heap.gltf --no-config --select N102 -o heap.html >/dev/null 2>said)
+if [ "$(filled heap.html)" -gt 1000 ]; then pass "a picture of a heap of large triangles is drawn at once"; else fail "a picture of a heap of large triangles is drawn at once" "$(filled heap.html) points; $(cat said)"; fi
 finish

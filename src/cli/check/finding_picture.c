@@ -317,9 +317,17 @@ static void draw_normals(FILE *out, const picture *drawn) {
 /* ---- The whole model, small in a corner of the picture: all meshes as the nodes place them, seen
  * as the close-up is, faces filled into a grid of points, the nearest wins (a depth buffer), and
  * rows of equal shade drawn as lines. A point marks the place. Of very many faces some stand for
- * all, and so do some visits, each of one mesh at one place: a small file asks for millions. */
+ * all, and so do some visits, each of one mesh at one place: a small file asks for millions. What
+ * is then still too much work, corners and points filled, is left out. */
 
-enum { WHOLE = 64, WHOLE_MARGIN = 4, SHADES = 4, MOST_OF_WHOLE = 400000, MOST_VISITS = 50000 };
+enum {
+    WHOLE = 64,
+    WHOLE_MARGIN = 4,
+    SHADES = 4,
+    MOST_OF_WHOLE = 400000,
+    MOST_VISITS = 50000,
+    MOST_WORK = 1 << 23
+};
 
 typedef enum whole_pass { WHOLE_COUNT, WHOLE_FRAME, WHOLE_FILL } whole_pass;
 
@@ -328,6 +336,7 @@ typedef struct whole_model {
     double box[4], least[2], scale;            /* of the view, to points */
     size_t faces, stride;
     uint64_t visit_stride;
+    size_t work_left; /* of this pass */
     double depth[WHOLE][WHOLE];
     unsigned char shade[WHOLE][WHOLE]; /* 0: nothing there */
 } whole_model;
@@ -348,6 +357,13 @@ static int see_corner(const whole_model *whole, const norma_mesh *mesh, const do
     return isfinite(seen[0]) && isfinite(seen[1]) && isfinite(seen[2]);
 }
 
+/* 0: there is too much of it. */
+static int takes_work(whole_model *whole, size_t work) {
+    if (work > whole->work_left) return 0;
+    whole->work_left -= work;
+    return 1;
+}
+
 static int on_grid(double at) { return !(at > 0) ? 0 : at > WHOLE - 1 ? WHOLE - 1 : (int)at; }
 
 /* The points of a triangle whose middle it covers, and those of its corners. */
@@ -364,7 +380,9 @@ static void fill_triangle(whole_model *whole, double p[3][3]) {
     }
     cross(a, b, normal);
     const double area = normal[2];
-    if (!normalise(normal)) return;
+    if (!normalise(normal) ||
+        !takes_work(whole, (size_t)(to[0] - from[0] + 1) * (size_t)(to[1] - from[1] + 1)))
+        return;
     const unsigned char shade = (unsigned char)(1 + (int)((SHADES - 0.01) * fabs(normal[2])));
     const int is_small = to[0] - from[0] < 2 && to[1] - from[1] < 2;
     for (int y = from[1]; y <= to[1]; ++y)
@@ -391,6 +409,7 @@ static void visit_face(whole_model *whole, whole_pass pass, const norma_mesh *me
     const size_t begin = face_begin(mesh, face), end = face_end(mesh, face);
     double p[3][3];
     int seen[3] = {0};
+    if (!takes_work(whole, end - begin)) return;
     for (size_t corner = begin; corner < end; ++corner) {
         const int to = corner == begin ? 0 : 2; /* a fan from the first corner */
         memcpy(p[1], p[2], sizeof p[1]);
@@ -471,15 +490,17 @@ static void visit_model(const picture *drawn, whole_model *whole, whole_pass pas
     norma_node_info node;
     double world[16];
     uint64_t at = 0; /* the next visit, from the first of the node */
+    whole->work_left = MOST_WORK;
     if (!by_nodes || whole->visit_stride > 1) visit_placed(drawn, whole, pass, drawn->mesh, first);
     for (size_t i = 0; by_nodes && i < norma_document_node_count(drawn->document); ++i) {
         if (norma_document_node_info(drawn->document, i, &node)) continue;
         const size_t mesh = first_mesh_of(drawn->document, node.mesh),
                      count = count_primitives(drawn->document, &node);
         const uint64_t visits = (uint64_t)node.instances * count;
-        for (; at < visits; at += whole->visit_stride)
+        for (; at < visits; at += whole->visit_stride) /* each primitive has its turn */
             if (place_node(drawn, &node, i, (size_t)(at / count), world))
-                visit_placed(drawn, whole, pass, mesh + (size_t)(at % count), world);
+                visit_placed(
+                    drawn, whole, pass, mesh + (size_t)(at / whole->visit_stride % count), world);
         at -= visits;
     }
 }
