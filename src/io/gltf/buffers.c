@@ -184,21 +184,26 @@ static char *gltf_real_path(const char *folder, const char *name) {
     return real;
 }
 
-/* Whether a path leads to real, a folder, or below: judged by the deepest part of it that is there,
- * so that nobody learns what is elsewhere and what is not. A link that leads nowhere does not. The
- * path is cut. -1: out of memory. */
+static int is_about_the_path(int why) {
+    return why == ENOENT || why == ENOTDIR || why == EACCES || why == ELOOP || why == ENAMETOOLONG;
+}
+
+/* Whether a path leads below real, a folder: judged by the deepest part of it that is there, so
+ * that nobody learns what is elsewhere and what is not. A link that leads nowhere does not. What
+ * the system cannot look at does: opening it says why. The path is cut. -1: out of memory. */
 static int leads_into(const char *real, char *path) {
     const size_t length = strlen(real);
     struct stat status;
     char *there, *slash;
-    while (!(there = realpath(path[0] ? path : ".", NULL)) && errno != ENOMEM && path[0]) {
-        if (lstat(path, &status) == 0) return 0;
+    int is_cut = 0;
+    for (; !(there = realpath(path[0] ? path : ".", NULL)); is_cut = 1) {
+        if (errno == ENOMEM || !is_about_the_path(errno)) return errno == ENOMEM ? -1 : 1;
+        if (!path[0] || lstat(path, &status) == 0) return 0;
         slash = strrchr(path, '/');
         *(!slash ? path : slash == path ? slash + 1 : slash) = '\0';
     }
-    if (!there) return errno == ENOMEM ? -1 : 0;
-    const int inside = strncmp(there, real, length) == 0 &&
-                       (length == 1 || there[length] == '/' || there[length] == '\0');
+    const char *rest = strncmp(there, real, length) == 0 ? there + length : NULL;
+    const int inside = rest && (rest[0] == '\0' ? is_cut : rest[0] == '/' || length == 1);
     free(there);
     return inside;
 }
@@ -211,7 +216,7 @@ int norma_gltf_path_inside(const char *folder, const char *name, char **path) {
          *real = realpath(folder[0] ? folder : ".", NULL);
     const int inside = !joined || !cut || (!real && errno == ENOMEM) ? -1
                        : real                                        ? leads_into(real, cut)
-                                                                     : 0;
+                                                                     : 1;
     free(cut);
     free(real);
     if (inside > 0)
