@@ -44,15 +44,26 @@ static norma_result add_inward(check_mesh *m, check_hits *hits, size_t count) {
         norma_check_plural(count));
 }
 
-static norma_result add_nested(check_mesh *m, check_hits *hits) {
-    norma_severity severity =
-        m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING : NORMA_SEVERITY_INFO;
-    return norma_check_report(m,
-        &(check_finding){
-            .rule = RULE_N302, .severity = severity, .unit = "volume", .no_fix = 1, .hits = hits},
-        "a solid within a solid: %z component%s facing outward; either cavities that were turned, "
-        "or separate bodies",
-        hits->count, norma_check_plural(hits->count));
+/* reaching: how many of them lie partly outside. */
+static norma_result add_nested(check_mesh *m, check_hits *hits, size_t reaching) {
+    check_finding finding = {.rule = RULE_N302,
+        .severity = m->run->profile == NORMA_CHECK_PROFILE_PRINT ? NORMA_SEVERITY_WARNING
+                                                                 : NORMA_SEVERITY_INFO,
+        .unit = "volume",
+        .no_fix = 1,
+        .hits = hits};
+    const char *plural = norma_check_plural(hits->count);
+    if (!reaching)
+        return norma_check_report(m, &finding,
+            "a solid within a solid: %z component%s facing outward; either cavities that were "
+            "turned, or separate bodies",
+            hits->count, plural);
+    if (reaching < hits->count)
+        return norma_check_report(m, &finding,
+            "solids within a solid: %z component%s facing outward, of which %z only overlap%s it",
+            hits->count, plural, reaching, reaching == 1 ? "s" : "");
+    return norma_check_report(m, &finding, "solids overlap: %z component%s partly in another",
+        reaching, reaching == 1 ? " lies" : "s lie");
 }
 
 /* Where a surface crosses itself, edges of more than two faces cut tetrahedra out of it, which are
@@ -74,6 +85,7 @@ static norma_result tell_inward(const check_solids *s) {
     const core_components *c = s->components;
     check_hits inward = {.least = 1}, nested = {0};
     norma_result result = NORMA_OK;
+    size_t reaching = 0;
     for (int faces = 0; faces <= (m->run->options.whole_components != 0); faces++)
         for (size_t i = 0; i < c->count; i++) {
             const core_component *component = &c->each[i];
@@ -81,13 +93,15 @@ static norma_result tell_inward(const check_solids *s) {
                                : component->verdict == COMPONENT_NESTED ? &nested
                                                                         : NULL;
             if (!hits || is_cut_out(c, i) || !is_here(s, i)) continue;
-            if (faces)
+            if (faces) {
                 add_faces(s, i, hits);
-            else
-                norma_check_hit(m->run, hits, component->volume / 6, spot_of(s, i));
+                continue;
+            }
+            norma_check_hit(m->run, hits, component->volume / 6, spot_of(s, i));
+            reaching += (component->flags & COMPONENT_REACHES) != 0;
         }
     if (inward.count) result = add_inward(m, &inward, count_here(s));
-    if (!result && nested.count) result = add_nested(m, &nested);
+    if (!result && nested.count) result = add_nested(m, &nested, reaching);
     norma_check_hits_free(&inward);
     norma_check_hits_free(&nested);
     return result;

@@ -335,13 +335,46 @@ static int sense_of_parent(const nesting *n, uint32_t child) {
     return n->components->each[c->parent].verdict == COMPONENT_INWARD ? -sense : sense;
 }
 
-static void judge_component(const nesting *n, uint32_t number) {
+enum { FACES_WORTH_DIPOLES = 64, WORK_WORTH_DIPOLES = 1 << 11, FACES_ASKED = 100 };
+
+static norma_result build_dipoles(const nesting *n, uint32_t number) {
+    const core_components *c = n->components;
+    return core_dipoles_build(n->topology, c->reverse, &c->faces[c->starts[number]],
+        c->starts[number + 1] - c->starts[number], &n->dipoles[number]);
+}
+
+/* The corners of some faces, evenly: a point on the parent's surface is not outside. */
+static norma_result find_whether_it_reaches(const nesting *n, uint32_t number) {
+    const core_components *c = n->components;
+    const core_topology *t = n->topology;
+    core_component *inner = &c->each[number];
+    const size_t faces = c->starts[number + 1] - c->starts[number],
+                 stride = 1 + faces / FACES_ASKED,
+                 room = c->starts[inner->parent + 1] - c->starts[inner->parent];
+    if (!n->dipoles[inner->parent].nodes && room >= FACES_WORTH_DIPOLES) {
+        const norma_result result = build_dipoles(n, inner->parent);
+        if (result) return result;
+    }
+    for (size_t i = 0; i < faces && !(inner->flags & COMPONENT_REACHES); i += stride) {
+        const size_t face = c->faces[c->starts[number] + i];
+        for (size_t k = norma_core_face_begin(&t->mesh, face);
+             k < norma_core_face_end(&t->mesh, face); k++) {
+            double point[3];
+            norma_core_position(&t->mesh, t->corners[k], point);
+            if (fabs(winding_of(n, inner->parent, point)) < .25) inner->flags |= COMPONENT_REACHES;
+        }
+    }
+    return NORMA_OK;
+}
+
+static norma_result judge_component(const nesting *n, uint32_t number) {
     core_component *c = &n->components->each[number];
     const int sense = c->parent == UINT32_MAX ? 0 : sense_of_parent(n, number);
     if (c->volume < 0)
         c->verdict = sense > 0 ? COMPONENT_FINE : COMPONENT_INWARD;
     else
         c->verdict = sense > 0 ? COMPONENT_NESTED : COMPONENT_FINE;
+    return c->verdict == COMPONENT_NESTED ? find_whether_it_reaches(n, number) : NORMA_OK;
 }
 
 static norma_result judge_components(const nesting *n) {
@@ -352,22 +385,20 @@ static norma_result judge_components(const nesting *n) {
     for (uint32_t i = 0; i < c->count; i++)
         if (is_judged(n, i)) order[count++] = (ranked){extent(&c->each[i]), i};
     norma_core_sort(order, count, sizeof *order, is_larger);
-    for (size_t i = 0; i < count; i++) judge_component(n, order[i].number);
+    norma_result result = NORMA_OK;
+    for (size_t i = 0; i < count && !result; i++) result = judge_component(n, order[i].number);
     norma_core_release(n->topology->call, order, c->count, sizeof *order);
-    return NORMA_OK;
+    return result;
 }
 
 /* ---- all */
-
-enum { FACES_WORTH_DIPOLES = 64, WORK_WORTH_DIPOLES = 1 << 11 };
 
 static norma_result prepare_dipoles(nesting *n) {
     const core_components *c = n->components;
     for (uint32_t i = 0; i < c->count; i++) {
         const size_t faces = c->starts[i + 1] - c->starts[i];
         if (faces < FACES_WORTH_DIPOLES || faces * n->asked[i] < WORK_WORTH_DIPOLES) continue;
-        const norma_result result = core_dipoles_build(
-            n->topology, c->reverse, &c->faces[c->starts[i]], faces, &n->dipoles[i]);
+        const norma_result result = build_dipoles(n, i);
         if (result != NORMA_OK) return result;
     }
     return NORMA_OK;

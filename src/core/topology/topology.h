@@ -101,7 +101,8 @@ enum {
                                   were followed) */
     COMPONENT_UNBALANCED = 16, /* an edge of more than two along which its own faces do not run as
                                   often one way as the other */
-    COMPONENT_UNDECIDED = 32   /* rays do not say which side of it is outward */
+    COMPONENT_UNDECIDED = 32,  /* rays do not say which side of it is outward */
+    COMPONENT_REACHES = 64     /* nested, and some of it lies outside its parent: they overlap */
 };
 
 typedef enum component_verdict {
