@@ -138,7 +138,8 @@ NORMA_API const norma_finding *norma_findings_get(const norma_findings *findings
  * norma check chair.glb --fix-unsafe --select N602 -o chair.fixed.glb
  * Names are quoted if a shell needs it.
  *
- *   finding    any finding
+ *   finding    any finding; or NULL for the command that shows the file and what is found in it:
+ *              norma view chair.glb -o chair.glb.html
  *   path       the file that it is about
  *   options    further words of the command, ended by NULL; or NULL
  *   command    written, ended by a zero and cut to fit; or NULL

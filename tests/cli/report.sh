@@ -300,6 +300,24 @@ status=0; norma check meet --no-config --page pages/ --format html >met.html 2>m
 norma view meet --out-dir pages 2>viewed || true
 check "--page FOLDER/: two files for one page are refused, in the words of norma view" bash -c '[ "$0" = 2 ] && [ ! -s met.html ] && grep -q "meet/a.obj and meet/a.ply would both be written to pages/a.html" met && grep -qF "$(sed "s/.*view: //;s/ (.*//" viewed)" met' "$status"
 if norma view tree --out-dir pages --quiet 2>/dev/null; then check "norma view writes them there" test -s "pages/sub/a #1.html" -a -s pages/b.c.html; else skip "this norma has no page"; fi
+# Without it each file has the command that makes its page, and a shell reads the file's name out of it again.
+norma check linked --no-config -o unlinked.html >/dev/null 2>&1
+sed -n 's/^<p class="fix">Turn it.*<code>norma view \(.*\) -o .*<\/code><\/p>$/printf "%s\\n" \1/p' unlinked.html | sed "s/&quot;/\"/g;s/&lt;/</g;s/&gt;/>/g;s/&#39;/'/g;s/&amp;/\&/g" | bash | sort >shown.txt
+if [ "$(wc -l <shown.txt)" -eq 5 ] && cmp -s shown.txt <(printf '%s\n' linked/* | sort) && ! grep -q "Turn it.*norma view" linked.html; then
+    pass "without --page each file has the command that shows it, whatever its name"
+else
+    fail "without --page each file has the command that shows it, whatever its name" "$(cat shown.txt)"
+fi
+# Boxes in the octahedron |x|+|y|+|z| <= 1: wholly, or from its middle outwards; each is marked whole.
+solids() { awk -v boxes="$1" 'BEGIN { print "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6"
+    n = split(boxes, size, " "); for (b = 0; b < n; b++) { for (i = 0; i < 8; i++) print "v", (i % 2 ? size[b + 1] : .02 + b / 50), (int(i / 2) % 2 ? size[b + 1] : .02 + b / 50), (i > 3 ? size[b + 1] : .02 + b / 50); k = 6 + 8 * b
+    print "f", k+1, k+3, k+4, k+2 "\nf", k+5, k+6, k+8, k+7 "\nf", k+1, k+2, k+6, k+5 "\nf", k+3, k+7, k+8, k+4 "\nf", k+1, k+5, k+7, k+3 "\nf", k+2, k+4, k+8, k+6 } }' >"$2"; norma check "$2" --profile print --no-config --format line; }
+if solids .2 solids1.obj | grep -q 'a solid within a solid: 1 component facing outward' && solids .7 solids2.obj | grep -q 'solids overlap: 1 component lies partly in another' &&
+    norma check solids2.obj --profile print --select N302 --no-config --format html | grep -c "class='m'" | grep -qx 6; then
+    pass "N302: solids that overlap are not said to be within one another, and are marked whole"
+else
+    fail "N302: solids that overlap are not said to be within one another, and are marked whole" "$(solids .2 solids1.obj; solids .7 solids2.obj)"
+fi
 check "no link without --page" bash -c '! norma check linked --no-config --format html | grep -q "class=\"place\" href"'
 check "--page takes an address without a question" bash -c 'norma check linked --page "norma.html?v=2" -o x.html 2>usage >/dev/null; [ $? -eq 2 ] && grep -q "expected an address without" usage && [ ! -e x.html ]'
 check "--page asks for an HTML report" bash -c 'norma check linked --page norma.html 2>usage >/dev/null; [ $? -eq 2 ] && grep -q -- "--page needs --format html" usage'

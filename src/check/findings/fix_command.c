@@ -172,22 +172,40 @@ static void put_output(command_line *line, const char *path, const char *const *
     put_pieces(line, &word);
 }
 
+/* chair.glb: chair.glb.html, since chair.html may be the report. */
+static void put_view(command_line *line, const char *path) {
+    command_word page = begin_word(path, strlen(path));
+    page.text[2] = ".html", page.length[2] = strlen(page.text[2]);
+    put_text(line, NORMA_PROGRAM " view ");
+    put_word(line, path);
+    put_text(line, " -o ");
+    put_pieces(line, &page);
+}
+
+static void put_fix(command_line *line, const norma_finding *finding, const char *path,
+    const char *const *options) {
+    put_text(line, NORMA_PROGRAM " check ");
+    put_word(line, path);
+    put_text(
+        line, finding->fix == NORMA_FIX_SAFE ? " --fix --select " : " --fix-unsafe --select ");
+    put_text(line, finding->rule->id);
+    for (const char *const *option = options; option && *option; option++) {
+        put_text(line, " ");
+        put_option(line, *option);
+    }
+    put_text(line, " -o ");
+    put_output(line, path, options);
+}
+
 size_t norma_finding_command(const norma_finding *finding, const char *path,
     const char *const *options, char *command, size_t capacity) {
     command_line line = {command, command ? capacity : 0, 0};
     if (line.capacity) command[0] = '\0';
-    if (!finding || !path || finding->fix == NORMA_FIX_NONE || strcmp(path, "-") == 0) return 0;
-    put_text(&line, NORMA_PROGRAM " check ");
-    put_word(&line, path);
-    put_text(
-        &line, finding->fix == NORMA_FIX_SAFE ? " --fix --select " : " --fix-unsafe --select ");
-    put_text(&line, finding->rule->id);
-    for (const char *const *option = options; option && *option; option++) {
-        put_text(&line, " ");
-        put_option(&line, *option);
-    }
-    put_text(&line, " -o ");
-    put_output(&line, path, options);
+    if (!path || (finding && finding->fix == NORMA_FIX_NONE) || strcmp(path, "-") == 0) return 0;
+    if (finding)
+        put_fix(&line, finding, path, options);
+    else
+        put_view(&line, path);
     if (line.capacity)
         command[line.length < line.capacity ? line.length : line.capacity - 1] = '\0';
     return line.length;

@@ -93,6 +93,7 @@ typedef struct check_settings {
     int quiet;
     size_t file_count; /* of all shards */
     size_t at_once;    /* files that are checked at the same time */
+    int pictures;      /* are drawn: of whole solids */
     int list_infos;    /* else they are only counted, in reports for people */
     check_style style;
     size_t shard, shards;      /* shards 0: all files */
@@ -124,6 +125,7 @@ typedef struct check_report {
     const char *path;  /* as it was named */
     const char *shown; /* to people; for each form, once check_write_file has it */
     const char *page;  /* the address of the page that shows the file; NULL: none */
+    const char *view;  /* else the command that makes one; NULL: none */
     norma_check_profile profile;
     const char *status; /* "checked", "partly", "unreadable" */
     const check_item *items;

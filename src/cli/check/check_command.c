@@ -286,7 +286,8 @@ static int check_words(const cli_subcommand *command, check_work *work) {
     if (!work->format && work->files.output && !work->settings.fix)
         work->format = check_format_of_name(work->files.output);
     if (!work->format) work->format = &check_format_text;
-    if (work->settings.page && work->format != &check_format_html)
+    work->settings.pictures = work->format == &check_format_html;
+    if (work->settings.page && !work->settings.pictures)
         return cli_usage(command, "--page needs --format html");
     if (work->settings.page && strpbrk(work->settings.page, "?#"))
         return cli_usage(command,

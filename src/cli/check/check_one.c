@@ -182,12 +182,15 @@ static int is_selecting(const file_check *check) {
     return check->settings->has_select || check->config->has_select;
 }
 
+enum { MOST_MARKED = 1000 };
+
 static norma_check_options choose_options(const file_check *check, const uint8_t *rules) {
     const check_settings *settings = check->settings;
     return (norma_check_options){.struct_size = sizeof(norma_check_options),
         .profile = choose_profile(check),
         .strict = settings->strict || check->config->strict == 1,
-        .max_samples = settings->max_samples,
+        .max_samples = settings->pictures ? MOST_MARKED : settings->max_samples,
+        .whole_components = settings->pictures,
         .rules = rules,
         .threads = settings->threads,
         .progress = report_stage,
@@ -328,11 +331,11 @@ static norma_fix offered_fix(const file_check *check, const norma_finding *findi
     return tried ? NORMA_FIX_NONE : finding->fix;
 }
 
-/* NULL where no fix is offered; 0: memory is out. */
+/* NULL where no fix is offered; 0: memory is out. finding: NULL for norma view. */
 static int make_command(
     const file_check *check, const char *path, const norma_finding *finding, char **command) {
     const char *const *options = check->settings->command_options;
-    if (offered_fix(check, finding) == NORMA_FIX_NONE) return 1;
+    if (finding && offered_fix(check, finding) == NORMA_FIX_NONE) return 1;
     const size_t length = norma_finding_command(finding, path, options, NULL, 0);
     if (!length) return 1;
     *command = malloc(length + 1);
@@ -340,14 +343,18 @@ static int make_command(
     return *command != NULL;
 }
 
-/* For people, who paste them where they are. */
-static int make_commands(
-    const file_check *check, const check_format *format, check_item *items, size_t count) {
+/* For people, who paste them where they are. view: of a file as it was given. */
+static int make_commands(const file_check *check, const check_format *format, check_item *items,
+    size_t count, char **view) {
     int made = 1;
     const char *shown = check_shown_path(check->path),
                *path = format->is_worst_first && check->path[0] == '/' ? shown : check->path;
     for (size_t i = 0; i < count && made; ++i)
         made = make_command(check, path, items[i].finding, &items[i].command);
+    if (made && check->settings->pictures && !check->settings->page &&
+        check->document && document_of(check) == check->document &&
+        norma_file_format_of_path(path) != NORMA_FILE_UNKNOWN)
+        made = make_command(check, path, NULL, view);
     return made;
 }
 
@@ -488,8 +495,9 @@ static void report_findings(
     char *against = NULL;
     check_item *items = calloc(norma_findings_count(findings_of(check)) + 1, sizeof *items);
     size_t count = 0;
+    char *view = NULL;
     if (!items || !weigh(check, items, &count, totals) ||
-        !make_commands(check, format, items, count)) {
+        !make_commands(check, format, items, count, &view)) {
         free_items(items, count);
         check->error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
         report_unreadable(check, format, out, totals);
@@ -499,6 +507,7 @@ static void report_findings(
     check_report report = {.settings = check->settings,
         .path = check->path,
         .page = page,
+        .view = view,
         .profile = norma_findings_profile(findings_of(check)),
         .status = norma_findings_partly(findings_of(check)) ? "partly" : "checked",
         .items = items,
@@ -521,6 +530,7 @@ static void report_findings(
     check_write_file(&report, format, out, totals);
     free(against);
     free(page);
+    free(view);
     free_items(items, count);
 }
 

@@ -218,6 +218,13 @@ static void write_finding_picture(
     free(drawing.text);
 }
 
+static void write_command(FILE *out, const char *what, const char *command) {
+    if (!command) return;
+    fprintf(out, "<p class=\"fix\">%s: <code>", what);
+    cli_write_outside_html(out, command);
+    fputs("</code></p>\n", out);
+}
+
 static void write_html_rule(
     FILE *out, const check_report *report, const check_item *item, size_t *budget) {
     const norma_rule *rule = item->finding->rule;
@@ -232,11 +239,7 @@ static void write_html_rule(
     fputs("</h3>\n", out);
     write_findings(out, report, item);
     if (item->finding->deviation && count == 1) write_histogram(out, item->finding->deviation);
-    if (item->command) {
-        fputs("<p class=\"fix\">Fix: <code>", out);
-        cli_write_outside_html(out, item->command);
-        fputs("</code></p>\n", out);
-    }
+    write_command(out, "Fix", item->command);
     write_finding_picture(out, report, item, budget);
     fputs("</section>\n", out);
 }
@@ -332,6 +335,7 @@ static void write_html_file(FILE *out, const check_report *report) {
         fputs("</pre>\n", out);
     }
     write_html_reasons(out, report);
+    if (!is_clean) write_command(out, "Turn it, and press a finding to see its place", report->view);
     write_rules(out, report, NORMA_SEVERITY_ERROR, &budget);
     write_rules(out, report, NORMA_SEVERITY_WARNING, &budget);
     write_infos(out, report, &budget);
