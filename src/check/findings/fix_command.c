@@ -186,8 +186,7 @@ static void put_fix(command_line *line, const norma_finding *finding, const char
     const char *const *options) {
     put_text(line, NORMA_PROGRAM " check ");
     put_word(line, path);
-    put_text(
-        line, finding->fix == NORMA_FIX_SAFE ? " --fix --select " : " --fix-unsafe --select ");
+    put_text(line, finding->fix == NORMA_FIX_SAFE ? " --fix --select " : " --fix-unsafe --select ");
     put_text(line, finding->rule->id);
     for (const char *const *option = options; option && *option; option++) {
         put_text(line, " ");

@@ -351,8 +351,8 @@ static int make_commands(const file_check *check, const check_format *format, ch
                *path = format->is_worst_first && check->path[0] == '/' ? shown : check->path;
     for (size_t i = 0; i < count && made; ++i)
         made = make_command(check, path, items[i].finding, &items[i].command);
-    if (made && check->settings->pictures && !check->settings->page &&
-        check->document && document_of(check) == check->document &&
+    if (made && check->settings->pictures && !check->settings->page && check->document &&
+        document_of(check) == check->document &&
         norma_file_format_of_path(path) != NORMA_FILE_UNKNOWN)
         made = make_command(check, path, NULL, view);
     return made;

@@ -335,7 +335,8 @@ static void write_html_file(FILE *out, const check_report *report) {
         fputs("</pre>\n", out);
     }
     write_html_reasons(out, report);
-    if (!is_clean) write_command(out, "Turn it, and press a finding to see its place", report->view);
+    if (!is_clean)
+        write_command(out, "Turn it, and press a finding to see its place", report->view);
     write_rules(out, report, NORMA_SEVERITY_ERROR, &budget);
     write_rules(out, report, NORMA_SEVERITY_WARNING, &budget);
     write_infos(out, report, &budget);
