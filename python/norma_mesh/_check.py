@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from . import _norma
 from ._arguments import WEIGHTS, Faces, Profile, choice, count_of, given_degrees, mesh, options, parts_of, refuse, thread_count
 from ._calls import attribute
-from ._files import FORMATS, Document, FileError, FileMesh, Format, bytes_of, is_tileset, raise_document, source_of
+from ._files import FORMATS, Document, FileError, FileMesh, Format, Source, bytes_of, is_tileset, raise_document, source_of
 from ._selection import PROFILES, Names, mask_of
 from ._tool import tool_path
 
@@ -381,7 +381,8 @@ def check(
     name, format: of bytes, as in `norma.open`.
     profile: "render", "print", "generated" or "auto" (print for STL and 3MF).  select, ignore: rules by
         id, beginning of an id ("N3") or name, in a list or with commas.  strict: lengths within 1e-4 of 1.
-    A file that is there and cannot be read gives a report with the status "unreadable".
+    A file that is there and cannot be read gives a report with the status "unreadable", and so does one
+    of several that is not there.
 
     >>> import norma_mesh as norma
     >>> norma.check("assets/goathead.obj").ok
@@ -424,7 +425,7 @@ def _within(path: Any) -> List[str]:
 def _check_files(paths: List[str], shown: str, settings: _Settings) -> Report:
     if not paths:
         raise FileError(f"{shown}: holds no OBJ, PLY, STL, glTF or 3MF file, nor a tile")
-    parts = tuple(_check_file(path, settings) for path in paths)
+    parts = tuple(_check_source(Source(path, bytes_of("path", path), None, 0), settings) for path in paths)
     worst = max((part.status for part in parts), key=("checked", "partly", "unreadable").index)
     profiles = {part.profile for part in parts}
     return Report(shown, profiles.pop() if len(profiles) == 1 else settings.profile, worst,
@@ -432,8 +433,11 @@ def _check_files(paths: List[str], shown: str, settings: _Settings) -> Report:
 
 
 def _check_file(given: object, settings: _Settings, name: Optional[str] = None, format: Optional[str] = None) -> Report:
-    source = source_of("path", given, name, format)
-    on_disk = source.contents is None
+    return _check_source(source_of("path", given, name, format), settings)
+
+
+def _check_source(source: Source, settings: _Settings) -> Report:
+    on_disk = source.contents is None and os.path.exists(source.shown)
     time = os.stat(source.shown).st_mtime_ns if on_disk else -1
     answer = _norma.check(source.path, source.contents, source.format, settings.kind, settings.strict, settings.samples,
                           settings.mask, thread_count(settings.threads))

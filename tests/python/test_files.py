@@ -113,6 +113,11 @@ class Rules(unittest.TestCase):
             self.assertEqual(len(report.findings), sum(len(file["findings"]) for file in expected))
             self.assertGreater(len(report.findings), 0)
             self.assertEqual(norma.check([path]).findings, report.findings)
+            os.remove(os.path.join(folder, "a.gltf"))
+            report, expected = norma.check(path), json.loads(tool("check", path, "--json", "--no-config").stdout)["files"]
+            seen = [(part.path, part.status, [f.rule for f in part.findings]) for part in report.files]
+            self.assertEqual(sorted(seen), sorted((file["path"], file["status"], [f["rule"] for f in file["findings"]]) for file in expected))
+            self.assertIn("N001", [f.rule for f in report.findings])
             with self.assertRaisesRegex(norma.FileError, "a tileset is no mesh"):
                 norma.open(path)
             with open(inner, "w") as file:
