@@ -191,14 +191,15 @@ static norma_document_result edit_parts(norma_document *document, const norma_me
             norma_document_add_note(document,
                 "%s: no triangle is dropped, because sets name triangles by their numbers",
                 object_of(document, i)->where);
-    for (uint32_t part = 0; part < state->part_count && !result; ++part) {
+    for (size_t i = 0, first = 0; i < state->mesh_count && !result; first = i) {
+        const uint32_t part = object_of(document, i)->part; /* those of a part follow each other */
         int any = 0;
-        for (size_t i = 0; i < state->mesh_count; ++i)
-            any |= object_of(document, i)->part == part &&
-                   (edits[i].reverse_faces || edits[i].drop_faces);
-        if (!any) continue;
-        result = norma_3mf_unpack(document, part, error);
-        if (!result) result = norma_3mf_edit_model(document, part, edits, &texts[part], error);
+        for (; i < state->mesh_count && object_of(document, i)->part == part; ++i)
+            any |= edits[i].reverse_faces || edits[i].drop_faces;
+        if (any) result = norma_3mf_unpack(document, part, error);
+        if (any && !result)
+            result =
+                norma_3mf_edit_model(document, state->meshes[first], edits, &texts[part], error);
     }
     return result;
 }

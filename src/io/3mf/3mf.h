@@ -85,8 +85,8 @@ norma_document_result norma_3mf_pack(norma_document *document, growing_bytes *te
 /* Reads an unpacked part into the state. */
 norma_document_result norma_3mf_read_model(
     norma_document *document, uint32_t part, norma_document_error *error);
-/* The text of an unpacked part with its triangles reversed or dropped. */
-norma_document_result norma_3mf_edit_model(norma_document *document, uint32_t part,
+/* The text of the unpacked part that has the object, with its triangles reversed or dropped. */
+norma_document_result norma_3mf_edit_model(norma_document *document, uint32_t object,
     const norma_mesh_edit *edits, growing_bytes *text, norma_document_error *error);
 /* Nodes for each mesh that the build draws. */
 norma_document_result norma_3mf_place(norma_document *document, norma_document_error *error);

@@ -509,15 +509,17 @@ norma_document_result norma_3mf_read_model(
     return r.result;
 }
 
-norma_document_result norma_3mf_edit_model(norma_document *document, uint32_t part,
+norma_document_result norma_3mf_edit_model(norma_document *document, uint32_t object,
     const norma_mesh_edit *edits, growing_bytes *text, norma_document_error *error) {
+    const uint32_t part = ((tmf_state *)document->state)->objects[object].part;
     model_reader r = {.document = document,
         .error = error,
         .state = document->state,
         .part = part,
+        .object = object,
         .edits = edits,
         .text = text};
-    while (r.state->objects[r.object].part != part) ++r.object;
+    while (r.object && r.state->objects[r.object - 1].part == part) --r.object;
     parse_model(&r);
     if (!r.result) copy_text_to(&r, r.state->parts[part].size);
     return r.result       ? r.result

@@ -29,46 +29,52 @@ void norma_3mf_close(norma_document *document) {
     *zip = (zip_archive){.members = NULL};
 }
 
+static norma_document_result fail_part(const norma_document *document, norma_document_error *error,
+    const char *name, size_t length, const char *wrong) {
+    char part[300];
+    snprintf(part, sizeof part, "the part %.*s ", (int)(length < 200 ? length : 200), name);
+    return fail_package(document, error, part, wrong);
+}
+
 /* The contents of a member, to be freed. */
 static norma_document_result unpack_member(norma_document *document, const char *name,
     size_t length, char **text, size_t *size, norma_document_error *error) {
     tmf_state *state = document->state;
-    char part[300];
     const char *wrong = NULL;
     const uint64_t most = (uint64_t)document->source.size * UNPACKED_A_BYTE + FREE_BYTES;
-    norma_document_result result = NORMA_DOCUMENT_OK;
     const size_t member = norma_zip_find(&state->zip, name, length);
-    snprintf(part, sizeof part, "the part %.*s ", (int)(length < 200 ? length : 200), name);
     *text = NULL;
-    if (member == SIZE_MAX) result = fail_package(document, error, part, "is missing");
-    if (!result && state->zip.members[member].size > most - state->unpacked)
-        result = norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
-            "%sunpacks to far more than the file; at most %d bytes are read for each byte of it",
-            part, UNPACKED_A_BYTE);
-    if (!result) {
-        *size = (size_t)state->zip.members[member].size;
-        state->unpacked += *size;
-        *text = norma_zip_unpack(&state->zip, member, &wrong);
-        if (!*text) result = fail_package(document, error, part, wrong);
-    }
-    return result;
+    if (member == SIZE_MAX) return fail_part(document, error, name, length, "is missing");
+    if (state->zip.members[member].size > most - state->unpacked)
+        return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
+            "the part %.*s unpacks to far more than the file; at most %d bytes are read for each "
+            "byte of it",
+            (int)(length < 200 ? length : 200), name, UNPACKED_A_BYTE);
+    *size = (size_t)state->zip.members[member].size;
+    state->unpacked += *size;
+    *text = norma_zip_unpack(&state->zip, member, &wrong);
+    return *text ? NORMA_DOCUMENT_OK : fail_part(document, error, name, length, wrong);
 }
 
 norma_document_result norma_3mf_add_part(norma_document *document, const char *name, size_t length,
     uint32_t *part, norma_document_error *error) {
     tmf_state *state = document->state;
     if (length && name[0] == '/') ++name, --length;
-    for (*part = 0; *part < state->part_count; ++*part)
-        if (strlen(state->parts[*part].name) == length &&
-            memcmp(state->parts[*part].name, name, length) == 0)
-            return NORMA_DOCUMENT_OK;
+    const size_t found = norma_zip_find(&state->zip, name, length);
+    if (found == SIZE_MAX) return fail_part(document, error, name, length, "is missing");
+    zip_member *member = &state->zip.members[found];
+    if (member->part) { /* its number, from 1 */
+        *part = member->part - 1;
+        return NORMA_DOCUMENT_OK;
+    }
     tmf_part *parts =
         norma_io_grow(state->parts, &state->part_capacity, state->part_count + 1, sizeof *parts);
     if (!parts) return norma_document_fail_memory(document, error);
     state->parts = parts;
-    parts[state->part_count] = (tmf_part){.name = norma_io_copy_text(name, length)};
-    return parts[state->part_count++].name ? NORMA_DOCUMENT_OK
-                                           : norma_document_fail_memory(document, error);
+    *part = (uint32_t)state->part_count++;
+    parts[*part] = (tmf_part){.name = norma_io_copy_text(name, length)};
+    member->part = *part + 1;
+    return parts[*part].name ? NORMA_DOCUMENT_OK : norma_document_fail_memory(document, error);
 }
 
 norma_document_result norma_3mf_unpack(

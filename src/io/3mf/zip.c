@@ -264,52 +264,36 @@ static unsigned char *pack(zip_member *m, const growing_bytes *content, size_t *
     return bytes;
 }
 
-static uint64_t next_local(const zip_archive *a, uint64_t after) {
-    uint64_t next = a->directory;
-    for (size_t i = 0; i < a->count; ++i)
-        if (a->members[i].local > after && a->members[i].local < next) next = a->members[i].local;
-    return next;
+static int compare_locals(const void *a, const void *b) {
+    const zip_member *first = *(const zip_member *const *)a,
+                     *second = *(const zip_member *const *)b;
+    return first->local != second->local ? (first->local > second->local ? 1 : -1)
+                                         : (first > second) - (first < second);
 }
 
-/* Of the members that get other contents the one that comes next in the archive; SIZE_MAX: none. */
-static size_t next_replaced(const zip_archive *a, const growing_bytes *contents, uint64_t from) {
-    size_t next = SIZE_MAX;
-    for (size_t i = 0; i < a->count; ++i)
-        if (contents[i].size && a->members[i].local >= from &&
-            (next == SIZE_MAX || a->members[i].local < a->members[next].local))
-            next = i;
-    return next;
+static void move_field(const zip_archive *a, zip_field field, uint64_t by, unsigned char *tail) {
+    unsigned char *at = tail + (field.at - a->directory);
+    put_little_endian(at, field.width, little_endian(at, field.width) + by);
 }
 
-static void move_fields(const zip_archive *a, uint64_t from, int64_t by, unsigned char *tail) {
-    for (size_t i = 0; i < a->count; ++i)
-        if (a->members[i].local >= from) {
-            unsigned char *at = tail + (a->members[i].local_field.at - a->directory);
-            const size_t width = a->members[i].local_field.width;
-            put_little_endian(at, width, little_endian(at, width) + (uint64_t)by);
-        }
-    for (size_t i = 0; i < a->directory_field_count; ++i) {
-        unsigned char *at = tail + (a->directory_fields[i].at - a->directory);
-        const size_t width = a->directory_fields[i].width;
-        put_little_endian(at, width, little_endian(at, width) + (uint64_t)by);
-    }
+static void move_directory(const zip_archive *a, uint64_t by, unsigned char *tail) {
+    for (size_t i = 0; i < a->directory_field_count; ++i)
+        move_field(a, a->directory_fields[i], by, tail);
     if (a->directory_field_count && a->directory_fields[a->directory_field_count - 1].width == 8) {
-        unsigned char *at = tail + (a->end + END_64_HEADER - a->directory); /* the locator */
-        if (has_signature(at, 6, 7))
-            put_little_endian(at + 8, 8, little_endian(at + 8, 8) + (uint64_t)by);
+        const zip_field locator = {a->end + END_64_HEADER + 8, 8};
+        if (has_signature(tail + (locator.at - 8 - a->directory), 6, 7))
+            move_field(a, locator, by, tail);
     }
 }
 
-static const char *replace_member(const zip_archive *a, size_t i, const growing_bytes *content,
-    unsigned char *tail, growing_bytes *out) {
-    zip_member m = a->members[i];
-    const uint64_t end = next_local(a, m.local);
+/* Its bytes come before end, where the next one begins. */
+static const char *replace_member(const zip_archive *a, zip_member m, uint64_t end,
+    const growing_bytes *content, unsigned char *tail, growing_bytes *out) {
     const size_t begin = packed_at(a, &m);
     size_t packed;
     if (!begin || begin + m.packed > end) return "parts of it overlap";
     if (content->size > INT32_MAX) return "a part of it would become larger than two gigabytes";
     unsigned char *bytes = pack(&m, content, &packed);
-    const size_t before = out->size;
     put_local(a, &m, out);
     if (bytes) norma_io_append(out, bytes, packed);
     free(bytes);
@@ -319,30 +303,49 @@ static const char *replace_member(const zip_archive *a, size_t i, const growing_
     put_little_endian(entry + 16, 4, m.sum);
     put_little_endian(tail + (m.packed_field.at - a->directory), m.packed_field.width, m.packed);
     put_little_endian(tail + (m.size_field.at - a->directory), m.size_field.width, m.size);
-    move_fields(a, end, (int64_t)(out->size - before) - (int64_t)(end - m.local), tail);
     return NULL;
+}
+
+/* One after the other as they lie in the archive, which is in out up to at. */
+static const char *replace_members(const zip_archive *a, const zip_member **order,
+    const growing_bytes *contents, unsigned char *tail, growing_bytes *out) {
+    const char *wrong = NULL;
+    size_t at = 0;
+    for (size_t k = 0; k < a->count && !wrong; ++k) {
+        const zip_member *m = order[k];
+        const growing_bytes *content = &contents[m - a->members];
+        const int is_last = k + 1 == a->count || order[k + 1]->local >= a->directory;
+        const uint64_t end = is_last ? a->directory : order[k + 1]->local;
+        const int begins = m->local >= at && m->local < a->directory;
+        if (begins) move_field(a, m->local_field, (uint64_t)out->size - at, tail);
+        if (!content->size) continue;
+        if (!begins) return "parts of it overlap";
+        norma_io_append(out, a->bytes + at, (size_t)m->local - at);
+        wrong = replace_member(a, *m, end, content, tail, out);
+        at = (size_t)end;
+    }
+    norma_io_append(out, a->bytes + at, a->directory - at);
+    move_directory(a, (uint64_t)out->size - a->directory, tail);
+    return wrong;
 }
 
 const char *norma_zip_replace(
     const zip_archive *a, const growing_bytes *contents, growing_bytes *out) {
     const size_t tail_size = a->size - a->directory;
     unsigned char *tail = malloc(tail_size + 1);
-    const char *wrong = tail ? NULL : "";
-    size_t at = 0;
-    if (tail) memcpy(tail, a->bytes + a->directory, tail_size);
-    for (size_t i; !wrong && (i = next_replaced(a, contents, at)) != SIZE_MAX;) {
-        const size_t local = (size_t)a->members[i].local;
-        if (local < at || local >= a->directory) wrong = "parts of it overlap";
-        if (wrong) break;
-        norma_io_append(out, a->bytes + at, local - at);
-        wrong = replace_member(a, i, &contents[i], tail, out);
-        at = (size_t)next_local(a, local);
+    const zip_member **order = malloc((a->count + 1) * sizeof *order);
+    const char *wrong = tail && order ? NULL : "";
+    if (!wrong) {
+        memcpy(tail, a->bytes + a->directory, tail_size);
+        memcpy((void *)order, (const void *)a->by_name, a->count * sizeof *order);
+        qsort((void *)order, a->count, sizeof *order, compare_locals);
+        wrong = replace_members(a, order, contents, tail, out);
     }
     if (!wrong) {
-        norma_io_append(out, a->bytes + at, a->directory - at);
         norma_io_append(out, tail, tail_size);
         wrong = out->failed ? "" : NULL;
     }
     free(tail);
+    free((void *)order);
     return wrong;
 }

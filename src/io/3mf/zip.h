@@ -13,7 +13,7 @@ typedef struct zip_member {
     uint64_t size, packed, local; /* local: offset of its own header */
     zip_field size_field, packed_field, local_field;
     unsigned method, flags;
-    uint32_t sum;
+    uint32_t sum, part; /* part: the caller's, 0 at first */
 } zip_member;
 
 typedef struct zip_archive {
@@ -33,8 +33,8 @@ const char *norma_zip_read(const unsigned char *bytes, size_t size, zip_archive 
 size_t norma_zip_find(const zip_archive *archive, const char *name, size_t length);
 /* The contents, to be freed; archive->members[member].size of them. *wrong as norma_zip_read. */
 char *norma_zip_unpack(const zip_archive *archive, size_t member, const char **wrong);
-/* Appends the archive to out with other contents for those members whose contents[i].size is not 0,
- * packed by the same method. All else keeps its bytes. */
+/* Writes the archive to out, which is empty, with other contents for those members whose
+ * contents[i].size is not 0, packed by the same method. All else keeps its bytes. */
 const char *norma_zip_replace(
     const zip_archive *archive, const growing_bytes *contents, growing_bytes *out);
 #endif

@@ -170,6 +170,50 @@ static void test_edits(void **state) {
     (void)state;
 }
 
+/* b: the triangles of an object in another part. */
+static document_bytes package_of_two(const char *a, const char *b) {
+    char model[4000];
+    made_zip *z = calloc(1, sizeof *z);
+    assert_non_null(z);
+    snprintf(model, sizeof model,
+        MODEL("<object id=\"1\">" TETRA("%s") "</object>",
+            "<item objectid=\"1\" p:path=\"/3D/B.Model\"/><item objectid=\"1\"/><item "
+            "objectid=\"1\" p:path=\"/3D/b.model\"/>"),
+        a);
+    add_member(z, "picture.png", "not a picture", 13);
+    add_member(z, "3D/a.model", model, strlen(model));
+    add_member(z, "_rels/.rels", RELS, sizeof RELS - 1);
+    snprintf(model, sizeof model, MODEL("<object id=\"1\">" TETRA("%s") "</object>", ""), b);
+    add_member(z, "3D/b.model", model, strlen(model));
+    add_member(z, "3D/last", "not a model", 11);
+    end_zip(z);
+    const document_bytes bytes = bytes_copy(z->bytes, z->size);
+    free(z);
+    return bytes;
+}
+
+/* A part is one in letters of either case (OPC, 6.2.2.3), and two of them change at once. */
+static void test_two_parts(void **state) {
+    static const uint8_t first[] = {1, 0}, second[] = {0, 1};
+    static const char faces[] =
+        "<triangle v1=\"0\" v2=\"2\" v3=\"1\"/><triangle v1=\"0\" v2=\"1\" v3=\"3\"/>";
+    const norma_mesh_edit edits[] = {{.drop_faces = first}, {.drop_faces = second}};
+    document_bytes bytes = package_of_two(faces, faces),
+                   want = package_of_two("<triangle v1=\"0\" v2=\"1\" v3=\"3\"/>",
+                       "<triangle v1=\"0\" v2=\"2\" v3=\"1\"/>");
+    norma_document *document = bytes_open(bytes, "a.3mf");
+    assert_int_equal(norma_document_mesh_count(document), 2);
+    assert_int_equal(norma_document_node_count(document), 3);
+    assert_int_equal(norma_document_edit(document, edits, NULL), NORMA_DOCUMENT_OK);
+    document_bytes made = bytes_of(document);
+    assert_true(bytes_equal(made, want));
+    norma_document_close(document);
+    bytes_free(&made);
+    bytes_free(&bytes);
+    bytes_free(&want);
+    (void)state;
+}
+
 /* The numbers in a set would mean other triangles. */
 static void test_sets(void **state) {
     static const uint8_t drop[] = {0, 1, 0, 0};
@@ -390,6 +434,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reads),
         cmocka_unit_test(test_edits),
+        cmocka_unit_test(test_two_parts),
         cmocka_unit_test(test_sets),
         cmocka_unit_test(test_broken_models),
         cmocka_unit_test(test_required),
