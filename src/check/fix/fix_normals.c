@@ -250,34 +250,32 @@ norma_result norma_fix_normals(fix_mesh *m) {
 /* ---- The normals that both sides of a seam get where it runs between two primitives of
  * a glTF mesh (N501): those of the whole mesh. */
 
-static size_t count_samples(const fix_group *g) {
-    size_t count, sum = 0;
-    const norma_rule *rule = norma_rules(&count) + RULE_N501;
-    for (size_t k = 0; k < norma_findings_count(g->findings); k++)
-        sum += norma_findings_get(g->findings, k)->rule == rule
-                   ? norma_findings_get(g->findings, k)->sample_count
-                   : 0;
-    return sum;
+/* Positions that findings at a primitive name: how many; written too unless places is NULL. */
+static size_t take_seam_places(const fix_whole *w, size_t mesh, seam_place *places) {
+    size_t count, taken = 0;
+    const norma_finding **found =
+        norma_fix_find_at(w->group->mended, w->group->wheres[mesh], &count);
+    for (size_t k = 0; k < count; k++) {
+        if (!norma_fix_is_rule(found[k], RULE_N501)) continue;
+        for (size_t s = 0; s < found[k]->sample_count; s++) {
+            const size_t vertex = found[k]->samples[s].vertex;
+            if (vertex >= w->meshes[mesh].positions.count) continue;
+            if (places)
+                norma_core_position(&w->meshes[mesh], (uint32_t)vertex, places[taken].position);
+            taken++;
+        }
+    }
+    return taken;
 }
 
-/* Positions that findings at the mesh's primitives name. NULL: out of memory. */
+/* Those of all of the mesh's primitives. NULL: out of memory. */
 static seam_place *gather_seam_places(const fix_whole *w, size_t *count) {
-    const fix_group *g = w->group;
-    size_t rules;
-    const norma_rule *rule = norma_rules(&rules) + RULE_N501;
-    seam_place *places = calloc(count_samples(g) + 1, sizeof *places);
+    size_t sum = 0;
+    for (size_t i = 0; i < w->group->count; i++) sum += take_seam_places(w, i, NULL);
+    seam_place *places = calloc(sum + 1, sizeof *places);
     *count = 0;
-    for (size_t i = 0; places && i < g->count; i++)
-        for (size_t k = 0; k < norma_findings_count(g->findings); k++) {
-            const norma_finding *finding = norma_findings_get(g->findings, k);
-            if (finding->rule != rule || !norma_fix_may(g->request, finding) ||
-                strcmp(finding->where, g->wheres[i]) != 0)
-                continue;
-            for (size_t s = 0; s < finding->sample_count; s++)
-                if (finding->samples[s].vertex < w->meshes[i].positions.count)
-                    norma_core_position(&w->meshes[i], (uint32_t)finding->samples[s].vertex,
-                        places[(*count)++].position);
-        }
+    for (size_t i = 0; places && i < w->group->count; i++)
+        *count += take_seam_places(w, i, places + *count);
     if (places) qsort(places, *count, sizeof *places, compare_seam_places);
     return places;
 }
@@ -290,7 +288,7 @@ static norma_document_result find_weight(
     norma_mesh_info info;
     norma_mesh_data data;
     norma_deviation deviation;
-    const norma_deviation *known = norma_findings_deviation(g->findings, g->wheres[0]);
+    const norma_deviation *known = norma_fix_deviation_at(g->known, g->wheres[0]);
     if (known) *weight = known->weight;
     norma_document_result result = norma_document_mesh_info(g->document, g->indices[0], &info);
     if (!result) result = norma_document_mesh_data(g->document, g->indices[0], &data, g->error);

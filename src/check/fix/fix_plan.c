@@ -248,8 +248,7 @@ typedef struct mender {
     norma_document *document;
     const fix_request *request;
     const norma_findings *findings;
-    const norma_finding **mended; /* those that may be: sorted by place, there as they are found */
-    size_t mended_count;
+    fix_places mended, known; /* findings that may be mended; those with a deviation */
     fix_plan *plan;
     uint8_t **turned; /* of each mesh marks of faces, or NULL */
     uint8_t **sides;  /* of each mesh which faces are turned, or NULL */
@@ -278,29 +277,20 @@ static int compare_places(const void *a, const void *b) {
     return order ? order : (*p > *q) - (*p < *q);
 }
 
-static int gather_mended(mender *m) {
+static int gather_findings(mender *m) {
     const size_t count = norma_findings_count(m->findings);
-    m->mended = calloc(count + 1, sizeof *m->mended);
-    for (size_t i = 0; m->mended && i < count; i++) {
+    fix_places *mended = &m->mended, *known = &m->known;
+    mended->findings = calloc(count + 1, sizeof *mended->findings);
+    known->findings = calloc(count + 1, sizeof *known->findings);
+    if (!mended->findings || !known->findings) return 0;
+    for (size_t i = 0; i < count; i++) {
         const norma_finding *finding = norma_findings_get(m->findings, i);
-        if (norma_fix_may(m->request, finding)) m->mended[m->mended_count++] = finding;
+        if (norma_fix_may(m->request, finding)) mended->findings[mended->count++] = finding;
+        if (finding->deviation) known->findings[known->count++] = finding;
     }
-    if (m->mended) qsort(m->mended, m->mended_count, sizeof *m->mended, compare_places);
-    return m->mended != NULL;
-}
-
-static void take_findings(const mender *m, fix_mesh *mesh) {
-    size_t low = 0, high = m->mended_count;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (strcmp(m->mended[middle]->where, mesh->info.where) < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    while (high < m->mended_count && strcmp(m->mended[high]->where, mesh->info.where) == 0) high++;
-    mesh->findings = m->mended + low;
-    mesh->finding_count = high - low;
+    qsort(mended->findings, mended->count, sizeof *mended->findings, compare_places);
+    qsort(known->findings, known->count, sizeof *known->findings, compare_places);
+    return 1;
 }
 
 static void strip_normals(fix_mesh *m) {
@@ -348,12 +338,12 @@ static norma_document_result fix_mesh_of(mender *m, size_t index) {
     norma_result mended = NORMA_OK;
     norma_document_result result = norma_document_mesh_info(m->document, index, &mesh.info);
     if (result || mesh.info.not_read) return result;
-    take_findings(m, &mesh);
+    mesh.findings = norma_fix_find_at(&m->mended, mesh.info.where, &mesh.finding_count);
     if (mesh.finding_count > 0 || mesh.turned || mesh.smooth) {
         result = norma_document_mesh_data(m->document, index, &mesh.data, m->error);
         if (!result)
             result = norma_document_mesh_attributes(m->document, index, &mesh.attributes, m->error);
-        mesh.known = norma_findings_deviation(m->findings, mesh.info.where);
+        mesh.known = norma_fix_deviation_at(&m->known, mesh.info.where);
         if (!result) mended = fix_arrays(&mesh);
     }
     part_steps(&mesh);
@@ -387,8 +377,8 @@ static norma_document_result fix_groups(mender *m, int turns, int sides, int sha
     for (size_t first = 0; first < m->mesh_count && !result;) {
         norma_result how = NORMA_OK;
         first = norma_fix_gather_group(m->document, first, indices, wheres, &count);
-        const fix_group group = {m->document, m->findings, indices, wheres, count, m->request,
-            m->turned, m->sides, m->smooth, m->plan, m->error};
+        const fix_group group = {m->document, &m->mended, &m->known, indices, wheres, count,
+            m->request, m->turned, m->sides, m->smooth, m->plan, m->error};
         if (count && turns) result = fix_turn(&group, &how);
         if (count && !result && !how && sides) result = norma_fix_ask_sides(&group, &how);
         if (!result && !how && count > 1 && shares) result = norma_fix_seams(&group, &how);
@@ -442,8 +432,8 @@ int norma_fix_plan_moves(const fix_plan *plan) {
 
 /* The rules whose fixes the document's findings ask for. */
 static void mark_asked(mender *m) {
-    for (size_t i = 0; i < m->mended_count; i++)
-        m->plan->asked[m->mended[i]->rule - norma_rules(NULL)] = 1;
+    for (size_t i = 0; i < m->mended.count; i++)
+        m->plan->asked[m->mended.findings[i]->rule - norma_rules(NULL)] = 1;
 }
 
 /* The meshes that a rule names. */
@@ -455,7 +445,7 @@ static norma_document_result mark_meshes(mender *m, check_rule rule, uint8_t **m
         fix_mesh mesh = {.document = m->document};
         const norma_document_result result = norma_document_mesh_info(m->document, i, &mesh.info);
         if (result) return result;
-        take_findings(m, &mesh);
+        mesh.findings = norma_fix_find_at(&m->mended, mesh.info.where, &mesh.finding_count);
         (*marks)[i] = (uint8_t)norma_fix_has(&mesh, rule);
     }
     return NORMA_DOCUMENT_OK;
@@ -492,7 +482,7 @@ static norma_document_result plan_all(mender *m) {
     m->turned = calloc(m->mesh_count + 1, sizeof *m->turned);
     m->sides = calloc(m->mesh_count + 1, sizeof *m->sides);
     m->smooth = calloc(m->mesh_count + 1, sizeof *m->smooth);
-    if (!m->plan->edits || !m->turned || !m->sides || !m->smooth || !gather_mended(m))
+    if (!m->plan->edits || !m->turned || !m->sides || !m->smooth || !gather_findings(m))
         return fail_plan(m, NORMA_ERROR_MEMORY);
     mark_asked(m);
     const int turns = m->plan->asked[RULE_N302] || m->plan->asked[RULE_N304],
@@ -521,7 +511,8 @@ norma_document_result norma_fix_make_plan(norma_document *document, const fix_re
     free((void *)m.turned);
     free((void *)m.sides);
     free((void *)m.smooth);
-    free((void *)m.mended);
+    free((void *)m.mended.findings);
+    free((void *)m.known.findings);
     if (result) norma_fix_plan_free(plan);
     return result;
 }
