@@ -114,4 +114,30 @@ if [ -d "$data" ]; then
 else
     skip "the folders of the data set (no $data)"
 fi
+# Where a fix cannot be written, the report is about the file as it is: nothing is said to be fixed, nor counted as if it were.
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n' >"$scratch/twice.obj"
+"$norma" check "$scratch/twice.obj" --fix-unsafe --no-config -o /dev/full >"$scratch/said" 2>/dev/null
+check "a fix that cannot be written ends with 3" test $? -eq 3
+"$norma" check "$scratch/twice.obj" --no-config 2>/dev/null | grep -v 'infos not listed' >"$scratch/as-it-is"
+check "and the report is that of the file as it is" cmp "$scratch/said" "$scratch/as-it-is"
+
+# Meshes are not looked for among all findings, nor findings among all: the time of fixes grows as that of the check does.
+awk -v n=6000 'BEGIN {
+    printf "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":72,\"uri\":\"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAABAAIAAAADAAEAAAACAAMAAQADAAIA\"}],"
+    printf "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48,\"byteLength\":24}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\","
+    printf "\"min\":[0,0,0],\"max\":[1,1,1]},{\"bufferView\":1,\"componentType\":5123,\"count\":12,\"type\":\"SCALAR\"}],\"meshes\":["
+    for (i = 0; i < n; i++) printf "%s{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}", i ? "," : ""
+    printf "],\"nodes\":["
+    for (i = 0; i < n; i++) printf "%s{\"mesh\":%d,\"translation\":[%d,0,0]}", i ? "," : "", i, 3 * i
+    printf "],\"scene\":0,\"scenes\":[{\"nodes\":["
+    for (i = 0; i < n; i++) printf "%s%d", i ? "," : "", i
+    print "]}]}"
+}' >"$scratch/many.gltf"
+seconds_of() {
+    local TIMEFORMAT=%U
+    { time "$norma" check "$scratch/many.gltf" --no-config --threads 1 --quiet "$@" >"$scratch/said" 2>&1; } 2>&1
+}
+checked=$(seconds_of) fixed=$(seconds_of --fix-unsafe -o "$scratch/many.fixed.gltf")
+check "6,000 meshes turned: $fixed s, checked: $checked s; at most 7 times as long" awk -v a="$fixed" -v b="$checked" 'BEGIN { exit a > 7 * b }'
+check "and all of them" grep -q '^0 errors, 0 warnings' "$scratch/said"
 finish

@@ -91,8 +91,8 @@ static norma_document_result check_fix(const check_settings *settings, norma_doc
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!settings->dry_run &&
         cli_guard_output(settings->files->guard, output, settings->files->in_place ? path : NULL)) {
-        *error = (norma_document_error){.result = NORMA_DOCUMENT_ERROR_ARGUMENT}; /* reported */
-        result = error->result;
+        (void)cli_reported(error);
+        result = error->result = NORMA_DOCUMENT_ERROR_ARGUMENT;
     }
     mended->document = document;
     const size_t notes = norma_document_note_count(document);
@@ -234,16 +234,31 @@ static int severity_of(const file_check *check, const norma_finding *finding) {
 
 /* ---- judging */
 
-/* Where it fails, the report is about the file as it is. */
+static norma_document_result open_leniently(file_check *check, norma_document_error *error) {
+    const norma_document_options opening = {.struct_size = sizeof opening,
+        .format = check->settings->input_format,
+        .threads = check->settings->threads,
+        .lenient = 1,
+        .progress = report_stage,
+        .progress_user = check};
+    return cli_open(
+        check->settings->files, check->path, &opening, &check->document, &check->memory, error);
+}
+
+/* Where it fails, the report is about the file as it is, which is opened anew: the fix may have
+ * changed the document. What came through a pipe cannot be, and has a report without pictures. */
 static void fix_file(file_check *check, const norma_check_options *options) {
-    norma_document_error error = {0};
+    norma_document_error error = {0}, unwanted;
     norma_document_result result = check_fix(check->settings, check->document, check->findings,
         options, check->index, &check->mended, &error);
-    if (result) {
-        cli_name_error(&error, check->path);
-        cli_print_error(&error);
-    }
     check->fix_status = cli_status_of(result);
+    if (!result) return;
+    cli_name_error(&error, check->path);
+    cli_print_error(&error);
+    check_fixed_free(&check->mended);
+    norma_document_close(check->document);
+    check->document = NULL;
+    if (!check->memory) (void)open_leniently(check, &unwanted);
 }
 
 /* Files that are checked at once share the memory. */
@@ -265,15 +280,8 @@ static norma_document_result judge_in_parts(file_check *check, const norma_check
 
 static norma_document_result judge_whole(file_check *check, const norma_check_options *options) {
     const check_settings *settings = check->settings;
-    const norma_document_options opening = {.struct_size = sizeof opening,
-        .format = settings->input_format,
-        .threads = settings->threads,
-        .lenient = 1,
-        .progress = report_stage,
-        .progress_user = check};
     begin_stage(check, READ);
-    norma_document_result result = cli_open(
-        settings->files, check->path, &opening, &check->document, &check->memory, &check->error);
+    norma_document_result result = open_leniently(check, &check->error);
     begin_stage(check, settings->fix ? (READ + CHECKED) / 2 : CHECKED);
     if (!result)
         result = norma_check_document(check->document, options, &check->findings, &check->error);
