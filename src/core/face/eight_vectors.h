@@ -97,19 +97,44 @@ CORE_INLINE void core_turn_fours(core_f8 r[4]) {
     r[3] = __builtin_shufflevector(b, d, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-/* Eight vectors of three, side by side. A store of four is cheaper than one of three, and what it
- * leaves behind its three is where the next one goes. */
-CORE_INLINE void core_floats_to_threes(
-    const float *x, const float *y, const float *z, float (*out)[3]) {
-    core_f8 r[4];
-    memcpy(&r[0], x, sizeof r[0]);
-    memcpy(&r[1], y, sizeof r[1]);
-    memcpy(&r[2], z, sizeof r[2]);
-    r[3] = r[2];
-    core_turn_fours(r);
-    for (int i = 0; i < CORE_LANES - 1; i++)
-        memcpy(out[i], (const char *)&r[i % 4] + (i < 4 ? 0 : sizeof(core_f4)), sizeof(core_f4));
-    memcpy(out[CORE_LANES - 1], (const char *)&r[3] + sizeof(core_f4), sizeof out[0]);
+/* x y z x y z ... to three rows, four vectors at a time, by shuffles that every instruction set
+ * has. count: a multiple of four. Back below. */
+CORE_INLINE void core_threes_to_lanes(const void *from, int count, float *x, float *y, float *z) {
+    for (int i = 0; i < count; i += 4) {
+        const char *at = (const char *)from + 12 * (size_t)i;
+        core_f4 a, b, c; /* x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 */
+        memcpy(&a, at, sizeof a);
+        memcpy(&b, at + 16, sizeof b);
+        memcpy(&c, at + 32, sizeof c);
+        const core_f4 bc = __builtin_shufflevector(b, c, 2, 3, 5, 6); /* x2 y2 x3 y3 */
+        const core_f4 ab = __builtin_shufflevector(a, b, 1, 2, 4, 5); /* y0 z0 y1 z1 */
+        const core_f4 xs = __builtin_shufflevector(a, bc, 0, 3, 4, 6);
+        const core_f4 ys = __builtin_shufflevector(ab, bc, 0, 2, 5, 7);
+        const core_f4 zs = __builtin_shufflevector(ab, c, 1, 3, 4, 7);
+        memcpy(x + i, &xs, sizeof xs);
+        memcpy(y + i, &ys, sizeof ys);
+        memcpy(z + i, &zs, sizeof zs);
+    }
+}
+
+CORE_INLINE void core_lanes_to_threes(
+    const float *x, const float *y, const float *z, int count, void *to) {
+    for (int i = 0; i < count; i += 4) {
+        char *at = (char *)to + 12 * (size_t)i;
+        core_f4 xs, ys, zs;
+        memcpy(&xs, x + i, sizeof xs);
+        memcpy(&ys, y + i, sizeof ys);
+        memcpy(&zs, z + i, sizeof zs);
+        const core_f4 xy = __builtin_shufflevector(xs, ys, 0, 2, 4, 6); /* x0 x2 y0 y2 */
+        const core_f4 yz = __builtin_shufflevector(ys, zs, 1, 3, 5, 7); /* y1 y3 z1 z3 */
+        const core_f4 zx = __builtin_shufflevector(zs, xs, 0, 2, 5, 7); /* z0 z2 x1 x3 */
+        const core_f4 a = __builtin_shufflevector(xy, zx, 0, 2, 4, 6);
+        const core_f4 b = __builtin_shufflevector(yz, xy, 0, 2, 5, 7);
+        const core_f4 c = __builtin_shufflevector(zx, yz, 1, 3, 5, 7);
+        memcpy(at, &a, sizeof a);
+        memcpy(at + 16, &b, sizeof b);
+        memcpy(at + 32, &c, sizeof c);
+    }
 }
 
 CORE_INLINE core_d4 core_load_row(const double *row) {
@@ -234,13 +259,19 @@ CORE_INLINE void core_gather_edges(core_points points, core_batch *out) {
     }
 }
 
-CORE_INLINE void core_floats_to_threes(
-    const float *x, const float *y, const float *z, float (*out)[3]) {
-    for (int i = 0; i < CORE_LANES; i++) {
-        out[i][0] = x[i];
-        out[i][1] = y[i];
-        out[i][2] = z[i];
+CORE_INLINE void core_threes_to_lanes(const void *from, int count, float *x, float *y, float *z) {
+    for (int i = 0; i < count; i++) {
+        const char *at = (const char *)from + 12 * (size_t)i;
+        memcpy(x + i, at, sizeof *x);
+        memcpy(y + i, at + 4, sizeof *y);
+        memcpy(z + i, at + 8, sizeof *z);
     }
+}
+
+CORE_INLINE void core_lanes_to_threes(
+    const float *x, const float *y, const float *z, int count, void *to) {
+    for (int i = 0; i < count; i++)
+        memcpy((char *)to + 12 * (size_t)i, (const float[]){x[i], y[i], z[i]}, 12);
 }
 
 CORE_INLINE void core_lanes_to_rows(
@@ -304,7 +335,7 @@ CORE_INLINE void core_lanes_directions(const core_lengths *of, float (*normals)[
         out[1][i] = (float)(of->y[i] * inverse) + 0.0F;
         out[2][i] = (float)(of->z[i] * inverse) + 0.0F;
     }
-    core_floats_to_threes(out[0], out[1], out[2], normals);
+    core_lanes_to_threes(out[0], out[1], out[2], CORE_LANES, normals);
 }
 
 CORE_INLINE double core_lanes_total(const double *v) {

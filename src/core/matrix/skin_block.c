@@ -34,9 +34,20 @@ CORE_INLINE float read_weights(const float *from, size_t count, double *to) {
     return largest;
 }
 
-/* Rows of the joints of a vertex, weighted and added up. */
+/* Rows of the joints of a vertex, weighted and added up. Wide: in registers until they are stored
+ * whole, since what is stored in parts cannot soon be read whole. */
 CORE_INLINE void add_joints(double (*rows)[SKIN_ROW], const unsigned char *joints,
-    size_t joint_size, const double *weights, size_t count, double row[SKIN_ROW]) {
+    size_t joint_size, const double *weights, size_t count, double row[SKIN_ROW], int is_wide) {
+#if defined(CORE_HAS_SHUFFLES)
+    core_d4 sums[COLUMNS / 4] = {{0}};
+    for (size_t k = 0; k < count && is_wide; k++) {
+        const double *from = rows[norma_index_read(joints, joint_size, k)], weight = weights[k];
+        for (int i = 0; i < COLUMNS / 4; i++)
+            sums[i] += core_load_row(from + 4 * i) * (core_d4){weight, weight, weight, weight};
+    }
+    for (int i = 0; i < COLUMNS / 4 && is_wide; i++) core_store_row(row + 4 * i, sums[i]);
+    if (is_wide) return;
+#endif
     double sum[COLUMNS] = {0};
     for (size_t k = 0; k < count; k++) {
         const double *from = rows[norma_index_read(joints, joint_size, k)], weight = weights[k];
@@ -48,7 +59,8 @@ CORE_INLINE void add_joints(double (*rows)[SKIN_ROW], const unsigned char *joint
 /* Four joints of 16 bits are what nearly all files have. */
 static int is_usual(const skin_stream *s) { return s->influences == 4 && s->joint_size == 2; }
 
-CORE_INLINE void blend_rows(const skin_stream *s, size_t first, size_t count, skin_block *block) {
+CORE_INLINE void blend_rows(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, int is_wide) {
     const size_t influences = s->influences, size = s->joint_size, bytes = influences * size;
     const unsigned char *joints = s->joints + first * bytes;
     double(*const rows)[SKIN_ROW] = s->rows;
@@ -56,11 +68,11 @@ CORE_INLINE void blend_rows(const skin_stream *s, size_t first, size_t count, sk
         for (size_t i = 0; i < count; i++) norma_skin_blend_dual(s, first + i, block->row[i]);
     else if (is_usual(s))
         for (size_t i = 0; i < count; i++)
-            add_joints(rows, joints + 8 * i, 2, block->weight + 4 * i, 4, block->row[i]);
+            add_joints(rows, joints + 8 * i, 2, block->weight + 4 * i, 4, block->row[i], is_wide);
     else
         for (size_t i = 0; i < count; i++)
             add_joints(rows, joints + i * bytes, size, block->weight + i * influences, influences,
-                block->row[i]);
+                block->row[i], is_wide);
 }
 
 /* Rows to lanes. With few registers shuffles go through memory, number by number, and take three
@@ -134,10 +146,10 @@ CORE_IN_REGISTERS void turn_columns_avx512(skin_block *block, int i, int column)
 CORE_INLINE void read_vectors(
     const norma_vec3_view *in, size_t first, size_t count, double (*to)[BLOCK]) {
     if (in->format == NORMA_FORMAT_FLOAT && norma_view_stride(in) == 12 && count == BLOCK) {
-        float v[3 * BLOCK];
-        memcpy(v, (const unsigned char *)in->data + 12 * first, sizeof v);
-        for (int i = 0; i < BLOCK; i++)
-            for (int k = 0; k < 3; k++) to[k][i] = (double)v[3 * i + k];
+        float v[3][BLOCK];
+        core_threes_to_lanes((const unsigned char *)in->data + 12 * first, BLOCK, v[0], v[1], v[2]);
+        for (int k = 0; k < 3; k++)
+            for (int i = 0; i < BLOCK; i++) to[k][i] = (double)v[k][i];
         return;
     }
     for (size_t i = 0; i < count; i++) {
@@ -256,25 +268,22 @@ static void write_uncertain(const skin_stream *s, size_t first, size_t count,
 
 /* Tight floats go where they belong at once: what is written in parts cannot soon be read whole. */
 CORE_INLINE void write_lanes(
-    const skin_stream *s, size_t first, size_t count, float (*axis)[BLOCK], int is_wide) {
+    const skin_stream *s, size_t first, size_t count, float (*axis)[BLOCK]) {
     const int tight = s->out.stride == sizeof(float[3]) && count == BLOCK;
     float block[BLOCK][3];
-    float(*out)[3] = tight ? (void *)(s->out.normals + first * sizeof *out) : block;
-    for (int i = 0; i < BLOCK && is_wide; i += CORE_LANES)
-        core_floats_to_threes(axis[0] + i, axis[1] + i, axis[2] + i, out + i);
-    for (int i = 0; i < BLOCK && !is_wide; i++)
-        for (int k = 0; k < 3; k++) out[i][k] = axis[k][i];
+    core_lanes_to_threes(axis[0], axis[1], axis[2], BLOCK,
+        tight ? (void *)(s->out.normals + first * sizeof *block) : block);
     if (!tight)
         for (size_t i = 0; i < count; i++) norma_core_write_normal(&s->out, first + i, block[i]);
 }
 
-CORE_INLINE void normals_of_block(const skin_stream *s, size_t first, size_t count,
-    const skin_block *block, core_tally *tally, int is_wide) {
+CORE_INLINE void normals_of_block(
+    const skin_stream *s, size_t first, size_t count, const skin_block *block, core_tally *tally) {
     normal_lanes lanes;
     const int certain = products_of_lanes(block, &lanes);
     units_of_lanes(&lanes);
     if (certain && count == BLOCK) {
-        write_lanes(s, first, BLOCK, lanes.unit, is_wide);
+        write_lanes(s, first, BLOCK, lanes.unit);
         if (s->out.reasons) memset(s->out.reasons + first, NORMA_REASON_NONE, BLOCK);
     } else
         write_uncertain(s, first, count, block, &lanes, tally);
@@ -283,13 +292,13 @@ CORE_INLINE void normals_of_block(const skin_stream *s, size_t first, size_t cou
 /* ---- positions and tangents */
 
 CORE_INLINE void move_block(
-    const skin_stream *s, size_t first, size_t count, const skin_block *of, int is_wide) {
+    const skin_stream *s, size_t first, size_t count, const skin_block *of) {
     float moved[3][BLOCK];
     for (int r = 0; r < 3; r++)
         for (int i = 0; i < BLOCK; i++)
             moved[r][i] = (float)(of->b[r][i] * of->in[0][i] + of->b[3 + r][i] * of->in[1][i] +
                                   of->b[6 + r][i] * of->in[2][i] + of->b[9 + r][i]);
-    write_lanes(s, first, count, moved, is_wide);
+    write_lanes(s, first, count, moved);
 }
 
 static int mirrors(const skin_stream *s, size_t vertex, double determinant) {
@@ -398,24 +407,41 @@ static int columns_to_turn(const skin_stream *s, const core_tally *tally) {
     return s->tangents || tally ? 8 : 12;
 }
 
-CORE_INLINE void finish_block(const skin_stream *s, size_t first, size_t count, skin_block *block,
-    core_tally *tally, int is_wide) {
-    for (int i = 0; i < BLOCK; i++) block->b[8][i] = block->row[i][8];
+CORE_INLINE void finish_block(
+    const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
+    for (int i = 0; i < BLOCK; i += 4) /* the ninth column */
+        for (int k = 0; k < 4; k++) block->b[8][i + k] = block->row[i + k][8];
     read_vectors(&s->in, first, count, block->in);
     if (s->tangents)
         tangents_of_block(s, first, count, block);
     else if (tally)
-        normals_of_block(s, first, count, block, tally, is_wide);
+        normals_of_block(s, first, count, block, tally);
     else
-        move_block(s, first, count, block, is_wide);
+        move_block(s, first, count, block);
+}
+
+CORE_INLINE void ask_for(const void *from, size_t bytes) {
+    for (size_t i = 0; i < bytes; i += 64) __builtin_prefetch((const char *)from + i);
+}
+
+/* Memory would idle during the sums: what is read two blocks on is asked for now. */
+CORE_INLINE void ask_ahead(const skin_stream *s, size_t first) {
+    const size_t at = first + (size_t)2 * BLOCK, stride = norma_view_stride(&s->in);
+    if (!is_usual(s) || stride > 16 || s->out.stride > 16) return;
+    if (at + BLOCK > s->skin->vertex_count) return;
+    ask_for(s->skin->weights + 4 * at, BLOCK * 4 * sizeof(float));
+    ask_for(s->joints + 8 * at, (size_t)BLOCK * 8);
+    ask_for((const char *)s->in.data + at * stride, BLOCK * stride);
+    ask_for((const char *)s->out.normals + at * s->out.stride, BLOCK * s->out.stride);
 }
 
 CORE_INLINE void skin_in_c(const skin_stream *s, size_t first, size_t count, skin_block *block,
     core_tally *tally, int is_wide) {
+    ask_ahead(s, first);
     read_block_weights(s, first, count, block);
-    blend_rows(s, first, count, block);
+    blend_rows(s, first, count, block, is_wide);
     turn_rows(block, columns_to_turn(s, tally), is_wide);
-    finish_block(s, first, count, block, tally, is_wide);
+    finish_block(s, first, count, block, tally);
 }
 
 typedef void skin_kernel(
@@ -435,14 +461,15 @@ CORE_FOR_AVX2 static void skin_block_avx2(
 CORE_FOR_AVX512 static void skin_block_avx512(
     const skin_stream *s, size_t first, size_t count, skin_block *block, core_tally *tally) {
     const int columns = columns_to_turn(s, tally);
+    ask_ahead(s, first);
     read_block_weights(s, first, count, block);
     if (s->skin->blend == NORMA_BLEND_LINEAR)
         blend_rows_avx512(s, first, count, block);
     else
-        blend_rows(s, first, count, block);
+        blend_rows(s, first, count, block, 1);
     for (int i = 0; i < BLOCK; i += 8)
         for (int column = 0; column < columns; column += 4) turn_columns_avx512(block, i, column);
-    finish_block(s, first, count, block, tally, 1);
+    finish_block(s, first, count, block, tally);
 }
 #endif
 

@@ -1,5 +1,6 @@
 /* transform.c: normals, tangents and positions through matrices. */
 #include "core/matrix/matrix.h"
+#include "core/face/eight_vectors.h"
 
 /* ---- Sixteen normals through a matrix in the registers of AVX-512, from
  * the line they are read from to the one they are written to. The numbers and their bits are those
@@ -149,64 +150,6 @@ typedef struct lanes {
     float y[NORMALS_IN_BLOCK], z[NORMALS_IN_BLOCK];
 } lanes;
 
-/* ---- in between: x y z x y z ... and three rows */
-
-#if defined(__GNUC__) && (defined(__clang__) || __GNUC__ >= 12)
-typedef float four __attribute__((vector_size(16)));
-
-/* Four vectors at a time, by shuffles that every instruction set has. */
-CORE_INLINE void take_block_apart(const float *from, lanes *to) {
-    for (size_t i = 0; i < NORMALS_IN_BLOCK; i += 4) {
-        four a, b, c; /* x0 y0 z0 x1, y1 z1 x2 y2, z2 x3 y3 z3 */
-        memcpy(&a, from + 3 * i, sizeof a);
-        memcpy(&b, from + 3 * i + 4, sizeof b);
-        memcpy(&c, from + 3 * i + 8, sizeof c);
-        const four bc = __builtin_shufflevector(b, c, 2, 3, 5, 6); /* x2 y2 x3 y3 */
-        const four ab = __builtin_shufflevector(a, b, 1, 2, 4, 5); /* y0 z0 y1 z1 */
-        const four x = __builtin_shufflevector(a, bc, 0, 3, 4, 6);
-        const four y = __builtin_shufflevector(ab, bc, 0, 2, 5, 7);
-        const four z = __builtin_shufflevector(ab, c, 1, 3, 4, 7);
-        memcpy(to->x + i, &x, sizeof x);
-        memcpy(to->y + i, &y, sizeof y);
-        memcpy(to->z + i, &z, sizeof z);
-    }
-}
-
-CORE_INLINE void put_block_together(const lanes *from, float *to) {
-    for (size_t i = 0; i < NORMALS_IN_BLOCK; i += 4) {
-        four x, y, z;
-        memcpy(&x, from->x + i, sizeof x);
-        memcpy(&y, from->y + i, sizeof y);
-        memcpy(&z, from->z + i, sizeof z);
-        const four xy = __builtin_shufflevector(x, y, 0, 2, 4, 6); /* x0 x2 y0 y2 */
-        const four yz = __builtin_shufflevector(y, z, 1, 3, 5, 7); /* y1 y3 z1 z3 */
-        const four zx = __builtin_shufflevector(z, x, 0, 2, 5, 7); /* z0 z2 x1 x3 */
-        const four a = __builtin_shufflevector(xy, zx, 0, 2, 4, 6);
-        const four b = __builtin_shufflevector(yz, xy, 0, 2, 5, 7);
-        const four c = __builtin_shufflevector(zx, yz, 1, 3, 5, 7);
-        memcpy(to + 3 * i, &a, sizeof a);
-        memcpy(to + 3 * i + 4, &b, sizeof b);
-        memcpy(to + 3 * i + 8, &c, sizeof c);
-    }
-}
-#else
-CORE_INLINE void take_block_apart(const float *from, lanes *to) {
-    for (size_t i = 0; i < NORMALS_IN_BLOCK; i++) {
-        to->x[i] = from[3 * i];
-        to->y[i] = from[3 * i + 1];
-        to->z[i] = from[3 * i + 2];
-    }
-}
-
-CORE_INLINE void put_block_together(const lanes *from, float *to) {
-    for (size_t i = 0; i < NORMALS_IN_BLOCK; i++) {
-        to[3 * i] = from->x[i];
-        to[3 * i + 1] = from->y[i];
-        to[3 * i + 2] = from->z[i];
-    }
-}
-#endif
-
 /* ---- one block */
 
 /* A float's root and quotient are quick; one step of Newton's method squares their error, to below
@@ -262,10 +205,10 @@ CORE_INLINE size_t units_of_blocks(const double m[9], const float *in, size_t co
     products between;
     size_t done = 0;
     for (; count - done >= NORMALS_IN_BLOCK; done += NORMALS_IN_BLOCK) {
-        take_block_apart(in + 3 * done, &vectors);
+        core_threes_to_lanes(in + 3 * done, NORMALS_IN_BLOCK, vectors.x, vectors.y, vectors.z);
         if (products_of_block(m, &vectors, &between)) break;
         units_of_block(&between, &vectors);
-        put_block_together(&vectors, out + 3 * done);
+        core_lanes_to_threes(vectors.x, vectors.y, vectors.z, NORMALS_IN_BLOCK, out + 3 * done);
     }
     return done;
 }
