@@ -11,7 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_SPOTS = 48, EVEN = 45 }; /* EVEN: levels that a spot's pixels may be off its mean */
+/* Under a light of one colour all patches have one hue, and are larger than the mark. EVEN: levels
+ * that a spot's pixels may be off its mean. */
+enum { MOST_SPOTS = 256, EVEN = 45 };
+#define MOST_CHOICES 6e6 /* of four spots, so that hostile pictures take no longer than seconds */
 
 typedef struct spot {
     size_t parent, last_row; /* while it grows */
@@ -414,6 +417,20 @@ static int closes(const spot *const spots[ACID_MARKS]) {
     return hypot(x, y) < 0.2 * diagonal;
 }
 
+/* Drops the smallest spots of the longest lists until there are few enough choices. */
+static void limit_choices(spot_list lists[ACID_MARKS]) {
+    for (;;) {
+        double choices = 1;
+        spot_list *longest = lists;
+        for (int i = 0; i < ACID_MARKS; ++i) {
+            choices *= (double)lists[i].count;
+            if (lists[i].count > longest->count) longest = &lists[i];
+        }
+        if (choices <= MOST_CHOICES) return;
+        --longest->count;
+    }
+}
+
 static double choose_spots(const spot_list lists[ACID_MARKS], const acid_layout *layout,
     const spot *spots[ACID_MARKS], int next, acid_map *best, double most) {
     if (next == ACID_MARKS) {
@@ -437,6 +454,7 @@ int acid_find_marks(const acid_picture *picture, const acid_layout *layout, acid
     if (search) {
         search->picture = picture;
         if (find_spots(search)) {
+            limit_choices(search->lists);
             measure_spots(search);
             found = choose_spots(search->lists, layout, spots, 0, map, 0) > 0;
         }

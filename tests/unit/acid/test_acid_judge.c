@@ -196,6 +196,35 @@ static void no_light(void **state) {
     free(judgement.findings);
 }
 
+static int is_in_box(double u, double v, const acid_box *box) {
+    return fabs(u - box->center[0]) < 0.6 * box->size[0] &&
+           fabs(v - box->center[1]) < 0.6 * box->size[1];
+}
+
+/* One light makes all patches green: a hundred squares of a mark's hue, larger than the mark. */
+static void one_color(void **state) {
+    (void)state;
+    acid_shot shot = plain_shot();
+    acid_judgement judgement;
+    acid_picture picture;
+    assert_true(acid_shot_take(&shot, &layout, &picture));
+    for (size_t i = 0; i < picture.width * picture.height; ++i) {
+        const double u = ((double)(i % picture.width) + 0.5) / (double)picture.width,
+                     v = ((double)(i / picture.width) + 0.5) / (double)picture.height;
+        uint8_t *p = picture.pixels + 3 * i;
+        int is_mark = 0;
+        for (int k = 0; k < ACID_MARKS; ++k) is_mark |= is_in_box(u, v, &layout.marks[k]);
+        if (is_mark || p[0] + p[1] + p[2] == 0) continue;
+        p[1] = (uint8_t)(150 + p[1] / 4);
+        p[0] = (uint8_t)(p[1] / 4);
+        p[2] = (uint8_t)(p[1] / 8);
+    }
+    assert_int_equal(judge_picture(&picture, &judgement), 1);
+    assert_expected(&shot, &judgement);
+    free(judgement.findings);
+    free(picture.pixels);
+}
+
 static void too_small(void **state) {
     (void)state;
     acid_shot shot = plain_shot();
@@ -229,12 +258,10 @@ static void skipped(void **state) {
 
 static void paint_box(acid_picture *picture, const acid_box *box, const uint8_t color[3]) {
     for (size_t y = 0; y < picture->height; ++y)
-        for (size_t x = 0; x < picture->width; ++x) {
-            const double u = ((double)x + 0.5) / (double)picture->width - box->center[0],
-                         v = ((double)y + 0.5) / (double)picture->height - box->center[1];
-            if (fabs(u) < 0.6 * box->size[0] && fabs(v) < 0.6 * box->size[1])
+        for (size_t x = 0; x < picture->width; ++x)
+            if (is_in_box(((double)x + 0.5) / (double)picture->width,
+                    ((double)y + 0.5) / (double)picture->height, box))
                 memcpy(picture->pixels + 3 * (y * picture->width + x), color, 3);
-        }
 }
 
 static void marks_absent(void **state) {
@@ -285,6 +312,7 @@ int main(void) {
         cmocka_unit_test(turned),
         cmocka_unit_test(control_fails),
         cmocka_unit_test(no_light),
+        cmocka_unit_test(one_color),
         cmocka_unit_test(too_small),
         cmocka_unit_test(skipped),
         cmocka_unit_test(marks_absent),
