@@ -16,8 +16,9 @@ mkdirSync(pictures, { recursive: true });
 
 for (const name of names) {
   const said = text(join(folder, `${name}.said`)), date = new Date().toISOString().slice(0, 10), judged = text(join(folder, `${name}.json`));
-  if (!judged) {
-    const why = text(join(folder, `${name}.status`)) === "0" ? text(join(folder, `${name}.judge`)).replace(/^norma: \S+: /, "") : said || text(join(folder, `${name}.err`));
+  const finished = text(join(folder, `${name}.status`)) === "0"; /* a harness that ran out of time leaves half a picture, and no name */
+  if (!judged || !finished) {
+    const why = finished ? text(join(folder, `${name}.judge`)).replace(/^norma: \S+: /, "") : said || text(join(folder, `${name}.err`));
     verdicts[name] = { engine: findings[name]?.engine ?? name, date, error: why.split("\n").slice(0, 2).join(" ").replace(/http:\S+/g, "").slice(0, 240) };
     continue;
   }
@@ -67,5 +68,5 @@ for (const [name, { engine, cells }] of shown) {
 const silent = Object.entries(sorted).filter(([, { error }]) => error);
 if (silent.length)
   lines.push("## Without a verdict", "", "| Engine | Date | What happened |", "|---|---|---|",
-    ...silent.map(([name, { engine, date, error }]) => `| ${engine} | ${date} | ${(findings[name]?.note ?? error).replaceAll("|", "\\|")} |`), "");
+    ...silent.map(([name, { engine, date, error }]) => `| ${engine} | ${date} | ${error.replaceAll("|", "\\|")} |`), "");
 writeFileSync(join(root, "docs/engines.md"), lines.join("\n"));

@@ -9,6 +9,7 @@ export default async ({ canvas, url, width, height }) => {
   const engine = Filament.Engine.create(canvas), scene = engine.createScene(), loader = engine.createAssetLoader();
   const asset = loader.createAsset(url);
   await new Promise((done) => asset.loadResources(done, undefined, "/", undefined, { normalizeSkinningWeights: true }));
+  asset.getInstance().getAnimator().updateBoneMatrices();
   scene.addEntities(asset.getEntities());
   scene.addEntities(asset.getLightEntities());
   const camera = engine.createCamera(Filament.EntityManager.get().create());
