@@ -395,6 +395,7 @@ typedef struct far_state {
     uint8_t *open;   /* of each normal: NOT_OPPOSED of some face at its positions, LARGE of one that
                         is shaded by it */
     double large;    /* four times the area of a face */
+    int turned;      /* N201 names most of the faces */
 } far_state;
 enum { NOT_OPPOSED = 1, LARGE = 2 };   /* not named by N201; large enough for a spot to be seen */
 static const double LARGE_SHARE = .02; /* of the diagonal: the longest edge of half a square */
@@ -430,8 +431,10 @@ typedef struct star {
     const check_mesh *m;
     const uint32_t *corners;
     size_t count;
-    double averages[3][3]; /* uniform, by area, by angle; not of unit length */
+    double averages[6][3]; /* uniform, by area, by angle, then again with those faces turned that
+                              N201 names, whose winding may be wrong; not of unit length */
     int open;              /* as in far_state */
+    int opposed;           /* > 0: N201 names most of its faces */
 } star;
 
 static double angle_at(const check_mesh *m, size_t face, size_t corner) {
@@ -453,26 +456,31 @@ static double angle_at(const check_mesh *m, size_t face, size_t corner) {
 static void sum_star(star *s) {
     const check_mesh *m = s->m;
     memset(s->averages, 0, sizeof s->averages);
-    s->open = 0;
+    s->open = s->opposed = 0;
     for (size_t i = 0; i < s->count; i++) {
         const size_t face = norma_check_face_of(m, s->corners[i]);
         if (!says_something(m, face)) continue;
         const double weights[3] = {
             1, norma_check_twice_area(m, face), angle_at(m, face, s->corners[i])};
-        for (int w = 0; w < 3; w++)
+        for (int w = 0; w < 6; w++)
             for (int k = 0; k < 3; k++)
-                s->averages[w][k] += weights[w] * (double)m->faces[face].normal[k];
+                s->averages[w][k] += (w > 2 && m->opposed[face] ? -1 : 1) * weights[w % 3] *
+                                     (double)m->faces[face].normal[k];
+        s->opposed += m->opposed[face] ? 1 : -1;
         if (!m->opposed[face]) s->open |= NOT_OPPOSED;
     }
 }
 
-static int is_average(const star *s, size_t number) {
+/* Or of the faces as turned, where most are: their winding may be wrong, and the normals right. */
+static int is_average(const star *s, size_t number, int turned) {
     double n[3];
     norma_check_normal(s->m, number, n);
     const double length = norma_core_length(n);
-    for (int w = 0; w < 3; w++) {
-        const double size = norma_core_length(s->averages[w]);
-        if (norma_core_dot(n, s->averages[w]) > AVERAGE_COSINE * length * size) return 1;
+    for (int w = 0; w < 6; w++) {
+        const double along = norma_core_dot(n, s->averages[w]);
+        if ((turned || s->opposed > 0 ? fabs(along) : along) >
+            AVERAGE_COSINE * length * norma_core_length(s->averages[w]))
+            return 1;
     }
     return 0;
 }
@@ -484,7 +492,7 @@ static void judge_star(const star *s, far_state *state) {
         if (!is_far(state, number)) continue;
         state->open[number] |= (uint8_t)s->open;
         if (2 * norma_check_twice_area(s->m, own) >= state->large) state->open[number] |= LARGE;
-        if (is_average(s, number)) state->greatest[number] = 2;
+        if (is_average(s, number, state->turned)) state->greatest[number] = 2;
         for (size_t k = 0; k < s->count && s->count <= LARGEST_STAR; k++) {
             const size_t face = norma_check_face_of(s->m, s->corners[k]);
             const double cosine =
@@ -558,7 +566,10 @@ static norma_result check_far(check_mesh *m) {
     const size_t count = norma_check_normal_count(m);
     const double edge = LARGE_SHARE * norma_check_diagonal(&m->mesh);
     far_state state = {norma_core_allocate(call, count, sizeof *state.greatest),
-        norma_core_allocate(call, count, 1), edge * edge};
+        norma_core_allocate(call, count, 1), edge * edge, 0};
+    size_t opposed = 0;
+    for (size_t f = 0; f < m->mesh.face_count; f++) opposed += m->opposed[f] != 0;
+    state.turned = opposed > m->mesh.face_count / 2;
     norma_result result = state.greatest && state.open ? NORMA_OK : NORMA_ERROR_MEMORY;
     if (!result) {
         memset(state.open, 0, count);

@@ -52,12 +52,16 @@ static int is_smoothed_over(const smoothed_pass *pass, size_t face, size_t corne
            is_same_normal(pass, face, norma_core_topology_next(t, face, corner), other, partner);
 }
 
-/* Between the face and the normal interpolated at the middle of one of its triangles. */
+/* Between the face and the normal interpolated at the middle of one of its triangles; from the back
+ * of a face that all its normals oppose: N201 says so, and smoothing is something else. */
 static double cosine_at_middle(double normals[3][3], const float face[3]) {
     double n[3];
+    int opposed = 1;
+    for (int k = 0; k < 3; k++) opposed &= norma_check_dot(face, normals[k]) < 0;
     for (int d = 0; d < 3; d++) n[d] = normals[0][d] + normals[1][d] + normals[2][d];
-    const double length = norma_core_length(n);
-    return length > 0 ? norma_check_dot(face, n) / length : 1;
+    const double length = norma_core_length(n),
+                 cosine = length > 0 ? norma_check_dot(face, n) / length : 1;
+    return opposed ? -cosine : cosine;
 }
 
 static double twice_triangle_area(

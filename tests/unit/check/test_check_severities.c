@@ -200,6 +200,35 @@ static void smoothed_over_edges(void **state) {
     }
 }
 
+/* A box with the smooth normals of a ball, all its faces turned: N201 says so, and neither are its
+ * edges shaded rounder than right ones, nor its normals far from the surface. A small face at one
+ * corner, 85 degrees off the normal there, is not turned. */
+static void turned_faces(void **state) {
+    (void)state;
+    surface s = surface_box((const double[3]){0, 0, 0}, 1, 1);
+    for (size_t i = 0; i < 3 * s.vertices; i++) s.normals[i] = s.positions[i] / sqrtf(3);
+    const double n = -1 / sqrt(3), u[3] = {1 / sqrt(2), -1 / sqrt(2), 0},
+                 w[3] = {1 / sqrt(6), 1 / sqrt(6), -2 / sqrt(6)}, c = cos(85 / DEGREES),
+                 d = sin(85 / DEGREES);
+    float normal[3], one[3], other[3];
+    for (int k = 0; k < 3; k++) {
+        normal[k] = (float)(c * n + d * u[k]);
+        one[k] = (float)(-1 + .2 * w[k]);
+        other[k] = (float)(-1 + .2 * (d * n - c * u[k]));
+    }
+    uint32_t corner = 0;
+    while (s.positions[3 * corner] > 0 || s.positions[3 * corner + 1] > 0 ||
+           s.positions[3 * corner + 2] > 0)
+        corner++;
+    const uint32_t a = surface_add_vertex(&s, one, normal),
+                   b = surface_add_vertex(&s, other, normal);
+    (void)surface_add_face(&s, (uint32_t[]){corner, b, a});
+    assert_found(&s, "N207", 0, 0, 0);
+    assert_found(&s, "N202", 0, 0, 0);
+    assert_found(&s, "N201", 12, 0, 0);
+    surface_free(&s);
+}
+
 /* ---- N301 */
 
 /* A pyramid over an equilateral triangle of this side, whose other faces rise by so many degrees;
@@ -471,6 +500,7 @@ int main(void) {
         cmocka_unit_test(repeated_area),
         cmocka_unit_test(facets),
         cmocka_unit_test(smoothed_over_edges),
+        cmocka_unit_test(turned_faces),
         cmocka_unit_test(turned_area),
         cmocka_unit_test(undecided_area),
         cmocka_unit_test(folded_faces),
