@@ -6,18 +6,6 @@
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"
 
-CORE_INLINE void load_edges(const core_mesh *mesh, const uint32_t (*at)[3], core_batch *batch) {
-    double p[3][3];
-    if (core_can_gather(mesh)) {
-        core_gather_edges(core_points_of(mesh, *at, 3), batch);
-        return;
-    }
-    for (int i = 0; i < CORE_LANES; i++) {
-        for (int k = 0; k < 3; k++) norma_core_position(mesh, at[i][k], p[k]);
-        core_set_edges(batch, i, (const double(*)[3])p);
-    }
-}
-
 /* Eight of the faces that wait, from first on. */
 CORE_INLINE void measure_waiting(
     const core_prepared_mesh *s, const star_list *list, uint32_t first, kept_faces *out) {
@@ -25,7 +13,7 @@ CORE_INLINE void measure_waiting(
     core_rows normals, weights;
     double(*rows)[8] = out->row;
     uint32_t(*welded)[8] = out->at;
-    load_edges(&s->mesh, (const uint32_t(*)[3])list->at + first, &b);
+    core_load_edges(&s->mesh, (const uint32_t(*)[3])list->at + first, &b);
     norma_core_kernels(s->call->level)->measure(&b, s->call->options.weight);
     core_lanes_to_rows(b.normal[0], b.normal[1], b.normal[2], b.sure, &normals);
     core_lanes_to_rows(b.weight[0], b.weight[1], b.weight[2], b.sure, &weights);
@@ -293,7 +281,7 @@ CORE_INLINE void weigh_polygons(const core_prepared_mesh *s, star_list *list, ke
     }
     for (size_t from = 0; from < count; from += CORE_LANES) {
         core_rows rows;
-        load_edges(&s->mesh, (const uint32_t(*)[3])list->at + from, &t.edges);
+        core_load_edges(&s->mesh, (const uint32_t(*)[3])list->at + from, &t.edges);
         load_faces(s, list->face + from, &t);
         CORE_LOOP_FOR_WEIGHT(s->call->options.weight, measure_lanes, &t)
         core_lanes_to_rows(t.edges.normal[0], t.edges.normal[1], t.edges.normal[2], t.sure, &rows);

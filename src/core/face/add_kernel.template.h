@@ -55,11 +55,14 @@ CORE_INLINE void core_add_all_lanes(
                 weight);
 }
 
-/* By doubles, and its corners are at three places. */
-CORE_INLINE int core_is_decided(const core_eight *e, int lane) {
-    const uint32_t a = core_eight_at(e, lane, 0), b = core_eight_at(e, lane, 1),
-                   c = core_eight_at(e, lane, 2);
-    return (e->sure >> lane & 1U) && a != b && b != c && c != a;
+/* By doubles, and its corners are at three places. Face f is the first of them. */
+CORE_INLINE int core_is_decided(const core_adder *adder, const core_eight *e, size_t f, int lane) {
+    uint32_t at[3];
+    for (int k = 0; k < 3; k++)
+        at[k] = adder->targets && adder->by_distance
+                    ? norma_core_welded_corner(adder->mesh, 3 * (f + (size_t)lane) + (size_t)k)
+                    : core_eight_at(e, lane, k);
+    return (e->sure >> lane & 1U) && at[0] != at[1] && at[1] != at[2] && at[2] != at[0];
 }
 
 /* What doubles decide has three places, unless those that differ are welded. */
@@ -75,7 +78,7 @@ CORE_INLINE void core_add_eight(
         return;
     }
     for (int i = 0; i < lanes; i++) {
-        if (core_is_decided(e, i))
+        if (core_is_decided(adder, e, f, i))
             core_add_lane(adder, e, i, weight);
         else
             adder->add_alone(adder->context, adder->first_face + f + (size_t)i);
@@ -91,13 +94,19 @@ typedef struct kept_eight {
     _Alignas(64) double row[CORE_LANES][4];
     double weight[3][CORE_LANES];
     kept_edges edges;
-    uint32_t
-        at[3 * CORE_LANES]; /* the corners' positions, where they are not the mesh's own corners */
+    uint32_t at[3 * CORE_LANES]; /* the corners' positions, where they are not the mesh's own
+                                    corners, nor targets */
     unsigned sure;
 } kept_eight;
 
 static const unsigned char *corners_at(const core_mesh *mesh, size_t f) {
     return (const unsigned char *)mesh->corners + 3 * sizeof(uint32_t) * f;
+}
+
+/* Where the corners vote, from face f on. */
+static const unsigned char *sums_at(const core_adder *adder, const kept_eight *kept, size_t f) {
+    if (adder->targets) return (const unsigned char *)(adder->targets + 3 * f);
+    return adder->mesh->weld ? (const unsigned char *)kept->at : corners_at(adder->mesh, f);
 }
 
 /* From lane first on. Where all corners weigh the same, the rows are times that. */
@@ -130,9 +139,7 @@ IN_VECTORS void keep_welded(const core_mesh *mesh, size_t f, kept_eight *kept) {
 IN_VECTORS void add_kept(
     const core_adder *adder, const kept_eight *kept, size_t f, norma_weight weight) {
     const core_eight eight = {(const double(*)[4])kept->row,
-        (const double(*)[CORE_LANES])kept->weight,
-        adder->mesh->weld ? (const unsigned char *)kept->at : corners_at(adder->mesh, f),
-        kept->sure};
+        (const double(*)[CORE_LANES])kept->weight, sums_at(adder, kept, f), kept->sure};
     core_add_eight(adder, &eight, f, CORE_LANES, weight);
 }
 
@@ -149,9 +156,10 @@ CORE_INLINE void ask_for_triangles(const core_adder *adder, size_t f) {
             (const unsigned char *)mesh->positions.data + at * mesh->positions.stride;
         __builtin_prefetch(position, 0, 2);
         __builtin_prefetch(position + 11, 0, 2);
-        const uint32_t sum = norma_core_welded(mesh, at) - adder->first;
+        const uint32_t sum =
+            (adder->targets ? adder->targets[c] : norma_core_welded(mesh, at)) - adder->first;
         if (sum < adder->count) __builtin_prefetch(&adder->sums[sum], 0, 2);
-        if (mesh->weld && c + map < mesh->corner_count)
+        if (mesh->weld && !adder->targets && c + map < mesh->corner_count)
             __builtin_prefetch(&mesh->weld[norma_core_corner(mesh, c + map)], 0, 2);
     }
 }
@@ -181,7 +189,7 @@ IN_VECTORS void add_weighted(
             keep_lanes(&o, &s, weight, lane, this);
         }
         weigh_eight(weight, this);
-        if (mesh->weld) keep_welded(mesh, f, this);
+        if (mesh->weld && !adder->targets) keep_welded(mesh, f, this);
     }
     if (eights) add_kept(adder, &kept[(eights - 1) % 2], begin + (eights - 1) * CORE_LANES, weight);
 }
@@ -197,10 +205,11 @@ IN_VECTORS void add_copied(const core_adder *adder, size_t f, int lanes, norma_w
         .corners = names,
         .scale = 1};
     for (int i = 0; i < 3 * CORE_LANES; i++) {
-        const uint32_t at = norma_core_corner(mesh, 3 * f + (size_t)(i / 3 < lanes ? i : i % 3));
+        const size_t corner = 3 * f + (size_t)(i / 3 < lanes ? i : i % 3);
+        const uint32_t at = norma_core_corner(mesh, corner);
         norma_core_position(mesh, at, points[i]);
         names[i] = (uint32_t)i;
-        kept.at[i] = norma_core_welded(mesh, at);
+        kept.at[i] = adder->targets ? adder->targets[corner] : norma_core_welded(mesh, at);
     }
     for (int lane = 0; lane < CORE_LANES; lane += LANES) {
         opened_faces o;
@@ -272,20 +281,21 @@ static void ask_for_polygons(const core_mesh *mesh, size_t begin, size_t end) {
     }
 }
 
-static void ask_for_sums(const core_adder *adder, const core_measured *m, size_t faces) {
+static void ask_for_sums(
+    const core_adder *adder, const core_measured *m, const uint32_t *sums, size_t faces) {
     for (size_t i = 0; i < faces; i++)
         for (size_t k = 0; k < m->corners[i]; k++) {
-            const uint32_t sum = m->at[m->first[i] + k] - adder->first;
+            const uint32_t sum = sums[m->first[i] + k] - adder->first;
             if (sum < adder->count) __builtin_prefetch(&adder->sums[sum], 1, 2);
         }
 }
 
-/* Corners of a range that is another's are passed over. */
-CORE_INLINE void add_corners(
-    const core_adder *adder, const core_measured *m, size_t face, size_t corners, int owns_all) {
+/* Corners of a range that is another's are passed over. sums: of each corner of the block. */
+CORE_INLINE void add_corners(const core_adder *adder, const core_measured *m, const uint32_t *sums,
+    size_t face, size_t corners, int owns_all) {
     const size_t slot = m->slot[face];
     const core_lane *weight = m->weight[slot / CORE_LANES];
-    const uint32_t *at = m->at + m->first[face];
+    const uint32_t *at = sums + m->first[face];
     for (size_t k = 0; k < corners; k++) {
         const uint32_t sum = at[k] - adder->first;
         if (owns_all || sum < adder->count)
@@ -293,15 +303,15 @@ CORE_INLINE void add_corners(
     }
 }
 
-CORE_INLINE void add_block(
-    const core_adder *adder, const core_measured *m, size_t begin, size_t faces) {
+CORE_INLINE void add_block(const core_adder *adder, const core_measured *m, const uint32_t *sums,
+    size_t begin, size_t faces) {
     for (size_t i = 0; i < faces; i++) {
         if (!m->corners[i])
             adder->add_alone(adder->context, begin + i);
         else if (m->corners[i] == 4 && adder->owns_all)
-            add_corners(adder, m, i, 4, 1);
+            add_corners(adder, m, sums, i, 4, 1);
         else
-            add_corners(adder, m, i, m->corners[i], 0);
+            add_corners(adder, m, sums, i, m->corners[i], 0);
     }
 }
 
@@ -311,12 +321,14 @@ FOR_VECTORS static void add_polygons(const core_adder *adder, size_t begin, size
         next = end - f < CORE_FACES_AT_ONCE ? end : f + CORE_FACES_AT_ONCE;
         norma_core_measure_faces(
             &KERNELS, adder->mesh, f, next, adder->weight, CORE_ALL_CORNERS, &measured);
+        const uint32_t *sums =
+            adder->targets ? adder->targets + norma_core_face_begin(adder->mesh, f) : measured.at;
         if (adder->scattered) {
-            ask_for_sums(adder, &measured, next - f);
+            ask_for_sums(adder, &measured, sums, next - f);
             ask_for_polygons(adder->mesh, next,
                 end - next < CORE_FACES_AT_ONCE ? end : next + CORE_FACES_AT_ONCE);
         }
-        add_block(adder, &measured, f, next - f);
+        add_block(adder, &measured, sums, f, next - f);
     }
 }
 
@@ -333,5 +345,5 @@ FOR_ROWS static int finish_sums(const core_vertex_sum *sums, float (*normals)[3]
 
 /* ---- what a level has */
 
-static const core_kernels KERNELS = {measure_batch, CORE_IS_SMALL ? NULL : measure_at,
-    measure_alike, add_triangles, CORE_IS_SMALL ? NULL : add_polygons, finish_sums};
+static const core_kernels KERNELS = {
+    measure_batch, measure_alike, add_triangles, CORE_IS_SMALL ? NULL : add_polygons, finish_sums};

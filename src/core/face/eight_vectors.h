@@ -303,6 +303,20 @@ CORE_INLINE void core_add_whole(double *sum, const double *row) {
 }
 #endif
 
+/* The edges of eight triangles, whatever the format of their positions. */
+CORE_INLINE void core_load_edges(
+    const core_mesh *mesh, const uint32_t (*at)[3], core_batch *batch) {
+    double p[3][3];
+    if (core_can_gather(mesh)) {
+        core_gather_edges(core_points_of(mesh, *at, 3), batch);
+        return;
+    }
+    for (int i = 0; i < CORE_LANES; i++) {
+        for (int k = 0; k < 3; k++) norma_core_position(mesh, at[i][k], p[k]);
+        core_set_edges(batch, i, (const double(*)[3])p);
+    }
+}
+
 /* ---- eight sums made normals, in two steps, because a root followed by a division takes so long
  * that callers do other work in between. */
 

@@ -321,6 +321,8 @@ typedef struct core_vertex_sum {
 
 typedef struct core_adder {
     const core_mesh *mesh;
+    const uint32_t *targets; /* NULL, or of each corner the sum that it votes in, instead of that of
+                                its position */
     norma_weight weight;
     core_vertex_sum *sums; /* of count positions from first on; corners elsewhere are passed over */
     uint32_t first, count;
@@ -341,20 +343,9 @@ typedef struct core_faces_alike {
     core_measured *out;
 } core_faces_alike;
 
-/* Where what is measured of eight triangles goes. */
-typedef struct core_eight_rows {
-    double (*row)[4];  /* the unit normal, and 1 */
-    double *weight[3]; /* of each corner */
-    unsigned sure;     /* a bit for each that doubles decide; nothing else is said of the others */
-} core_eight_rows;
-
 struct core_kernels {
     /* Of all corners; the batch's edges are set. */
     void (*measure)(core_batch *batch, norma_weight weight);
-    /* Of count eights, one and more, of the positions (floats or doubles) that these name, three
-     * for each triangle. */
-    void (*measure_at)(const core_mesh *mesh, const uint32_t *at, size_t count,
-        core_eight_rows *out, norma_weight weight);
     void (*measure_alike)(const core_faces_alike *faces, size_t begin, size_t end, size_t corners);
     /* Add the faces from begin to before end, in ascending order. */
     void (*add_triangles)(const core_adder *adder, size_t begin, size_t end);

@@ -1,5 +1,6 @@
 /* face_geometry.c: directions of faces and weights of corners; norma_face_normals. */
 #include "core/call/call.h"
+#include "core/face/eight_vectors.h"
 #include "core/face/face.h"
 #include "core/mesh/mesh.h"
 
@@ -131,28 +132,24 @@ void norma_core_face_geometry(const core_mesh *mesh, size_t face, core_face *out
 
 /* ---- some at a time */
 
-/* Whether its corners are at three positions. */
-static int load_into_lane(const core_mesh *mesh, size_t face, core_batch *batch, int lane) {
-    double p[3][3];
-    uint32_t welded[3];
-    for (size_t k = 0; k < 3; k++) {
-        const uint32_t at = norma_core_corner(mesh, 3 * face + k);
-        welded[k] = norma_core_welded(mesh, at);
-        norma_core_position(mesh, at, p[k]);
-    }
-    core_set_edges(batch, lane, (const double(*)[3])p);
-    return welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
-}
-
 unsigned norma_core_measure_triangles(const core_call *call, const core_mesh *mesh,
     norma_weight weight, const size_t *faces, size_t count, core_batch *batch) {
-    int edged[CORE_LANES];
-    unsigned decided = 0;
-    for (size_t i = 0; i < CORE_LANES; i++)
-        edged[i] = load_into_lane(mesh, faces[i < count ? i : 0], batch, (int)i);
+    uint32_t at[CORE_LANES][3];
+    unsigned decided = 0, edged = 0;
+    for (size_t i = 0; i < CORE_LANES; i++) {
+        uint32_t welded[3];
+        for (size_t k = 0; k < 3; k++) {
+            at[i][k] = norma_core_corner(mesh, 3 * faces[i < count ? i : 0] + k);
+            welded[k] = norma_core_welded(mesh, at[i][k]);
+        }
+        edged |=
+            (unsigned)(welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0])
+            << i;
+    }
+    core_load_edges(mesh, (const uint32_t(*)[3])at, batch);
     norma_core_kernels(call->level)->measure(batch, weight);
-    for (size_t i = 0; i < count; i++) decided |= edged[i] && batch->sure[i] != 0 ? 1U << i : 0;
-    return decided;
+    for (size_t i = 0; i < count; i++) decided |= batch->sure[i] != 0 ? 1U << i : 0;
+    return decided & edged;
 }
 
 static void take_measured(const core_measured *measured, size_t i, core_face *out) {

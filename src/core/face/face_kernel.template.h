@@ -210,37 +210,6 @@ IN_VECTORS void open_faces(const core_mesh *mesh, const unsigned char *at, int d
     open_points(p, weight, o);
 }
 
-/* The next faces are read and multiplied while these ones' divisions are under way: what waits for
- * them would otherwise keep the processor from seeing that far ahead. */
-IN_VECTORS void measure_points(const core_mesh *mesh, const uint32_t *at, size_t count,
-    core_eight_rows *out, norma_weight weight) {
-    const int doubles = mesh->positions.format == NORMA_FORMAT_DOUBLE;
-    const unsigned char *indices = (const unsigned char *)at;
-    const size_t size = 3 * sizeof *at, faces = CORE_LANES * count;
-    kept_edges kept;
-    opened_faces next;
-    open_faces(mesh, indices, doubles, weight, &next);
-    for (size_t f = 0; f < faces; f += LANES) {
-        const size_t after = f + LANES < faces ? f + LANES : 0;
-        const int lane = (int)(f % CORE_LANES);
-        core_eight_rows *eight = &out[f / CORE_LANES];
-        opened_faces o = next;
-        sloped_faces s;
-        divide_faces(&o, weight, &s);
-        open_faces(mesh, indices + size * after, doubles, weight, &next);
-        VECTORS(store_rows)
-        (o.normal[0], o.normal[1], o.normal[2], VECTORS(all)(1), eight->row + lane);
-        keep_weights(&o, &s, weight, lane, eight->weight, &kept);
-        eight->sure = (lane ? eight->sure : 0) | VECTORS(bits)(o.sure) << lane;
-        if (lane + LANES == CORE_LANES && weight != NORMA_WEIGHT_ANGLE)
-            weigh_kept(weight, &kept, eight->weight);
-    }
-}
-
-FOR_VECTORS static void measure_at(const core_mesh *mesh, const uint32_t *at, size_t count,
-    core_eight_rows *out,
-    norma_weight weight){CORE_LOOP_FOR_WEIGHT(weight, measure_points, mesh, at, count, out)}
-
 /* ---- faces of equally many corners */
 
 /* Whether no corner is at the position of the one before it. */

@@ -104,7 +104,6 @@ norma_result norma_core_plan_groups_open(
 
 /* ---- pairs of numbers */
 
-static uint64_t pair_numbers(uint32_t high, uint32_t low) { return (uint64_t)high << 32 | low; }
 static uint32_t high_of(uint64_t p) { return (uint32_t)(p >> 32); }
 static uint32_t low_of(uint64_t p) { return (uint32_t)p; }
 
@@ -129,7 +128,7 @@ static int one_fan(const plan_groups *groups, const uint32_t *corners, size_t co
 
 static void sort_by_fan(plan_groups *groups, const uint32_t *corners, size_t count) {
     for (size_t i = 0; i < count; i++)
-        groups->by_fan[i] = pair_numbers(fan_lead(groups, corners[i], corners[0]), corners[i]);
+        groups->by_fan[i] = norma_core_pair(fan_lead(groups, corners[i], corners[0]), corners[i]);
     norma_core_sort_numbers(groups->by_fan, count);
 }
 
@@ -170,8 +169,9 @@ static int same_fans(const plan_groups *groups, const group_vertex *a, const gro
 static size_t find_sets(plan_groups *groups, const uint32_t *corners, size_t count) {
     size_t sets = 0;
     for (size_t i = 0; i < count; i++)
-        groups->by_vertex[i] = pair_numbers(norma_core_corner(&groups->prepared->mesh, corners[i]),
-            fan_lead(groups, corners[i], corners[0]));
+        groups->by_vertex[i] =
+            norma_core_pair(norma_core_corner(&groups->prepared->mesh, corners[i]),
+                fan_lead(groups, corners[i], corners[0]));
     norma_core_sort_numbers(groups->by_vertex, count);
     const size_t pairs = drop_repeated_pairs(groups->by_vertex, count);
     for (size_t begin = 0, end; begin < pairs; begin = end) {

@@ -12,7 +12,13 @@
 
 static inline int norma_core_has_votes(const core_vertex_sum *sum) { return !signbit(sum->weight); }
 void norma_core_clear_sums(core_vertex_sum *sums, size_t count);
-void norma_core_add_vote(core_vertex_sum *sum, double weight, const double normal[3]);
+static inline void norma_core_add_vote(
+    core_vertex_sum *sum, double weight, const double normal[3]) {
+    sum->x += weight * normal[0];
+    sum->y += weight * normal[1];
+    sum->z += weight * normal[2];
+    sum->weight += weight;
+}
 
 /* ---- what becomes of each vertex, by sums or by cones, before it is written. */
 
@@ -39,24 +45,54 @@ static inline void norma_core_release_vertices(core_vertices *vertices) {
     *vertices = (core_vertices){.prepared = vertices->prepared};
 }
 
-/* vertex_sums.c. Where faces in a row touch positions near each other, and none is welded: bin by
- * bin (a range of positions with the faces that touch it), from the corners to the output.
- * *written: whether it could, and all but what takes the nearest normal is written. ranges: of the
- * chunks of faces. tally: what has no normal, and degenerate faces, are added. */
-norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *ranges,
-    const core_output *output, core_tally *tally, int *written);
+/* ---- vertex_sums.c: votes of all faces of a mesh, added up. */
 
-/* vertex_sums.c: all sums, kept. What it returns but NORMA_OK leaves nothing to release. tally:
- * degenerate faces are added. ranges: of the chunks of faces; those of a welded mesh may be made
- * ranges of welded positions. */
-norma_result norma_core_sum_vertices(
-    core_prepared_mesh *prepared, core_range *ranges, core_vertices *vertices, core_tally *tally);
-/* The normal of a vertex by its sum, with NORMA_REASON_NONE, or the reason why it has none. */
-int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]);
+typedef struct core_voting {
+    core_call *call;
+    const core_mesh *mesh;
+    const uint32_t *targets; /* NULL, or of each corner the sum that it votes in, below count,
+                                instead of that of its position */
+    core_range *ranges;      /* of sums, of each chunk of faces */
+    size_t first, count;     /* of all sums those that are wanted; others' votes are passed over */
+    int by_distance;         /* positions that differ may be welded into one */
+    /* NULL, or whether a face without a direction counts whose first corner votes in this sum. */
+    int (*counts)(const void *context, uint32_t sum);
+    const void *context;
+} core_voting;
 
 static inline size_t norma_core_count_chunks(const core_mesh *mesh) {
     return mesh->face_count / CORE_FACES_IN_CHUNK + (mesh->face_count % CORE_FACES_IN_CHUNK != 0);
 }
+
+/* Sets the ranges. */
+norma_result norma_core_find_ranges(const core_voting *voting);
+
+/* Takes count sums from first on. What it counts is added to tally. */
+typedef void core_sums_receiver(
+    void *context, const core_vertex_sum *sums, size_t first, size_t count, core_tally *tally);
+
+/* Where faces in a row touch sums near each other: bin by bin (a range of sums with the faces that
+ * touch it), each told of when it is taken. *taken: whether it could; else nothing is done. sums:
+ * room for count, or NULL: as much as it needs is allocated. Degenerate faces are added to tally.
+ */
+norma_result norma_core_sum_bins(const core_voting *voting, core_vertex_sum *sums,
+    core_sums_receiver *receive, void *context, core_tally *tally, int *taken);
+/* All count sums, kept. */
+norma_result norma_core_sum_all(
+    const core_voting *voting, core_vertex_sum *sums, core_tally *tally);
+
+/* The same of a prepared mesh's vertices: *written: whether it could be done bin by bin, and all
+ * but what takes the nearest normal is written. */
+norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *ranges,
+    const core_output *output, core_tally *tally, int *written);
+
+/* All sums, kept. What it returns but NORMA_OK leaves nothing to release. tally: degenerate faces
+ * are added. ranges: of the chunks of faces; those of a welded mesh may be made ranges of welded
+ * positions. */
+norma_result norma_core_sum_vertices(
+    core_prepared_mesh *prepared, core_range *ranges, core_vertices *vertices, core_tally *tally);
+/* The normal of a vertex by its sum, with NORMA_REASON_NONE, or the reason why it has none. */
+int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float normal[3]);
 
 /* ---- weighted sums of vectors that do not depend on the order in which they are added, nor on how
  * they are grouped: for one surface in many files. Each number is cut into digits of 32 bits at

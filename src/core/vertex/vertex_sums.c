@@ -1,18 +1,12 @@
 /* vertex_sums.c: the weighted sums at all positions, and the normals that they become: range of
  * positions by range, each with the faces that touch it (bins), from the corners to the output
- * (norma_core_bin_vertices), or all sums kept (norma_core_sum_vertices). The kernels of
+ * (norma_core_bin_vertices), or all sums kept (norma_core_sum_vertices). The groups of a plan are
+ * summed by the same two (norma_core_sum_bins, norma_core_sum_all). The kernels of
  * add_kernel.template.h add most faces and finish most sums; here is what they leave. */
 #include "core/vertex/vertex.h"
 #include "core/call/call.h"
 #include "core/mesh/mesh.h"
 #include <stdatomic.h>
-
-void norma_core_add_vote(core_vertex_sum *sum, double weight, const double normal[3]) {
-    sum->x += weight * normal[0];
-    sum->y += weight * normal[1];
-    sum->z += weight * normal[2];
-    sum->weight += weight;
-}
 
 void norma_core_clear_sums(core_vertex_sum *sums, size_t count) {
     for (size_t i = 0; i < count; i++) sums[i] = (core_vertex_sum){0, 0, 0, -0.0};
@@ -23,31 +17,36 @@ void norma_core_clear_sums(core_vertex_sum *sums, size_t count) {
  * from first on are passed over. The first corner's owner counts the degenerate. */
 
 typedef struct lone_adder {
-    const core_prepared_mesh *prepared;
+    const core_voting *voting;
     core_vertex_sum *sums;
     uint32_t first, count;
     norma_count *degenerate;
 } lone_adder;
 
+static uint32_t sum_of_corner(const core_voting *voting, size_t corner) {
+    return voting->targets ? voting->targets[corner]
+                           : norma_core_welded_corner(voting->mesh, corner);
+}
+
 static void add_alone(void *context, size_t f) {
     const lone_adder *adder = context;
-    const core_prepared_mesh *prepared = adder->prepared;
-    const core_mesh *mesh = &prepared->mesh;
+    const core_voting *voting = adder->voting;
+    const core_mesh *mesh = voting->mesh;
     const size_t begin = norma_core_face_begin(mesh, f), end = norma_core_face_end(mesh, f);
     core_face face;
-    norma_core_prepared_mesh_face(prepared, f, &face);
+    norma_core_face_geometry(mesh, f, &face);
     if (!(face.flags & CORE_FACE_DIRECTED)) {
-        if (begin < end && (face.flags & CORE_FACE_FINITE) &&
-            norma_core_welded_corner(mesh, begin) - adder->first < adder->count)
+        const uint32_t sum = begin < end ? sum_of_corner(voting, begin) : UINT32_MAX;
+        if ((face.flags & CORE_FACE_FINITE) && sum - adder->first < adder->count &&
+            (!voting->counts || voting->counts(voting->context, sum)))
             norma_core_count_one(adder->degenerate, f);
         return;
     }
     for (size_t c = begin; c < end; c++) {
-        const uint32_t sum = norma_core_welded_corner(mesh, c) - adder->first;
+        const uint32_t sum = sum_of_corner(voting, c) - adder->first;
         if (sum >= adder->count || !norma_core_is_kept(mesh, f, c)) continue;
         norma_core_add_vote(&adder->sums[sum],
-            norma_core_corner_weight(mesh, prepared->call->options.weight, f, &face, c),
-            face.normal);
+            norma_core_corner_weight(mesh, voting->call->options.weight, f, &face, c), face.normal);
     }
 }
 
@@ -84,11 +83,12 @@ static int core_resolve_record(
 
 typedef struct core_bins {
     const core_mesh *mesh;
-    core_range *ranges; /* of positions, of each chunk of faces */
+    const core_range *ranges; /* of positions, of each chunk of faces */
     size_t chunks;
-    size_t count, size; /* bins; positions in each but the last */
-    size_t buffers;     /* at most so many are worked on at once */
-    size_t step;        /* each task takes every step-th bin */
+    size_t first, positions; /* those that there are bins for */
+    size_t count, size;      /* bins; positions in each but the last */
+    size_t buffers;          /* at most so many are worked on at once */
+    size_t step;             /* each task takes every step-th bin */
 } core_bins;
 
 typedef struct core_bin {
@@ -177,16 +177,18 @@ static size_t choose_buffers(const core_bins *bins, size_t workers, size_t alone
 }
 
 /* 0: the mesh is in no such order, and bins are not worth it. */
-static int core_plan_bins(
-    const core_call *call, const core_mesh *mesh, core_range *ranges, core_bins *bins) {
-    const size_t workers = norma_core_shares(call), positions = mesh->positions.count,
-                 chunks = norma_core_count_chunks(mesh);
-    const double span = average_span(ranges, chunks);
+static int core_plan_bins(const core_voting *voting, core_bins *bins) {
+    const core_call *call = voting->call;
+    const size_t workers = norma_core_shares(call), positions = voting->count,
+                 chunks = norma_core_count_chunks(voting->mesh);
+    const double span = average_span(voting->ranges, chunks);
     const size_t alone = size_alone(positions, span);
     if (!positions) return 0;
-    *bins = (core_bins){.mesh = mesh,
-        .ranges = ranges,
+    *bins = (core_bins){.mesh = voting->mesh,
+        .ranges = voting->ranges,
         .chunks = chunks,
+        .first = voting->first,
+        .positions = positions,
         .size = choose_size(workers, positions, span, alone)};
     bins->count = positions / bins->size + (positions % bins->size != 0);
     bins->buffers = choose_buffers(bins, workers, alone);
@@ -204,17 +206,22 @@ typedef struct bin_tasks {
     atomic_int taken[MOST_BUFFERS]; /* of each buffer */
 } bin_tasks;
 
+/* From its number its positions. */
+static void set_bin(const core_bins *bins, core_bin *bin) {
+    const size_t begin = bin->number * bins->size;
+    bin->first = (uint32_t)(bins->first + begin);
+    bin->count = (uint32_t)lesser_of(bins->positions - begin, bins->size);
+}
+
 /* There are as many buffers as ever work at once, so one is free. */
 static void work_on_bins(void *context, size_t task) {
     bin_tasks *tasks = context;
     const core_bins *bins = tasks->bins;
-    const size_t positions = bins->mesh->positions.count;
     core_bin bin = {.buffer = 0};
     while (atomic_exchange_explicit(&tasks->taken[bin.buffer], 1, memory_order_acquire))
         bin.buffer = (bin.buffer + 1) % bins->buffers;
     for (bin.number = task; bin.number < bins->count; bin.number += bins->step) {
-        bin.first = (uint32_t)(bin.number * bins->size);
-        bin.count = (uint32_t)lesser_of(positions - bin.first, bins->size);
+        set_bin(bins, &bin);
         tasks->work(tasks->context, &bin);
     }
     atomic_store_explicit(&tasks->taken[bin.buffer], 0, memory_order_release);
@@ -274,21 +281,20 @@ static void core_add_to_bin(const core_kernels *kernels, const core_bins *bins, 
     }
 }
 
-/* Votes of a prepared mesh, into the sums of the bin. */
-static void add_votes_of_bin(const core_prepared_mesh *prepared, const core_bins *bins,
-    const core_bin *bin, core_chunks chunks, int scattered, core_vertex_sum *sums,
-    norma_count *degenerate) {
-    const norma_options *o = &prepared->call->options;
-    lone_adder lone = {prepared, sums, bin->first, bin->count, degenerate};
-    core_adder adder = {.mesh = &prepared->mesh,
-        .weight = o->weight,
+/* Votes, into the sums of the bin. */
+static void add_votes_of_bin(const core_voting *voting, const core_bins *bins, const core_bin *bin,
+    core_chunks chunks, int scattered, core_vertex_sum *sums, norma_count *degenerate) {
+    lone_adder lone = {voting, sums, bin->first, bin->count, degenerate};
+    core_adder adder = {.mesh = voting->mesh,
+        .targets = voting->targets,
+        .weight = voting->call->options.weight,
         .sums = sums,
         .scattered = scattered,
-        .by_distance = norma_core_welds_near(prepared->call),
+        .by_distance = voting->by_distance,
         .add_alone = add_alone,
         .context = &lone};
     if (!chunks.begin) norma_core_clear_sums(sums, bin->count);
-    core_add_to_bin(norma_core_kernels(prepared->call->level), bins, bin, chunks, &adder);
+    core_add_to_bin(norma_core_kernels(voting->call->level), bins, bin, chunks, &adder);
 }
 
 /* ---- vertex normals where faces in a row touch positions near each other. Each bin, a range of
@@ -297,28 +303,60 @@ static void add_votes_of_bin(const core_prepared_mesh *prepared, const core_bins
  * written, read and written, and read again, never reach memory: that alone was 60 of the 100 bytes
  * that a triangle moved. A chunk that touches two bins is measured for both. */
 
-enum { AT_ONCE = 64 };
-
 typedef struct bin_work {
-    const core_prepared_mesh *prepared;
+    const core_voting *voting;
     core_bins bins;
-    const core_output *output;
-    const core_kernels *kernels;
-    core_tally *tallies;   /* of each bin */
-    core_vertex_sum *sums; /* buffers of bins.size each */
+    core_sums_receiver *receive;
+    void *context;
+    core_vertex_sum *sums;            /* buffers of bins.size each */
+    core_tally tallies[MOST_BUFFERS]; /* of each buffer */
 } bin_work;
 
-/* ---- a bin */
+static void sum_bin(void *context, const core_bin *bin) {
+    bin_work *work = context;
+    core_vertex_sum *sums = work->sums + bin->buffer * work->bins.size;
+    core_tally *tally = &work->tallies[bin->buffer];
+    add_votes_of_bin(work->voting, &work->bins, bin, (core_chunks){0, work->bins.chunks}, 0, sums,
+        &tally->degenerate);
+    work->receive(work->context, sums, bin->first, bin->count, tally);
+}
+
+norma_result norma_core_sum_bins(const core_voting *voting, core_vertex_sum *sums,
+    core_sums_receiver *receive, void *context, core_tally *tally, int *taken) {
+    bin_work work = {.voting = voting, .receive = receive, .context = context, .sums = sums};
+    *taken = 0;
+    if (!core_plan_bins(voting, &work.bins)) return NORMA_OK;
+    const size_t records = work.bins.buffers * work.bins.size;
+    if (sums && records > voting->count) work.bins.buffers = work.bins.step = 1;
+    if (!sums) work.sums = norma_core_allocate(voting->call, records, sizeof *sums);
+    const norma_result result =
+        work.sums ? core_each_bin(voting->call, &work.bins, sum_bin, &work) : NORMA_ERROR_MEMORY;
+    for (size_t i = 0; i < work.bins.buffers; i++) norma_core_tally_add(tally, &work.tallies[i]);
+    if (!sums) norma_core_release(voting->call, work.sums, records, sizeof *sums);
+    *taken = 1;
+    return result;
+}
+
+/* ---- the same, its normals written: those of a bin as it is taken */
+
+enum { AT_ONCE = 64 };
+
+typedef struct bin_output {
+    const core_mesh *mesh;
+    const core_output *output;
+    const core_kernels *kernels;
+} bin_output;
 
 static void write_one(
-    const bin_work *work, const core_vertex_sum *sum, size_t vertex, core_tally *tally) {
+    const bin_output *work, const core_vertex_sum *sum, size_t vertex, core_tally *tally) {
     float normal[3];
-    const int reason = core_resolve_record(&work->prepared->mesh, sum, vertex, normal);
+    const int reason = core_resolve_record(work->mesh, sum, vertex, normal);
     norma_core_write_element(work->output, vertex, reason, normal, tally);
 }
 
-static void write_bin(const bin_work *work, const core_vertex_sum *sums, size_t first, size_t count,
-    core_tally *tally) {
+static void write_bin(
+    void *context, const core_vertex_sum *sums, size_t first, size_t count, core_tally *tally) {
+    const bin_output *work = context;
     float normals[AT_ONCE][3];
     size_t held = 0, v = 0; /* normals[0 .. held) are of the vertices before v */
     while (v < count) {
@@ -336,40 +374,22 @@ static void write_bin(const bin_work *work, const core_vertex_sum *sums, size_t 
     norma_core_write_normals(work->output, first + v - held, held, (const float(*)[3])normals);
 }
 
-static void finish_bin(void *context, const core_bin *bin) {
-    const bin_work *work = context;
-    core_vertex_sum *sums = work->sums + bin->buffer * work->bins.size;
-    core_tally *tally = &work->tallies[bin->number];
-    add_votes_of_bin(work->prepared, &work->bins, bin, (core_chunks){0, work->bins.chunks}, 0, sums,
-        &tally->degenerate);
-    write_bin(work, sums, bin->first, bin->count, tally);
-}
-
-static norma_result finish_bins(bin_work *work, core_tally *sum) {
-    memset(work->tallies, 0, work->bins.count * sizeof *work->tallies);
-    const norma_result result = core_each_bin(work->prepared->call, &work->bins, finish_bin, work);
-    for (size_t i = 0; i < work->bins.count; i++) norma_core_tally_add(sum, &work->tallies[i]);
-    return result;
+static core_voting voting_of(const core_prepared_mesh *prepared, core_range *ranges) {
+    return (core_voting){.call = prepared->call,
+        .mesh = &prepared->mesh,
+        .ranges = ranges,
+        .count = prepared->mesh.positions.count,
+        .by_distance = norma_core_welds_near(prepared->call)};
 }
 
 norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *ranges,
     const core_output *output, core_tally *tally, int *written) {
-    core_call *call = prepared->call;
-    const core_mesh *mesh = &prepared->mesh;
-    bin_work work = {
-        .prepared = prepared, .output = output, .kernels = norma_core_kernels(call->level)};
+    const core_voting voting = voting_of(prepared, ranges);
+    bin_output to = {&prepared->mesh, output, norma_core_kernels(prepared->call->level)};
     *written = 0;
-    if (mesh->weld || norma_core_sees(call) || !core_plan_bins(call, mesh, ranges, &work.bins))
-        return NORMA_OK;
-    const size_t records = work.bins.buffers * work.bins.size;
-    work.sums = norma_core_allocate(call, records, sizeof *work.sums);
-    work.tallies = norma_core_allocate(call, work.bins.count, sizeof *work.tallies);
-    norma_result result =
-        work.sums && work.tallies ? finish_bins(&work, tally) : NORMA_ERROR_MEMORY;
-    norma_core_release(call, work.sums, records, sizeof *work.sums);
-    norma_core_release(call, work.tallies, work.bins.count, sizeof *work.tallies);
-    norma_core_count_add(&tally->degenerate, &prepared->degenerate_faces);
-    *written = 1;
+    if (prepared->mesh.weld || norma_core_sees(prepared->call)) return NORMA_OK;
+    const norma_result result = norma_core_sum_bins(&voting, NULL, write_bin, &to, tally, written);
+    if (*written) norma_core_count_add(&tally->degenerate, &prepared->degenerate_faces);
     return result;
 }
 
@@ -381,48 +401,55 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *r
 enum { FEWEST_FACES_TO_SHARE = 1 << 15, MOST_RANGES = 64, STEPS = 32 };
 
 typedef struct sum_work {
-    core_vertices *vertices;
+    const core_voting *voting;
+    core_vertex_sum *sums;
     core_bins bins; /* one for each who works */
     int scattered;
     core_chunks step;
     norma_count degenerate[MOST_RANGES];
 } sum_work;
 
-static void range_of_welded(void *bins_of_mesh, size_t chunk) {
-    const core_bins *bins = bins_of_mesh;
-    const core_mesh *mesh = bins->mesh;
+static void find_range(void *context, size_t chunk) {
+    const core_voting *voting = context;
+    const core_mesh *mesh = voting->mesh;
     core_range touched = {UINT32_MAX, 0};
-    const size_t begin = norma_core_face_begin(mesh, chunk * CORE_FACES_IN_CHUNK),
-                 end = norma_core_face_begin(mesh, core_chunk_end(bins, chunk));
+    const size_t face = chunk * CORE_FACES_IN_CHUNK, left = mesh->face_count - face,
+                 begin = norma_core_face_begin(mesh, face),
+                 end = norma_core_face_begin(mesh, face + lesser_of(left, CORE_FACES_IN_CHUNK));
     for (size_t c = begin; c < end; c++) {
-        const uint32_t position = norma_core_welded_corner(mesh, c);
-        touched.least = position < touched.least ? position : touched.least;
-        touched.most = position > touched.most ? position : touched.most;
+        const uint32_t sum = sum_of_corner(voting, c);
+        touched.least = sum < touched.least ? sum : touched.least;
+        touched.most = sum > touched.most ? sum : touched.most;
     }
-    bins->ranges[chunk] = touched;
+    voting->ranges[chunk] = touched;
+}
+
+norma_result norma_core_find_ranges(const core_voting *voting) {
+    core_voting each = *voting;
+    return norma_core_parallel(
+        voting->call, norma_core_count_chunks(voting->mesh), find_range, &each);
 }
 
 static void sum_range(void *context, size_t number) {
     sum_work *work = context;
     const core_bins *bins = &work->bins;
-    const size_t first = number * bins->size;
-    const core_bin bin = {
-        number, 0, (uint32_t)first, (uint32_t)lesser_of(work->vertices->count - first, bins->size)};
-    add_votes_of_bin(work->vertices->prepared, bins, &bin, work->step, work->scattered,
-        work->vertices->sums + first, &work->degenerate[number]);
+    core_bin bin = {.number = number};
+    set_bin(bins, &bin);
+    add_votes_of_bin(work->voting, bins, &bin, work->step, work->scattered,
+        work->sums + number * bins->size, &work->degenerate[number]);
 }
 
 /* In steps where somebody is told of progress: who owns a range is done with it only at the end. */
 static norma_result sum_ranges(sum_work *work) {
-    core_call *call = work->vertices->prepared->call;
+    core_call *call = work->voting->call;
     const core_bins *bins = &work->bins;
     const double begin = call->progress_from, to = call->progress_to,
                  from = begin + 0.1 * (to - begin);
     const size_t steps = call->options.progress ? lesser_of(STEPS, 1 + bins->chunks / 8) : 1;
     norma_result result = NORMA_OK;
     norma_core_stage(call, begin, from);
-    if (bins->count > 1 && bins->mesh->weld)
-        result = norma_core_parallel(call, bins->chunks, range_of_welded, &work->bins);
+    if (bins->count > 1 && bins->mesh->weld && !work->voting->targets)
+        result = norma_core_find_ranges(work->voting);
     for (size_t step = 0; step < steps && result == NORMA_OK; step++) {
         work->step = (core_chunks){bins->chunks * step / steps, bins->chunks * (step + 1) / steps};
         norma_core_stage(call, from + (to - from) * (double)step / (double)steps,
@@ -433,11 +460,31 @@ static norma_result sum_ranges(sum_work *work) {
     return result;
 }
 
-static size_t ranges_for(const core_prepared_mesh *prepared) {
-    const core_call *call = prepared->call;
-    if (!call->options.parallel_for && prepared->mesh.face_count < FEWEST_FACES_TO_SHARE) return 1;
+static size_t ranges_for(const core_voting *voting) {
+    const core_call *call = voting->call;
+    if (!call->options.parallel_for && voting->mesh->face_count < FEWEST_FACES_TO_SHARE) return 1;
     const size_t shares = norma_core_shares(call);
     return shares < MOST_RANGES ? shares : MOST_RANGES;
+}
+
+norma_result norma_core_sum_all(
+    const core_voting *voting, core_vertex_sum *sums, core_tally *tally) {
+    const size_t sharing = ranges_for(voting),
+                 size = voting->count / sharing + (voting->count % sharing != 0);
+    sum_work work = {.voting = voting,
+        .sums = sums,
+        .bins = {.mesh = voting->mesh,
+            .ranges = voting->ranges,
+            .chunks = norma_core_count_chunks(voting->mesh),
+            .first = voting->first,
+            .positions = voting->count,
+            .count = size ? voting->count / size + (voting->count % size != 0) : 0,
+            .size = size},
+        .scattered = norma_core_is_scattered(voting->mesh)};
+    const norma_result result = sum_ranges(&work);
+    for (size_t i = 0; i < work.bins.count; i++)
+        norma_core_count_add(&tally->degenerate, &work.degenerate[i]);
+    return result;
 }
 
 /* ---- sums that cancel: once more, over the corners of each vertex alone */
@@ -534,24 +581,13 @@ int norma_core_resolve_sum(const core_vertices *vertices, size_t vertex, float n
 
 norma_result norma_core_sum_vertices(
     core_prepared_mesh *prepared, core_range *ranges, core_vertices *vertices, core_tally *tally) {
-    const core_mesh *mesh = &prepared->mesh;
-    const size_t count = mesh->positions.count, sharing = ranges_for(prepared),
-                 size = count / sharing + (count % sharing != 0);
-    *vertices = (core_vertices){.prepared = prepared, .count = count};
-    vertices->sums = norma_core_allocate(prepared->call, count, sizeof *vertices->sums);
+    const core_voting voting = voting_of(prepared, ranges);
+    *vertices = (core_vertices){.prepared = prepared, .count = voting.count};
+    vertices->sums = norma_core_allocate(prepared->call, voting.count, sizeof *vertices->sums);
     if (!vertices->sums) return NORMA_ERROR_MEMORY;
-    sum_work work = {.vertices = vertices,
-        .bins = {.mesh = mesh,
-            .ranges = ranges,
-            .chunks = norma_core_count_chunks(mesh),
-            .count = size ? count / size + (count % size != 0) : 0,
-            .size = size},
-        .scattered = norma_core_is_scattered(mesh)};
-    norma_result result = sum_ranges(&work);
+    norma_result result = norma_core_sum_all(&voting, vertices->sums, tally);
     if (result == NORMA_OK) result = sum_own(vertices);
     norma_core_count_add(&tally->degenerate, &prepared->degenerate_faces);
-    for (size_t i = 0; i < work.bins.count; i++)
-        norma_core_count_add(&tally->degenerate, &work.degenerate[i]);
     if (result != NORMA_OK) norma_core_release_vertices(vertices);
     return result;
 }
