@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { MOST_FILES = 96, MOST_SIZE = 1 << 16, ASSETS = 3 };
+enum { MOST_FILES = 96, MOST_SIZE = 1 << 19, ASSETS = 3 };
 static const char *const assets[ASSETS] = {"a.gltf", "b.gltf", "sub/c.gltf"};
 const char *const fuzz_scene_files[FUZZ_SCENE_FILES] = {"a.gltf", "b.gltf", "s.bin", "t.bin",
     "m.obj", "m.mtl", "p.ply", "t.stl", "sub/c.gltf", ".norma.json", "base.json", "list.txt"};
