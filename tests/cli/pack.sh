@@ -45,11 +45,18 @@ const asset = {
   buffers: [{ byteLength: bytes.length, uri: "data:application/octet-stream;base64," + bytes.toString("base64") }],
 };
 writeFileSync(`${folder}/morph.gltf`, JSON.stringify(asset));
+const picture = { ...asset, buffers: [{ byteLength: bytes.length }], images: [{ uri: "picture.png" }], textures: [{ source: 0 }], materials: [{ normalTexture: { index: 0 } }] };
+const json = JSON.stringify(picture), text = Buffer.from(json + " ".repeat(3 - (json.length + 3) % 4)), word = (...n) => Buffer.from(Uint32Array.from(n).buffer);
+writeFileSync(`${folder}/picture.glb`, Buffer.concat([word(0x46546c67, 2, 28 + text.length + bytes.length, text.length, 0x4e4f534a), text, word(bytes.length, 0x004e4942), bytes]));
+writeFileSync(`${folder}/picture.png`, Buffer.concat([Buffer.from("\x89PNG\r\n\x1a\n", "latin1"), Buffer.alloc(9000)]));
 asset.meshes[0].primitives[1].attributes.COLOR_0 = 1;
 writeFileSync(`${folder}/color.gltf`, JSON.stringify(asset));
 JS
 said=$("$norma" pack "$scratch/morph.gltf" -o "$scratch/packed.gltf")
 check "targets too large for codes stay floats, the others do not" grep -q "normals 108 bytes -> 60 bytes.*(1 of 3 accessors as they were)" <<<"$said"
+mkdir "$scratch/elsewhere"
+said=$("$norma" pack "$scratch/picture.glb" -o "$scratch/elsewhere/picture.glb")
+check "a picture that is copied along is not growth" bash -c 'grep -q "normals 108 bytes -> 60 bytes" <<<"$1" && ! grep -q "; size" <<<"$1" && [ -s "$2" ]' - "$said" "$scratch/elsewhere/picture.png"
 check "rows become shorter: no gap is left" node -e '
 const j = JSON.parse(require("fs").readFileSync(process.argv[1]));
 process.exit(j.bufferViews[0].byteStride === 16 && j.bufferViews[0].byteLength === 48 && j.accessors[0].byteOffset === 0 && j.accessors[1].componentType === 5120 &&

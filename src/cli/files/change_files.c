@@ -173,12 +173,13 @@ static int add_size(void *user, const char *path) {
     return 0;
 }
 
-/* Of the input and, for a .gltf, of the files that it names. */
+/* Of the input and, for glTF, of the files that it names, which are written beside the output. */
 static norma_document_result measure_input(
     file_job *job, norma_document *document, norma_document_error *error) {
     if (cli_is_standard(job->input)) return NORMA_DOCUMENT_OK;
     add_size(&job->before, job->input);
-    return norma_document_format(document) == NORMA_FILE_GLTF
+    const norma_file_format format = norma_document_format(document);
+    return format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB
                ? norma_document_visit_files(document, add_size, &job->before, error)
                : NORMA_DOCUMENT_OK;
 }
