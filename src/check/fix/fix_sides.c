@@ -225,11 +225,11 @@ norma_result norma_fix_windings(fix_mesh *m) {
     return result;
 }
 
-/* ---- normals: after the windings have become what they will be, a normal that is against the sum
- * of its faces' is turned round, unless it is unknown which of both is wrong */
+/* ---- normals: after the windings have become what they will be, a normal that more of its faces
+ * oppose than not is turned round, unless it is unknown which of both is wrong */
 
 typedef struct side_count {
-    double with; /* sum of its cosines to the faces: needles that it opposes weigh little */
+    uint32_t with, against;
     int candidate;
 } side_count;
 
@@ -245,7 +245,9 @@ static void count_sides(const fix_mesh *m, const uint8_t *named, side_count *sid
             size_t number = norma_fix_normal_of(m, face, c);
             if (number == SIZE_MAX) continue;
             norma_fix_normal(m, number, normal);
-            sides[number].with += norma_check_dot(direction, normal);
+            double dot = norma_check_dot(direction, normal);
+            sides[number].with += dot > 0;
+            sides[number].against += dot < 0;
             sides[number].candidate |= candidate;
         }
     }
@@ -262,7 +264,7 @@ norma_result norma_fix_turn_normals(fix_mesh *m) {
         if (!result) count_sides(m, named, sides);
         for (size_t i = 0; i < count && !result; i++) {
             double normal[3];
-            if (!sides[i].candidate || !(sides[i].with < 0)) continue;
+            if (!sides[i].candidate || sides[i].against <= sides[i].with) continue;
             norma_fix_normal(m, i, normal);
             for (int axis = 0; axis < 3; axis++) normal[axis] = -normal[axis];
             result = norma_fix_set_normal(m, i, normal) ? NORMA_OK : NORMA_ERROR_MEMORY;
