@@ -92,7 +92,8 @@ static void list_group(void *context, const uint32_t *members, size_t member_cou
     const uint32_t *vertices, size_t vertex_count) {
     listing *l = context;
     norma_plan *plan = l->plan;
-    memcpy(plan->members + l->member_count, members, member_count * sizeof *members);
+    if (member_count)
+        memcpy(plan->members + l->member_count, members, member_count * sizeof *members);
     if (vertex_count)
         memcpy(plan->vertices + l->vertex_count, vertices, vertex_count * sizeof *vertices);
     l->member_count += member_count;
