@@ -225,6 +225,10 @@ typedef struct norma_node_info {
     size_t parent;     /* number in the file; SIZE_MAX: a root */
     size_t skin;       /* number in the file; SIZE_MAX: none */
 
+    /* What it draws, as norma_document_mesh_info counts: the primitives of its mesh follow each
+     * other. */
+    size_t first_mesh, mesh_count;
+
     /* Instances whose world matrix mirrors. With depth SUMMARY all or none, judged by the node's
      * own matrix. */
     size_t mirrored_instances;

@@ -33,11 +33,13 @@ static int add_piece(compared_scene *scene, compared_piece piece) {
 static norma_document_result add_pieces_of(compared_scene *scene, const norma_node_info *node,
     size_t node_index, size_t *vertices, norma_document_error *error) {
     const int named = norma_document_format(scene->document) >= NORMA_FILE_GLTF;
-    for (size_t i = 0; i < norma_document_mesh_count(scene->document); ++i) {
+    const size_t first = node ? node->first_mesh : 0,
+                 count = node ? node->mesh_count : norma_document_mesh_count(scene->document);
+    for (size_t i = first; i < first + count; ++i) {
         norma_mesh_info info;
         norma_document_result result = norma_document_mesh_info(scene->document, i, &info);
         if (result) return result;
-        if (info.not_read || !info.faces || (node && node->mesh != info.mesh)) continue;
+        if (info.not_read || !info.faces) continue;
         norma_drawn_mesh drawn = {.shown = 1};
         if (node)
             result = norma_document_drawn_mesh(scene->document, node_index, 0, i, &drawn, error);

@@ -114,6 +114,15 @@ static void read_meshes(norma_document *document) {
     }
 }
 
+/* What a node draws, by definition: the primitives whose mesh is the node's, and no other. */
+static void judge_meshes_of(norma_document *document, const norma_node_info *node) {
+    norma_mesh_info mesh;
+    for (size_t i = 0; i < norma_document_mesh_count(document) && i < 4096; ++i)
+        if (!norma_document_mesh_info(document, i, &mesh) &&
+            (mesh.mesh == node->mesh) != (i - node->first_mesh < node->mesh_count))
+            fuzz_fail("%s: mesh %zu is drawn, or is not", node->where, i);
+}
+
 static void read_nodes(norma_document *document) {
     for (size_t i = 0; i < norma_document_node_count(document); ++i) {
         norma_node_info node;
@@ -121,6 +130,7 @@ static void read_nodes(norma_document *document) {
         if (norma_document_node_info(
                 document, i, &node)) /* its instances may lie in a file that is not here */
             continue;
+        if (i < 256) judge_meshes_of(document, &node);
         touch_text(node.name);
         touch_text(node.where);
         touch_text(node.path);

@@ -602,17 +602,19 @@ static uint64_t hash_mesh(const norma_mesh *mesh) {
     return hash;
 }
 
-/* Findings of one mesh follow one another. */
+/* Findings of one mesh follow one another, and those of the next follow them: it is looked for from
+ * there on. */
 static void name_meshes(const norma_check_mesh *meshes, size_t count, norma_findings *findings) {
     const norma_finding *last = NULL;
+    size_t at = 0;
     for (size_t i = 0; i < findings->count; ++i) {
         norma_finding *finding = &findings->entries[i].finding;
         if (last && strcmp(last->where, finding->where) == 0)
             finding->mesh = last->mesh;
         else
-            for (size_t m = 0; m < count && !finding->mesh; ++m)
-                if (strcmp(meshes[m].info.where, finding->where) == 0)
-                    finding->mesh = hash_mesh(&meshes[m].data.mesh);
+            for (size_t k = 0; k < count && !finding->mesh; ++k, at = (at + 1) % count)
+                if (strcmp(meshes[at].info.where, finding->where) == 0)
+                    finding->mesh = hash_mesh(&meshes[at].data.mesh);
         last = finding;
     }
 }

@@ -436,20 +436,6 @@ static void visit_placed(const picture *drawn, whole_model *whole, whole_pass pa
         visit_face(whole, pass, &data.mesh, world, face);
 }
 
-/* The first mesh of the document that has this number in the file, or a greater one. */
-static size_t first_mesh_of(norma_document *document, size_t number) {
-    size_t from = 0, to = norma_document_mesh_count(document);
-    norma_mesh_info info;
-    while (from < to) {
-        const size_t middle = from + (to - from) / 2;
-        if (!norma_document_mesh_info(document, middle, &info) && info.mesh < number)
-            from = middle + 1;
-        else
-            to = middle;
-    }
-    return from;
-}
-
 /* A skin places its mesh itself: in the pose that it was bound in. */
 static int place_node(
     const picture *drawn, const norma_node_info *node, size_t index, size_t k, double world[16]) {
@@ -470,16 +456,12 @@ static int find_first_node(const picture *drawn, double world[16]) {
     return 0;
 }
 
-static size_t count_primitives(norma_document *document, const norma_node_info *node) {
-    return first_mesh_of(document, node->mesh + 1) - first_mesh_of(document, node->mesh);
-}
-
 static uint64_t choose_visit_stride(norma_document *document) {
     norma_node_info node;
     uint64_t visits = 0;
     for (size_t i = 0; i < norma_document_node_count(document); ++i)
         if (!norma_document_node_info(document, i, &node))
-            visits += (uint64_t)node.instances * count_primitives(document, &node);
+            visits += (uint64_t)node.instances * node.mesh_count;
     return 1 + visits / MOST_VISITS;
 }
 
@@ -494,13 +476,12 @@ static void visit_model(const picture *drawn, whole_model *whole, whole_pass pas
     if (!by_nodes || whole->visit_stride > 1) visit_placed(drawn, whole, pass, drawn->mesh, first);
     for (size_t i = 0; by_nodes && i < norma_document_node_count(drawn->document); ++i) {
         if (norma_document_node_info(drawn->document, i, &node)) continue;
-        const size_t mesh = first_mesh_of(drawn->document, node.mesh),
-                     count = count_primitives(drawn->document, &node);
+        const size_t count = node.mesh_count;
         const uint64_t visits = (uint64_t)node.instances * count;
         for (; at < visits; at += whole->visit_stride) /* each primitive has its turn */
             if (place_node(drawn, &node, i, (size_t)(at / count), world))
-                visit_placed(
-                    drawn, whole, pass, mesh + (size_t)(at / whole->visit_stride % count), world);
+                visit_placed(drawn, whole, pass,
+                    node.first_mesh + (size_t)(at / whole->visit_stride % count), world);
         at -= visits;
     }
 }

@@ -50,21 +50,13 @@ typedef struct finding_place {
 static finding_place place_of_finding(const check_names *names, const char *where) {
     norma_mesh_info mesh;
     norma_node_info node;
-    finding_place place = {SIZE_MAX, SIZE_MAX};
-    const size_t meshes = norma_document_mesh_count(names->document);
-    for (size_t i = 0; i < meshes; ++i)
+    for (size_t i = 0; i < norma_document_mesh_count(names->document); ++i)
         if (!norma_document_mesh_info(names->document, i, &mesh) && strcmp(mesh.where, where) == 0)
             return (finding_place){i, SIZE_MAX};
     for (size_t i = 0; i < norma_document_node_count(names->document); ++i)
-        if (!norma_document_node_info(names->document, i, &node) &&
-            strcmp(node.where, where) == 0) {
-            place.node = i;
-            break;
-        }
-    for (size_t i = 0; i < meshes && place.node != SIZE_MAX && place.mesh == SIZE_MAX; ++i)
-        if (!norma_document_mesh_info(names->document, i, &mesh) && mesh.mesh == node.mesh)
-            place.mesh = i;
-    return place;
+        if (!norma_document_node_info(names->document, i, &node) && strcmp(node.where, where) == 0)
+            return (finding_place){node.mesh_count ? node.first_mesh : SIZE_MAX, i};
+    return (finding_place){SIZE_MAX, SIZE_MAX};
 }
 
 /* What is wrong with a mesh is seen at every node that draws it: all of them must be meant. */

@@ -42,11 +42,12 @@ static void include_mesh(info_bounds *bounds, const norma_vec3_view *view, const
 static norma_document_result include_node(norma_document *document, size_t index,
     const norma_node_info *node, info_bounds *bounds, size_t *visits, norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t i = 0; i < norma_document_mesh_count(document) && !result; ++i) {
+    const size_t end = node->first_mesh + node->mesh_count;
+    for (size_t i = node->first_mesh; i < end && !result; ++i) {
         norma_mesh_info info;
         norma_mesh_data data;
         result = norma_document_mesh_info(document, i, &info);
-        if (result || info.mesh != node->mesh || info.not_read) continue;
+        if (result || info.not_read) continue;
         if (info.vertices && node->instances > (most_visits - *visits) / info.vertices) {
             *visits = most_visits;
             return NORMA_DOCUMENT_OK;
@@ -80,8 +81,7 @@ static norma_document_result include_stored(
  * instance; without such nodes, and in other formats, as stored. Skins and morphs are left out. */
 static norma_document_result info_find_bounds(
     norma_document *document, info_bounds *bounds, norma_document_error *error) {
-    const size_t nodes = norma_document_node_count(document),
-                 meshes = norma_document_mesh_count(document);
+    const size_t nodes = norma_document_node_count(document);
     size_t visits = 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
     *bounds = (info_bounds){0};
@@ -89,8 +89,8 @@ static norma_document_result info_find_bounds(
     for (size_t i = 0; i < nodes && !result && visits < most_visits; ++i) {
         norma_node_info node;
         result = norma_document_node_info(document, i, &node);
-        /* Looking through the meshes counts as well. */
-        visits = meshes < most_visits - visits ? visits + meshes : most_visits;
+        /* Looking at primitives counts as well: thousands of nodes may draw one of thousands. */
+        visits = node.mesh_count < most_visits - visits ? visits + node.mesh_count : most_visits;
         if (!result) result = include_node(document, i, &node, bounds, &visits, error);
     }
     if (visits >= most_visits) bounds->known = 0;

@@ -123,8 +123,26 @@ size_t norma_document_node_count(const norma_document *document) {
                : 0;
 }
 
+/* Where those of a mesh of the file begin, or would: all come in the order of their meshes. */
+static norma_document_result find_first_mesh(
+    const norma_document *document, size_t number, size_t *first) {
+    norma_mesh_info info;
+    size_t end = norma_document_mesh_count(document);
+    for (*first = 0; *first < end;) {
+        const size_t middle = *first + (end - *first) / 2;
+        const norma_document_result result = norma_document_mesh_info(document, middle, &info);
+        if (result) return result;
+        if (info.mesh < number)
+            *first = middle + 1;
+        else
+            end = middle;
+    }
+    return NORMA_DOCUMENT_OK;
+}
+
 norma_document_result norma_document_node_info(
     const norma_document *document, size_t index, norma_node_info *info) {
+    size_t end = 0;
     if (!info) return NORMA_DOCUMENT_ERROR_ARGUMENT;
     *info = (norma_node_info){.name = "",
         .instances = 1,
@@ -134,7 +152,11 @@ norma_document_result norma_document_node_info(
         .path = "",
         .ignore = ""};
     if (index >= norma_document_node_count(document)) return NORMA_DOCUMENT_ERROR_ARGUMENT;
-    return document->functions->node_info(document, index, info);
+    norma_document_result result = document->functions->node_info(document, index, info);
+    if (!result) result = find_first_mesh(document, info->mesh, &info->first_mesh);
+    if (!result) result = find_first_mesh(document, info->mesh + 1, &end);
+    if (!result) info->mesh_count = end - info->first_mesh;
+    return result;
 }
 
 /* ---- what needs the whole document */

@@ -201,6 +201,28 @@ static void test_nodes(void **state) {
     asset_free(&a);
 }
 
+/* Primitives of a mesh follow each other; meshes without any, and without a node, lie between. */
+static void test_what_a_node_draws(void **state) {
+    (void)state;
+    gltf_asset a = {0};
+    add_square(&a);
+    norma_document *document = asset_open(&a,
+        "\"nodes\":[{\"mesh\":3},{\"mesh\":0},{\"mesh\":1},{\"mesh\":4},{\"mesh\":3}],\"meshes\":["
+        "{\"primitives\":[{" PRIMITIVE "}]},{\"primitives\":[]},{\"primitives\":[{" PRIMITIVE
+        "},{" PRIMITIVE "}]},{\"primitives\":[{" PRIMITIVE "},{" PRIMITIVE "},{" PRIMITIVE
+        "}]},{\"primitives\":[{" PRIMITIVE "}]}]",
+        0);
+    static const size_t drawn[5][2] = {{3, 3}, {0, 1}, {1, 0}, {6, 1}, {3, 3}};
+    assert_int_equal(norma_document_mesh_count(document), 7);
+    for (size_t i = 0; i < 5; ++i) {
+        const norma_node_info node = node_info(document, i);
+        assert_int_equal(node.first_mesh, drawn[i][0]);
+        assert_int_equal(node.mesh_count, drawn[i][1]);
+    }
+    norma_document_close(document);
+    asset_free(&a);
+}
+
 static void test_deep_path(void **state) {
     (void)state;
     enum { DEPTH = 3000 };
@@ -680,6 +702,7 @@ int main(void) {
         cmocka_unit_test(test_attributes),
         cmocka_unit_test(test_morphs),
         cmocka_unit_test(test_nodes),
+        cmocka_unit_test(test_what_a_node_draws),
         cmocka_unit_test(test_deep_path),
         cmocka_unit_test(test_instances),
         cmocka_unit_test(test_skins),

@@ -280,16 +280,12 @@ static norma_document_result draw_mesh(
     return NORMA_DOCUMENT_OK;
 }
 
-static norma_document_result draw_node(
-    packing *work, size_t mesh_count, size_t node, norma_document_error *error) {
+static norma_document_result draw_node(packing *work, size_t node, norma_document_error *error) {
     norma_node_info info;
-    norma_mesh_info mesh;
     norma_document_result result = norma_document_node_info(work->document, node, &info);
     work->draw_of_node[node] = VIEW_PACK_NONE;
-    for (size_t i = 0; i < mesh_count && !result; ++i) {
+    for (size_t i = info.first_mesh; i < info.first_mesh + info.mesh_count && !result; ++i) {
         if (work->record_of[i] == VIEW_PACK_NONE) continue;
-        result = norma_document_mesh_info(work->document, i, &mesh);
-        if (result || mesh.mesh != info.mesh) continue;
         const uint32_t before = work->draw_count;
         result = draw_mesh(work, node, info.instances, i, error);
         if (work->draw_of_node[node] == VIEW_PACK_NONE && work->draw_count > before)
@@ -301,10 +297,10 @@ static norma_document_result draw_node(
 /* Every node's mesh where its instances stand; in files without nodes, what there is where it is.
  */
 static norma_document_result pack_draws(
-    packing *work, size_t mesh_count, view_pack_head *head, norma_document_error *error) {
+    packing *work, view_pack_head *head, norma_document_error *error) {
     const size_t nodes = norma_document_node_count(work->document);
     for (size_t n = 0; n < nodes; ++n) {
-        const norma_document_result result = draw_node(work, mesh_count, n, error);
+        const norma_document_result result = draw_node(work, n, error);
         if (result) return result;
     }
     if (!nodes)
@@ -320,7 +316,7 @@ static norma_document_result pack_all(
         .magic = VIEW_PACK_MAGIC, .format = (uint32_t)norma_document_format(work->document)};
     reserve(work->pack, sizeof head);
     norma_document_result result = pack_meshes(work, mesh_count, &head, error);
-    if (result == NORMA_DOCUMENT_OK) result = pack_draws(work, mesh_count, &head, error);
+    if (result == NORMA_DOCUMENT_OK) result = pack_draws(work, &head, error);
     head.finding_count = VIEW_PACK_NONE;
     if (result == NORMA_DOCUMENT_OK && !work->options->unchecked)
         result = view_pack_findings(work->document, work->record_of, work->draw_of_node,
@@ -334,14 +330,13 @@ static norma_document_result pack_all(
 
 /* Of every mesh, and of each that a further node moves. */
 static size_t room_for_records(norma_document *document) {
-    const size_t meshes = norma_document_mesh_count(document);
-    size_t room = meshes;
+    size_t room = norma_document_mesh_count(document);
     for (size_t n = 0; n < norma_document_node_count(document); ++n) {
         norma_node_info node;
         norma_mesh_info mesh;
         if (norma_document_node_info(document, n, &node)) continue;
-        for (size_t i = 0; i < meshes; ++i)
-            if (!norma_document_mesh_info(document, i, &mesh) && mesh.mesh == node.mesh)
+        for (size_t i = node.first_mesh; i < node.first_mesh + node.mesh_count; ++i)
+            if (!norma_document_mesh_info(document, i, &mesh))
                 room += node.skin != SIZE_MAX || mesh.morph_targets > 0;
     }
     return room < UINT32_MAX ? room : UINT32_MAX - 1;
