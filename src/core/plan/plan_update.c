@@ -121,15 +121,27 @@ static void mark_moved(plan_marks *m) {
     }
 }
 
-/* To sum a group by itself takes about as long as to sum so many in a row. */
+/* To sum a group by itself takes about as long as to sum so many in a row, which measures all faces
+ * of each chunk that any of the row is touched by: in scans those are many. */
 enum { IN_A_ROW = 6 };
+
+static int is_faster_in_a_row(const norma_plan *plan, plan_some some, size_t marked) {
+    const double groups_of_chunk =
+        CORE_FACES_IN_CHUNK * (double)plan->group_count / (double)plan->mesh.face_count;
+    size_t chunks = 0;
+    if (marked <= (some.count + CORE_FACES_IN_CHUNK) / IN_A_ROW) return 0;
+    for (size_t i = 0; i < norma_core_count_chunks(&plan->mesh); i++)
+        chunks +=
+            plan->ranges[i].least < some.first + some.count && plan->ranges[i].most >= some.first;
+    return (double)marked * IN_A_ROW > (double)chunks * groups_of_chunk;
+}
 
 static norma_result sum_marked(const plan_marks *m, int by_row) {
     const size_t low = m->group_span.low / 64 * 64;
     if (!m->marked) return NORMA_OK;
     const plan_some some = {
         m->groups + low / 64, m->first_group + low, m->group_span.high + 1 - low};
-    return by_row && m->marked > (some.count + CORE_FACES_IN_CHUNK) / IN_A_ROW
+    return by_row && is_faster_in_a_row(m->work->plan, some, m->marked)
                ? norma_core_plan_sum_row(m->work, some)
                : norma_core_plan_sum_some(m->work, some);
 }
