@@ -349,6 +349,23 @@ static int extent_is_float(const double *positions, size_t count) {
     return farthest <= 16 * extent && extent > 1e-30 && farthest < 1e30;
 }
 
+/* Text holds what a float cannot, but most readers take floats. */
+static void tell_beyond_floats(
+    norma_document *document, const double *before, const double *after, size_t position_count) {
+    size_t beyond = 0;
+    for (size_t i = 0; i < position_count; ++i)
+        for (size_t axis = 0; axis < 3; ++axis)
+            if (fabs(after[3 * i + axis]) > FLT_MAX && fabs(before[3 * i + axis]) <= FLT_MAX) {
+                ++beyond;
+                break;
+            }
+    if (beyond)
+        norma_document_add_note(document,
+            "%zu of %zu vertices are moved beyond %.3g: programs that read floats take that for "
+            "infinite",
+            beyond, position_count, (double)FLT_MAX);
+}
+
 static norma_document_result obj_move_positions(norma_document *document, obj_state *state,
     const double matrix[16], norma_document_error *error) {
     const norma_vec3_view view = {state->positions, state->position_count, 0, NORMA_FORMAT_DOUBLE};
@@ -363,6 +380,7 @@ static norma_document_result obj_move_positions(norma_document *document, obj_st
         free(moved);
         return result;
     }
+    tell_beyond_floats(document, state->positions, moved, state->position_count);
     free(state->positions);
     state->positions = moved;
     state->position_room = state->position_count;

@@ -193,6 +193,27 @@ static void test_surfaces_under_a_mirror(void **state) {
     bytes_free(&in);
 }
 
+/* Text holds 1e39; that floats do not is said, of what the matrix did alone. */
+static void test_moved_beyond_floats(void **state) {
+    static const char source[] = "v 0 0 0\nv 1 0 0\nv 1e39 1 0\nf 1 2 3\n";
+    const norma_transform_options options = {.struct_size = sizeof options,
+        .matrix = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1e39, 0, -4e38, 1}};
+    (void)state;
+    document_bytes in = bytes_copy(source, sizeof source - 1);
+    norma_document *document = bytes_open(in, "a.obj");
+    assert_int_equal(norma_document_transform(document, &options, NULL, NULL), NORMA_DOCUMENT_OK);
+    assert_int_equal(norma_document_note_count(document), 1);
+    assert_string_equal(norma_document_note(document, 0),
+        "3 of 3 vertices are moved beyond 3.4e+38: programs that read floats take that for "
+        "infinite");
+    document_bytes out = bytes_of(document);
+    assert_string_equal(
+        (const char *)out.data, "v 1e+39 0 -4e+38\nv 1e+39 0 -4e+38\nv 2e+39 1 -4e+38\nf 1 2 3\n");
+    norma_document_close(document);
+    bytes_free(&out);
+    bytes_free(&in);
+}
+
 /* Turned by 90 degrees about z, then computed: the normal that the surface uses stays the first,
  * turned; the face gets one of its own. */
 static void test_turned_then_computed(void **state) {
@@ -288,6 +309,7 @@ int main(void) {
         cmocka_unit_test(test_a_position_that_is_not_there),
         cmocka_unit_test(test_a_byte_order_mark),
         cmocka_unit_test(test_surfaces_under_a_mirror),
+        cmocka_unit_test(test_moved_beyond_floats),
         cmocka_unit_test(test_turned_then_computed),
         cmocka_unit_test(test_groups_that_all_meet),
     };
