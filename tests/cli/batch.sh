@@ -90,6 +90,11 @@ faulty info models
 expect "info" lines said '^models/.\.obj: obj' 6
 faulty info models --json
 expect "info --json" lines said '"error": "models/.-faulty.obj: norma ended' 3
+faulty compare fixed models
+expect "compare: three pairs are named" lines errors "^norma: models/.-faulty.obj: $segmentation" 3
+expect "compare: the others are compared" lines said '^models/.\.obj against fixed/.\.obj: ' 6
+faulty compare fixed models --json
+expect "compare --json" lines said '"error": "models/.-faulty.obj: norma ended' 3
 
 # What ends the tool ends its workers, and nothing is left behind.
 set -m # children hear SIGINT

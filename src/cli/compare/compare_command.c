@@ -60,7 +60,7 @@ typedef struct compare_work {
     cli_common common;
     cli_files files;
     compare_limits limits;
-    const char *output, *names[2]; /* names: BASE and OTHER */
+    const char *output, *base, *names[2]; /* base: a folder; names: BASE and OTHER */
     FILE *out;
     compared_pair pair;
     norma_document *documents[2];
@@ -406,7 +406,7 @@ static int check_drawing(const cli_subcommand *command, compare_work *work) {
     return cli_guard_output(work->files.guard, work->output, NULL);
 }
 
-/* ---- the command */
+/* ---- a pair */
 
 /* Compares work->names and writes what comes of it to work->out and work->output. A status; error:
  * why there is nothing. */
@@ -464,22 +464,45 @@ static int compare_and_report(compare_work *work) {
     return status;
 }
 
-/* Each file of OTHER with the file of the same path in BASE. */
-static int compare_folders(
-    const cli_subcommand *command, compare_work *work, const char *base, const char *other) {
-    work->files.words = (cli_words){&other, 1};
-    int status = cli_find_inputs(command, &work->files);
-    for (size_t i = 0; i < work->files.inputs.count && status != CLI_USAGE; ++i) {
-        const char *path = work->files.inputs.paths[i];
-        char *counterpart = cli_join(base, path + work->files.inputs.within[i]);
-        if (!counterpart) return cli_out_of_memory();
-        work->names[0] = counterpart;
-        work->names[1] = path;
-        status = cli_worse(status, compare_and_report(work));
-        free(counterpart);
-    }
+/* ---- folders: each file of OTHER with the file of the same path in BASE */
+
+/* 0: no memory. */
+static char *name_pair(compare_work *work, size_t file) {
+    const cli_inputs *inputs = &work->files.inputs;
+    work->names[1] = inputs->paths[file];
+    work->names[0] = cli_join(work->base, work->names[1] + inputs->within[file]);
+    return (char *)(uintptr_t)work->names[0];
+}
+
+static int compare_one(void *user, size_t file) {
+    char *counterpart = name_pair(user, file);
+    const int status = counterpart ? compare_and_report(user) : cli_out_of_memory();
+    free(counterpart);
     return status;
 }
+
+static void report_lost_pair(void *user, size_t file, const char *why) {
+    compare_work *work = user;
+    norma_document_error error;
+    char *counterpart = name_pair(work, file);
+    cli_lost_error(&error, work->names[1], why);
+    cli_print_error(&error);
+    if (work->common.json && counterpart) {
+        write_compare_json(work, error.message);
+        fputc('\n', stdout);
+    }
+    free(counterpart);
+}
+
+static int compare_folders(const cli_subcommand *command, compare_work *work, const char *other) {
+    work->files.words = (cli_words){&other, 1};
+    const int status = cli_find_inputs(command, &work->files);
+    const cli_each each = {
+        work->files.inputs.count, compare_one, report_lost_pair, work, work->files.guard};
+    return status == CLI_USAGE ? status : cli_worse(status, cli_run_each(&each));
+}
+
+/* ---- the command */
 
 static int compare_run(const cli_subcommand *command, int count, char **arguments) {
     compare_work work = {.common = {.threads = NORMA_ALL_THREADS}, .out = stdout};
@@ -501,9 +524,10 @@ static int compare_run(const cli_subcommand *command, int count, char **argument
         status = cli_usage(command, "--share needs --max");
     else if (work.output)
         status = check_drawing(command, &work);
-    if (!status && cli_is_folder(words->words[0]) && cli_is_folder(words->words[1]))
-        status = compare_folders(command, &work, words->words[0], words->words[1]);
-    else if (!status) {
+    if (!status && cli_is_folder(words->words[0]) && cli_is_folder(words->words[1])) {
+        work.base = words->words[0];
+        status = compare_folders(command, &work, words->words[1]);
+    } else if (!status) {
         memcpy((void *)work.names, (const void *)words->words, sizeof work.names);
         status = compare_and_report(&work);
     }
