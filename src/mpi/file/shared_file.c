@@ -1,6 +1,6 @@
 /* shared_file.c: slices by MPI-IO; the output is a temporary file that the first rank puts in its
  * place once every rank has written its slice. */
-#define _GNU_SOURCE /* pipe2 */
+#define _GNU_SOURCE /* SOCK_CLOEXEC */
 #include "mpi/file/shared_file.h"
 #include "io/format/format.h"
 #include <errno.h>
@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -130,14 +131,16 @@ int norma_mpi_read(mpi_job *job, uint64_t offset, void *bytes, size_t size) {
 /* The temporary file has a name, since the other ranks open it: should this rank end before it has
  * put the file in its place, a guard takes the name away. Launchers end a job whose rank has died
  * by SIGKILL, a few milliseconds after SIGTERM, so no handler could. The guard is a shell in a
- * process group of its own that waits for the end of a pipe; spawned, not forked, for memory that a
- * network adapter writes must not become a copy. Without one (no shell) the file would stay. */
+ * process group of its own that reads the name from a socket until its end; spawned, not forked,
+ * for memory that a network adapter writes must not become a copy; and before there is a name, so
+ * that a rank is never without. Without one (no shell) the file would stay. */
 static void guard(mpi_job *job) {
-    char *words[] = {"sh", "-c", "read -r _; rm -f -- \"$0\"", job->temporary, NULL};
+    char *words[] = {"sh", "-c",
+        "name=$(cat; echo .); name=${name%.}; [ -z \"$name\" ] || rm -f -- \"$name\"", NULL};
     int ends[2];
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
-    if (pipe2(ends, O_CLOEXEC)) return;
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends)) return;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[0], 0);
     posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
@@ -150,6 +153,11 @@ static void guard(mpi_job *job) {
     close(ends[0]);
     job->guarded = ends[1];
     if (!job->guard) close(ends[1]);
+}
+
+/* A guard that has ended is as none. */
+static void tell_guard(const mpi_job *job) {
+    if (job->guard) (void)send(job->guarded, job->temporary, strlen(job->temporary), MSG_NOSIGNAL);
 }
 
 static void dismiss_guard(mpi_job *job) {
@@ -168,13 +176,15 @@ static int fail_output(mpi_job *job, int failed) {
 
 static int make_temporary(mpi_job *job) {
     int failed = norma_file_writer_open(job->output, &job->writer);
-    if (!failed) failed = norma_file_writer_name(job->writer);
+    if (failed) return fail_output(job, failed);
+    guard(job);
+    failed = norma_file_writer_name(job->writer);
     if (failed) return fail_output(job, failed);
     const char *name = norma_file_writer_temporary(job->writer);
     if (strlen(name) >= sizeof job->temporary)
         return norma_mpi_fail(job, "%s: the path is too long", job->output);
     strcpy(job->temporary, name);
-    guard(job);
+    tell_guard(job);
     return 0;
 }
 

@@ -17,7 +17,7 @@ typedef struct mpi_job {
     file_writer *writer;  /* of the first rank */
     char temporary[1024]; /* the output until it is whole; "" when there is none */
     pid_t guard;          /* takes the temporary file away should this rank end; 0: none */
-    int guarded;          /* the end of a pipe that it waits at */
+    int guarded;          /* the end of a socket that it reads */
     norma_report report;
     uint64_t faces, vertices;
     uint64_t memory, most_memory; /* bytes that this rank has allocated; the most at any time */
