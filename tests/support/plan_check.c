@@ -66,8 +66,8 @@ static void damaged(mesh_file *mesh, uint64_t *seed) {
         shape_soup(mesh, &whole);
         mesh_file_free(&whole);
     }
-    for (uint32_t lonely = plan_random(seed, 3); lonely > 0; --lonely)
-        mesh_file_add_position(mesh, 1, (double)lonely, 0);
+    for (uint32_t unreferenced = plan_random(seed, 3); unreferenced > 0; --unreferenced)
+        mesh_file_add_position(mesh, 1, (double)unreferenced, 0);
 }
 
 static void random_options(plan_case *c, uint64_t *seed) {

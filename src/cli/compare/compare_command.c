@@ -466,12 +466,13 @@ static int compare_and_report(compare_work *work) {
 
 /* ---- folders: each file of OTHER with the file of the same path in BASE */
 
-/* 0: no memory. */
+/* NULL: no memory. To be freed once the pair is done with. */
 static char *name_pair(compare_work *work, size_t file) {
     const cli_inputs *inputs = &work->files.inputs;
+    char *counterpart = cli_join(work->base, inputs->paths[file] + inputs->within[file]);
+    work->names[0] = counterpart;
     work->names[1] = inputs->paths[file];
-    work->names[0] = cli_join(work->base, work->names[1] + inputs->within[file]);
-    return (char *)(uintptr_t)work->names[0];
+    return counterpart;
 }
 
 static int compare_one(void *user, size_t file) {

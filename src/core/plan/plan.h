@@ -37,9 +37,10 @@ struct norma_plan {
     uint32_t *vertex_starts, *vertices; /* per vertex: of each group those that it serves; NULL:
                                            group i serves vertex i */
     uint32_t *at_starts, *at;           /* of each vertex its corners */
-    uint32_t *lonely; /* vertices without corners, ascending; each has a group, from first_lonely on
-                         (per vertex, unless each vertex has the group of its number) */
-    size_t lonely_count, first_lonely;
+    uint32_t *unreferenced; /* vertices without corners, ascending; each has a group, from
+                         first_unreferenced on (per vertex, unless each vertex has the group of its
+                         number) */
+    size_t unreferenced_count, first_unreferenced;
     const uint32_t *targets; /* of each corner the first group that it votes in */
     uint64_t *apart;         /* NULL, or a bit of each group that shares corners with others, and is
                                 summed by itself */

@@ -65,7 +65,7 @@ static norma_result list_corners_of_vertices(norma_plan *plan) {
     memset(starts, 0, (plan->vertex_count + 1) * sizeof *starts);
     for (size_t c = 0; c < mesh->corner_count; c++) starts[norma_core_corner(mesh, c)]++;
     for (size_t v = 0; v < plan->vertex_count; v++) {
-        plan->lonely_count += !starts[v];
+        plan->unreferenced_count += !starts[v];
         starts[v] = sum += starts[v];
     }
     starts[plan->vertex_count] = sum;
@@ -115,15 +115,16 @@ static norma_result for_each_group(listing *l, plan_group_receiver *receive) {
 }
 
 /* Vertices that no corner names, per vertex: each with a group that has no member. */
-static norma_result list_lonely(listing *l) {
+static norma_result list_unreferenced(listing *l) {
     norma_plan *plan = l->plan;
     size_t found = 0;
-    plan->first_lonely = l->group_count;
-    plan->lonely = norma_core_plan_keep(plan, plan->lonely_count, sizeof *plan->lonely);
-    if (!plan->lonely) return NORMA_ERROR_MEMORY;
+    plan->first_unreferenced = l->group_count;
+    plan->unreferenced =
+        norma_core_plan_keep(plan, plan->unreferenced_count, sizeof *plan->unreferenced);
+    if (!plan->unreferenced) return NORMA_ERROR_MEMORY;
     for (uint32_t v = 0; v < plan->vertex_count; v++) {
         if (plan->at_starts[v] != plan->at_starts[v + 1]) continue;
-        plan->lonely[found++] = v;
+        plan->unreferenced[found++] = v;
         list_group(l, NULL, 0, &v, 1);
     }
     return NORMA_OK;
@@ -132,7 +133,7 @@ static norma_result list_lonely(listing *l) {
 static norma_result keep_lists(listing *l) {
     norma_plan *plan = l->plan;
     const int per_vertex = plan->of == NORMA_PER_VERTEX;
-    if (per_vertex) l->group_count += plan->lonely_count;
+    if (per_vertex) l->group_count += plan->unreferenced_count;
     if (l->member_count / MOST_MEMBERS_PER_CORNER > plan->mesh.corner_count + MEMBERS_TO_SPARE)
         return NORMA_ERROR_MEMORY;
     if (l->member_count > UINT32_MAX - 1) return NORMA_ERROR_MEMORY;
@@ -143,8 +144,8 @@ static norma_result keep_lists(listing *l) {
     plan->member_starts[0] = 0;
     if (!per_vertex) return NORMA_OK;
     plan->vertex_starts = norma_core_plan_keep(plan, l->group_count + 1, sizeof *plan->vertices);
-    plan->vertices =
-        norma_core_plan_keep(plan, l->vertex_count + plan->lonely_count, sizeof *plan->vertices);
+    plan->vertices = norma_core_plan_keep(
+        plan, l->vertex_count + plan->unreferenced_count, sizeof *plan->vertices);
     if (!plan->vertex_starts || !plan->vertices) return NORMA_ERROR_MEMORY;
     plan->vertex_starts[0] = 0;
     return NORMA_OK;
@@ -199,7 +200,7 @@ static norma_result list_groups(listing *l) {
     norma_result result = for_each_group(l, count_group);
     if (result == NORMA_OK) result = keep_lists(l);
     if (result == NORMA_OK) result = for_each_group(l, list_group);
-    if (result == NORMA_OK && plan->of == NORMA_PER_VERTEX) result = list_lonely(l);
+    if (result == NORMA_OK && plan->of == NORMA_PER_VERTEX) result = list_unreferenced(l);
     return result == NORMA_OK ? list_targets(plan) : result;
 }
 

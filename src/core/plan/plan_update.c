@@ -94,11 +94,11 @@ static void mark_face(plan_marks *m, uint32_t face) {
     }
 }
 
-static size_t lonely_number(const norma_plan *plan, uint32_t vertex) {
-    size_t low = 0, high = plan->lonely_count;
+static size_t unreferenced_number(const norma_plan *plan, uint32_t vertex) {
+    size_t low = 0, high = plan->unreferenced_count;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
-        if (plan->lonely[middle] < vertex)
+        if (plan->unreferenced[middle] < vertex)
             low = middle + 1;
         else
             high = middle;
@@ -114,8 +114,8 @@ static void mark_moved(plan_marks *m) {
         ask_for_vertex(m->work, i);
         for (uint32_t at = begin; at < end; at++)
             mark_face(m, norma_core_plan_face(plan, plan->at[at]));
-        if (begin == end && plan->lonely)
-            mark_group(m, plan->first_lonely + lonely_number(plan, vertex));
+        if (begin == end && plan->unreferenced)
+            mark_group(m, plan->first_unreferenced + unreferenced_number(plan, vertex));
         else if (begin == end && plan->of == NORMA_PER_VERTEX)
             mark_group(m, vertex);
     }
