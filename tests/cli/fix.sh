@@ -121,7 +121,7 @@ check "a fix that cannot be written ends with 3" test $? -eq 3
 "$norma" check "$scratch/twice.obj" --no-config 2>/dev/null | grep -v 'infos not listed' >"$scratch/as-it-is"
 check "and the report is that of the file as it is" cmp "$scratch/said" "$scratch/as-it-is"
 
-# Meshes are not looked for among all findings, nor findings among all: the time of fixes grows as that of the check does.
+# Meshes are not looked for among all findings, nor findings among all: within half a second of the processor, where it were half a minute.
 awk -v n=6000 'BEGIN {
     printf "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":72,\"uri\":\"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAABAAIAAAADAAEAAAACAAMAAQADAAIA\"}],"
     printf "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48,\"byteLength\":24}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\","
@@ -133,11 +133,7 @@ awk -v n=6000 'BEGIN {
     for (i = 0; i < n; i++) printf "%s%d", i ? "," : "", i
     print "]}]}"
 }' >"$scratch/many.gltf"
-seconds_of() {
-    local TIMEFORMAT=%U
-    { time "$norma" check "$scratch/many.gltf" --no-config --threads 1 --quiet "$@" >"$scratch/said" 2>&1; } 2>&1
-}
-checked=$(seconds_of) fixed=$(seconds_of --fix-unsafe -o "$scratch/many.fixed.gltf")
-check "6,000 meshes turned: $fixed s, checked: $checked s; at most 7 times as long" awk -v a="$fixed" -v b="$checked" 'BEGIN { exit a > 7 * b }'
+(ulimit -t 4; exec "$norma" check "$scratch/many.gltf" --no-config --threads 1 --quiet --fix-unsafe -o "$scratch/many.fixed.gltf") >"$scratch/said" 2>&1
+check "6,000 meshes are turned in time" test $? -eq 0
 check "and all of them" grep -q '^0 errors, 0 warnings' "$scratch/said"
 finish
