@@ -70,7 +70,7 @@ says 'one -o for 5 inputs'
 # Lists, as git gives them.
 printf 'models/top.obj\nmodels/readme.txt\nMakefile\nmodels/deleted.obj\nmodels/deleted.txt\n' >list.txt
 is 0 '*in 0 of 1 file' check --files-from list.txt --quiet
-says 'list.txt: 4 names skipped: 3 of other formats, 1 that do not exist'
+says 'list.txt: names skipped: 3 of other formats, 1 that do not exist'
 printf 'readme.md\n' >list.txt
 is 0 '*in 0 of 0 files' check --files-from list.txt --quiet
 is 3 '*1 not checked' check models/deleted.obj --quiet
@@ -79,11 +79,11 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 2\nf 1//1 2//1 3//1\n' >chair1.obj
 cp chair1.obj chair1.kept
 printf 'chair[1].obj\nmodels/*.obj\nmodels/readme.txt\n' >list.txt
 is 3 '*2 not checked' check --files-from list.txt --fix --in-place --quiet
-says 'list.txt: 1 names skipped: 1 of other formats, 0 that do not exist'
+says 'list.txt: names skipped: 1 of other formats, 0 that do not exist'
 check "a name of a list is not taken as a pattern" cmp chair1.obj chair1.kept
 printf 'chair[1].obj\nmodels/top.obj\n' >list.txt
 is 0 '*in 0 of 1 file' check --files-from list.txt --quiet
-says 'list.txt: 1 names skipped: 0 of other formats, 1 that do not exist'
+says 'list.txt: names skipped: 0 of other formats, 1 that do not exist'
 printf 'models/deleted.obj\n' >list.txt
 is 3 'models/deleted.obj: error N001 unreadable*' check --files-from list.txt
 cp chair1.obj 'chair[1].obj'

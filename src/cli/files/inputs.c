@@ -747,8 +747,8 @@ static int read_lines(
     const int is_all = files->inputs.count == before;
     const size_t skipped = is_all ? 0 : list.missing.count;
     if (list.unknown + skipped)
-        cli_error("%s: %zu names skipped: %zu of other formats, %zu that do not exist",
-            cli_input_name(name), list.unknown + skipped, list.unknown, skipped);
+        cli_error("%s: names skipped: %zu of other formats, %zu that do not exist",
+            cli_input_name(name), list.unknown, skipped);
     if (is_all) status = cli_worse(status, add_missing(&files->inputs, &list.missing));
     cli_inputs_free(&list.missing);
     return status;

@@ -246,11 +246,11 @@ norma_document_result norma_transform_stored_normals(norma_document *document,
     fill_lost(mapping, normals, out, count, &vanished, &not_finite);
     if (vanished > 0)
         norma_document_add_note(document,
-            "%zu normals vanish under this matrix, because it flattens; they got the one direction "
-            "that is left",
+            "normals that vanish under this matrix, because it flattens: %zu; they got the one "
+            "direction that is left",
             vanished);
     if (not_finite > 0)
         norma_document_add_note(
-            document, "%zu normals were not finite and became zero", not_finite);
+            document, "normals that were not finite and became zero: %zu", not_finite);
     return NORMA_DOCUMENT_OK;
 }

@@ -428,7 +428,7 @@ static norma_result turn_normals(
     if (!result) take_turned(state, turned, &lost);
     if (lost)
         norma_document_add_note(document,
-            "%zu normals have no direction under this matrix, and stay as they were", lost);
+            "normals without a direction under this matrix: %zu; they stay as they were", lost);
     state->normals_turned = 1;
     free(turned);
     return result;

@@ -86,7 +86,7 @@ static norma_document_result locate_binary(norma_document *document, norma_docum
     }
     if (at < state->size)
         norma_document_add_note(
-            document, "%zu bytes after the last element are kept as they are", state->size - at);
+            document, "bytes after the last element, kept as they are: %zu", state->size - at);
     return NORMA_DOCUMENT_OK;
 }
 

@@ -192,7 +192,7 @@ norma_document_result norma_ply_locate_text(norma_document *document, norma_docu
     const unsigned char *rest =
         ply_token(skip_comments(walker.at, walker.end), walker.end, &length);
     if (rest)
-        norma_document_add_note(document, "%zu bytes after the last element are kept as they are",
+        norma_document_add_note(document, "bytes after the last element, kept as they are: %zu",
             (size_t)(walker.end - rest));
     return NORMA_DOCUMENT_OK;
 }

@@ -247,11 +247,13 @@ static void test_flattened(void **state) {
         size_t count;
     } files[] = {
         {"a.ply", ply,
-            "2 normals vanish under this matrix, because it flattens; they got the one direction "
+            "normals that vanish under this matrix, because it flattens: 2; they got the one "
+            "direction "
             "that is left",
             3},
         {"a.stl", stl,
-            "1 normals vanish under this matrix, because it flattens; they got the one direction "
+            "normals that vanish under this matrix, because it flattens: 1; they got the one "
+            "direction "
             "that is left",
             1},
     };

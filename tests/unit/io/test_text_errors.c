@@ -289,10 +289,10 @@ static void test_oddities_are_noted(void **state) {
                   "end_header\n0 0 0\n"),
             "header line 3 is not a PLY statement and was ignored: \"Created by hand\""},
         {"a.ply", BYTES(TEXT "element vertex 1\n" XYZ "end_header\n0 0 0\nmore of it\n"),
-            "11 bytes after the last element are kept as they are"},
+            "bytes after the last element, kept as they are: 11"},
         {"a.ply", BYTES(TEXT "element vertex 1\n" XYZ "end_header\n0 0 0\n \n"), ""},
         {"a.ply", BYTES(HEAD "end_header\n" MARK_VERTICES "abc"),
-            "3 bytes after the last element are kept as they are"},
+            "bytes after the last element, kept as they are: 3"},
         {"a.stl",
             BYTES("solid a\nfacet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 "
                   "endloop endfacet\n"),
