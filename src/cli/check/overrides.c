@@ -10,10 +10,31 @@
 
 /* ---- whether an override is meant */
 
+/* Brackets, stars and slashes are letters of names as well. */
+static int is_name_meant(const char *pattern, const char *name) {
+    return strcmp(pattern, name) == 0 || cli_path_matches(pattern, name);
+}
+
 static int any_matches(char *const *patterns, const char *name) {
     for (; name && *patterns; ++patterns)
-        if (cli_path_matches(*patterns, name)) return 1;
+        if (is_name_meant(*patterns, name)) return 1;
     return 0;
+}
+
+/* Calls for each name of a kind in a file. */
+typedef void see_name(void *user, const char *name);
+
+/* A node by its name, by its path from the root, or by those of the nodes above it, which often
+ * draw nothing themselves. */
+static void visit_names_of_node(const norma_node_info *node, see_name *see, void *user) {
+    char *above = node->path ? strdup(node->path) : NULL;
+    see(user, node->name);
+    for (char *at = above; at && (at = strchr(at, '/')) != NULL; *at++ = '/') {
+        *at = '\0';
+        see(user, above);
+    }
+    see(user, node->path);
+    free(above);
 }
 
 static const char *below_folder(const check_config *config, const char *path) {
@@ -27,19 +48,43 @@ static int is_file_meant(const check_names *names, const check_override *overrid
     return !files || any_matches(files, below_folder(names->config, names->path));
 }
 
-static const char *material_name(const check_names *names, size_t mesh) {
-    norma_mesh_attributes attributes;
-    norma_material_info material;
-    if (norma_document_mesh_attributes(names->document, mesh, &attributes, NULL) ||
-        attributes.material == SIZE_MAX ||
-        norma_document_material_info(names->document, attributes.material, &material))
-        return NULL;
-    return material.name;
+static int is_material_meant(const check_names *names, char *const *patterns, size_t material) {
+    norma_material_info info;
+    return !norma_document_material_info(names->document, material, &info) &&
+           any_matches(patterns, info.name);
 }
 
-/* A node by its name or by its path from the root. */
-static int is_node_meant(char *const *patterns, const norma_node_info *node) {
-    return any_matches(patterns, node->name) || any_matches(patterns, node->path);
+/* Of an OBJ whose faces have several, all must be meant. */
+static int are_materials_meant(const check_names *names, char *const *patterns, size_t mesh) {
+    norma_mesh_attributes own;
+    norma_mesh_data data;
+    uint32_t last = UINT32_MAX;
+    if (norma_document_mesh_attributes(names->document, mesh, &own, NULL) ||
+        norma_document_mesh_data(names->document, mesh, &data, NULL))
+        return 0;
+    if (!own.face_materials) return is_material_meant(names, patterns, own.material);
+    const size_t faces = data.mesh.face_starts ? data.mesh.face_count : data.mesh.corner_count / 3;
+    for (size_t i = 0; i < faces; last = own.face_materials[i++])
+        if ((!i || own.face_materials[i] != last) &&
+            !is_material_meant(names, patterns, own.face_materials[i]))
+            return 0;
+    return 1;
+}
+
+typedef struct node_meant {
+    char *const *patterns;
+    int is_meant;
+} node_meant;
+
+static void mean_node(void *user, const char *name) {
+    node_meant *node = user;
+    node->is_meant |= any_matches(node->patterns, name);
+}
+
+static int is_node_meant(char *const *patterns, const norma_node_info *info) {
+    node_meant node = {patterns, 0};
+    visit_names_of_node(info, mean_node, &node);
+    return node.is_meant;
 }
 
 typedef struct finding_place {
@@ -91,28 +136,24 @@ int check_is_meant(
         return 0;
     return (!lists[CHECK_MESHES] || any_matches(lists[CHECK_MESHES], info.name)) &&
            (!lists[CHECK_MATERIALS] ||
-               any_matches(lists[CHECK_MATERIALS], material_name(&own, place.mesh))) &&
+               are_materials_meant(&own, lists[CHECK_MATERIALS], place.mesh)) &&
            (!lists[CHECK_NODES] || are_nodes_meant(&own, lists[CHECK_NODES], place));
 }
 
 /* ---- which patterns match something */
 
-/* Calls for each name of a kind in a file. */
-typedef void see_name(void *user, const char *name);
-
 static void visit_names_of(const check_names *names, int list, see_name *see, void *user) {
     norma_mesh_info mesh;
+    norma_material_info material;
     norma_node_info node;
-    for (size_t i = 0; i < norma_document_mesh_count(names->document); ++i) {
-        if (list == CHECK_MESHES && !norma_document_mesh_info(names->document, i, &mesh))
-            see(user, mesh.name);
-        if (list == CHECK_MATERIALS) see(user, material_name(names, i));
-    }
+    for (size_t i = 0; list == CHECK_MESHES && i < norma_document_mesh_count(names->document); ++i)
+        if (!norma_document_mesh_info(names->document, i, &mesh)) see(user, mesh.name);
+    for (size_t i = 0;
+         list == CHECK_MATERIALS && i < norma_document_material_count(names->document); ++i)
+        if (!norma_document_material_info(names->document, i, &material)) see(user, material.name);
     for (size_t i = 0; list == CHECK_NODES && i < norma_document_node_count(names->document); ++i)
-        if (!norma_document_node_info(names->document, i, &node)) {
-            see(user, node.name);
-            see(user, node.path);
-        }
+        if (!norma_document_node_info(names->document, i, &node))
+            visit_names_of_node(&node, see, user);
 }
 
 static void visit_names(const check_names *names, int list, see_name *see, void *user) {
@@ -130,7 +171,7 @@ typedef struct name_marks {
 static void mark_name(void *user, const char *name) {
     const name_marks *marks = user;
     for (size_t i = 0; name && marks->patterns[i]; ++i)
-        if (!marks->matched[i] && cli_path_matches(marks->patterns[i], name)) marks->matched[i] = 1;
+        if (!marks->matched[i] && is_name_meant(marks->patterns[i], name)) marks->matched[i] = 1;
 }
 
 void check_mark_names(const check_names *names) {
@@ -153,7 +194,8 @@ void check_mark_names(const check_names *names) {
 
 typedef struct nearest_name {
     const char *pattern;
-    char word[CLI_LONGEST_WORD + 1], name[CLI_LONGEST_WORD + 1];
+    char word[CLI_LONGEST_WORD + 1];                             /* the pattern without its stars */
+    char name[CLI_LONGEST_WORD + 1], part[CLI_LONGEST_WORD + 1]; /* of it, what is near */
 } nearest_name;
 
 /* The pattern without its stars is compared with as much of a name: of "leef*" with its beginning,
@@ -161,15 +203,17 @@ typedef struct nearest_name {
 static void compare_with_name(void *user, const char *name) {
     nearest_name *nearest = user;
     char part[CLI_LONGEST_WORD + 1];
-    const char *one = part;
+    const char *const both[] = {nearest->part, part}, *const *from = both + !nearest->name[0];
     const size_t length = name ? strlen(name) : 0, wanted = strlen(nearest->word),
                  stars = strlen(nearest->pattern);
-    if (nearest->name[0] || !length || length > CLI_LONGEST_WORD || !wanted) return;
+    if (!length || length > CLI_LONGEST_WORD || !wanted || strcmp(nearest->name, name) == 0) return;
     const int is_end = nearest->pattern[0] == '*', is_begin = nearest->pattern[stars - 1] == '*';
     const size_t taken = (is_end || is_begin) && wanted < length ? wanted : length;
     memcpy(part, name + (is_end && !is_begin ? length - taken : 0), taken);
     part[taken] = '\0';
-    if (cli_suggest(nearest->word, &one, 1, sizeof one)) strcpy(nearest->name, name);
+    if (cli_suggest(nearest->word, from, (size_t)(both + 2 - from), sizeof *both) != part) return;
+    strcpy(nearest->name, name);
+    strcpy(nearest->part, part);
 }
 
 static void begin_nearest(nearest_name *nearest, const char *pattern) {
@@ -206,7 +250,7 @@ static void find_nearest_name(check_configs *configs, const cli_inputs *inputs,
     const check_override *override, int list, const check_config *config, nearest_name *nearest) {
     const norma_document_options options = {
         .struct_size = sizeof options, .depth = NORMA_DOCUMENT_SUMMARY, .lenient = 1};
-    for (size_t i = 0; i < inputs->count && !nearest->name[0]; ++i) {
+    for (size_t i = 0; i < inputs->count; ++i) {
         if (check_config_of(configs, inputs->paths[i]) != config) continue;
         char *absolute = realpath(inputs->paths[i], NULL);
         check_names names = {config, absolute ? absolute : inputs->paths[i], NULL};

@@ -112,7 +112,7 @@ const char *cli_suggest_rule(const char *word); /* the same of the names and ids
 
 /* The nearest word of expected, a list such as "error, warning or info". 0: none is near, or
  * expected is no such list. */
-enum { CLI_LONGEST_WORD = 32 };
+enum { CLI_LONGEST_WORD = 128 };
 int cli_suggest_listed(const char *given, const char *expected, char meant[CLI_LONGEST_WORD + 1]);
 
 /* ---- One matrix from --scale, --rotate, --translate and --matrix. */
