@@ -249,14 +249,14 @@ static double winding_by_dipoles(
     return sum;
 }
 
-/* In turn more carefully, until the sum is far enough from one half for what it may err. */
-static double winding_of(const nesting *n, uint32_t outer, const double point[3]) {
+/* In turn more carefully, until the sum is far enough from limit for what it may err. */
+static double winding_of(const nesting *n, uint32_t outer, const double point[3], double limit) {
     static const struct { double opening, margin; } tries[] = {{2, .2}, {4, .06}, {8, .02}};
     const core_components *c = n->components;
     const core_dipoles *d = &n->dipoles[outer];
     for (size_t i = 0; d->nodes && i < sizeof tries / sizeof *tries; i++) {
         const double w = winding_by_dipoles(n, d, point, tries[i].opening);
-        if (fabs(fabs(w) - .5) > tries[i].margin) return w;
+        if (fabs(fabs(w) - limit) > tries[i].margin) return w;
     }
     return winding_by_faces(
         n, &c->faces[c->starts[outer]], c->starts[outer + 1] - c->starts[outer], point);
@@ -295,7 +295,7 @@ static void try_parent(void *context, uint32_t outer) {
     if (inner->parent != UINT32_MAX &&
         (size > a->extent || (size == a->extent && outer < inner->parent)))
         return; /* a smaller one is known */
-    const double winding = winding_of(a->n, outer, a->point);
+    const double winding = winding_of(a->n, outer, a->point, .5);
     if (!(fabs(winding) > .5 + 1e-9)) return; /* a number of turns, whatever the size */
     inner->parent = outer;
     a->n->winding[a->inner] = (float)winding;
@@ -335,7 +335,8 @@ static int sense_of_parent(const nesting *n, uint32_t child) {
     return n->components->each[c->parent].verdict == COMPONENT_INWARD ? -sense : sense;
 }
 
-enum { FACES_WORTH_DIPOLES = 64, WORK_WORTH_DIPOLES = 1 << 11, FACES_ASKED = 100 };
+enum { FACES_WORTH_DIPOLES = 64, WORK_WORTH_DIPOLES = 1 << 11, CORNERS_ASKED = 100 };
+static const double LEAST_WITHIN = .1; /* below the winding number at the corner of a box */
 
 static norma_result build_dipoles(const nesting *n, uint32_t number) {
     const core_components *c = n->components;
@@ -343,27 +344,32 @@ static norma_result build_dipoles(const nesting *n, uint32_t number) {
         c->starts[number + 1] - c->starts[number], &n->dipoles[number]);
 }
 
-/* The corners of some faces, evenly: a point on the parent's surface is not outside. */
+/* Corners, evenly: a point on the parent's surface, or at an edge or a corner of it, is not
+ * outside.
+ */
 static norma_result find_whether_it_reaches(const nesting *n, uint32_t number) {
     const core_components *c = n->components;
     const core_topology *t = n->topology;
     core_component *inner = &c->each[number];
-    const size_t faces = c->starts[number + 1] - c->starts[number],
-                 stride = 1 + faces / FACES_ASKED,
+    const size_t end = c->starts[number + 1],
+                 stride = 1 + 3 * (end - c->starts[number]) / CORNERS_ASKED,
                  room = c->starts[inner->parent + 1] - c->starts[inner->parent];
+    size_t passed = 0;
     if (!n->dipoles[inner->parent].nodes && room >= FACES_WORTH_DIPOLES) {
         const norma_result result = build_dipoles(n, inner->parent);
         if (result) return result;
     }
-    for (size_t i = 0; i < faces && !(inner->flags & COMPONENT_REACHES); i += stride) {
-        const size_t face = c->faces[c->starts[number] + i];
-        for (size_t k = norma_core_face_begin(&t->mesh, face);
-             k < norma_core_face_end(&t->mesh, face); k++) {
+    for (size_t i = c->starts[number]; i < end; i++)
+        for (size_t k = norma_core_face_begin(&t->mesh, c->faces[i]);
+             k < norma_core_face_end(&t->mesh, c->faces[i]); k++) {
             double point[3];
+            if (passed++ % stride) continue;
             norma_core_position(&t->mesh, t->corners[k], point);
-            if (fabs(winding_of(n, inner->parent, point)) < .25) inner->flags |= COMPONENT_REACHES;
+            if (fabs(winding_of(n, inner->parent, point, LEAST_WITHIN)) < LEAST_WITHIN) {
+                inner->flags |= COMPONENT_REACHES;
+                return NORMA_OK;
+            }
         }
-    }
     return NORMA_OK;
 }
 
