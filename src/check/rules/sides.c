@@ -125,37 +125,39 @@ int norma_check_is_fold(const core_topology *t, size_t first, size_t second) {
            norma_core_dot(a.normal, b.normal) > FOLD_COSINE;
 }
 
-/* Marks the pieces that more than folds part from others, and those that are most of their part. */
-static void mark_plain_pieces(const core_side_judge *j, uint8_t *plain) {
+/* Whether more than folds part a piece from others, or it is most of its part. */
+static int is_plain_piece(const core_side_judge *j, uint32_t piece) {
     const core_topology *t = &j->topology;
-    for (size_t c = 0; c < t->mesh.corner_count; c++)
-        if (t->partners[c] == CORE_EDGE_CONFLICT && !norma_check_is_fold(t, c, t->others[c]))
-            plain[j->pieces.of[norma_core_topology_face(t, c)]] = 1;
-    for (size_t i = 0; i < j->pieces.count; i++) {
-        const uint32_t *starts =
-            j->parts.starts + j->parts.of[j->pieces.faces[j->pieces.starts[i]]];
-        plain[i] |=
-            2 * (j->pieces.starts[i + 1] - j->pieces.starts[i]) > starts[1] - (size_t)starts[0];
-    }
+    const size_t begin = j->pieces.starts[piece], end = j->pieces.starts[piece + 1];
+    const uint32_t *part = j->parts.starts + j->parts.of[j->pieces.faces[begin]];
+    if (2 * (end - begin) > part[1] - (size_t)part[0]) return 1;
+    for (size_t i = begin; i < end; i++)
+        for (size_t c = norma_core_face_begin(&t->mesh, j->pieces.faces[i]);
+             c < norma_core_face_end(&t->mesh, j->pieces.faces[i]); c++)
+            if (t->partners[c] == CORE_EDGE_CONFLICT && !norma_check_is_fold(t, c, t->others[c]))
+                return 1;
+    return 0;
 }
 
+/* Each piece is looked at once, and only where it has faces that are called turned. */
 norma_result norma_check_sides_at_folds(
     const core_side_judge *j, size_t first, size_t count, uint8_t *sides) {
-    int any = 0;
-    for (size_t i = 0; i < j->parts.count && !any; i++)
-        any = (j->parts.each[i].flags & COMPONENT_CONFLICT) != 0;
-    if (!any) return NORMA_OK;
-    uint8_t *plain = norma_core_allocate(&j->call, j->pieces.count, 1);
-    if (!plain) return NORMA_ERROR_MEMORY;
-    memset(plain, 0, j->pieces.count);
-    mark_plain_pieces(j, plain);
+    enum { NOT_LOOKED_AT, PLAIN, FOLDED };
+    uint8_t *pieces = NULL;
     for (size_t f = 0; f < count; f++) {
         const uint32_t piece = j->pieces.of[first + f];
-        if (norma_check_is_turned(sides[f]) && !(sides[f] & CORE_SIDE_BY_RAYS) &&
-            piece != UINT32_MAX && !plain[piece])
-            sides[f] |= CORE_SIDE_UNDECIDED;
+        if (!norma_check_is_turned(sides[f]) || sides[f] & CORE_SIDE_BY_RAYS || piece == UINT32_MAX)
+            continue;
+        if (!pieces) {
+            pieces = norma_core_allocate(&j->call, j->pieces.count, 1);
+            if (!pieces) return NORMA_ERROR_MEMORY;
+            memset(pieces, NOT_LOOKED_AT, j->pieces.count);
+        }
+        if (pieces[piece] == NOT_LOOKED_AT)
+            pieces[piece] = is_plain_piece(j, piece) ? PLAIN : FOLDED;
+        if (pieces[piece] == FOLDED) sides[f] |= CORE_SIDE_UNDECIDED;
     }
-    norma_core_release(&j->call, plain, j->pieces.count, 1);
+    norma_core_release(&j->call, pieces, j->pieces.count, 1);
     return NORMA_OK;
 }
 
