@@ -477,9 +477,16 @@ static void gltf_shared(void) {
 
 /* What would take the square of its size: skins under a root of many members, meshes or primitives
  * of one position that have nothing else in common, nodes that share a mesh, which baking parts,
- * and attributes without number. */
+ * nodes with a mesh each, all of the same vertices, and attributes without number. */
 static void gltf_squares(void) {
-    enum { MEMBERS = 60000, SKINS = 30000, PRIMITIVES = 20000, NODES = 20000, ATTRIBUTES = 20000 };
+    enum {
+        MEMBERS = 60000,
+        SKINS = 30000,
+        PRIMITIVES = 20000,
+        NODES = 20000,
+        DRAWN = 8000,
+        ATTRIBUTES = 20000
+    };
     static const char accessor[] = "{\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}";
     bytes b = {0};
     print(&b, "{\"asset\":{\"version\":\"2.0\"}");
@@ -502,6 +509,17 @@ static void gltf_squares(void) {
     repeat(&b, ",{\"mesh\":0}", NODES);
     print(&b, "]}");
     save(&b, "many-nodes-of-one-mesh.gltf");
+    print(&b,
+        "{\"asset\":{\"version\":\"2.0\"},\"accessors\":[%s,{\"componentType\":5126,\"type\":"
+        "\"VEC2\",\"count\":3}],\"nodes\":[{\"mesh\":0}",
+        accessor);
+    for (int i = 1; i < DRAWN; ++i) print(&b, ",{\"mesh\":%d}", i);
+    static const char drawn[] =
+        "{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0,\"TEXCOORD_0\":1}}]}";
+    print(&b, "],\"meshes\":[%s", drawn);
+    for (int i = 1; i < DRAWN; ++i) print(&b, ",%s", drawn);
+    print(&b, "]}");
+    save(&b, "many-drawn-meshes.gltf");
     print(&b,
         "{\"asset\":{\"version\":\"2.0\"},\"accessors\":[%s],\"meshes\":[{\"primitives\":[{"
         "\"attributes\":{\"POSITION\":0",

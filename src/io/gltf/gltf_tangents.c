@@ -541,6 +541,13 @@ static int is_possible(const tangent_job *job, const gltf_set *set) {
     return 1;
 }
 
+static size_t count_surfaces(const tangent_job *job, const gltf_set *set) {
+    size_t count = 0;
+    for (uint32_t i = set->lead; i != GLTF_NONE; i = job->sets.next_in_set[i])
+        count += job->sets.g->primitives[i].mode >= GLTF_TRIANGLES;
+    return count;
+}
+
 static norma_document_result compute_set(tangent_job *job, gltf_set *set) {
     const gltf *g = job->sets.g;
     tangent_set of;
@@ -564,7 +571,10 @@ static norma_document_result compute_sets(tangent_job *job) {
     for (uint32_t s = 0; !result && s < job->sets.set_count; ++s) {
         gltf_set *set = &job->sets.sets[s];
         set->wanted = is_possible(job, set);
-        if (set->wanted) result = compute_set(job, set);
+        if (set->wanted)
+            result = compute_set(job, set);
+        else
+            job->summary->left_out += count_surfaces(job, set);
     }
     for (uint32_t i = 0; !result && i < job->sets.g->primitive_count; ++i)
         if (job->sets.corners[i]) result = norma_gltf_put_indices(&job->sets, i);
@@ -578,7 +588,7 @@ static void count_tangents(const tangent_job *job) {
             job->sets.set_of[i] == GLTF_NONE ? NULL : &job->sets.sets[job->sets.set_of[i]];
         job->summary->vertices_before += p->vertices;
         job->summary->vertices_after += p->vertices + (set && set->wanted ? set->added_count : 0);
-        job->summary->left_out += p->mode >= GLTF_TRIANGLES && (!set || !is_possible(job, set));
+        job->summary->left_out += p->mode >= GLTF_TRIANGLES && !set;
     }
 }
 

@@ -425,9 +425,11 @@ static uint32_t level_at(
 /* A skin places its mesh by joints, not by the node: it is compared as it was bound. */
 static norma_document_result add_node(const member *m, const document_surface *surface, size_t node,
     placement **places, size_t *count, size_t *room, norma_document_error *error) {
+    const gltf *g = norma_gltf_of(m->document); /* no other format has both places and normals */
+    if (g->nodes[g->drawing[node]].mesh != surface->number) return NORMA_DOCUMENT_OK;
     norma_node_info info;
     norma_document_result result = norma_document_node_info(m->document, node, &info);
-    if (result || info.mesh != surface->number) return result;
+    if (result) return result;
     for (size_t i = 0; i < info.instances && !result; ++i) {
         double world[16];
         placement *grown = norma_io_grow(*places, room, *count + 1, sizeof *grown);
