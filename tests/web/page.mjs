@@ -625,11 +625,13 @@ await attempt("what lies beside the picture is left out, what reaches into it is
 });
 
 await attempt("a file is drawn before it is checked; its findings follow", async () => {
-  const hold = "const post = Worker.prototype.postMessage; Worker.prototype.postMessage = function (message, ...more) { if (message.name === 'check') window.release = () => post.call(this, message, ...more); else post.call(this, message, ...more); };";
+  const hold = "const post = Worker.prototype.postMessage; Worker.prototype.postMessage = function (message, ...more) { const drawn = Number(document.body.dataset.drawn); if (message.name === 'openFiles') { window.asked = drawn; document.getElementById('canvas').dispatchEvent(new PointerEvent('pointermove')); let frames = 5; const wait = () => (frames-- ? requestAnimationFrame(wait) : post.call(this, message, ...more)); wait(); } else if (message.name === 'check') { window.pictures = drawn - window.asked; window.release = () => post.call(this, message, ...more); } else post.call(this, message, ...more); };";
   const held = await visit(plain, { before: hold }), list = "document.querySelectorAll('#findings button').length", drawn = await held.drawn();
   await held.evaluate(`(() => { const data = new DataTransfer(); data.items.add(new File([${JSON.stringify(TURNED)}], "turned.obj")); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`);
   await held.until(`window.release && Number(document.body.dataset.drawn) > ${drawn + 1}`);
   expect((await held.evaluate(list)) === 0 && (await held.text("findings-facts")) === "Checking …" && (await held.text("model-facts")).includes("OBJ"), `${await held.evaluate(list)} findings, ${await held.text("findings-facts")}`);
+  /* The pointer over it asks for a picture of what was there: none is drawn while the file is read, and check is not asked before the file's first. */
+  expect((await held.evaluate("window.pictures")) === 1, `${await held.evaluate("window.pictures")} pictures between asking for the file and for its check`);
   /* No shadow, whose time is not known, falls on what shows values. */
   const now = await held.drawn();
   await held.evaluate("(() => { const e = document.getElementById('colours'); e.value = 'normals'; e.dispatchEvent(new Event('change', { bubbles: true })); })()");

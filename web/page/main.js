@@ -78,19 +78,20 @@ function frame(now) {
     if (isShadowDue() && mayCast()) castShadow();
     const coarse = isSlow() && (page.hasty || performance.now() - page.hurried < STILL);
     if (page.coarse && !coarse) dirty.draw = true;
-    if (dirty.draw && (page.moving || (page.computed && page.scene.isFilled)) && !page.drawing && !page.aiming) {
+    if (dirty.draw && (page.moving || (page.computed && page.scene.isFilled)) && !page.drawing && !page.aiming && (page.hasty || !page.awaiting)) {
       dirty.draw = false;
       page.drawing = true;
       page.rested = page.hasty = false;
-      const begin = performance.now();
+      const begin = performance.now(), { see } = page.scene;
       draw(coarse);
-      page.graphics.drained().catch(() => undefined).then(() => { page.drawing = false; if (!coarse) page.cost = performance.now() - begin; });
+      page.graphics.drained().catch(() => undefined).then(() => { page.drawing = false; if (!coarse) page.cost = performance.now() - begin; see?.(); });
       document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
     }
   } catch (error) {
     notice(error.message);
     Object.assign(dirty, { compute: false, draw: false });
     page.drawing = false;
+    page.scene.see?.();
   }
   showBusy();
 }

@@ -92,6 +92,8 @@ async function loadList(shown, surface, name, at, list) {
 /* Materials with their images, and colours of vertices, follow by themselves. files: what the model was read from. */
 async function loadMaterials(shown, files) {
   const { model } = shown;
+  await shown.seen;
+  if (!isShown(shown)) return;
   page.loading++;
   try {
     if (model.meshes.some(({ hasColours }) => hasColours)) for (const [i, list] of (await page.remote.colours(model.number)).entries()) await loadList(shown, i, "colours", null, list);
@@ -147,17 +149,21 @@ export function stopIntro() {
 /* Asks for a model; what is asked for last is shown. */
 export async function show(ask, then = () => undefined) {
   const mine = ++page.opening;
+  page.awaiting = true;      /* of what was there nothing is drawn unasked: the new one would wait for it */
   try {
     const model = await ask();
     if (mine !== page.opening) { page.remote.free(model.number); return; }
+    page.awaiting = false;
     if (!model.triangles) { page.remote.free(model.number); throw new Error(`${model.name}: there is nothing in it to draw.`); }
     showModel(model);
     then(model);
     const asked = follow();
+    await page.scene.seen;
     if (model.unchecked) await check(model);
     if (asked?.has("finding") && page.scene?.model === model) pressFinding(asked.get("finding"));
   } catch (error) {
     if (mine !== page.opening) return;
+    page.awaiting = false;
     if (!page.scene && page.sculpture) { byId("model").value = "sculpture"; pickModel(); } // the page's first file: the stage is not left empty
     notice(hintFor(error.message));
   }
@@ -172,6 +178,7 @@ function follow() {
 
 export function showMoving() {
   page.opening++;
+  page.awaiting = false;
   page.atFirst = null;
   dropScenes();
   page.moving = makeMoving(page.norma);

@@ -31,6 +31,8 @@ export function makeScene(graphics, model, up = model.up ?? "y", fixed = null) {
   /* Nothing is drawn of it before all is filled in. */
   const fill = async () => { for (const surface of surfaces) await surface.fill(); scene.isFilled = true; };
   const scene = { model, surfaces, isFilled: false, faces: [], edges: {}, hidden: new Set(), free: () => { surfaces.forEach((surface) => surface.free()); scene.freeMaterials?.(); } };
+  /* Kept when its first picture is there: all that can wait waits for it. */
+  scene.seen = new Promise((see) => { scene.see = see; });
   /* Where everything stands, with this axis up. */
   scene.place = (axis, frame = null) => {
     const turned = model.draws.map(({ mesh, world }) => ({ mesh, world: multiply(turning(axis), world) }));

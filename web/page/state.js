@@ -16,7 +16,7 @@ export const page = {
   sculpture: null, embedded: null, atFirst: null,
   chosen: null, look: { ...UNMARKED, errorTop: 1, angleTop: 45 }, cursor: DEFAULT_CURSOR, panels: [], found: null,
   /* What is under way: how many calls or which one of them. */
-  calls: 0, drawing: false, aiming: false, coarse: false, rested: false, warm: false, computing: false, picking: false, measuring: false, loading: 0, seeking: 0, computed: 0, opening: 0, flights: 0,
+  calls: 0, drawing: false, aiming: false, awaiting: false, coarse: false, rested: false, warm: false, computing: false, picking: false, measuring: false, loading: 0, seeking: 0, computed: 0, opening: 0, flights: 0,
   /* Milliseconds that the last picture took which was not coarse, when something last moved, and whether no picture shows that yet. */
   cost: Infinity, hurried: -Infinity, hasty: false,
   /* Writes the address. */
