@@ -650,7 +650,7 @@ await attempt("a file is drawn before it is checked; its findings follow", async
 /* The card has done nothing before a tenth of a second and more. */
 const SLOW = "const GL = WebGL2RenderingContext.prototype, { fenceSync, clientWaitSync } = GL, begun = new WeakMap(); GL.fenceSync = function (...all) { const made = fenceSync.apply(this, all); begun.set(made, performance.now()); return made; }; GL.clientWaitSync = function (sync, ...all) { return performance.now() < begun.get(sync) + 150 ? this.TIMEOUT_EXPIRED : clientWaitSync.call(this, sync, ...all); };";
 
-await attempt("where pictures take long, a press is answered by a coarse one at the place itself; the fine one follows", async () => {
+await attempt("where pictures take long, a press is answered by a coarse one at the place itself; the fine one follows, and then the whole in the corner", async () => {
   const from = join(shots, "turned-slow.obj"), out = join(shots, "view-slow.html"), watch = "window.seen = []; new MutationObserver(() => window.seen.push([document.getElementById('canvas').classList.contains('coarse'), document.getElementById('whole').hidden].join(' '))).observe(document.body, { attributes: true, attributeFilter: ['data-drawn'] })";
   writeFileSync(from, TURNED);
   execFileSync(tool, ["view", from, "-o", out, "--quiet"]);
@@ -659,7 +659,7 @@ await attempt("where pictures take long, a press is answered by a coarse one at 
   await view.evaluate(watch);
   await view.click("finding-0");
   const seen = await view.evaluate("window.seen.join()"), there = await view.picture("view-slow"), angles = await view.evaluate("location.hash");
-  expect(seen === "true true,false false", `pictures, coarse or not, without the whole in the corner or with it: ${seen}`);
+  expect(seen === "true true,false true,false false", `pictures, coarse or not, without the whole in the corner or with it: ${seen}`);
   expect(countPixels(there, STAGE, isRed) > 300, `${countPixels(there, STAGE, isRed)} red pixels`);
   await view.close();
   const calm = await visit(pathToFileURL(out).href, { calm: true });

@@ -71,9 +71,10 @@ function drawPanel({ side, box, from, to }, pixels, draw) {
   page.graphics.within(part, () => draw(side, { worldToView: camera.worldToView(), viewToClip: camera.viewToClip(REACH + Math.abs(page.moving ? 0 : numberOf("move"))) }), cut);
 }
 
-/* coarse: with half of the pixels each way, in the canvas' lower left quarter, which is then shown twice as large: another size of the canvas would have to wait for the card. */
-export function draw(coarse = false) {
-  page.coarse = coarse;
+/* coarse: with half of the pixels each way, in the canvas' lower left quarter, which is then shown twice as large: another size of the canvas would have to wait for the card. bare: without the whole in the corner. */
+export function draw(coarse = false, bare = coarse) {
+  const wantsCorner = Boolean(page.chosen && (page.look.place || page.look.outline) && value("colours") === "findings"), inCorner = wantsCorner && !bare;
+  page.coarse = coarse || (wantsCorner && bare);
   canvas.classList.toggle("coarse", coarse);
   const pixels = (canvas.width / (canvas.clientWidth || 1)) * (coarse ? COARSE : 1), user = userMatrix(), compared = comparison();
   const info = page.norma.matrixInfo(user), colours = isDark() ? COLOURS.dark : COLOURS.light;
@@ -91,7 +92,6 @@ export function draw(coarse = false) {
     if (!page.moving) drawChosen(view, pixels);
     if (page.found && !page.chosen && compared && !isOfTwo(compared) && !angle && !page.intro.isShown()) drawFound(view, pixels, colours);
   });
-  const inCorner = Boolean(!coarse && page.chosen && (page.look.place || page.look.outline) && value("colours") === "findings");
   byId("whole").hidden = !inCorner;
   if (inCorner) drawCorner(pixels, (view) => page.graphics.drawSurfaces(sideItems("right", user, null), view, { ...UNMARKED, outline: page.look.outline, outlineColour: page.chosen && PIN_COLOURS[page.chosen.grade], outlineWidth: 2 * pixels, materials: isChecked("textures"), normalMaps: false, colours: "lit", shading: "phong" }));
   placeStage();

@@ -83,7 +83,7 @@ function frame(now) {
       page.drawing = true;
       page.rested = page.hasty = false;
       const begin = performance.now(), { see } = page.scene;
-      draw(coarse);
+      draw(coarse, coarse || canvas.classList.contains("coarse"));      /* all of the model, small, takes as long as its place */
       page.graphics.drained().catch(() => undefined).then(() => { page.drawing = false; if (!coarse) page.cost = performance.now() - begin; see?.(); });
       document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
     }
