@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _norma
-from ._arguments import Array, Fallback, Floats, choice, indices, integers, options, output, refuse, stride, vectors
+from ._arguments import (
+    Array, Fallback, Floats, choice, indices, integers, options, output, raise_index, refuse, stride, vectors,
+)
 from ._calls import _address, _models
 from ._results import NormalReport, report_of
 
@@ -68,7 +70,12 @@ class Skin:
         answer = _norma.skin(of, call, (_address(array), count, stride(array), kind), normals,
                              (*settings[4:9], settings[10]), _address(result))
         if len(answer) != 6:
-            refuse((answer[0], answer[1].replace("skin->", ""), *answer[2:]))
+            result_code, argument, index, expected = answer
+            if argument == "skin->joints" and result_code == -3:
+                raise_index("joints", self._joints, index, self._matrices.shape[0])
+            if argument == "skin->weights":
+                index //= self._joints.shape[1]  # a row: weights[index] in Python
+            refuse((result_code, argument.replace("skin->", ""), index, expected))
         return result, report_of(answer)
 
     def positions(

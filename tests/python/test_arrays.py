@@ -496,8 +496,8 @@ class Refusals(unittest.TestCase):
         self.refused(ValueError, "out: the 3 numbers", v, points, f, out=np.empty((3, 4), np.float32).T)
 
     def test_skins(self):
-        self.refused(IndexError, "joints[1]", norma.Skin([np.eye(4)], [[0, 7]], [[1, 1]]).normals, [[0, 0, 1]])
-        self.refused(ValueError, "weights[0]", norma.Skin([np.eye(4)], [[0]], [[np.nan]]).normals, [[0, 0, 1]])
+        self.refused(IndexError, "joints[0, 1] is 7; an index below 1", norma.Skin([np.eye(4)], [[0, 7]], [[1, 1]]).normals, [[0, 0, 1]])
+        self.refused(ValueError, "weights[1]", norma.Skin([np.eye(4)], [[0, 0]] * 2, [[1, 0], [0, np.nan]]).normals, [[0, 0, 1]] * 2)
         self.refused(ValueError, "normals: shape", norma.Skin([np.eye(4)], [[0], [0]], [[1], [1]]).normals, [[0, 0, 1]])
         self.refused(ValueError, "weights: the shape of joints", norma.Skin, [np.eye(4)], [[0]], [[1, 2]])
         self.refused(ValueError, "blend", norma.Skin, [np.eye(4)], [[0]], [[1]], blend="cubic")
