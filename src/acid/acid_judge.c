@@ -224,22 +224,32 @@ static void find_background(
     found->spread = take_median(off, count);
 }
 
-/* Whether a patch shows nothing but what lies around it. */
-static int is_background(
-    const judging *j, const acid_row *row, const acid_box *box, const swatch *a) {
+/* How far a patch is from what lies around it, and how far noise may explain. */
+static double off_background(const judging *j, const acid_row *row, const acid_box *box,
+    const swatch *a, double *explained) {
     background around;
     const int begin = j->inset, end = j->side - j->inset;
     double sum = 0;
     find_background(j, row, box, &around);
-    if (!(around.spread < 0.1)) return 0;
+    *explained = around.spread < 0.1 ? fmax(0.012, 2 * fmax(around.spread, j->noise)) : 0;
     for (int y = begin; y < end; ++y)
         for (int x = begin; x < end; ++x)
             for (int k = 0; k < 3; ++k) {
                 const double d = (double)a->colors[3 * (y * j->side + x) + k] - around.color[k];
                 sum += d * d;
             }
-    return sqrt(sum / (3.0 * (end - begin) * (end - begin))) <
-           fmax(0.012, fmax(2 * around.spread, 2 * j->noise));
+    return sqrt(sum / (3.0 * (end - begin) * (end - begin)));
+}
+
+/* Whether nothing is drawn in the place of the right reference (unclear), or of the subject alone
+ * (missing). A subject that its background hides no better than it hides the right one is drawn. */
+static acid_verdict verdict_if_drawn(const judging *j, const acid_row *row) {
+    double hidden[2];
+    const double right =
+                     off_background(j, row, &row->references[0].box, &j->references[0], &hidden[0]),
+                 subject = off_background(j, row, &row->subject, &j->subject, &hidden[1]);
+    if (right < hidden[0]) return ACID_UNCLEAR;
+    return subject < fmin(hidden[1], right / 2) ? ACID_MISSING : ACID_PASS;
 }
 
 /* ---- verdicts */
@@ -352,11 +362,14 @@ static void judge_drawn(judging *j, const acid_row *row, acid_finding *finding) 
 }
 
 static void judge_row(judging *j, const acid_row *row, acid_finding *finding) {
-    if (!take_row_swatches(j, row))
+    if (!take_row_swatches(j, row)) {
         unclear(finding, ACID_REASON_OUTSIDE);
-    else if (is_background(j, row, &row->references[0].box, &j->references[0]))
+        return;
+    }
+    const acid_verdict drawn = verdict_if_drawn(j, row);
+    if (drawn == ACID_UNCLEAR)
         unclear(finding, ACID_REASON_NOT_DRAWN);
-    else if (is_background(j, row, &row->subject, &j->subject))
+    else if (drawn == ACID_MISSING)
         judge_missing(row, finding);
     else
         judge_drawn(j, row, finding);
@@ -376,11 +389,12 @@ static void judge_control(judging *j, const acid_row *row, acid_finding *finding
         finding->reason = ACID_REASON_OUTSIDE;
         return;
     }
-    if (is_background(j, row, &row->references[0].box, &j->references[0])) {
+    const acid_verdict drawn = verdict_if_drawn(j, row);
+    if (drawn == ACID_UNCLEAR) {
         finding->reason = ACID_REASON_NOT_DRAWN;
         return;
     }
-    if (is_background(j, row, &row->subject, &j->subject)) {
+    if (drawn == ACID_MISSING) {
         finding->verdict = ACID_MISSING;
         return;
     }

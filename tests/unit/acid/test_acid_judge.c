@@ -89,6 +89,59 @@ static void missing_and_strange(void **state) {
     }
 }
 
+static int is_of_mark(const acid_picture *picture, size_t pixel) {
+    const double at[2] = {(double)(pixel % picture->width) / (double)picture->width,
+        (double)(pixel / picture->width) / (double)picture->height};
+    for (int i = 0; i < ACID_MARKS; ++i)
+        if (fabs(at[0] - layout.marks[i].center[0]) < 0.6 * layout.marks[i].size[0] &&
+            fabs(at[1] - layout.marks[i].center[1]) < 0.6 * layout.marks[i].size[1])
+            return 1;
+    return 0;
+}
+
+/* What is drawn is not missing, however near the colours of patches are to those around them: here
+ * noise about the mean of all patches, and less and less of their contrast. */
+static void drawn_on_its_own_color(void **state) {
+    (void)state;
+    acid_shot shot = plain_shot();
+    acid_picture dark, light;
+    double mean[3] = {0}, count = 0;
+    uint32_t noise = 1;
+    assert_true(acid_shot_take(&shot, &layout, &dark));
+    shot.background = 1;
+    assert_true(acid_shot_take(&shot, &layout, &light));
+    const size_t size = 3 * light.width * light.height;
+    uint8_t *shown = malloc(size);
+    for (size_t i = 0; i < size; i += 3) {
+        const uint8_t *p = dark.pixels + i;
+        if (memcmp(p, light.pixels + i, 3) != 0 || is_of_mark(&dark, i / 3)) continue;
+        for (int k = 0; k < 3; ++k) mean[k] += p[k];
+        ++count;
+    }
+    for (double share = 0.5; share > 0.25; share -= 0.02) {
+        acid_judgement judgement;
+        acid_picture picture = light;
+        picture.pixels = shown;
+        for (size_t i = 0; i < size; ++i) {
+            const size_t first = i / 3 * 3;
+            const double about = mean[i % 3] / count;
+            noise = noise * 1664525 + 1013904223;
+            if (is_of_mark(&dark, i / 3))
+                shown[i] = dark.pixels[i];
+            else if (memcmp(dark.pixels + first, light.pixels + first, 3) == 0)
+                shown[i] = (uint8_t)(about + share * (dark.pixels[i] - about));
+            else
+                shown[i] = (uint8_t)(about - 24 + (noise >> 16) % 48);
+        }
+        assert_int_equal(judge_picture(&picture, &judgement), 1);
+        assert_int_equal(judgement.counts[ACID_MISSING], 0);
+        free(judgement.findings);
+    }
+    free(shown);
+    free(dark.pixels);
+    free(light.pixels);
+}
+
 /* None is judged wrongly, and hardly any is left open. */
 static void distorted(void **state) {
     (void)state;
@@ -307,6 +360,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_mistake),
         cmocka_unit_test(missing_and_strange),
+        cmocka_unit_test(drawn_on_its_own_color),
         cmocka_unit_test(distorted),
         cmocka_unit_test(alike),
         cmocka_unit_test(turned),
