@@ -136,4 +136,9 @@ awk -v n=6000 'BEGIN {
 (ulimit -t 4; exec "$norma" check "$scratch/many.gltf" --no-config --threads 1 --quiet --fix-unsafe -o "$scratch/many.fixed.gltf") >"$scratch/said" 2>&1
 check "6,000 meshes are turned in time" test $? -eq 0
 check "and all of them" grep -q '^0 errors, 0 warnings' "$scratch/said"
+
+# Nor what is known of each, while one rule is tried: two seconds, where it were thirteen. The fix is refused in each, as N207 would grow.
+sed 's/"POSITION":0/"POSITION":0,"NORMAL":0/g' "$scratch/many.gltf" >"$scratch/known.gltf"
+(ulimit -t 6; exec "$norma" check "$scratch/known.gltf" --no-config --threads 1 --quiet --fix --select N102 -o "$scratch/known.fixed.gltf") >"$scratch/said" 2>&1
+check "one rule is tried in 6,000 meshes in time" grep -q '^6000 errors, 0 warnings' "$scratch/said"
 finish

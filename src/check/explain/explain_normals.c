@@ -8,9 +8,10 @@
 /* ---- Mean, percentiles and histogram of the angles between stored and computed
  * normals. */
 
-/* Angles that are not negative; their bits, read as integers, have their order. */
+/* Bits of angles, read as integers, have their order; what was not measured is negative, and comes
+ * last. */
 
-enum { SUMMARY_CORNERS = 1 << 16, HALVES = 1 << 16 };
+enum { SUMMARY_CORNERS = 1 << 16, MOST_BITS = 11 };
 
 static const double bounds_deg[NORMA_DEVIATION_BINS] = {
     .01, .02, .05, .1, .2, .5, 1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 120, 180};
@@ -53,44 +54,28 @@ static void sum_block(void *context, size_t block) {
     }
 }
 
-static uint32_t bits_of_angle(float angle) {
-    uint32_t bits;
-    memcpy(&bits, &angle, sizeof bits);
-    return bits;
+/* The bits from shift up to top of the angle of a rank, and the rank among those with the same. */
+static uint32_t find_digit(
+    const explain_surface *s, int shift, int top, uint32_t known, size_t *rank) {
+    uint32_t counts[1 << MOST_BITS] = {0}, digit = 0;
+    for (size_t c = 0; c < s->checked.corner_count; c++) {
+        uint32_t bits;
+        memcpy(&bits, &s->angles[c], sizeof bits);
+        if ((uint64_t)(bits ^ known) >> top == 0) counts[(bits ^ known) >> shift]++;
+    }
+    while (*rank >= counts[digit]) *rank -= counts[digit++];
+    return digit;
 }
 
-/* The upper half of the bits of the angle of that rank, and the rank among those with the same
- * upper half. */
-static uint32_t find_half(const uint32_t *counts, size_t rank, size_t *left) {
-    uint32_t half = 0;
-    while (rank >= counts[half]) rank -= counts[half++];
-    *left = rank;
-    return half;
-}
-
-static double join_halves(uint32_t upper, uint32_t lower) {
-    uint32_t bits = upper << 16 | lower;
+static double find_angle_of_rank(const explain_surface *s, size_t rank) {
+    uint32_t bits = 0;
     float angle;
+    for (int top = 32, shift; top > 0; top = shift) {
+        shift = top > MOST_BITS ? top - MOST_BITS : 0;
+        bits |= find_digit(s, shift, top, bits, &rank) << shift;
+    }
     memcpy(&angle, &bits, sizeof angle);
     return (double)angle;
-}
-
-/* Two ranks at once. counts: room for three times HALVES. */
-static void find_percentiles(
-    const explain_surface *s, uint32_t *counts, const size_t ranks[2], double angles[2]) {
-    uint32_t upper[2], *lower[2] = {counts + HALVES, counts + 2 * HALVES};
-    size_t left[2], none;
-    memset(counts, 0, 3 * HALVES * sizeof *counts);
-    for (size_t c = 0; c < s->checked.corner_count; c++)
-        if (s->angles[c] >= 0) counts[bits_of_angle(s->angles[c]) >> 16]++;
-    for (int i = 0; i < 2; i++) upper[i] = find_half(counts, ranks[i], &left[i]);
-    for (size_t c = 0; c < s->checked.corner_count; c++) {
-        uint32_t bits = bits_of_angle(s->angles[c]);
-        for (int i = 0; i < 2; i++)
-            if (bits >> 16 == upper[i]) lower[i][bits & 0xffff]++;
-    }
-    for (int i = 0; i < 2; i++)
-        angles[i] = join_halves(upper[i], find_half(lower[i], left[i], &none));
 }
 
 static void add_angle_part(norma_deviation *d, const angle_part *part) {
@@ -103,10 +88,9 @@ static void add_angle_part(norma_deviation *d, const angle_part *part) {
 norma_result norma_explain_summarise(
     core_call *call, const explain_surface *surface, norma_deviation *d) {
     size_t blocks = norma_check_block_count(surface->checked.corner_count, SUMMARY_CORNERS);
-    uint32_t *counts = norma_core_allocate(call, 3 * HALVES, sizeof *counts);
     angle_pass pass = {
         .surface = surface, .parts = norma_core_allocate(call, blocks, sizeof *pass.parts)};
-    norma_result result = counts && pass.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
+    norma_result result = pass.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
     *d = (norma_deviation){.crease_angle_rad = NAN};
     if (!result) {
         for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++)
@@ -117,14 +101,9 @@ norma_result norma_explain_summarise(
     }
     if (!result && d->max_rad > 0) {
         d->mean_rad /= (double)d->corners;
-        double angles[2];
-        find_percentiles(surface, counts,
-            (const size_t[2]){(d->corners - 1) / 2, (size_t)(0.99 * (double)(d->corners - 1))},
-            angles);
-        d->p50_rad = angles[0];
-        d->p99_rad = angles[1];
+        d->p50_rad = find_angle_of_rank(surface, (d->corners - 1) / 2);
+        d->p99_rad = find_angle_of_rank(surface, (size_t)(0.99 * (double)(d->corners - 1)));
     }
-    norma_core_release(call, counts, 3 * HALVES, sizeof *counts);
     norma_core_release(call, pass.parts, blocks, sizeof *pass.parts);
     return result;
 }

@@ -85,9 +85,9 @@ typedef struct check_run {
     uint8_t rules[CHECK_RULE_COUNT]; /* wanted: nonzero */
     core_call call;                  /* memory, threads, progress */
     norma_findings *findings;
-    const norma_findings *known; /* of a document that differs little; or NULL */
-    int is_trial;                /* of a fix: see check_known */
-    check_judge *judge;          /* of a surface that the next group's is the same as; or NULL */
+    const struct check_places *known; /* of a document that differs little; or NULL */
+    int is_trial;                     /* of a fix: see check_known */
+    check_judge *judge;     /* of a surface that the next group's is the same as; or NULL */
     const check_part *part; /* what is hit has the numbers of this part; NULL: those of the file */
     /* NULL, or gives the name of a material's normal map, or NULL; from map_names */
     const char *(*map_name)(void *map_names, size_t material);
@@ -307,8 +307,19 @@ struct norma_findings {
 
 norma_findings *norma_findings_new(norma_check_profile profile); /* NULL: out of memory */
 void norma_findings_sort(norma_findings *findings);              /* by place, rule, severity */
+typedef struct check_places { /* findings, sorted by place; those of one place as they were found */
+    const norma_finding **findings;
+    size_t count;
+} check_places;
+typedef int check_is_place(const void *context, const norma_finding *finding);
+
+/* Of all findings, or of those that are; its array is to be freed. 0: out of memory. */
+int norma_places_gather(check_places *places, const norma_findings *findings,
+    check_is_place *is_place, const void *context);
+const norma_finding **norma_places_find(
+    const check_places *places, const char *where, size_t *count);
 /* How the stored normals at a place were made, as N204 says; NULL: it does not. */
-const norma_deviation *norma_findings_deviation(const norma_findings *findings, const char *where);
+const norma_deviation *norma_places_deviation(const check_places *places, const char *where);
 /* Adds a copy of another's finding. 0: out of memory. */
 int norma_findings_copy(norma_findings *findings, const norma_finding *finding, size_t order);
 

@@ -1,6 +1,7 @@
 /* findings.c: findings as they are gathered, worded and read. Each owns its texts and its samples.
  */
 #include "check/findings/check_run.h"
+#include "core/call/table.h"
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -364,14 +365,6 @@ norma_result norma_check_add(
     return result;
 }
 
-const norma_deviation *norma_findings_deviation(const norma_findings *findings, const char *where) {
-    for (size_t i = 0; i < norma_findings_count(findings); i++) {
-        const norma_finding *finding = &findings->entries[i].finding;
-        if (finding->deviation && strcmp(finding->where, where) == 0) return finding->deviation;
-    }
-    return NULL;
-}
-
 int norma_findings_copy(norma_findings *findings, const norma_finding *finding, size_t order) {
     findings_entry *entry = new_entry(findings);
     norma_sample *samples = malloc((finding->sample_count + 1) * sizeof *samples);
@@ -427,6 +420,55 @@ static int by_place(const void *first, const void *second) {
 void norma_findings_sort(norma_findings *findings) {
     if (findings->count)
         qsort(findings->entries, findings->count, sizeof *findings->entries, by_place);
+}
+
+/* ---- found again by their places */
+
+static int compare_places(const void *a, const void *b) {
+    const norma_finding *const *p = a, *const *q = b;
+    const int order = strcmp((*p)->where, (*q)->where);
+    return order ? order : (*p > *q) - (*p < *q);
+}
+
+int norma_places_gather(check_places *places, const norma_findings *findings,
+    check_is_place *is_place, const void *context) {
+    const size_t count = norma_findings_count(findings);
+    *places = (check_places){calloc(count + 1, sizeof *places->findings), 0};
+    for (size_t i = 0; places->findings && i < count; i++) {
+        const norma_finding *finding = norma_findings_get(findings, i);
+        if (!is_place || is_place(context, finding)) places->findings[places->count++] = finding;
+    }
+    if (places->count)
+        qsort(places->findings, places->count, sizeof *places->findings, compare_places);
+    return places->findings != NULL;
+}
+
+typedef struct wanted_place {
+    const check_places *places;
+    const char *where;
+} wanted_place;
+
+static int stands_before(const void *context, size_t i) {
+    const wanted_place *wanted = context;
+    return strcmp(wanted->places->findings[i]->where, wanted->where) < 0;
+}
+
+const norma_finding **norma_places_find(
+    const check_places *places, const char *where, size_t *count) {
+    const size_t begin =
+        norma_core_bisect(places->count, stands_before, &(wanted_place){places, where});
+    size_t end = begin;
+    while (end < places->count && strcmp(places->findings[end]->where, where) == 0) end++;
+    *count = end - begin;
+    return places->findings + begin;
+}
+
+const norma_deviation *norma_places_deviation(const check_places *places, const char *where) {
+    size_t count = 0;
+    const norma_finding **found = places ? norma_places_find(places, where, &count) : NULL;
+    for (size_t i = 0; i < count; i++)
+        if (found[i]->deviation) return found[i]->deviation;
+    return NULL;
 }
 
 static norma_document_result locate_sample(

@@ -114,20 +114,10 @@ int norma_fix_set_normal(fix_mesh *m, size_t number,
     const double
         normal[3]); /* made unit; 0: out of memory. What is no direction is left as it is */
 
-typedef struct fix_places { /* findings, sorted by place; those of one place as they were found */
-    const norma_finding **findings;
-    size_t count;
-} fix_places;
-/* Those at a place: *count of them. */
-const norma_finding **norma_fix_find_at(
-    const fix_places *places, const char *where, size_t *count); /* fix_mesh.c */
-/* How stored normals were made there; NULL: not known. */
-const norma_deviation *norma_fix_deviation_at(const fix_places *known, const char *where);
-
 typedef struct fix_group { /* the primitives of one glTF mesh, or the one mesh of another file */
     norma_document *document;
-    const fix_places *mended, *known; /* findings that may be mended; those with a deviation */
-    const size_t *indices;            /* count of them, in the document */
+    const check_places *mended, *known; /* findings that may be mended; all */
+    const size_t *indices;              /* count of them, in the document */
     const char *const *wheres;
     size_t count;
     const fix_request *request;

@@ -139,33 +139,12 @@ void norma_fix_note(fix_plan *plan, uint64_t rules, const char *text, const char
     if (copy) notes[plan->note_count++] = (fix_note){memcpy(copy, text, size), why, rules};
 }
 
-const norma_finding **norma_fix_find_at(
-    const fix_places *places, const char *where, size_t *count) {
-    size_t low = 0, high = places->count;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (strcmp(places->findings[middle]->where, where) < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    while (high < places->count && strcmp(places->findings[high]->where, where) == 0) high++;
-    *count = high - low;
-    return places->findings + low;
-}
-
-const norma_deviation *norma_fix_deviation_at(const fix_places *known, const char *where) {
-    size_t count;
-    const norma_finding **found = norma_fix_find_at(known, where, &count);
-    return count ? found[0]->deviation : NULL;
-}
-
 int norma_fix_mark_whole(const fix_whole *t, check_rule rule, uint8_t *marks) {
     const fix_group *g = t->group;
     size_t begin = 0, count;
     int any = 0;
     for (size_t i = 0; i < g->count; begin += t->meshes[i++].face_count) {
-        const norma_finding **found = norma_fix_find_at(g->mended, g->wheres[i], &count);
+        const norma_finding **found = norma_places_find(g->mended, g->wheres[i], &count);
         for (size_t k = 0; k < count; k++)
             for (size_t s = 0; s < found[k]->sample_count && norma_fix_is_rule(found[k], rule); s++)
                 if (found[k]->samples[s].face < t->meshes[i].face_count)

@@ -254,7 +254,7 @@ norma_result norma_fix_normals(fix_mesh *m) {
 static size_t take_seam_places(const fix_whole *w, size_t mesh, seam_place *places) {
     size_t count, taken = 0;
     const norma_finding **found =
-        norma_fix_find_at(w->group->mended, w->group->wheres[mesh], &count);
+        norma_places_find(w->group->mended, w->group->wheres[mesh], &count);
     for (size_t k = 0; k < count; k++) {
         if (!norma_fix_is_rule(found[k], RULE_N501)) continue;
         for (size_t s = 0; s < found[k]->sample_count; s++) {
@@ -288,7 +288,7 @@ static norma_document_result find_weight(
     norma_mesh_info info;
     norma_mesh_data data;
     norma_deviation deviation;
-    const norma_deviation *known = norma_fix_deviation_at(g->known, g->wheres[0]);
+    const norma_deviation *known = norma_places_deviation(g->known, g->wheres[0]);
     if (known) *weight = known->weight;
     norma_document_result result = norma_document_mesh_info(g->document, g->indices[0], &info);
     if (!result) result = norma_document_mesh_data(g->document, g->indices[0], &data, g->error);

@@ -248,7 +248,7 @@ typedef struct mender {
     norma_document *document;
     const fix_request *request;
     const norma_findings *findings;
-    fix_places mended, known; /* findings that may be mended; those with a deviation */
+    check_places mended, known; /* findings that may be mended; all */
     fix_plan *plan;
     uint8_t **turned; /* of each mesh marks of faces, or NULL */
     uint8_t **sides;  /* of each mesh which faces are turned, or NULL */
@@ -271,26 +271,8 @@ static norma_document_result fail_plan(const mender *m, norma_result result) {
 
 /* ---- one mesh */
 
-static int compare_places(const void *a, const void *b) {
-    const norma_finding *const *p = a, *const *q = b;
-    const int order = strcmp((*p)->where, (*q)->where);
-    return order ? order : (*p > *q) - (*p < *q);
-}
-
-static int gather_findings(mender *m) {
-    const size_t count = norma_findings_count(m->findings);
-    fix_places *mended = &m->mended, *known = &m->known;
-    mended->findings = calloc(count + 1, sizeof *mended->findings);
-    known->findings = calloc(count + 1, sizeof *known->findings);
-    if (!mended->findings || !known->findings) return 0;
-    for (size_t i = 0; i < count; i++) {
-        const norma_finding *finding = norma_findings_get(m->findings, i);
-        if (norma_fix_may(m->request, finding)) mended->findings[mended->count++] = finding;
-        if (finding->deviation) known->findings[known->count++] = finding;
-    }
-    qsort(mended->findings, mended->count, sizeof *mended->findings, compare_places);
-    qsort(known->findings, known->count, sizeof *known->findings, compare_places);
-    return 1;
+static int may_be_mended(const void *request, const norma_finding *finding) {
+    return norma_fix_may(request, finding);
 }
 
 static void strip_normals(fix_mesh *m) {
@@ -338,12 +320,12 @@ static norma_document_result fix_mesh_of(mender *m, size_t index) {
     norma_result mended = NORMA_OK;
     norma_document_result result = norma_document_mesh_info(m->document, index, &mesh.info);
     if (result || mesh.info.not_read) return result;
-    mesh.findings = norma_fix_find_at(&m->mended, mesh.info.where, &mesh.finding_count);
+    mesh.findings = norma_places_find(&m->mended, mesh.info.where, &mesh.finding_count);
     if (mesh.finding_count > 0 || mesh.turned || mesh.smooth) {
         result = norma_document_mesh_data(m->document, index, &mesh.data, m->error);
         if (!result)
             result = norma_document_mesh_attributes(m->document, index, &mesh.attributes, m->error);
-        mesh.known = norma_fix_deviation_at(&m->known, mesh.info.where);
+        mesh.known = norma_places_deviation(&m->known, mesh.info.where);
         if (!result) mended = fix_arrays(&mesh);
     }
     part_steps(&mesh);
@@ -445,7 +427,7 @@ static norma_document_result mark_meshes(mender *m, check_rule rule, uint8_t **m
         fix_mesh mesh = {.document = m->document};
         const norma_document_result result = norma_document_mesh_info(m->document, i, &mesh.info);
         if (result) return result;
-        mesh.findings = norma_fix_find_at(&m->mended, mesh.info.where, &mesh.finding_count);
+        mesh.findings = norma_places_find(&m->mended, mesh.info.where, &mesh.finding_count);
         (*marks)[i] = (uint8_t)norma_fix_has(&mesh, rule);
     }
     return NORMA_DOCUMENT_OK;
@@ -482,7 +464,9 @@ static norma_document_result plan_all(mender *m) {
     m->turned = calloc(m->mesh_count + 1, sizeof *m->turned);
     m->sides = calloc(m->mesh_count + 1, sizeof *m->sides);
     m->smooth = calloc(m->mesh_count + 1, sizeof *m->smooth);
-    if (!m->plan->edits || !m->turned || !m->sides || !m->smooth || !gather_findings(m))
+    if (!m->plan->edits || !m->turned || !m->sides || !m->smooth ||
+        !norma_places_gather(&m->mended, m->findings, may_be_mended, m->request) ||
+        !norma_places_gather(&m->known, m->findings, NULL, NULL))
         return fail_plan(m, NORMA_ERROR_MEMORY);
     mark_asked(m);
     const int turns = m->plan->asked[RULE_N302] || m->plan->asked[RULE_N304],

@@ -278,7 +278,7 @@ static norma_result is_near_surface(check_mesh *m, int *is_near) {
         m->given->info.normals == NORMA_NORMALS_PER_FACET)
         return NORMA_OK;
     const norma_result result = norma_check_around(m);
-    const norma_deviation *likely = norma_findings_deviation(m->run->known, m->place.where);
+    const norma_deviation *likely = norma_places_deviation(m->run->known, m->place.where);
     return result ? result
                   : norma_explain_is_near(
                         &m->run->call, &m->given->data, &m->mesh, &m->topology, likely, is_near);

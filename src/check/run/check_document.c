@@ -242,6 +242,7 @@ typedef struct document_check {
     check_run run;
     norma_document *document;
     const check_known *known;
+    check_places places; /* of what is known */
     norma_document_error *error;
     norma_check_mesh *meshes;  /* those that were read; for the nodes that draw them */
     norma_morph_data **morphs; /* of each */
@@ -394,17 +395,17 @@ static int is_told_with_meshes(check_rule rule) {
 /* Of the rules that are wanted, but not looked at; and how normals that are the same were made. */
 static norma_result copy_known(
     document_check *d, size_t first, const uint8_t *wanted, check_change change) {
-    for (size_t i = 0; i < norma_findings_count(d->known->findings); i++) {
-        const norma_finding *finding = norma_findings_get(d->known->findings, i);
-        const size_t rule = (size_t)(finding->rule - norma_rules(NULL));
-        size_t mesh = first;
-        if (!(wanted[rule] || (finding->deviation && change == CHECK_SAME)) || d->run.rules[rule] ||
-            !is_told_with_meshes((check_rule)rule))
-            continue;
-        while (mesh < d->mesh_count && strcmp(d->meshes[mesh].info.where, finding->where) != 0)
-            mesh++;
-        if (mesh < d->mesh_count && !norma_findings_copy(d->run.findings, finding, d->orders[mesh]))
-            return NORMA_ERROR_MEMORY;
+    for (size_t mesh = first; mesh < d->mesh_count; mesh++) {
+        size_t count;
+        const norma_finding **found =
+            norma_places_find(&d->places, d->meshes[mesh].info.where, &count);
+        for (size_t i = 0; i < count; i++) {
+            const size_t rule = (size_t)(found[i]->rule - norma_rules(NULL));
+            const int is_copied = (wanted[rule] || (found[i]->deviation && change == CHECK_SAME)) &&
+                                  !d->run.rules[rule] && is_told_with_meshes((check_rule)rule);
+            if (is_copied && !norma_findings_copy(d->run.findings, found[i], d->orders[mesh]))
+                return NORMA_ERROR_MEMORY;
+        }
     }
     return NORMA_OK;
 }
@@ -677,9 +678,11 @@ norma_document_result norma_check_again(norma_document *document, const check_kn
     if (begun) return norma_check_fail(error, begun);
     d.run.map_name = name_of_normal_map;
     d.run.map_names = document;
-    d.run.known = known ? known->findings : NULL;
+    d.run.known = known ? &d.places : NULL;
     d.run.is_trial = known && known->is_trial;
     norma_document_result result = norma_document_ready(document, error);
+    if (!result && known && !norma_places_gather(&d.places, known->findings, NULL, NULL))
+        result = norma_check_fail(error, NORMA_ERROR_MEMORY);
     if (!result) result = check_meshes(&d);
     if (!result) result = check_maps(&d);
     if (!result) result = check_nodes(&d);
@@ -692,7 +695,8 @@ norma_document_result norma_check_again(norma_document *document, const check_kn
     for (size_t i = 0; d.morphs && i <= d.mesh_count && i < norma_document_mesh_count(document);
          i++)
         free(d.morphs[i]);
-    void *const blocks[] = {d.meshes, (void *)d.morphs, d.orders, d.nodes, d.skins};
+    void *const blocks[] = {
+        (void *)d.places.findings, d.meshes, (void *)d.morphs, d.orders, d.nodes, d.skins};
     for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) free(blocks[i]);
     return result;
 }
