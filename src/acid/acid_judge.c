@@ -441,16 +441,23 @@ static void free_swatches(judging *j) {
 /* ---- mistakes that give one picture in a cell */
 
 /* Under a node that mirrors, with one sign of w throughout, a sign that is kept, a sign that is
- * lost and a green channel that is flipped all turn the bitangent round. */
-static const struct {
+ * lost and a green channel that is flipped all turn the bitangent round: tangent-sign has to pass.
+ * A scale on z makes a relief low, and a renderer that draws no normal maps has none at all: its
+ * tangent-sign neither passes nor fails. */
+static const struct alike_mistakes {
     const char *cell, *mistake, *told_apart_by;
-} alike[] = {{"tangent-mirror", "sign-kept", "tangent-sign"}};
+    acid_reason reason;
+} alike[] = {{"tangent-mirror", "sign-kept", "tangent-sign", ACID_REASON_ELSEWHERE},
+    {"normal-scale", "scale-on-z", "tangent-sign", ACID_REASON_NO_RELIEF}};
 
-static int row_passes(const judging *j, const acid_judgement *judgement, const char *id) {
+static int are_told_apart(
+    const judging *j, const acid_judgement *judgement, const struct alike_mistakes *of) {
+    const int any_verdict = of->reason == ACID_REASON_NO_RELIEF;
     for (size_t i = 0; i < j->layout->row_count; ++i)
-        if (strcmp(j->layout->rows[i].id, id) == 0)
-            return judgement->findings[i].verdict == ACID_PASS;
-    return 0;
+        if (strcmp(j->layout->rows[i].id, of->told_apart_by) == 0)
+            return judgement->findings[i].verdict == ACID_PASS ||
+                   (any_verdict && judgement->findings[i].verdict == ACID_FAIL);
+    return any_verdict;
 }
 
 static void tell_apart(const judging *j, acid_judgement *to) {
@@ -461,8 +468,8 @@ static void tell_apart(const judging *j, acid_judgement *to) {
             if (finding->verdict == ACID_FAIL && finding->nearest > 0 &&
                 strcmp(row->id, alike[k].cell) == 0 &&
                 strcmp(row->references[finding->nearest].id, alike[k].mistake) == 0 &&
-                !row_passes(j, to, alike[k].told_apart_by))
-                unclear(finding, ACID_REASON_ELSEWHERE);
+                !are_told_apart(j, to, &alike[k]))
+                unclear(finding, alike[k].reason);
     }
 }
 

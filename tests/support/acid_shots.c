@@ -310,9 +310,12 @@ int acid_shot_take(const acid_shot *shot, const acid_layout *layout, acid_pictur
 /* ---- which distortions */
 
 int acid_shot_can_name(const acid_shot *shot, const acid_layout *layout, size_t row) {
-    if (strcmp(layout->rows[row].id, "tangent-mirror") || shot->shows[row] <= 0) return 1;
+    const char *shows = shown_by(shot, layout, row);
+    const int is_kept = strcmp(shows, "sign-kept") == 0;
+    if (!is_kept && strcmp(shows, "scale-on-z") != 0) return 1;
     for (size_t i = 0; i < layout->row_count; ++i)
-        if (strcmp(layout->rows[i].id, "tangent-sign") == 0) return shot->shows[i] == 0;
+        if (strcmp(layout->rows[i].id, "tangent-sign") == 0)
+            return is_kept ? shot->shows[i] == 0 : shot->shows[i] >= 0;
     return 0;
 }
 

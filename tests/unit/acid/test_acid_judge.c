@@ -173,11 +173,11 @@ static size_t row_of(const char *id) {
     return row;
 }
 
-static void assert_open(const acid_shot *shot, size_t row) {
+static void assert_open(const acid_shot *shot, size_t row, acid_reason reason) {
     acid_judgement judgement;
     judge(shot, &judgement);
     assert_int_equal(judgement.findings[row].verdict, ACID_UNCLEAR);
-    assert_int_equal(judgement.findings[row].reason, ACID_REASON_ELSEWHERE);
+    assert_int_equal(judgement.findings[row].reason, reason);
     assert_int_equal(judgement.counts[ACID_FAIL], shot->shows[row_of("tangent-sign")] > 0);
     free(judgement.findings);
 }
@@ -195,12 +195,32 @@ static void alike(void **state) {
     free(judgement.findings);
     for (int what = ACID_SHOWS_OTHER; what < 3; ++what) {
         shot.shows[sign] = what;
-        if (what) assert_open(&shot, mirror);
+        if (what) assert_open(&shot, mirror, ACID_REASON_ELSEWHERE);
     }
     shot.shows[sign] = 0;
     layout.rows[sign].skipped = 1;
-    assert_open(&shot, mirror);
+    assert_open(&shot, mirror, ACID_REASON_ELSEWHERE);
     layout.rows[sign].skipped = 0;
+}
+
+/* scale-on-z is not named where tangent-sign shows neither the right relief nor a mistake's. */
+static void without_relief(void **state) {
+    (void)state;
+    const size_t scale = row_of("normal-scale"), sign = row_of("tangent-sign");
+    acid_shot shot = plain_shot();
+    shot.shows[scale] = 2;
+    assert_string_equal(layout.rows[scale].references[2].id, "scale-on-z");
+    for (int what = ACID_SHOWS_OTHER; what < 3; ++what) {
+        acid_judgement judgement;
+        shot.shows[sign] = what;
+        if (what < 0) {
+            assert_open(&shot, scale, ACID_REASON_NO_RELIEF);
+            continue;
+        }
+        judge(&shot, &judgement);
+        assert_expected(&shot, &judgement);
+        free(judgement.findings);
+    }
 }
 
 /* A picture that is turned or mirrored shows the same. */
@@ -363,6 +383,7 @@ int main(void) {
         cmocka_unit_test(drawn_on_its_own_color),
         cmocka_unit_test(distorted),
         cmocka_unit_test(alike),
+        cmocka_unit_test(without_relief),
         cmocka_unit_test(turned),
         cmocka_unit_test(control_fails),
         cmocka_unit_test(no_light),
