@@ -529,14 +529,21 @@ static void gltf_squares(void) {
     save(&b, "many-attributes.gltf");
 }
 
-/* One polygon of three hundred thousand corners that lie at three places: what costs as much as it
- * has corners, at each of them, never ends. */
+/* One polygon of three hundred thousand corners that lie at three places, and one with teeth at
+ * right angles to it, whose corners turn to no side: what costs as much as it has corners, at each
+ * of them, never ends. */
 static void obj_polygon(void) {
+    enum { TEETH = 20001 };
     bytes b = {0};
     print(&b, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf");
     repeat(&b, " 1 2 3", 100000);
     print(&b, "\n");
     save(&b, "polygon-of-300000-corners.obj");
+    for (int i = 0; i < TEETH; ++i) print(&b, "v %d 0 %d\n", i, (int[]){0, 1, 0, -1}[i % 4]);
+    print(&b, "v %d 3 0\nv 0 3 0\nf", TEETH);
+    for (int i = 1; i <= TEETH + 2; ++i) print(&b, " %d", i);
+    print(&b, "\n");
+    save(&b, "polygon-of-upright-teeth.obj");
 }
 
 /* ---- GLB */

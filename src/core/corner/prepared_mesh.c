@@ -135,6 +135,7 @@ norma_result norma_core_prepared_mesh_open(core_call *call, core_mesh *checked, 
     prepared->crease = norma_core_crease_at(crease_angle_rad);
     norma_core_stage(call, 0.05, 0.2);
     norma_result result = norma_core_weld(call, &prepared->mesh);
+    if (result == NORMA_OK) result = norma_core_mark_reflex(call, &prepared->mesh);
     if (result == NORMA_OK && use != CORE_FOR_SUMS) {
         norma_core_stage(call, 0.2, 0.35);
         result = norma_core_corners_of_position_build(call, &prepared->mesh, &prepared->corners_of);
@@ -174,6 +175,8 @@ void norma_core_prepared_mesh_close(core_prepared_mesh *prepared) {
     norma_core_release(call, prepared->faces, prepared->mesh.face_count, sizeof *prepared->faces);
     if (prepared->corners_of.starts)
         norma_core_corners_of_position_release(call, &prepared->corners_of);
+    norma_core_release(
+        call, (void *)(uintptr_t)prepared->mesh.reflex, prepared->mesh.corner_count, 1);
     if (prepared->mesh.weld) norma_core_unweld(call, &prepared->mesh);
     *prepared = (core_prepared_mesh){0};
 }

@@ -226,11 +226,19 @@ int norma_core_exact_area(
 
 /* ---- on which side of straight a corner of a polygon lies, exactly (face_exact.c). */
 
+typedef struct exact_area {
+    int known; /* else sum is not set */
+    exact_sum sum[3];
+} exact_area;
+
+/* Of the polygon of count finite points. O(count). */
+void norma_core_sum_polygon(
+    exact_point *point, const void *context, size_t count, exact_area *area);
+
 /* Whether the edges at a corner, seen along the polygon's vector area, turn the other way than the
- * polygon: those from previous to here and from here to next. The polygon's count points and the
- * corner's are finite. O(count). */
-int norma_core_turns_back(exact_point *point, const void *context, size_t count,
-    const double here[3], const double next[3], const double previous[3]);
+ * polygon: those from previous to here and from here to next, all finite. */
+int norma_core_turns_back(
+    const exact_area *area, const double here[3], const double next[3], const double previous[3]);
 
 /* ---- a number by which a face's reversed twin is recognised: the face that has the same (welded)
  * positions in opposite order, wherever either begins (face_geometry.c). */
@@ -310,6 +318,11 @@ unsigned norma_core_measure_triangles(const core_call *call, const core_mesh *me
  * position. */
 double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size_t number,
     const core_face *face, size_t corner);
+
+/* Marks mesh->reflex, which the caller releases, where a mesh has large polygons and weights are by
+ * angle; else O(corners) for each of their corners that doubles do not decide. MEMORY or CANCELLED.
+ */
+norma_result norma_core_mark_reflex(core_call *call, core_mesh *mesh);
 
 /* ---- the loops that most of the time goes to: faces measured (face_kernel.template.h), added to
  * the sums of positions, and sums made normals (add_kernel.template.h); kernels_portable.c,

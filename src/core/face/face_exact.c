@@ -332,8 +332,8 @@ int norma_core_exact_area(
 }
 
 /* ---- the sign of the dot product of two vector areas, the corner's and the polygon's, each the
- * sum of p x q over its edges from p to q. The polygon's is summed exactly, and multiplied with the
- * corner's a double at a time. */
+ * sum of p x q over its edges from p to q. The polygon's is summed exactly, once for all corners,
+ * and multiplied with the corner's a double at a time. */
 
 static void add_cross(exact_sum area[3], const double p[3], const double q[3]) {
     for (int k = 0; k < 3; k++) {
@@ -343,16 +343,19 @@ static void add_cross(exact_sum area[3], const double p[3], const double q[3]) {
     }
 }
 
-static void add_polygon(exact_sum area[3], exact_point *point, const void *context, size_t count) {
+void norma_core_sum_polygon(
+    exact_point *point, const void *context, size_t count, exact_area *area) {
     double first[3], p[3], q[3];
+    for (int k = 0; k < 3; k++) norma_exact_clear(&area->sum[k]);
+    area->known = 1;
     point(context, 0, first);
     memcpy(q, first, sizeof q);
     for (size_t i = 1; i < count; i++) {
         memcpy(p, q, sizeof p);
         point(context, i, q);
-        add_cross(area, p, q);
+        add_cross(area->sum, p, q);
     }
-    add_cross(area, q, first);
+    add_cross(area->sum, q, first);
 }
 
 /* The sum's leading 53 bits as a product of two doubles, since one may not reach; at the very end
@@ -366,23 +369,23 @@ static int leading_part(const exact_sum *sum, double part[2]) {
     return part[0] < 0 || part[0] > 0;
 }
 
-int norma_core_turns_back(exact_point *point, const void *context, size_t count,
-    const double here[3], const double next[3], const double previous[3]) {
+int norma_core_turns_back(
+    const exact_area *area, const double here[3], const double next[3], const double previous[3]) {
     const double *const corner[4] = {previous, here, next, previous};
-    exact_sum area[3], turn;
+    exact_sum turn;
     double part[2];
-    for (int k = 0; k < 3; k++) norma_exact_clear(&area[k]);
     norma_exact_clear(&turn);
-    add_polygon(area, point, context, count);
-    for (int k = 0; k < 3; k++)
-        while (leading_part(&area[k], part)) {
+    for (int k = 0; k < 3; k++) {
+        exact_sum rest = area->sum[k];
+        while (leading_part(&rest, part)) {
             const int x = (k + 1) % 3, y = (k + 2) % 3;
             for (int i = 0; i < 3; i++) {
                 const double *p = corner[i], *q = corner[i + 1];
                 norma_exact_add(&turn, (const double[]){part[0], part[1], p[x], q[y]}, 4, 0);
                 norma_exact_add(&turn, (const double[]){part[0], part[1], p[y], q[x]}, 4, 1);
             }
-            norma_exact_add(&area[k], part, 2, 1);
+            norma_exact_add(&rest, part, 2, 1);
         }
+    }
     return norma_exact_round(&turn).mantissa < 0;
 }

@@ -192,25 +192,48 @@ static double settle_corner_cross(const corner_points *p, double squares, double
 }
 _Static_assert(sizeof(corner_points) == sizeof(triangle_points), "read as one triangle");
 
-/* cross: of the corner's edges. Where they do not turn at all, the corner's angle is pi or 0, by
- * the sign of their dot product. */
-static int is_reflex(
-    kept_walk walk, const core_face *face, const corner_points *p, const double cross[3]) {
-    const double along = norma_core_dot(cross, face->normal), length = norma_core_length(cross);
-    if (length == 0 || norma_core_turn_is_sure(along, length)) return along < 0;
-    return norma_core_turns_back(kept_point, &walk, face->kept, p->here, p->next, p->previous);
-}
+typedef struct corner_edges {
+    double aa, bb, ab, cross[3], length; /* products of the two; the length of cross */
+} corner_edges;
 
-static double polygon_weight(
-    norma_weight weight, kept_walk walk, const core_face *face, const corner_points *p) {
-    double a[3], b[3], cross[3], length = 0;
+static void edges_of_corner(const corner_points *p, corner_edges *e) {
+    double a[3], b[3];
     norma_core_subtract(p->next, p->here, a);
     norma_core_subtract(p->previous, p->here, b);
-    const double aa = norma_core_dot(a, a), bb = norma_core_dot(b, b);
-    norma_core_cross(a, b, cross);
-    if (core_weighed(weight) != CORE_BY_FACE) length = settle_corner_cross(p, aa * bb, cross);
-    const int reflex = core_weighed(weight) == CORE_BY_ANGLE && is_reflex(walk, face, p, cross);
-    return norma_core_weigh(weight, aa, bb, norma_core_dot(a, b), length, face->twice_area, reflex);
+    e->aa = norma_core_dot(a, a);
+    e->bb = norma_core_dot(b, b);
+    e->ab = norma_core_dot(a, b);
+    norma_core_cross(a, b, e->cross);
+    e->length = settle_corner_cross(p, e->aa * e->bb, e->cross);
+}
+
+enum { FEW_CORNERS = 16 };
+static int has_many_corners(const core_mesh *mesh, size_t face) {
+    return norma_core_face_end(mesh, face) - norma_core_face_begin(mesh, face) > FEW_CORNERS;
+}
+
+/* Where the edges do not turn at all, the corner's angle is pi or 0, by the sign of their dot
+ * product. area: of the face, summed where it is asked for first. */
+static int is_reflex(kept_walk walk, const core_face *face, const corner_points *p,
+    const corner_edges *e, exact_area *area) {
+    const double along = norma_core_dot(e->cross, face->normal),
+                 length = norma_core_length(e->cross);
+    if (length == 0 || norma_core_turn_is_sure(along, length)) return along < 0;
+    if (!area->known) norma_core_sum_polygon(kept_point, &walk, face->kept, area);
+    return norma_core_turns_back(area, p->here, p->next, p->previous);
+}
+
+static double polygon_weight(norma_weight weight, kept_walk walk, const core_face *face,
+    const corner_points *p, size_t corner) {
+    corner_edges e = {0};
+    exact_area area;
+    area.known = 0;
+    if (core_weighed(weight) != CORE_BY_FACE) edges_of_corner(p, &e);
+    const int is_marked = walk.mesh->reflex && has_many_corners(walk.mesh, walk.face),
+              reflex =
+                  core_weighed(weight) == CORE_BY_ANGLE &&
+                  (is_marked ? walk.mesh->reflex[corner] : is_reflex(walk, face, p, &e, &area));
+    return norma_core_weigh(weight, e.aa, e.bb, e.ab, e.length, face->twice_area, reflex);
 }
 
 /* Its one cross product serves at every corner. */
@@ -222,17 +245,71 @@ static double triangle_weight(norma_weight weight, const core_face *face, const 
         norma_core_dot(a, b), face->twice_area, face->twice_area, 0);
 }
 
+static void points_of_corner(
+    const core_mesh *mesh, size_t number, size_t corner, corner_points *p) {
+    norma_core_position(mesh, norma_core_corner(mesh, corner), p->here);
+    norma_core_position(
+        mesh, norma_core_corner(mesh, norma_core_next_kept(mesh, number, corner)), p->next);
+    norma_core_position(
+        mesh, norma_core_corner(mesh, norma_core_previous_kept(mesh, number, corner)), p->previous);
+}
+
 double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size_t number,
     const core_face *face, size_t corner) {
     corner_points p;
-    norma_core_position(mesh, norma_core_corner(mesh, corner), p.here);
-    norma_core_position(
-        mesh, norma_core_corner(mesh, norma_core_next_kept(mesh, number, corner)), p.next);
-    norma_core_position(
-        mesh, norma_core_corner(mesh, norma_core_previous_kept(mesh, number, corner)), p.previous);
+    points_of_corner(mesh, number, corner, &p);
     if (norma_core_face_end(mesh, number) - norma_core_face_begin(mesh, number) == 3)
         return triangle_weight(weight, face, &p);
-    return polygon_weight(weight, (kept_walk){.mesh = mesh, .face = number}, face, &p);
+    return polygon_weight(weight, (kept_walk){.mesh = mesh, .face = number}, face, &p, corner);
+}
+
+/* ---- which corners of large polygons are reflex: for one corner alone it may take a sum over all,
+ * for all of them it takes no more */
+
+enum { FACES_IN_MARKING = 1 << 12 };
+
+typedef struct reflex_marking {
+    const core_mesh *mesh;
+    uint8_t *reflex;
+} reflex_marking;
+
+static void mark_corners_of_face(const reflex_marking *marking, size_t f) {
+    const core_mesh *mesh = marking->mesh;
+    const size_t begin = norma_core_face_begin(mesh, f), end = norma_core_face_end(mesh, f);
+    core_face face;
+    exact_area area;
+    area.known = 0;
+    norma_core_face_geometry(mesh, f, &face);
+    for (size_t c = begin; c < end && (face.flags & CORE_FACE_DIRECTED); c++) {
+        corner_points p;
+        corner_edges e;
+        if (!norma_core_is_kept(mesh, f, c)) continue;
+        points_of_corner(mesh, f, c, &p);
+        edges_of_corner(&p, &e);
+        marking->reflex[c] =
+            (uint8_t)is_reflex((kept_walk){.mesh = mesh, .face = f}, &face, &p, &e, &area);
+    }
+}
+
+static void mark_chunk(void *context, size_t chunk) {
+    const reflex_marking *marking = context;
+    const size_t count = marking->mesh->face_count, begin = chunk * FACES_IN_MARKING,
+                 end = count - begin < FACES_IN_MARKING ? count : begin + FACES_IN_MARKING;
+    for (size_t f = begin; f < end; f++)
+        if (has_many_corners(marking->mesh, f)) mark_corners_of_face(marking, f);
+}
+
+norma_result norma_core_mark_reflex(core_call *call, core_mesh *mesh) {
+    size_t f = 0;
+    if (!mesh->face_starts || core_weighed(call->options.weight) != CORE_BY_ANGLE) return NORMA_OK;
+    while (f < mesh->face_count && !has_many_corners(mesh, f)) f++;
+    if (f == mesh->face_count) return NORMA_OK;
+    reflex_marking marking = {mesh, norma_core_allocate(call, mesh->corner_count, 1)};
+    if (!marking.reflex) return NORMA_ERROR_MEMORY;
+    const norma_result result = norma_core_parallel(
+        call, (mesh->face_count - 1) / FACES_IN_MARKING + 1, mark_chunk, &marking);
+    mesh->reflex = marking.reflex;
+    return result;
 }
 
 /* ---- the kept corners are hashed in a row, forwards and backwards, from each of them on: rolling

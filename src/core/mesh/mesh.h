@@ -17,7 +17,8 @@ typedef struct core_mesh {
     const uint8_t *hard_edges;
     double
         scale; /* exact power of two that brings double positions near 1; 1 for all other formats */
-    const uint32_t *weld; /* NULL, or for each position the least of those that it is one with */
+    const uint32_t *weld;  /* NULL, or for each position the least of those that it is one with */
+    const uint8_t *reflex; /* NULL, or of each corner of large polygons whether it is reflex */
 } core_mesh;
 
 /* ARGUMENT or OVERFLOW: what of it can be told without reading the arrays. */

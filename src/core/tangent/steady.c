@@ -219,6 +219,7 @@ typedef struct steady_face {
     double along[3];  /* unit: where the first texture coordinate grows */
     double normal[3]; /* twice the vector area */
     double twice_area;
+    exact_area area; /* where doubles do not tell whether a corner is reflex */
 } steady_face;
 
 typedef struct face_corners {
@@ -335,8 +336,8 @@ static void texcoord_at(const void *context, size_t index, double point[3]) {
 }
 
 /* As the corner's weight for normals has it; cross: of its edges. */
-static int is_corner_reflex(const steady_mesh *m, const steady_face *face, size_t number,
-    size_t corner, const double cross[3]) {
+static int is_corner_reflex(
+    const steady_mesh *m, steady_face *face, size_t number, size_t corner, const double cross[3]) {
     const core_mesh *mesh = &m->input->mesh;
     const face_points points = {m, norma_core_face_begin(mesh, number)};
     const double along = norma_core_dot(cross, face->normal),
@@ -346,12 +347,14 @@ static int is_corner_reflex(const steady_mesh *m, const steady_face *face, size_
     position_at_corner(m, corner, here);
     position_at_corner(m, norma_core_next_in_face(mesh, number, corner), next);
     position_at_corner(m, norma_core_previous_in_face(mesh, number, corner), previous);
-    return norma_core_turns_back(texcoord_at, &points,
-        norma_core_face_end(mesh, number) - points.first, here, next, previous);
+    if (!face->area.known)
+        norma_core_sum_polygon(
+            texcoord_at, &points, norma_core_face_end(mesh, number) - points.first, &face->area);
+    return norma_core_turns_back(&face->area, here, next, previous);
 }
 
 static double weight_of_corner(
-    const steady_mesh *m, const steady_face *face, size_t number, size_t corner) {
+    const steady_mesh *m, steady_face *face, size_t number, size_t corner) {
     const core_mesh *mesh = &m->input->mesh;
     double at[3], a[3], b[3], cross[3];
     position_at_corner(m, corner, at);
@@ -366,7 +369,7 @@ static double weight_of_corner(
 }
 
 static steady_part part_of_face(
-    const steady_mesh *m, const steady_face *face, size_t number, size_t corner) {
+    const steady_mesh *m, steady_face *face, size_t number, size_t corner) {
     const float *n = m->input->vertices[norma_core_tangent_key(m->input, corner)].normal;
     const double given[3] = {(double)n[0], (double)n[1], (double)n[2]};
     double normal[3];
@@ -386,6 +389,7 @@ static void add_steady_face(const steady_mesh *m, size_t number) {
                  count = norma_core_face_end(mesh, number) - first;
     face_corners f = {m->input, first, count, 0};
     steady_face face;
+    face.area.known = 0;
     m->signs[number] = 0;
     if (count < 3 || !is_face_finite(&f)) return;
     f.start = least_rotation(&f);
