@@ -446,18 +446,18 @@ static void free_swatches(judging *j) {
  * tangent-sign neither passes nor fails. */
 static const struct alike_mistakes {
     const char *cell, *mistake, *told_apart_by;
+    int has_to_pass; /* else a mistake there is enough, and so is a picture without that cell */
     acid_reason reason;
-} alike[] = {{"tangent-mirror", "sign-kept", "tangent-sign", ACID_REASON_ELSEWHERE},
-    {"normal-scale", "scale-on-z", "tangent-sign", ACID_REASON_NO_RELIEF}};
+} alike[] = {{"tangent-mirror", "sign-kept", "tangent-sign", 1, ACID_REASON_ELSEWHERE},
+    {"normal-scale", "scale-on-z", "tangent-sign", 0, ACID_REASON_NO_RELIEF}};
 
 static int are_told_apart(
     const judging *j, const acid_judgement *judgement, const struct alike_mistakes *of) {
-    const int any_verdict = of->reason == ACID_REASON_NO_RELIEF;
     for (size_t i = 0; i < j->layout->row_count; ++i)
         if (strcmp(j->layout->rows[i].id, of->told_apart_by) == 0)
             return judgement->findings[i].verdict == ACID_PASS ||
-                   (any_verdict && judgement->findings[i].verdict == ACID_FAIL);
-    return any_verdict;
+                   (!of->has_to_pass && judgement->findings[i].verdict == ACID_FAIL);
+    return !of->has_to_pass;
 }
 
 static void tell_apart(const judging *j, acid_judgement *to) {

@@ -59,10 +59,9 @@ static int are_materials_meant(const check_names *names, char *const *patterns, 
     norma_mesh_attributes own;
     norma_mesh_data data;
     uint32_t last = UINT32_MAX;
-    if (norma_document_mesh_attributes(names->document, mesh, &own, NULL) ||
-        norma_document_mesh_data(names->document, mesh, &data, NULL))
-        return 0;
+    if (norma_document_mesh_attributes(names->document, mesh, &own, NULL)) return 0;
     if (!own.face_materials) return is_material_meant(names, patterns, own.material);
+    if (norma_document_mesh_data(names->document, mesh, &data, NULL)) return 0;
     const size_t faces = data.mesh.face_starts ? data.mesh.face_count : data.mesh.corner_count / 3;
     for (size_t i = 0; i < faces; last = own.face_materials[i++])
         if ((!i || own.face_materials[i] != last) &&

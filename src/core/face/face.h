@@ -320,8 +320,8 @@ double norma_core_corner_weight(const core_mesh *mesh, norma_weight weight, size
     const core_face *face, size_t corner);
 
 /* Marks mesh->reflex, which the caller releases, where a mesh has large polygons and weights are by
- * angle; else O(corners) for each of their corners that doubles do not decide. MEMORY or CANCELLED.
- */
+ * angle. Without it norma_core_corner_weight takes O(corners of the polygon) where doubles do not
+ * decide. O(corners of the mesh); MEMORY or CANCELLED. */
 norma_result norma_core_mark_reflex(core_call *call, core_mesh *mesh);
 
 /* ---- the loops that most of the time goes to: faces measured (face_kernel.template.h), added to

@@ -248,13 +248,11 @@ static void test_flattened(void **state) {
     } files[] = {
         {"a.ply", ply,
             "normals that vanish under this matrix, because it flattens: 2; they got the one "
-            "direction "
-            "that is left",
+            "direction that is left",
             3},
         {"a.stl", stl,
             "normals that vanish under this matrix, because it flattens: 1; they got the one "
-            "direction "
-            "that is left",
+            "direction that is left",
             1},
     };
     const norma_transform_options options = {
