@@ -73,6 +73,18 @@ expect "--fix --in-place names them" lines said 'faulty.obj: error N001' 3
 for name in $whole; do grep -q 'vn 0 0 1' fixed/"$name".obj || fail "--fix: $name is fixed"; done
 check "--fix leaves the faulty ones as they were" cmp fixed/3-faulty.obj models/3-faulty.obj
 check "--fix leaves no other file" test "$(find fixed -type f | wc -l)" -eq 9
+# Nor does one that ends while a file is put in its place, beside others or alone, behind a link as well.
+for threads in 1 8; do
+    for verb in 'check --fix' compute; do
+        rm -rf placed && mkdir placed placed/b && for name in 1 3-unplaced 5 b/9; do cp models/1.obj placed/$name.obj; done
+        ln -s b/9.obj placed/4-unplaced.obj && ln -s 5.obj placed/8.obj
+        # shellcheck disable=SC2086  # words
+        faulty $verb placed --in-place --threads $threads
+        expect "$verb, $threads threads: what was being put in its place is named" grep -q '3-unplaced.obj: .*ended by signal 9' said errors
+        check "$verb, $threads threads: and nothing is left of it" test "$(find placed -type f | wc -l)" -eq 4
+        check "$verb, $threads threads: nor is it changed" cmp placed/3-unplaced.obj models/1.obj
+    done
+done
 
 # The other verbs, which write a file for each.
 for verb in compute 'transform --scale 2' 'render --size 32x32' view; do

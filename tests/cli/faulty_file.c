@@ -1,6 +1,7 @@
 /* faulty_file.c: preloaded, it ends a program that opens a file with "faulty" in its name, by the
  * signal FAULTY_SIGNAL: what a fault of the library would do, without one. With FAULTY_END a
- * process that the program forked ends so when it exits. */
+ * process that the program forked ends so when it exits; a file with "unplaced" in its name ends it
+ * where another is to be renamed to that. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -42,4 +43,11 @@ int open64(const char *path, int flags, ...) {
     const int mode = flags & (O_CREAT | __O_TMPFILE) ? va_arg(more, int) : 0;
     va_end(more);
     return open_by("open64", path, flags, mode);
+}
+
+int rename(const char *from, const char *to) {
+    if (strstr(to, "unplaced")) raise(SIGKILL);
+    int (*call)(const char *, const char *);
+    *(void **)&call = dlsym(RTLD_NEXT, "rename");
+    return call(from, to);
 }

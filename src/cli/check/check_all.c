@@ -444,6 +444,10 @@ static void report_lost_check(
     collect_checked(all, &checked);
 }
 
+static int is_waited_for(const check_collector *all, size_t file) {
+    return all->told <= file && !all->parts[file % WINDOW].done;
+}
+
 /* One of the files that were being checked when a worker ended: alone, so that it is known which.
  */
 static int check_alone(check_collector *all, check_configs *configs, size_t file) {
@@ -454,16 +458,22 @@ static int check_alone(check_collector *all, check_configs *configs, size_t file
     if (side < 0) return check_range(all, configs, NULL, file, file + 1);
     if (side == 0) check_in_worker(all, configs, &worker, file, file + 1);
     const int status = listen_to(all, &worker, &next);
-    if (!cli_worker_wait(&worker, 1, why) && !all->parts[file % WINDOW].done && all->told <= file)
+    if (!cli_worker_wait(&worker, 1, why) && is_waited_for(all, file)) {
+        cli_remove_left_by(worker.process, all->settings->files, file);
         report_lost_check(all, configs, file, why);
+    }
     return status;
 }
 
-static int check_again(check_collector *all, check_configs *configs, size_t next) {
+/* What a worker that ended was about. */
+static int check_again(
+    check_collector *all, check_configs *configs, const cli_worker *worker, size_t next) {
     int status = CLI_OK;
     for (size_t file = all->told; file < next; ++file)
-        if (file >= all->told && !all->parts[file % WINDOW].done)
+        if (is_waited_for(all, file)) {
+            cli_remove_left_by(worker->process, all->settings->files, file);
             status = cli_worse(status, check_alone(all, configs, file));
+        }
     return status;
 }
 
@@ -484,7 +494,7 @@ static int check_in_workers(check_collector *all, check_configs *configs) {
             return CLI_FILE;
         }
         if (next == all->told) ++next; /* it ended between two files: the next one is done alone */
-        status = cli_worse(status, check_again(all, configs, next));
+        status = cli_worse(status, check_again(all, configs, &worker, next));
     }
     return status;
 }

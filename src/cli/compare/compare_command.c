@@ -482,7 +482,8 @@ static int compare_one(void *user, size_t file) {
     return status;
 }
 
-static void report_lost_pair(void *user, size_t file, const char *why) {
+static void report_lost_pair(void *user, size_t file, int worker, const char *why) {
+    (void)worker;
     compare_work *work = user;
     norma_document_error error;
     char *counterpart = name_pair(work, file);

@@ -40,7 +40,7 @@ int cli_run_each(const cli_each *each) {
         if (cli_worker_wait(&worker, next < each->count, why)) continue;
         status = CLI_FILE;
         if (next < each->count)
-            each->lost(each->user, next, why);
+            each->lost(each->user, next, worker.process, why);
         else
             cli_error("%s", why);
         ++next;
@@ -63,8 +63,8 @@ static int look_into(void *user, size_t file) {
 }
 
 /* So will the work be. */
-static void pass_over(void *user, size_t file, const char *why) {
-    (void)user, (void)file, (void)why;
+static void pass_over(void *user, size_t file, int worker, const char *why) {
+    (void)user, (void)file, (void)worker, (void)why;
 }
 
 void cli_guard_look_ahead(cli_guard *guard, const cli_inputs *inputs, norma_file_format format) {

@@ -304,10 +304,11 @@ static int change_one(void *user, size_t file) {
     return status;
 }
 
-static void report_lost_change(void *user, size_t file, const char *why) {
+static void report_lost_change(void *user, size_t file, int worker, const char *why) {
     file_job job = *(const file_job *)user;
     norma_document_error error;
     job.input = job.files->inputs.paths[file];
+    cli_remove_left_by(worker, job.files, file);
     cli_lost_error(&error, job.input, why);
     report_change(&job, NULL, &error);
 }

@@ -111,6 +111,8 @@ int cli_make_out_dir(const cli_subcommand *command, cli_files *files);
 /* If this run has made --out-dir: takes it away, and folders below, as far as nothing is in them.
  */
 void cli_remove_empty_folders(const cli_files *files);
+/* Removes what a worker that has ended was just putting in the place of an input's output. */
+void cli_remove_left_by(int worker, const cli_files *files, size_t index);
 /* The folders below --out-dir that an output lies in. A status. */
 int cli_make_folders(const cli_files *files, const char *output);
 
@@ -148,8 +150,9 @@ void cli_output_drop(cli_output *output); /* as if it had never been begun */
 
 typedef struct cli_each {
     size_t count;
-    int (*one)(void *user, size_t file);                    /* a status */
-    void (*lost)(void *user, size_t file, const char *why); /* that file ended a worker */
+    int (*one)(void *user, size_t file); /* a status */
+    /* That file ended a worker, the process of that number. */
+    void (*lost)(void *user, size_t file, int worker, const char *why);
     void *user;
     cli_guard *guard; /* learns what one reads; may be NULL */
 } cli_each;

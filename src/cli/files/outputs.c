@@ -2,7 +2,11 @@
 #define _GNU_SOURCE /* fopencookie */
 #include "cli/files/files.h"
 #include "cli/process/process.h"
+#include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -201,6 +205,22 @@ int cli_make_out_dir(const cli_subcommand *command, cli_files *files) {
 }
 
 /* rmdir leaves folders that hold anything. */
+void cli_remove_left_by(int worker, const cli_files *files, size_t index) {
+    char *output = cli_output_of(files, index, NULL),
+         *real = output ? realpath(output, NULL) : NULL;
+    char *const path = real ? real : output, *slash = path ? strrchr(path, '/') : NULL;
+    char start[48];
+    const int length = snprintf(start, sizeof start, ".norma-%d-", worker);
+    if (slash) slash[slash == path] = '\0';
+    DIR *folder = path ? opendir(slash ? path : ".") : NULL;
+    for (const struct dirent *entry; folder && (entry = readdir(folder));)
+        if (strncmp(entry->d_name, start, (size_t)length) == 0)
+            unlinkat(dirfd(folder), entry->d_name, 0);
+    if (folder) closedir(folder);
+    free(real);
+    free(output);
+}
+
 void cli_remove_empty_folders(const cli_files *files) {
     if (!files->made_folder) return;
     for (size_t i = 0; i < files->inputs.count; ++i) {

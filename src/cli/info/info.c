@@ -385,7 +385,8 @@ static int run_one(void *user, size_t file) {
     return info_file(work, work->files.inputs.paths[file]);
 }
 
-static void report_lost_info(void *user, size_t file, const char *why) {
+static void report_lost_info(void *user, size_t file, int worker, const char *why) {
+    (void)worker;
     const info_work *work = user;
     const char *path = work->files.inputs.paths[file];
     norma_document_error error;

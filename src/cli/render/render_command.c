@@ -348,9 +348,10 @@ static int draw_one(void *user, size_t file) {
     return status ? status : draw_file(job);
 }
 
-static void report_lost_picture(void *user, size_t file, const char *why) {
+static void report_lost_picture(void *user, size_t file, int worker, const char *why) {
     const render_settings *settings = ((const picture_job *)user)->settings;
     norma_document_error error;
+    cli_remove_left_by(worker, &settings->files, file);
     cli_lost_error(&error, settings->files.inputs.paths[file], why);
     fail_picture(settings, settings->files.inputs.paths[file], &error);
 }

@@ -417,8 +417,9 @@ static int write_one_page(void *user, size_t file) {
     return status;
 }
 
-static void report_lost_page(void *user, size_t file, const char *why) {
+static void report_lost_page(void *user, size_t file, int worker, const char *why) {
     const view_work *work = user;
+    cli_remove_left_by(worker, &work->files, file);
     cli_error("%s: %s", cli_input_name(work->files.inputs.paths[file]), why);
 }
 
