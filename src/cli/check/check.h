@@ -52,15 +52,23 @@ const check_config *check_config_of(check_configs *configs, const char *path);
 
 /* ---- names that overrides go by (overrides.c) */
 
+typedef struct check_place check_place;
 typedef struct check_names { /* of one file */
     const check_config *config;
     const char *path; /* absolute, where it can be */
     norma_document *document;
+
+    /* Where findings may be, of the document or a model of it, so that one is found quickly: by
+     * their names, then the nodes once more by their meshes. */
+    check_place *places;
+    size_t place_count, drawing_count;
+    norma_document *placed;
 } check_names;
 
-/* Whether an override is for a finding. */
+/* Whether an override is for a finding. Negative: memory is out. */
 int check_is_meant(
-    const check_names *names, const check_override *override, const norma_finding *finding);
+    check_names *names, const check_override *override, const norma_finding *finding);
+void check_forget_places(check_names *names);
 /* Marks the patterns that match a name in the file, or its own. */
 void check_mark_names(const check_names *names);
 /* Warns of patterns that matched nothing in the files that were checked. */

@@ -218,17 +218,17 @@ static norma_document *document_of(const file_check *check) {
     return findings_of(check) == check->findings ? check->document : check->mended.document;
 }
 
-/* CHECK_SEVERITY_OFF: it is not told. */
-static int severity_of(const file_check *check, const norma_finding *finding) {
+/* CHECK_SEVERITY_OFF: it is not told. Negative: memory is out. */
+static int severity_of(check_names *names, const norma_finding *finding) {
     size_t count, rule = (size_t)(finding->rule - norma_rules(&count));
-    const check_config *config = check->config;
+    const check_config *config = names->config;
     int severity = config->severity[rule] ? config->severity[rule] : (int)finding->severity;
-    for (size_t i = 0; i < config->override_count; ++i)
-        if (config->overrides[i].severity[rule] &&
-            check_is_meant(&(check_names){config, check->absolute ? check->absolute : check->path,
-                               document_of(check)},
-                &config->overrides[i], finding))
-            severity = config->overrides[i].severity[rule];
+    for (size_t i = 0; i < config->override_count; ++i) {
+        const check_override *override = &config->overrides[i];
+        const int meant = override->severity[rule] ? check_is_meant(names, override, finding) : 0;
+        if (meant < 0) return meant;
+        if (meant) severity = override->severity[rule];
+    }
     return severity;
 }
 
@@ -375,24 +375,30 @@ static void free_items(check_item *items, size_t count) {
 static int weigh(const file_check *check, check_item *items, size_t *count, check_totals *totals) {
     size_t known = 0;
     check_baseline *baseline = check->settings->baseline;
+    check_names names = {.config = check->config,
+        .path = check->absolute ? check->absolute : check->path,
+        .document = document_of(check)};
+    int possible = 1;
     *count = 0;
-    for (size_t i = 0; i < norma_findings_count(findings_of(check)); ++i) {
+    for (size_t i = 0; i < norma_findings_count(findings_of(check)) && possible; ++i) {
         const norma_finding *finding = norma_findings_get(findings_of(check), i);
-        const int severity = severity_of(check, finding);
+        const int severity = severity_of(&names, finding);
         int is_known = 0;
-        if (severity == CHECK_SEVERITY_OFF) continue;
+        possible = severity >= 0;
+        if (!possible || severity == CHECK_SEVERITY_OFF) continue;
         if (baseline && check_baseline_is_new(baseline))
             check_baseline_add(baseline, check->path, finding, (norma_severity)severity);
-        else if (baseline && !check_baseline_knows(baseline, check->path, finding,
-                                 (norma_severity)severity, &is_known))
-            return 0;
+        else if (baseline)
+            possible = check_baseline_knows(
+                baseline, check->path, finding, (norma_severity)severity, &is_known);
         if (is_known)
             ++known;
         else
             items[(*count)++] = (check_item){finding, (norma_severity)severity, NULL};
     }
     totals->known += known;
-    return 1;
+    check_forget_places(&names);
+    return possible;
 }
 
 /* "PATH: " and "PATH:" say again what the report says first; "PATH:12: " becomes "line 12: ". */
@@ -552,8 +558,9 @@ void check_one_file(const check_settings *settings, const check_config *config,
     norma_document_result result =
         settings->lost ? NORMA_DOCUMENT_ERROR_FILE : open_and_judge(&check);
     if (config->override_count)
-        check_mark_names(
-            &(check_names){config, check.absolute ? check.absolute : path, check.document});
+        check_mark_names(&(check_names){.config = config,
+            .path = check.absolute ? check.absolute : path,
+            .document = check.document});
     if (!result) result = try_offers(&check, format);
     if (result)
         report_unreadable(&check, format, out, totals);

@@ -86,57 +86,100 @@ static int is_node_meant(char *const *patterns, const norma_node_info *info) {
     return node.is_meant;
 }
 
-typedef struct finding_place {
-    size_t mesh; /* a primitive: of a node's finding the first of its mesh; SIZE_MAX: none */
-    size_t node; /* whose finding it is; SIZE_MAX: no node's */
-} finding_place;
+/* ---- where a finding is */
 
-static finding_place place_of_finding(const check_names *names, const char *where) {
+struct check_place {
+    const char *where;
+    size_t mesh;      /* its number in the file */
+    size_t primitive; /* as norma_document_mesh_info counts; of a node the first of its mesh */
+    size_t node;      /* whose place it is; SIZE_MAX: no node's */
+};
+
+static int compare_where(const void *a, const void *b) {
+    return strcmp(((const check_place *)a)->where, ((const check_place *)b)->where);
+}
+
+static int compare_mesh(const void *a, const void *b) {
+    const size_t one = ((const check_place *)a)->mesh, other = ((const check_place *)b)->mesh;
+    return (one > other) - (one < other);
+}
+
+void check_forget_places(check_names *names) {
+    free(names->places);
+    names->places = NULL;
+    names->placed = NULL;
+}
+
+/* Of a document, or of one model of a composite, whose findings follow each other. */
+static int list_places(check_names *names, norma_document *document) {
+    const size_t meshes = norma_document_mesh_count(document),
+                 nodes = norma_document_node_count(document);
     norma_mesh_info mesh;
     norma_node_info node;
-    for (size_t i = 0; i < norma_document_mesh_count(names->document); ++i)
-        if (!norma_document_mesh_info(names->document, i, &mesh) && strcmp(mesh.where, where) == 0)
-            return (finding_place){i, SIZE_MAX};
-    for (size_t i = 0; i < norma_document_node_count(names->document); ++i)
-        if (!norma_document_node_info(names->document, i, &node) && strcmp(node.where, where) == 0)
-            return (finding_place){node.mesh_count ? node.first_mesh : SIZE_MAX, i};
-    return (finding_place){SIZE_MAX, SIZE_MAX};
+    size_t count = 0;
+    if (names->placed == document) return 1;
+    check_forget_places(names);
+    check_place *places = names->places = calloc(meshes + 2 * nodes + 1, sizeof *places);
+    if (!places) return 0;
+    for (size_t i = 0; i < meshes; ++i)
+        if (!norma_document_mesh_info(document, i, &mesh))
+            places[count++] = (check_place){mesh.where, mesh.mesh, i, SIZE_MAX};
+    const size_t first_node = count;
+    for (size_t i = 0; i < nodes; ++i)
+        if (!norma_document_node_info(document, i, &node))
+            places[count++] = (check_place){
+                node.where, node.mesh, node.mesh_count ? node.first_mesh : SIZE_MAX, i};
+    names->place_count = count;
+    names->drawing_count = count - first_node;
+    memcpy(places + count, places + first_node, names->drawing_count * sizeof *places);
+    qsort(places, count, sizeof *places, compare_where);
+    qsort(places + count, names->drawing_count, sizeof *places, compare_mesh);
+    names->placed = document;
+    return 1;
 }
 
 /* What is wrong with a mesh is seen at every node that draws it: all of them must be meant. */
-static int are_nodes_meant(const check_names *names, char *const *patterns, finding_place place) {
-    norma_mesh_info mesh;
+static int are_nodes_meant(
+    const check_names *names, char *const *patterns, const check_place *place) {
+    const check_place *at = names->places + names->place_count, *end = at + names->drawing_count;
     norma_node_info node;
-    int any = 0;
-    if (norma_document_mesh_info(names->document, place.mesh, &mesh)) return 0;
-    for (size_t i = 0; i < norma_document_node_count(names->document); ++i) {
-        if (norma_document_node_info(names->document, i, &node) || node.mesh != mesh.mesh ||
-            (place.node != SIZE_MAX && place.node != i))
-            continue;
-        if (!is_node_meant(patterns, &node)) return 0;
-        any = 1;
-    }
-    return any;
+    if (place->node != SIZE_MAX)
+        return !norma_document_node_info(names->placed, place->node, &node) &&
+               is_node_meant(patterns, &node);
+    for (size_t half; (half = (size_t)(end - at)) > 0;) /* the first that draws the mesh */
+        if (at[half /= 2].mesh < place->mesh)
+            at += half + 1;
+        else
+            end = at + half;
+    end = names->places + names->place_count + names->drawing_count;
+    const check_place *first = at;
+    for (; at < end && at->mesh == place->mesh; ++at)
+        if (norma_document_node_info(names->placed, at->node, &node) ||
+            !is_node_meant(patterns, &node))
+            return 0;
+    return at > first;
 }
 
 int check_is_meant(
-    const check_names *names, const check_override *override, const norma_finding *finding) {
+    check_names *names, const check_override *override, const norma_finding *finding) {
     char *const *const *lists = (char *const *const *) override->lists;
     norma_mesh_info info;
     size_t tile;
     if (!is_file_meant(names, override)) return 0;
     if (!lists[CHECK_MESHES] && !lists[CHECK_MATERIALS] && !lists[CHECK_NODES]) return 1;
-    const char *where = check_where_in_tile(finding->where, &tile);
-    const check_names own = {
-        names->config, names->path, norma_document_tile(names->document, tile)};
-    const finding_place place =
-        own.document ? place_of_finding(&own, where) : (finding_place){SIZE_MAX, SIZE_MAX};
-    if (place.mesh == SIZE_MAX || norma_document_mesh_info(own.document, place.mesh, &info))
-        return 0;
+    const check_place wanted = {.where = check_where_in_tile(finding->where, &tile)};
+    const check_names own = {.config = names->config,
+        .path = names->path,
+        .document = norma_document_tile(names->document, tile)};
+    if (!own.document) return 0;
+    if (!list_places(names, own.document)) return -1;
+    const check_place *place =
+        bsearch(&wanted, names->places, names->place_count, sizeof wanted, compare_where);
+    if (!place || norma_document_mesh_info(own.document, place->primitive, &info)) return 0;
     return (!lists[CHECK_MESHES] || any_matches(lists[CHECK_MESHES], info.name)) &&
            (!lists[CHECK_MATERIALS] ||
-               are_materials_meant(&own, lists[CHECK_MATERIALS], place.mesh)) &&
-           (!lists[CHECK_NODES] || are_nodes_meant(&own, lists[CHECK_NODES], place));
+               are_materials_meant(&own, lists[CHECK_MATERIALS], place->primitive)) &&
+           (!lists[CHECK_NODES] || are_nodes_meant(names, lists[CHECK_NODES], place));
 }
 
 /* ---- which patterns match something */
@@ -252,7 +295,7 @@ static void find_nearest_name(check_configs *configs, const cli_inputs *inputs,
     for (size_t i = 0; i < inputs->count; ++i) {
         if (check_config_of(configs, inputs->paths[i]) != config) continue;
         char *absolute = realpath(inputs->paths[i], NULL);
-        check_names names = {config, absolute ? absolute : inputs->paths[i], NULL};
+        check_names names = {.config = config, .path = absolute ? absolute : inputs->paths[i]};
         if (list == CHECK_FILES || is_file_meant(&names, override)) {
             if (list != CHECK_FILES)
                 (void)norma_document_open(inputs->paths[i], &options, &names.document, NULL);
@@ -265,6 +308,9 @@ static void find_nearest_name(check_configs *configs, const cli_inputs *inputs,
 
 static void warn_of_list(check_configs *configs, const cli_inputs *inputs,
     const check_config *config, const check_override *override, int list) {
+    if (override->lists[list] && !override->lists[list][0])
+        cli_error("%s: overrides: %s: the list is empty, so this override applies to nothing",
+            config->path, check_list_keys[list]);
     for (size_t i = 0; override->lists[list] && override->lists[list][i]; ++i) {
         const char *pattern = override->lists[list][i];
         nearest_name nearest;
@@ -285,7 +331,7 @@ void check_warn_unmatched(check_configs *configs, const cli_inputs *inputs) {
     for (size_t i = 0; i < inputs->count; ++i) {
         const check_config *config = check_config_of(configs, inputs->paths[i]);
         size_t before = 0;
-        if (!config || config == last || !config->pattern_count) continue;
+        if (!config || config == last) continue;
         last = config;
         while (before < i && check_config_of(configs, inputs->paths[before]) != config) ++before;
         for (size_t k = 0; before == i && k < config->override_count; ++k)
