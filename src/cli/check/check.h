@@ -128,6 +128,13 @@ typedef struct check_item {
 
 enum { CHECK_SEVERITIES = NORMA_SEVERITY_ERROR + 1 };
 
+/* Why a fix was left out. Many that differ in numbers alone are one for people. */
+typedef struct check_reason {
+    const char *text;
+    size_t number, more; /* in their order; how many it stands for besides itself */
+    int is_folded;       /* another one stands for it */
+} check_reason;
+
 typedef struct check_report {
     const check_settings *settings;
     const char *path;  /* as it was named */
@@ -141,7 +148,8 @@ typedef struct check_report {
     int fail_on;                            /* for this file */
     const size_t (*same)[CHECK_SEVERITIES]; /* how many items of each rule and severity */
     norma_document *document;               /* for pictures; NULL: unreadable */
-    size_t first_note;         /* reasons why a fix was left out are its notes from there on */
+    const check_reason *reasons;            /* why fixes were left out; NULL: none was asked for */
+    size_t reason_count;
     int is_unchanged;          /* a fix was asked for, and there was nothing to do */
     const char *mended;        /* a table of counts before and after; NULL: nothing was mended */
     size_t by_rays, undecided; /* open components that rays decided on, or did not; 0 where that was
@@ -274,8 +282,8 @@ uint64_t check_key(const check_report *report, const check_item *item);
 size_t check_count_same(const check_report *report, const check_item *item);
 /* What a clean file was not asked, in words that follow "No problems found"; or "". */
 const char *check_unseen(const check_report *report);
-/* Whether note i of a document differs from those before it, from the first on. */
-int check_is_new_note(const norma_document *document, size_t first, size_t i);
+/* The notes of a document from the first on, each text once. NULL: memory is out. */
+check_reason *check_list_reasons(const norma_document *document, size_t first, size_t *count);
 /* Names from the root of the scene to the first node that draws the mesh of a finding, or to the
  * node that it is about. NULL: none. */
 const char *check_node_path(norma_document *document, const char *where);

@@ -16,8 +16,8 @@ typedef struct check_fixed {
     int written;
     char *table; /* counts before and after, lines of text; NULL: nothing changed */
     norma_fix_summary summary;
-    size_t
-        first_note; /* of the document: what could not be fixed, and why, is noted from there on */
+    check_reason *reasons; /* what could not be fixed, and why */
+    size_t reason_count;
 } check_fixed;
 
 /* ---- the table */
@@ -56,11 +56,21 @@ static char *make_table(
 
 /* ---- mending and writing */
 
-/* What could not be mended, and why: each reason once. */
-static void tell_notes(const char *path, const norma_document *document, size_t before) {
-    for (size_t i = before; i < norma_document_note_count(document); ++i)
-        if (check_is_new_note(document, before, i))
-            cli_error("%s: %s", cli_input_name(path), norma_document_note(document, i));
+/* What could not be mended, and why. */
+static void tell_reasons(const char *path, const check_fixed *mended) {
+    for (size_t i = 0; i < mended->reason_count; ++i) {
+        const check_reason *reason = &mended->reasons[i];
+        if (reason->more)
+            cli_error(
+                "%s: %s (%zu more like this)", cli_input_name(path), reason->text, reason->more);
+        else if (!reason->is_folded)
+            cli_error("%s: %s", cli_input_name(path), reason->text);
+    }
+}
+
+static norma_document_result fail_without_memory(norma_document_error *error) {
+    *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
+    return error->result;
 }
 
 static norma_document_result save_fixed(const check_settings *settings,
@@ -84,10 +94,7 @@ static norma_document_result check_fix(const check_settings *settings, norma_doc
     const char *path = settings->files->inputs.paths[index];
     *mended = (check_fixed){0};
     char *output = cli_output_of(settings->files, index, NULL);
-    if (!output) {
-        *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
-        return error->result;
-    }
+    if (!output) return fail_without_memory(error);
     norma_document_result result = NORMA_DOCUMENT_OK;
     if (!settings->dry_run &&
         cli_guard_output(settings->files->guard, output, settings->files->in_place ? path : NULL)) {
@@ -96,19 +103,18 @@ static norma_document_result check_fix(const check_settings *settings, norma_doc
     }
     mended->document = document;
     const size_t notes = norma_document_note_count(document);
-    mended->first_note = notes;
     if (!result)
         result = norma_fix_document(
             document, options, settings->fix == CHECK_FIX_UNSAFE, &mended->summary, error);
-    if (!result) tell_notes(path, document, notes);
+    if (!result && !(mended->reasons = check_list_reasons(document, notes, &mended->reason_count)))
+        result = fail_without_memory(error);
+    if (!result) tell_reasons(path, mended);
     if (!result && mended->summary.changed)
         result = norma_check_document(document, options, &mended->findings, error);
     if (!result && mended->summary.changed &&
         !(mended->table = make_table(before, mended->findings,
-              settings->list_infos ? NORMA_SEVERITY_INFO : options->fix_from))) {
-        *error = (norma_document_error){NORMA_DOCUMENT_ERROR_MEMORY, "out of memory"};
-        result = error->result;
-    }
+              settings->list_infos ? NORMA_SEVERITY_INFO : options->fix_from)))
+        result = fail_without_memory(error);
     if (!result) result = save_fixed(settings, options, output, mended, error);
     free(output);
     return result;
@@ -117,6 +123,7 @@ static norma_document_result check_fix(const check_settings *settings, norma_doc
 static void check_fixed_free(check_fixed *mended) {
     norma_findings_free(mended->findings);
     free(mended->table);
+    free(mended->reasons);
     *mended = (check_fixed){0};
 }
 
@@ -528,7 +535,8 @@ static void report_findings(
         .count = count,
         .fail_on = fail_on(check),
         .document = document_of(check),
-        .first_note = check->mended.document ? check->mended.first_note : SIZE_MAX,
+        .reasons = check->mended.reasons,
+        .reason_count = check->mended.reason_count,
         .is_unchanged = check->settings->fix && !check->fix_status && check->mended.document &&
                         !check->mended.summary.changed,
         .mended = check->mended.table,

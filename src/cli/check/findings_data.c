@@ -102,11 +102,10 @@ static void write_json_item(cli_json *json, const check_item *item) {
 
 /* Why fixes were left out. Without --fix there is no such key. */
 static void write_json_reasons(cli_json *json, const check_report *report) {
-    if (!report->document || report->first_note == SIZE_MAX) return;
+    if (!report->reasons) return;
     cli_json_open(json, "not_fixed", '[');
-    for (size_t i = report->first_note; i < norma_document_note_count(report->document); ++i)
-        if (check_is_new_note(report->document, report->first_note, i))
-            cli_json_string(json, NULL, norma_document_note(report->document, i));
+    for (size_t i = 0; i < report->reason_count; ++i)
+        cli_json_string(json, NULL, report->reasons[i].text);
     cli_json_close(json, ']');
 }
 

@@ -300,11 +300,12 @@ static void write_counts(FILE *out, const check_report *report) {
 
 /* What could not be fixed, and why. */
 static void write_html_reasons(FILE *out, const check_report *report) {
-    if (!report->document) return;
-    for (size_t i = report->first_note; i < norma_document_note_count(report->document); ++i) {
-        if (!check_is_new_note(report->document, report->first_note, i)) continue;
+    for (size_t i = 0; i < report->reason_count; ++i) {
+        const check_reason *reason = &report->reasons[i];
+        if (reason->is_folded) continue;
         fputs("<p>Not fixed: ", out);
-        cli_write_outside_html(out, norma_document_note(report->document, i));
+        cli_write_outside_html(out, reason->text);
+        if (reason->more) fprintf(out, " (%zu more like this)", reason->more);
         fputs("</p>\n", out);
     }
 }
