@@ -73,11 +73,17 @@ static double facet_corner(int column, int row) {
     return 0.4 * relief.height + (above ? 0.17 : -0.17);
 }
 
+/* Where a column or row of vertices lies, counted in facets: their outer parts are wider, so that
+ * smoothing, which turns normals there, shows in most of each. */
+static double facet_place(int index) {
+    static const double parts[ACID_FACET_PARTS] = {0, 0.35, 0.5, 0.65};
+    return index / ACID_FACET_PARTS + parts[index % ACID_FACET_PARTS];
+}
+
 /* The height within a facet: each square of corners is two facets, cut from the lower left. */
 static double facet_height(int column, int row) {
     const int i = column / ACID_FACET_PARTS, j = row / ACID_FACET_PARTS;
-    const double s = (double)(column % ACID_FACET_PARTS) / ACID_FACET_PARTS,
-                 t = (double)(row % ACID_FACET_PARTS) / ACID_FACET_PARTS;
+    const double s = facet_place(column) - i, t = facet_place(row) - j;
     const double a = facet_corner(i, j), b = facet_corner(i + 1, j), c = facet_corner(i, j + 1),
                  d = facet_corner(i + 1, j + 1);
     return s >= t ? a + s * (b - a) + t * (d - b) : a + t * (c - a) + s * (d - c);
@@ -208,6 +214,11 @@ static int quads_across(const acid_cell *cell) {
     return cell->way == ACID_FLAT ? ACID_FACETS_ACROSS * ACID_FACET_PARTS : ACID_SUBDIVIDED;
 }
 
+static double place_across(const acid_cell *cell, int index) { /* 0 to 1 */
+    return cell->way == ACID_FLAT ? facet_place(index) / ACID_FACETS_ACROSS
+                                  : (double)index / ACID_SUBDIVIDED;
+}
+
 /* Whether triangles must run the other way round for their front to be seen: glTF reverses them
  * under a node that mirrors. Of a skin it leaves open whether joints count; so where they mirror,
  * the skinned node does as well. */
@@ -233,12 +244,11 @@ static void write_indices(const acid_cell *cell, acid_patch *patch) {
 
 static void make_vertex(
     const acid_cell *cell, acid_patch *patch, size_t column, size_t row, acid_vertex *vertex) {
-    const int quads = quads_across(cell);
     const int mirrored = cell->mirrored_from >= 0 && (int)column > cell->mirrored_from;
     const double direction = mirrored ? -1 : 1;
     const int i = (int)column - mirrored;
-    const acid_spot spot =
-        surface_spot(cell, -1 + 2.0 * i / quads, -1 + 2.0 * (int)row / quads, direction);
+    const acid_spot spot = surface_spot(
+        cell, -1 + 2 * place_across(cell, i), -1 + 2 * place_across(cell, (int)row), direction);
     vertex->weights[0] = cell->step_count == 2 ? (float)joint_weight(spot.x) : 1;
     vertex->weights[1] = 1 - vertex->weights[0];
     unpose(cell, &spot, direction, vertex);

@@ -334,9 +334,17 @@ def faces_viewer(patch, instance):
 
 
 def difference(a, b):
-    """Mean angle between two references, and the mean difference of what they show, 0 to 1 (0.06: as 15 degrees)."""
+    """Mean angle between two references, of their corners or over what is seen of them, whichever is less, and the mean
+    difference of what they show, 0 to 1 (0.06: as 15 degrees)."""
     na, nb = corner_normals(a, 0), corner_normals(b, 0)
     angle = sum(degrees(x, y) for x, y in zip(na, nb)) / len(na)
+    seen = whole = 0
+    p = corner_positions(a, 0)
+    for i in range(0, len(p), 3):
+        area = abs(cross([q - o for o, q in zip(p[i], p[i + 1])], [q - o for o, q in zip(p[i], p[i + 2])])[2])
+        middle = [[sum(x) for x in zip(*n[i:i + 3])] for n in (na, nb)]
+        seen, whole = seen + area * degrees(*middle), whole + area
+    angle = min(angle, seen / whole)
     shown = sum(abs(p - q) for x, y, v, w in zip(na, nb, a.indices, b.indices) for p, q in zip(lit(a, x, v), lit(b, y, w))) / len(na) / 3
     white = a.material["pbrMetallicRoughness"]["baseColorFactor"][0]
     return angle, shown / (white or 1)
