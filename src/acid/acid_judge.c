@@ -25,7 +25,8 @@
 enum { LEAST_SIDE = 8, MOST_SIDE = 40, RING = 12 };
 
 static const double near_part = 0.3, near_contrast = 0.25, most_way = 0.25, above_noise = 2,
-                    alike_part = 0.25, alike_share = 0.05, least_noise = 1.0 / 255;
+                    alike_part = 0.25, alike_share = 0.05, least_noise = 1.0 / 255,
+                    least_hiding = 0.012, hidden_share = 0.01;
 
 typedef struct swatch { /* a patch, resampled */
     float *colors;      /* side * side * 3 */
@@ -41,6 +42,8 @@ typedef struct judging {
     double noise;
     swatch subject, beside, references[ACID_MOST_REFERENCES];
 } judging;
+
+static double squared(double x) { return x * x; }
 
 /* ---- sampling */
 
@@ -224,32 +227,42 @@ static void find_background(
     found->spread = take_median(off, count);
 }
 
-/* How far a patch is from what lies around it, and how far noise may explain. */
-static double off_background(const judging *j, const acid_row *row, const acid_box *box,
-    const swatch *a, double *explained) {
+typedef struct hiding {
+    double off, explained; /* how far a patch is from what lies around it; what noise may explain */
+    double share, above;   /* the part of the patch that noise explains; by how much the brightest
+                              channel of the patch is brighter */
+} hiding;
+
+static hiding hide(const judging *j, const acid_row *row, const acid_box *box, const swatch *a) {
     background around;
     const int begin = j->inset, end = j->side - j->inset;
-    double sum = 0;
+    const double count = squared(end - begin);
+    hiding found = {.above = -1};
     find_background(j, row, box, &around);
-    *explained = around.spread < 0.1 ? fmax(0.012, 2 * fmax(around.spread, j->noise)) : 0;
+    found.explained =
+        around.spread < 0.1 ? fmax(least_hiding, 2 * fmax(around.spread, j->noise)) : 0;
     for (int y = begin; y < end; ++y)
-        for (int x = begin; x < end; ++x)
+        for (int x = begin; x < end; ++x) {
+            double sum = 0;
             for (int k = 0; k < 3; ++k) {
                 const double d = (double)a->colors[3 * (y * j->side + x) + k] - around.color[k];
-                sum += d * d;
+                found.above = fmax(found.above, d);
+                sum += squared(d);
             }
-    return sqrt(sum / (3.0 * (end - begin) * (end - begin)));
+            found.off += sum / (3 * count);
+            if (sqrt(sum / 3) < found.explained) found.share += 1 / count;
+        }
+    found.off = sqrt(found.off);
+    return found;
 }
 
 /* Whether nothing is drawn in the place of the right reference (unclear), or of the subject alone
  * (missing). A subject that its background hides no better than it hides the right one is drawn. */
 static acid_verdict verdict_if_drawn(const judging *j, const acid_row *row) {
-    double hidden[2];
-    const double right =
-                     off_background(j, row, &row->references[0].box, &j->references[0], &hidden[0]),
-                 subject = off_background(j, row, &row->subject, &j->subject, &hidden[1]);
-    if (right < hidden[0]) return ACID_UNCLEAR;
-    return subject < fmin(hidden[1], right / 2) ? ACID_MISSING : ACID_PASS;
+    const hiding right = hide(j, row, &row->references[0].box, &j->references[0]),
+                 subject = hide(j, row, &row->subject, &j->subject);
+    if (right.off < right.explained) return ACID_UNCLEAR;
+    return subject.off < fmin(subject.explained, right.off / 2) ? ACID_MISSING : ACID_PASS;
 }
 
 /* ---- verdicts */
@@ -278,9 +291,44 @@ static int find_lost(const acid_row *row) {
     return -1;
 }
 
-static void judge_missing(const acid_row *row, acid_finding *finding) {
+/* Where a mistake may give all of a patch one end of the scale, which no reference shows: bytes are
+ * long normals, and white if they are not normalised; reversed ones are black without ambient
+ * light. */
+static const struct scale_end {
+    const char *cell;
+    int is_white;
+} scale_ends[] = {{"quantized", 1}, {"tangent-mirror", 0}};
+
+/* Whether the ground is at that end, as the red, green and blue marks are in two channels each. */
+static int is_scale_end(const judging *j, const acid_row *row, int is_white) {
+    background around;
+    find_background(j, row, &row->subject, &around);
+    for (int k = 0; k < 3; ++k) {
+        double mark[3] = {0};
+        add_sample(j, j->layout->marks[is_white ? k : (k + 2) % 3].center, mark);
+        const double inward = is_white ? mark[k] - around.color[k] : around.color[k] - mark[k];
+        if (inward > fmax(least_hiding, 2 * j->noise)) return 0;
+    }
+    return 1;
+}
+
+/* Whether a subject that is drawn may be seen as little as one that is not: some reference is as
+ * the ground, or is where it is brightest. */
+static int ground_hides(const judging *j, const acid_row *row) {
+    for (size_t i = 0; i < row->reference_count; ++i) {
+        const hiding h = hide(j, row, &row->references[i].box, &j->references[i]);
+        if (h.off < h.explained || (h.share > hidden_share && h.above < h.explained)) return 1;
+    }
+    for (size_t i = 0; i < sizeof scale_ends / sizeof *scale_ends; ++i)
+        if (strcmp(row->id, scale_ends[i].cell) == 0)
+            return is_scale_end(j, row, scale_ends[i].is_white);
+    return 0;
+}
+
+static void judge_missing(const judging *j, const acid_row *row, acid_finding *finding) {
     finding->nearest = find_lost(row);
     finding->verdict = finding->nearest < 0 ? ACID_MISSING : ACID_FAIL;
+    if (finding->nearest < 0 && ground_hides(j, row)) unclear(finding, ACID_REASON_HIDDEN);
 }
 
 /* What pixels make of fine detail: the right reference differs so much from itself, sampled half a
@@ -307,8 +355,6 @@ static void measure(
         finding->apart = fmin(finding->apart, apart[i]);
     }
 }
-
-static double squared(double x) { return x * x; }
 
 static int is_between(const acid_row *row, const acid_finding *finding, double noise,
     const double apart[ACID_MOST_REFERENCES]) {
@@ -370,7 +416,7 @@ static void judge_row(judging *j, const acid_row *row, acid_finding *finding) {
     if (drawn == ACID_UNCLEAR)
         unclear(finding, ACID_REASON_NOT_DRAWN);
     else if (drawn == ACID_MISSING)
-        judge_missing(row, finding);
+        judge_missing(j, row, finding);
     else
         judge_drawn(j, row, finding);
 }

@@ -83,6 +83,7 @@ typedef enum acid_reason { /* of ACID_UNCLEAR, and of a control that fails */
     ACID_REASON_ALIKE,     /* the references differ by no more than the picture's noise */
     ACID_REASON_BETWEEN,   /* the nearest two are about as near */
     ACID_REASON_FAR,       /* nothing is near, or not everywhere */
+    ACID_REASON_HIDDEN,    /* drawn in the ground's colour, or not at all */
     ACID_REASON_NO_RELIEF, /* no normal map looks much the same, and no cell shows one */
     ACID_REASON_ELSEWHERE  /* other mistakes look the same here; the cell in which they do not does
                               not pass */

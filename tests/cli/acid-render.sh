@@ -50,8 +50,8 @@ for cell in found.values():
         print(cell["id"], cell["verdict"], cell["mistake"], file=sys.stderr)
 END
 }
-# draw MISTAKE OUT
-draw() { NORMA_MISTAKE=$1 "$built/bin/norma" render "$scene" -o "$2" --size 1600x1200 "${straight[@]}" --weight area; }
+# draw MISTAKE OUT [OPTION...]
+draw() { NORMA_MISTAKE=$1 "$built/bin/norma" render "$scene" -o "$2" --size 1600x1200 "${straight[@]}" --weight area "${@:3}"; }
 draw none "$scratch/shot.png"
 check "with no mistake chosen, it passes" "$norma" acid --judge "$scratch/shot.png"
 for mistake in $(grep -oE '\{"id": "[a-z-]+"' "$scratch/scenes/acid.json" | sed 's/.*"id": "//; s/"//' | grep -vx right | sort -u); do
@@ -63,4 +63,12 @@ for mistake in $(grep -oE '\{"id": "[a-z-]+"' "$scratch/scenes/acid.json" | sed 
     check "$mistake: no cell names another mistake" test ! -s "$scratch/misnamed"
     if [ -s "$scratch/verdicts" ] && [ -z "$wrong" ]; then pass "$mistake is named in $(wc -l <"$scratch/verdicts") cells"; else fail "$mistake is named" "$wrong"; fi
 done
+# Reversed normals are black without ambient light; on black they may as well be no surface at all.
+draw reversed "$scratch/shot.png" --background black --phong 0,1,0,1
+"$norma" acid --judge "$scratch/shot.png" --json >"$scratch/json"
+check "what black hides is not called missing" python3 -c '
+import json, sys
+found = {c["id"]: c["verdict"] for c in json.load(open(sys.argv[1]))["cells"]}
+assert found["control"] == found["rotation"] == "pass" and "missing" not in found.values(), found
+assert found["mirror"] == found["skinned-mirror"] == found["tangent-mirror"] == "unclear", found' "$scratch/json"
 finish

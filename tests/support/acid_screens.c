@@ -137,8 +137,7 @@ static int judge_number(tally *t, const acid_layout *layout, uint32_t number) {
         const acid_finding *f = &judgement.findings[i];
         const char *shows = shown_name(&shot, layout, i);
         const int can_name = acid_shot_can_name(&shot, layout, i);
-        kind *k =
-            kind_of(t, can_name ? shows : "a mistake, with another or nothing in tangent-sign");
+        kind *k = kind_of(t, can_name ? shows : "what another cell, or the ground, must tell");
         const int named = is_named(&shot, row, i, f), unclear = f->verdict == ACID_UNCLEAR;
         ++k->count;
         k->named += (size_t)named;

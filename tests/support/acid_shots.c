@@ -310,6 +310,10 @@ int acid_shot_take(const acid_shot *shot, const acid_layout *layout, acid_pictur
 /* ---- which distortions */
 
 int acid_shot_can_name(const acid_shot *shot, const acid_layout *layout, size_t row) {
+    const char *id = layout->rows[row].id;
+    if (shot->shows[row] == ACID_SHOWS_NOTHING) /* on black, and on white */
+        return !(shot->background == 0 && strcmp(id, "tangent-mirror") == 0) &&
+               !(shot->background == 1 && strcmp(id, "quantized") == 0);
     const char *shows = shown_by(shot, layout, row);
     const int is_kept = strcmp(shows, "sign-kept") == 0;
     if (!is_kept && strcmp(shows, "scale-on-z") != 0) return 1;

@@ -31,8 +31,8 @@ typedef struct acid_shot {
 int acid_shots_layout(acid_layout *layout);
 
 /* Whether a mistake that is shown can be named: not so sign-kept, as other mistakes look the same,
- * unless tangent-sign shows that they are not made; nor scale-on-z, unless it shows a normal map.
- */
+ * unless tangent-sign shows that they are not made; nor scale-on-z, unless it shows a normal map;
+ * nor that nothing is drawn where a mistake may give the background's color. */
 int acid_shot_can_name(const acid_shot *shot, const acid_layout *layout, size_t row);
 
 /* A shot of that number: its size, place, curve and all else follow from the number alone. */

@@ -27,6 +27,9 @@ static const char *reason_words(acid_reason reason) {
         return "the nearest two references are about as near";
     case ACID_REASON_FAR:
         return "no reference is near";
+    case ACID_REASON_HIDDEN:
+        return "the subject is not drawn, or in the colour of what lies around it, as parts of "
+               "references are";
     case ACID_REASON_NO_RELIEF:
         return "scale-on-z looks much like no normal map at all, and tangent-sign does not show "
                "whether one is drawn";

@@ -89,6 +89,21 @@ static void missing_and_strange(void **state) {
     }
 }
 
+/* On white, where the light is so strong that parts of patches are white. */
+static void hidden_by_white(void **state) {
+    (void)state;
+    acid_shot shot = plain_shot();
+    acid_judgement judgement;
+    shot.background = 1;
+    shot.exposure = 2.6;
+    for (size_t i = 1; i < layout.row_count; ++i) shot.shows[i] = ACID_SHOWS_NOTHING;
+    judge(&shot, &judgement);
+    for (size_t i = 1; i < layout.row_count; ++i)
+        if (strcmp(layout.rows[i].id, "flattened") != 0)
+            assert_int_equal(judgement.findings[i].reason, ACID_REASON_HIDDEN);
+    free(judgement.findings);
+}
+
 static int is_of_mark(const acid_picture *picture, size_t pixel) {
     const double at[2] = {(double)(pixel % picture->width) / (double)picture->width,
         (double)(pixel / picture->width) / (double)picture->height};
@@ -380,6 +395,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_mistake),
         cmocka_unit_test(missing_and_strange),
+        cmocka_unit_test(hidden_by_white),
         cmocka_unit_test(drawn_on_its_own_color),
         cmocka_unit_test(distorted),
         cmocka_unit_test(alike),
