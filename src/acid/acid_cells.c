@@ -133,6 +133,8 @@ size_t acid_fault_count(const acid_cell *cell) {
     return count;
 }
 
+double acid_white(const acid_cell *cell) { return cell->white > 0 ? cell->white : 1; }
+
 const char *acid_cell_extension(const acid_cell *cell) {
     return cell->way == ACID_INSTANCE ? "EXT_mesh_gpu_instancing"
            : cell->way == ACID_BYTES  ? "KHR_mesh_quantization"

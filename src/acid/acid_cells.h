@@ -75,4 +75,5 @@ void acid_step_rotation(const acid_step *step, double unit[4]);
 int acid_has_turn(const acid_step *step);
 const char *acid_cell_extension(const acid_cell *cell); /* that it needs; NULL: none */
 size_t acid_fault_count(const acid_cell *cell);
+double acid_white(const acid_cell *cell); /* of the subject's material */
 #endif

@@ -367,7 +367,7 @@ static acid_vector perturbed(const acid_cell *cell, const acid_vertex *vertex, c
 /* A normal that is too long or too short makes light stronger or weaker, up to the most that a
  * renderer counts: told by the colour of the vertex, since NORMAL must be of unit length. */
 static void color_by_length(const acid_cell *cell, acid_vector n, float color[3]) {
-    const double white = cell->white > 0 ? cell->white : 1, length = acid_length(n);
+    const double white = acid_white(cell), length = acid_length(n);
     for (int k = 0; k < ACID_LIGHTS; ++k) {
         const double lit = acid_dot(acid_lights[k], n) / length,
                      factor = lit * length > 1 ? 1 / lit : length;

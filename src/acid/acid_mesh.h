@@ -46,4 +46,6 @@ int acid_make_subject(const acid_cell *cell, acid_patch *patch);
 int acid_make_reference(
     const acid_cell *cell, const acid_patch *subject, acid_fault fault, acid_patch *patch);
 void acid_free_patch(acid_patch *patch);
+/* A reference in side x side pixels of three bytes. white: of its material. */
+void acid_draw_patch(const acid_patch *patch, double white, int side, uint8_t *pixels);
 #endif

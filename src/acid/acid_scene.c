@@ -157,8 +157,6 @@ static size_t add_map(acid_making *making, const acid_patch *patch) {
     return texture;
 }
 
-static double white_of(const acid_cell *cell) { return cell->white > 0 ? cell->white : 1; }
-
 static size_t subject_material(
     acid_making *making, const acid_cell *cell, const acid_patch *patch) {
     char more[128] = "";
@@ -172,7 +170,7 @@ static size_t subject_material(
     } else if (!cell->double_sided && !(cell->white > 0)) {
         return 0;
     }
-    return add_material(making, cell->id, white_of(cell), cell->double_sided, more);
+    return add_material(making, cell->id, acid_white(cell), cell->double_sided, more);
 }
 
 static size_t reference_material(acid_making *making, const acid_cell *cell, acid_fault fault) {

@@ -4,9 +4,11 @@ the program that wrote them.
     acid_reader.py FOLDER            TAP: every cell of norma-acid.glb, and of cells/ID.glb
     acid_reader.py FOLDER --angles   mean angles between the references of each cell
 """
+import base64
 import json
 import math
 import os
+import re
 import struct
 import sys
 import zlib
@@ -350,6 +352,20 @@ def difference(a, b):
     return angle, shown / (white or 1)
 
 
+def painted(patch, picture):
+    """By how many levels a picture of the page is off what the lights show in the middle of each triangle, on average."""
+    width, height, rows = png_pixels(base64.b64decode(picture))
+    white, off = patch.material["pbrMetallicRoughness"]["baseColorFactor"][0], []
+    low, high = [[f(p[k] for p in patch.positions[0]) for k in range(2)] for f in (min, max)]
+    positions, normals = corner_positions(patch, 0), corner_normals(patch, 0)
+    for i in range(0, len(positions), 3):
+        x, y = [(sum(p[k] for p in positions[i:i + 3]) / 3 - low[k]) / (high[k] - low[k]) for k in range(2)]
+        row, column, n = rows[int((1 - y) * height)], int(x * width), unit([sum(x) for x in zip(*normals[i:i + 3])])
+        colors = zip(*(patch.colors[v] for v in patch.indices[i:i + 3])) if patch.colors else [[3 * white]] * 3
+        off += [abs(row[3 * column + k] - 255 * math.sqrt(sum(c) / 3 * max(0, dot(l, n)))) for k, (l, c) in enumerate(zip(LIGHTS, colors))]
+    return sum(off) / len(off)
+
+
 def center_of(place, half):
     return [(place["center"][0] - 0.5) * 2 * half[0], (0.5 - place["center"][1]) * 2 * half[1], 0]
 
@@ -368,6 +384,7 @@ def main():
 
     whole = Scene(os.path.join(folder, layout["scene"]))
     first = layout["cells"][0]
+    page = open(os.path.join(folder, "index.html")).read()
     plain = Patch(whole, first["id"] + " right")
     bent = [degrees(n, plain.fronts[0][i // 3]) for i, n in enumerate(corner_normals(plain, 0))]
     report(max(bent) < 12 and sum(bent) / len(bent) < 3, "normals are those of the surface", "%.1f degrees from its faces at most" % max(bent))
@@ -405,6 +422,11 @@ def main():
                 if not angles_only:
                     report(distance < 1e-3 and angle < 0.05 and shown < 1e-3, "%s: %s is what that mistake makes of the subject" % (name, place["id"]),
                            "%.2g of its size, %.4f degrees" % (distance, angle))
+            pictures = re.findall('<img alt="" src="data:image/png;base64,([^"]*)"><figcaption>([a-z-]*)<', page.split('<h2 id="%s">' % name)[1].split("<h2")[0])
+            report([place["id"] for place in places["references"]] == [of for _, of in pictures], name + ": the page has a picture of each reference")
+            for picture, of in pictures:
+                off = painted(Patch(scene, name + " " + of), picture)
+                report(off < 12, "%s: the page's picture of %s" % (name, of), "%.1f of 255 levels" % off)
             references = [right] + [Patch(scene, name + " " + r["id"]) for r in places["references"][1:]]
             for i, a in enumerate(references):
                 for j in range(i):

@@ -26,8 +26,9 @@ void acid_print_json(const acid_work *work, const acid_layout *layout, const aci
 void acid_print_tap(const acid_work *work, const acid_layout *layout, const acid_judgement *found);
 void acid_print_text(const acid_work *work, const acid_layout *layout, const acid_judgement *found);
 
-void acid_write_layout(FILE *out, const acid_grid *grid); /* acid.json */
-void acid_write_page(FILE *out, const acid_grid *grid);
+/* 0: out of memory. */
+int acid_write_layout(FILE *out, const acid_grid *grid); /* acid.json */
+int acid_write_page(FILE *out, const acid_grid *grid);
 int acid_write_scenes(const acid_work *work); /* into the folder work->output; a status */
 
 int acid_judge_shot(const cli_subcommand *command, acid_work *work); /* a status */

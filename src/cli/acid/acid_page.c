@@ -1,7 +1,10 @@
 /* acid_page.c: the page that explains each cell of the acid scenes. */
+#include "acid/acid_judge.h"
+#include "acid/acid_mesh.h"
 #include "acid/acid_mistakes.h"
 #include "acid/acid_scene.h"
 #include "cli/acid/acid.h"
+#include <stdlib.h>
 
 static const char page_head[] =
     "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
@@ -9,7 +12,9 @@ static const char page_head[] =
     ":root{color-scheme:light dark}body{font:16px/1.5 system-ui,sans-serif;max-width:52rem;"
     "margin:0 auto;padding:1rem}h2{margin:2.5rem 0 0;font-size:1.2rem}blockquote{margin:.5rem 0;"
     "padding-left:1rem;border-left:3px solid #888}code{font-size:.9em}dt{margin-top:.5rem;"
-    "font-weight:600}dd{margin-left:1.5rem}pre{overflow-x:auto;white-space:pre-wrap}\n</style></"
+    "font-weight:600}dd{margin-left:1.5rem}pre{overflow-x:auto;white-space:pre-wrap}"
+    ".row{display:flex;flex-wrap:wrap;gap:1rem}figure{margin:0;font-size:.85rem}img{display:block;"
+    "width:96px;height:96px}\n</style></"
     "head><body><main>\n"
     "<h1>Norma's acid test</h1>\n"
     "<p>Load <code>norma-acid.glb</code> into a renderer, look through its camera "
@@ -25,7 +30,9 @@ static const char page_head[] =
     "<p>A normal in a file has unit length. So the reference <em>not-normalized</em> has the right "
     "directions, and vertex colours that make it as much brighter or darker as normals of the "
     "wrong length make the light, up to the most that a renderer counts (n&#183;l = 1). The "
-    "reference <em>lost</em> is drawn black.</p>\n";
+    "reference <em>lost</em> is drawn black.</p>\n"
+    "<p>Pictures show the references of each cell as a renderer without tone mapping draws them; "
+    "the subject should look like the first.</p>\n";
 
 static void write_escaped(FILE *out, const char *before, const char *text, const char *after) {
     fputs(before, out);
@@ -52,6 +59,39 @@ static void write_mend(FILE *out, const acid_mistake *mistake) {
     fputs("</code></pre></details></dd>\n", out);
 }
 
+/* 0: out of memory. */
+static int write_patch(
+    FILE *out, const acid_cell *cell, const acid_patch *subject, acid_fault fault) {
+    enum { SIDE = 64 };
+    uint8_t pixels[3 * SIDE * SIDE] = {0};
+    const acid_picture picture = {SIDE, SIDE, pixels};
+    growing_bytes png = {0};
+    acid_patch patch;
+    if (!acid_make_reference(cell, subject, fault, &patch)) return 0;
+    acid_draw_patch(&patch, acid_white(cell), SIDE, pixels);
+    acid_free_patch(&patch);
+    const int made = acid_write_picture(&picture, &png);
+    if (made) {
+        fputs("<figure><img alt=\"\" src=\"data:image/png;base64,", out);
+        cli_write_base64(out, (const unsigned char *)png.data, png.size);
+        write_escaped(out, "\"><figcaption>", acid_fault_id(fault), "</figcaption></figure>\n");
+    }
+    free(png.data);
+    return made;
+}
+
+static int write_cell_row(FILE *out, const acid_cell *cell) {
+    acid_patch subject;
+    if (!acid_make_subject(cell, &subject)) return 0;
+    fputs("<div class=\"row\">\n", out);
+    int made = write_patch(out, cell, &subject, ACID_RIGHT);
+    for (size_t i = 0; i < acid_fault_count(cell) && made; ++i)
+        made = write_patch(out, cell, &subject, cell->faults[i]);
+    fputs("</div>\n", out);
+    acid_free_patch(&subject);
+    return made;
+}
+
 static void write_cell_mistakes(FILE *out, const acid_cell *cell) {
     if (!acid_fault_count(cell)) return;
     fputs("<dl>\n", out);
@@ -67,7 +107,7 @@ static void write_cell_mistakes(FILE *out, const acid_cell *cell) {
     fputs("</dl>\n", out);
 }
 
-void acid_write_page(FILE *out, const acid_grid *grid) {
+int acid_write_page(FILE *out, const acid_grid *grid) {
     (void)grid;
     fputs(page_head, out);
     for (size_t i = 0; i < acid_cell_count; ++i) {
@@ -81,7 +121,9 @@ void acid_write_page(FILE *out, const acid_grid *grid) {
         if (acid_cell_extension(cell))
             write_escaped(out, "Needs <code>", acid_cell_extension(cell), "</code>. ");
         write_escaped(out, "File: <code>cells/", cell->id, ".glb</code></p>\n");
+        if (!write_cell_row(out, cell)) return 0;
         write_cell_mistakes(out, cell);
     }
     fputs("</main></body></html>\n", out);
+    return 1;
 }

@@ -85,7 +85,7 @@ static void write_cell_layout(cli_json *json, const acid_grid *grid, size_t inde
     cli_json_close(json, '}');
 }
 
-void acid_write_layout(FILE *out, const acid_grid *grid) {
+int acid_write_layout(FILE *out, const acid_grid *grid) {
     static const double aspect[2] = {4, 3};
     cli_json json = {.out = out};
     cli_json_open(&json, NULL, '{');
@@ -98,6 +98,7 @@ void acid_write_layout(FILE *out, const acid_grid *grid) {
     cli_json_close(&json, ']');
     cli_json_close(&json, '}');
     fputc('\n', out);
+    return 1;
 }
 
 /* ---- files */
@@ -148,12 +149,15 @@ static int make_alone(made_files *files, size_t index) {
 }
 
 static int make_text_file(made_files *files, const acid_grid *grid, const char *name,
-    void (*write)(FILE *out, const acid_grid *grid)) {
+    int (*write)(FILE *out, const acid_grid *grid)) {
     cli_memory_stream stream;
     made_file *file = begin_made(files, name);
     if (!file || !cli_memory_open(&stream)) return cli_out_of_memory();
-    write(stream.out, grid);
-    if (!cli_memory_close(&stream)) return cli_out_of_memory();
+    const int written = write(stream.out, grid);
+    if (!cli_memory_close(&stream) || !written) {
+        free(stream.text);
+        return cli_out_of_memory();
+    }
     file->bytes = (growing_bytes){.data = stream.text, .size = stream.size};
     return CLI_OK;
 }
