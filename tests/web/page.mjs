@@ -1398,12 +1398,27 @@ await attempt("a link of a report opens the file from the same server, presses t
     await view.picture("served");
     await view.close();
     writeFileSync(join(folder, "models/broken.gltf"), '{"buffers": null, "images": [null, {"uri": "//example.org/x.png"}], ');
-    for (const [src, words] of [["models/broken.gltf", "broken.gltf"], ["models/gone.obj", "the server says 404"], ["//example.org/x.obj", "it lies on another server"]]) {
+    writeFileSync(join(folder, "models/none.json"), "[]");
+    for (const [src, words] of [["models/broken.gltf", "broken.gltf"], ["models/none.json", "no tileset"], ["models/gone.obj", "the server says 404"], ["//example.org/x.obj", "it lies on another server"]]) {
       const other = await visit(`${origin}/norma.html?src=${encodeURIComponent(src)}`);
       await other.until("document.getElementById('notice').textContent", 20);
       expect((await other.text("notice")).includes(words), await other.text("notice"));
       await other.close();
     }
+    /* A tileset stands for its tiles, and for those of the tilesets that it names. */
+    const tile = (uri, ...children) => ({ content: { uri }, children });
+    mkdirSync(join(folder, "models/inner"), { recursive: true });
+    copyFileSync(join(root, "tests/cli/golden/files/roof.b3dm"), join(folder, "models/inner/a roof.b3dm"));
+    writeFileSync(join(folder, "models/tileset.json"), JSON.stringify({ root: tile("two%20ways.gltf?v=1", tile("inner/more.json"), tile("gone.glb"), null) }));
+    writeFileSync(join(folder, "models/inner/more.json"), JSON.stringify({ root: { children: [tile("a%20roof.b3dm"), tile("../tileset.json")] } }));
+    const tiles = await visit(`${origin}/norma.html?src=models/tileset.json`);
+    await tiles.until("document.title === 'two ways.gltf · Norma'", 20);
+    await tiles.settled();
+    const offered = await tiles.evaluate("[...document.querySelectorAll('#model option')].filter((one) => /^file/.test(one.value)).map((one) => one.textContent).join()");
+    expect(offered === "two ways.gltf,gone.glb,inner/a roof.b3dm", offered);
+    await tiles.evaluate("(document.getElementById('model').value = 'file2', document.getElementById('model').dispatchEvent(new Event('change')))");
+    await tiles.until("document.title === 'a roof.b3dm · Norma'", 20);
+    await tiles.close();
     const alone = await visit(`${pathToFileURL(page).href}?src=models/x.obj`);
     await alone.until("document.getElementById('notice').textContent", 20);
     expect((await alone.text("notice")).includes("serve the folder"), await alone.text("notice"));
