@@ -51,7 +51,7 @@ cases() {
     echo "check of a folder, two threads|$NORMA check . --threads 2"
     echo "check --write-baseline|$NORMA check cube.obj roof.ply --write-baseline=packed/base.json --threads 1"
     echo "check --baseline|$NORMA check cube.obj roof.ply --baseline=known/base.json --threads 1"
-    echo "check --config|$NORMA check cube.obj --config=known/config.json --threads 1"
+    echo "check --config|$NORMA check roof.glb --config=known/config.json --select N601 --threads 1"
     echo "report --merge|$NORMA report --merge known/a.json known/b.json -o out.html"
     echo "tangents|$NORMA tangents charts.gltf -o out.gltf --threads 1"
     echo "pack|$NORMA pack charts.gltf -o out.gltf --max-error 1"
@@ -87,7 +87,7 @@ cp "$root/tests/fuzz/corpus/glb/draco" "$fast/from/packed/draco.glb"
 mkdir "$fast/from/known"
 (cd "$fast/from" && "$NORMA" check cube.obj roof.ply --write-baseline=known/base.json >/dev/null
     "$NORMA" check cube.obj roof.ply --shard 1/2 -o known/a.json && "$NORMA" check cube.obj roof.ply --shard 2/2 -o known/b.json)
-echo '{"profile": "pr\u0069nt", "overrides": [{"files": ["a*", "*"], "ignore": ["N1"]}]}' >"$fast/from/known/config.json"
+echo '{"profile": "pr\u0069nt", "overrides": [{"files": ["a*", "*"], "ignore": ["N1"]}, {"meshes": ["roof"], "nodes": ["left"], "ignore": ["N6"]}]}' >"$fast/from/known/config.json"
 [ ! -x "$tree/tests/acid_screens" ] || (cd "$fast/from/known" && "$tree/tests/acid_screens" layout acid.json && "$tree/tests/acid_screens" shot 1 shot.png >/dev/null)
 # More borders than one block of votes has records.
 awk 'BEGIN { for (i = 0; i < 100; i++) printf "v %d 0 0\nv %d 1 0\nv %d 0 1\nf %d %d %d\n", i, i, i, 3 * i + 1, 3 * i + 2, 3 * i + 3 }' >"$fast/from/known/borders.obj"
