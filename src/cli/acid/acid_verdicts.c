@@ -28,8 +28,7 @@ static const char *reason_words(acid_reason reason) {
     case ACID_REASON_FAR:
         return "no reference is near";
     case ACID_REASON_HIDDEN:
-        return "the subject is not drawn, or in the colour of what lies around it, as parts of "
-               "references are";
+        return "the subject is not drawn, or has the colour of what lies around it";
     case ACID_REASON_NO_RELIEF:
         return "scale-on-z looks much like no normal map at all, and tangent-sign does not show "
                "whether one is drawn";
