@@ -4,8 +4,6 @@
 #include "cli/process/process.h"
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -204,7 +202,7 @@ int cli_make_out_dir(const cli_subcommand *command, cli_files *files) {
     return CLI_OK;
 }
 
-/* rmdir leaves folders that hold anything. */
+/* Temporary files have the number of the process that writes them in their names (file_write.c). */
 void cli_remove_left_by(int worker, const cli_files *files, size_t index) {
     char *output = cli_output_of(files, index, NULL),
          *real = output ? realpath(output, NULL) : NULL;
@@ -221,6 +219,7 @@ void cli_remove_left_by(int worker, const cli_files *files, size_t index) {
     free(output);
 }
 
+/* rmdir leaves folders that hold anything. */
 void cli_remove_empty_folders(const cli_files *files) {
     if (!files->made_folder) return;
     for (size_t i = 0; i < files->inputs.count; ++i) {
