@@ -658,15 +658,18 @@ await attempt("where pictures take long, a press is answered by a coarse one at 
   await view.settled();
   await view.evaluate(watch);
   await view.click("finding-0");
-  const seen = await view.evaluate("window.seen.join()"), there = await view.picture("view-slow"), angles = await view.evaluate("location.hash");
+  const seen = await view.evaluate("window.seen.join()"), there = await view.picture("view-slow"), addressed = "/camera=/.test(location.hash)"; // written when nothing has moved for a while
+  await view.until(addressed);
+  const angles = await view.evaluate("location.hash");
   expect(seen === "true true,false true,false false", `pictures, coarse or not, without the whole in the corner or with it: ${seen}`);
   expect(countPixels(there, STAGE, isRed) > 300, `${countPixels(there, STAGE, isRed)} red pixels`);
   await view.close();
   const calm = await visit(pathToFileURL(out).href, { calm: true });
   await calm.settled();
   await calm.click("finding-0");
-  const same = differences(there, await calm.picture());
-  expect(same < 200 && angles === (await calm.evaluate("location.hash")), `${same} pixels differ from where nothing is slow`);
+  await calm.until(addressed);
+  const same = differences(there, await calm.picture()), calmly = await calm.evaluate("location.hash");
+  expect(same < 200 && angles === calmly, `${same} pixels differ from where nothing is slow; the address is ${angles}, there ${calmly}`);
   await calm.close();
 });
 
