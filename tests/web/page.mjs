@@ -1195,6 +1195,26 @@ await attempt("findings are listed with pictures, worst first; a finding about a
   await whole.close();
 });
 
+/* TURNED in a mesh of its own, within a box that is another. */
+function hiddenModel() {
+  const numbers = (letter) => [...TURNED.matchAll(new RegExp(`^${letter} (\\S+) (\\S+) (\\S+)`, "gm"))].flatMap((line) => line.slice(1, 4).map(Number));
+  const inside = numbers("f").map((i) => i - 1), box = inside.with(6, 4).with(7, 5).with(8, 6), parts = [Float32Array.from(numbers("v")), Uint16Array.from(inside), Uint16Array.from(box)].map(({ buffer }) => Buffer.from(buffer));
+  const mesh = (indices) => ({ primitives: [{ attributes: { POSITION: 0 }, indices }] }), indexed = (bufferView) => ({ bufferView, count: 36, type: "SCALAR", componentType: 5123 });
+  return JSON.stringify({ asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0, 1] }], nodes: [{ mesh: 0 }, { mesh: 1, scale: [3, 3, 3], translation: [-1, -1, -1] }], meshes: [mesh(1), mesh(2)],
+    accessors: [{ bufferView: 0, count: 8, type: "VEC3", componentType: 5126, min: [0, 0, 0], max: [1, 1, 1] }, indexed(1), indexed(2)], bufferViews: parts.map(({ length }, i) => ({ buffer: 0, byteOffset: [0, 96, 168][i], byteLength: length })),
+    buffers: [{ byteLength: 240, uri: `data:application/octet-stream;base64,${Buffer.concat(parts).toString("base64")}` }] });
+}
+
+await attempt("a small picture shows its place, though another part hides it", async () => {
+  const view = await visit(home, { calm: true });
+  await dropText(view, "hidden.gltf", hiddenModel());
+  await view.until("[...document.querySelectorAll('#findings button')].find((b) => /N301/.test(b.textContent))?.querySelector('canvas').dataset.made", 60);
+  const red = await view.evaluate(`(() => { const c = [...document.querySelectorAll("#findings button")].find((b) => /N301/.test(b.textContent)).querySelector("canvas"), d = c.getContext("2d").getImageData(0, 0, c.width, c.height).data; let red = 0; for (let i = 0; i < d.length; i += 4) if (d[i] > d[i + 1] + 70 && d[i] > d[i + 2] + 70) red++; return red; })()`);
+  expect(red > 150, `${red} red pixels`);
+  expect(view.said.length === 0, view.said.join("\n"));
+  await view.close();
+});
+
 await attempt("a solid that is inside out is marked as a whole, and is one place", async () => {
   const two = `${boxOf(1, 1, 1)}${boxOf(1, 1, 1).replaceAll(/^v (\S+)/gm, (_, x) => `v ${Number(x) + 3}`).replaceAll(/^f (\d+) (\d+) (\d+) (\d+)/gm, (_, ...corners) => `f ${corners.slice(0, 4).reverse().map((i) => Number(i) + 8).join(" ")}`)}`;
   const view = await visit(home, { calm: true });

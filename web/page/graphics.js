@@ -471,7 +471,7 @@ export function makeGraphics(canvas, texts) {
     const height = Math.max(16, Math.round(TILE / aspect)), width = TILE * Math.min(ACROSS, cameras.length), all = height * Math.ceil(cameras.length / ACROSS), counts = cameras.map(() => 0);
     const read = await pictureOf("count", width, all, [0, 0, 0, 0], () => cameras.forEach((camera, i) => {
       gl.viewport(TILE * (i % ACROSS), height * Math.floor(i / ACROSS), TILE, height);
-      for (const item of inPicture(items, camera)) if (item.surface[marks] || (marks === "marks" && !through)) drawMarked(item, camera, item.surface[marks] ?? undefined, "COUNT", ...(through ? ["MARKED_ONLY"] : []));
+      for (const item of inPicture(items, camera)) if (item.surface[marks] || !through) drawMarked(item, camera, item.surface[marks] ?? undefined, "COUNT", ...(through ? ["MARKED_ONLY"] : []));
     }));
     for (let y = 0; y < all; y++)
       for (let x = 0; x < width; x++) if (read[4 * (y * width + x)] > 127) counts[ACROSS * Math.floor(y / height) + Math.floor(x / TILE)]++;
