@@ -186,7 +186,8 @@ static int core_edge_is_smooth(const core_prepared_mesh *prepared, const core_st
  * each that runs out to its neighbours among those that run back: the same fans, in O(n log n).
  * Faces whose normals lean (bent polygons) or are borrowed are few, and are compared with all, and
  * so are those that are their own reverse: they run both ways at one angle and are not partners of
- * themselves. Twins among the others stand opposite, beyond any crease that is asked about. */
+ * themselves; and those with twins where a distance welds. Twins among the others stand opposite,
+ * beyond any crease that is asked about. */
 
 typedef struct fin {
     double angle;
@@ -310,6 +311,15 @@ static int is_own_reverse(const core_mesh *mesh, const star_corner *c, const sta
            run->key == norma_core_key_of_twin(run->key);
 }
 
+/* Twins that a distance welds may stand at any angle; all others stand opposite. */
+static int has_near_twins(
+    const core_prepared_mesh *prepared, const edge_side *other, const star_edge *run) {
+    if (!norma_core_welds_near(prepared->call)) return 0;
+    const uint64_t twin = norma_core_key_of_twin(run->key);
+    const size_t at = core_first_not_below(other, twin, 0);
+    return at < other->count && other->edges[at].key == twin;
+}
+
 /* Whether its angle round the edge says all: a direction of its own, at right angles to the edge.
  */
 static int is_plain(const edge_frame *frame, const star_corner *c) {
@@ -321,14 +331,16 @@ static int is_plain(const edge_frame *frame, const star_corner *c) {
 static size_t list_side(
     const fin_set *f, const edge_frame *frame, int back, uint32_t group, fin *fins) {
     const core_mesh *mesh = &f->prepared->mesh;
-    const edge_side *side = back ? &f->e->back : &f->e->out;
+    const edge_side *side = back ? &f->e->back : &f->e->out,
+                    *other = back ? &f->e->out : &f->e->back;
     size_t count = 0;
     for (size_t i = 0; i < side->count; i++) {
         const star_corner *c = &f->star->corners[side->edges[i].corner];
         if (!(c->flags & STAR_HAS_NORMAL) || (group && !(mesh->smoothing_groups[c->face] & group)))
             continue;
         if (mesh->hard_edges && mesh->hard_edges[back ? c->previous_corner : c->corner]) continue;
-        if (!is_plain(frame, c) || is_own_reverse(mesh, c, &side->edges[i]))
+        if (!is_plain(frame, c) || is_own_reverse(mesh, c, &side->edges[i]) ||
+            has_near_twins(f->prepared, other, &side->edges[i]))
             join_leaning(f, &side->edges[i], back);
         else
             fins[count++] = (fin){angle_in(frame, c->normal), (uint32_t)back, (uint32_t)i};
