@@ -218,6 +218,18 @@ static void prism(maker *m) {
     }
 }
 
+/* Fins at one edge: more pairs of them than are tried one by one. */
+static void crowd(maker *m) {
+    const uint32_t fins = 2 * (60 + below(m, 40)), a = add_position(m, 0, 0, 0),
+                   b = add_position(m, 0, 0, 1), on_lattice = (uint32_t)chance(m, 2);
+    for (uint32_t i = 0; i < fins; ++i) {
+        const double angle = TURN * i / fins;
+        const uint32_t turned = below(m, 2),
+                       tip = on_lattice ? add_any(m) : add_position(m, cos(angle), sin(angle), 0);
+        add_face(m, (uint32_t[]){turned ? b : a, turned ? a : b, tip}, 3);
+    }
+}
+
 /* Four positions of their own, some faces turned. */
 static void tetrahedron(maker *m) {
     static const uint32_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
@@ -341,8 +353,10 @@ static void hand_over(maker *m) {
     for (size_t f = 0; f < c->face_count; ++f) c->polygons |= c->starts[f + 1] - c->starts[f] != 3;
     c->has_groups = chance(m, 4);
     c->has_hard = chance(m, 4);
+    /* Any two bits that follow each other decide, the last two as often as all others. */
+    const uint32_t bit = !c->has_groups || chance(m, 2) ? 0 : chance(m, 2) ? 30 : below(m, 31);
     for (size_t f = 0; f < c->face_count && c->has_groups; ++f)
-        c->groups[f] = chance(m, 8) ? 1U << 31 | 1 : below(m, 4);
+        c->groups[f] = chance(m, 8) ? 1U << 31 | 1 : below(m, 4) << bit;
     for (size_t i = 0; i < c->corner_count && c->has_hard; ++i) c->hard[i] = chance(m, 8) ? 1 : 0;
 }
 
@@ -384,10 +398,10 @@ void made_case_make(made_case *made, const void *bytes, size_t size) {
     const uint32_t positions = chance(&m, 12) ? 1 + below(&m, 40) : 3 + below(&m, 7);
     for (uint32_t i = 0; i < positions; ++i) add_any(&m);
     m.big = chance(&m, 64);
-    if (m.big && chance(&m, 2))
-        wheel(&m);
-    else if (m.big)
-        prism(&m);
+    if (m.big) {
+        static void (*const features[])(maker *) = {wheel, prism, crowd};
+        features[below(&m, 3)](&m);
+    }
     m.big = 0;
     const uint32_t features = chance(&m, 40) ? below(&m, 40) : 1 + below(&m, 6);
     for (uint32_t i = 0; i < features; ++i) feature(&m);
