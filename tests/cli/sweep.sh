@@ -22,12 +22,13 @@ commands() {
     printf '%s\n' 'info IN' 'check IN --info --format json'
     [ "$kb" -le "$middle" ] || return
     printf '%s\n' 'check IN --fix-unsafe -o OUT' 'compute IN -o OUT --crease 40' 'transform IN -o OUT --scale 2,.5,-1 --rotate 1,2,3,40'
-    case $1 in *.gltf | *.glb) printf '%s\n' 'transform IN -o OUT --bake' 'tangents IN -o OUT' ;; esac
+    case $1 in *.gltf | *.glb) printf '%s\n' 'transform IN -o OUT --bake' 'tangents IN -o OUT' 'pack IN -o OUT' ;; esac
     [ "$kb" -le "$small" ] || return
     printf '%s\n' 'info IN --json' 'check IN --profile print --format sarif' 'check IN --profile generated --format html -o PAGE' 'check IN --fix -o OUT' 'check IN --fix-unsafe --open-by-rays --profile print -o OUT' \
         'check IN --fix-unsafe --profile generated --dry-run' 'compute IN -o OUT --smooth --weight area' 'compute IN -o OUT --crease 0' 'compute IN -o OUT --crease 180 --weight angle-area --non-manifold smooth' \
         'compute IN -o OUT --flat --weld none' 'compute IN -o OUT --weld 0.001 --weight max --only missing' 'compute IN -o OUT --only broken --threads 3' 'compute IN -o OUT --weight visible --morphs --tangents regenerate' \
         'compute IN --together --out-dir FOLDER' 'transform IN -o OUT --scale 0,1,1' 'transform IN -o OUT --matrix "0 2 0 1 3 0 0 2 0 0 .1 3 0 0 0 1"'
+    printf '%s\n' 'compare IN IN' 'seams votes IN --everywhere -o VOTES'
     case $1 in *.gltf | *.glb) printf '%s\n' 'transform IN -o OUT --bake --scale -1,2,1' 'tangents IN -o OUT --mode steady' 'tangents IN -o OUT --only broken' ;; esac
     [ "$kb" -le $((small / 4)) ] || return
     printf '%s\n' 'render IN -o PICTURE --size 48x48 --samples 1' 'render IN -o PICTURE --size 48x48 --samples 1 --show findings' 'render IN -o PICTURE --size 48x48 --samples 1 --show normals,hedgehog,wireframe' 'render IN -o PICTURE --size 48x48 --samples 1 --compare=30,180'
@@ -48,7 +49,7 @@ one() {
     while IFS= read -r line; do
         count=$((count + 1))
         words=${line/#/"$NORMA" }
-        words=${words/ IN/ \"$file\"} words=${words/OUT/\"$here/out.${file##*.}\"} words=${words/PAGE/\"$here/page.html\"} words=${words/PICTURE/\"$here/picture.png\"} words=${words/FOLDER/\"$here/folder\"}
+        words=${words// IN/ \"$file\"} words=${words/OUT/\"$here/out.${file##*.}\"} words=${words/PAGE/\"$here/page.html\"} words=${words/VOTES/\"$here/votes\"} words=${words/PICTURE/\"$here/picture.png\"} words=${words/FOLDER/\"$here/folder\"}
         status=0 leaks=1
         case $line in render*) leaks=0 ;; esac # Mesa's
         said=$(export ASAN_OPTIONS="$ASAN_OPTIONS:detect_leaks=$leaks"; ulimit -St "${SWEEP_SECONDS:-120}"; eval "$words" 2>&1 >"$here/stdout" </dev/null) || status=$?
