@@ -370,20 +370,9 @@ static int compare_distances(const double here[3], const double a[3], const doub
     return order;
 }
 
-/* Whether doubles tell these apart, though they may be equally near. */
-static int is_rounded_nearer(const double here[3], const double a[3], const double b[3]) {
-    double sum[2] = {0, 0};
-    for (int i = 0; i < 3; ++i) {
-        sum[0] += (a[i] - here[i]) * (a[i] - here[i]);
-        sum[1] += (b[i] - here[i]) * (b[i] - here[i]);
-    }
-    return sum[0] < sum[1];
-}
-
 int oracle_nearly_nearest(const oracle *o, size_t vertex, size_t nearest, size_t other) {
     const double *here = o->positions[vertex], *a = o->positions[nearest], *b = o->positions[other];
-    return oracle_finite(here) && oracle_finite(b) &&
-           (compare_distances(here, a, b) < 0 || is_rounded_nearer(here, b, a)) &&
+    return oracle_finite(here) && oracle_finite(b) && compare_distances(here, a, b) < 0 &&
            rough_distance(here, b) <= rough_distance(here, a) * (1 + 0x1p-48L);
 }
 
