@@ -82,8 +82,6 @@ void fuzz_meter_begin(size_t size) { begin(size, FUZZ_MEMORY_BASE, FUZZ_MEMORY_T
 
 void fuzz_meter_begin_plain(size_t size) { begin(size, FUZZ_PLAIN_BASE, FUZZ_PLAIN_TIMES); }
 
-void fuzz_meter_allow(size_t bytes) { most += bytes; }
-
 void fuzz_meter_end(void) {
     set_timer(0);
     size_t used = atomic_load(&peak) - atomic_load(&at_begin);

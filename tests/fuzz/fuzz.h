@@ -32,19 +32,16 @@ void fuzz_fail(const char *format, ...);
  * reader itself (src/io/gltf/members.c): 256 bytes a byte for what is decoded and 16 corners a
  * byte, of 4 bytes each, twice where normals are missing; and an empty node, of three bytes of
  * JSON, takes 121 bytes for each of them. That is 505 together. Files made to need most need 309
- * (decoded and corners), the largest of the data set 6. libdraco takes a table of four bytes for
- * each of 2^20 states, whatever the size of its stream (rans_symbol_coding.h). */
+ * (decoded and corners), the largest of the data set 6. */
 enum {
     FUZZ_MEMORY_BASE = 1 << 21,
     FUZZ_MEMORY_TIMES = 512,
     FUZZ_PLAIN_BASE = 1 << 16,
     FUZZ_PLAIN_TIMES = 32,
-    FUZZ_DRACO_TABLE = 1 << 22,
     FUZZ_SECONDS = 2
 };
 void fuzz_meter_begin(size_t size);       /* the wider bound */
 void fuzz_meter_begin_plain(size_t size); /* the narrower one */
-void fuzz_meter_allow(size_t bytes);      /* so many more */
 void fuzz_meter_end(void);
 
 /* ---- bytes as numbers: zeros behind their end */

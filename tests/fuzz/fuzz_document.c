@@ -188,13 +188,6 @@ static norma_document_result open_and_read(
     return result;
 }
 
-static int may_hold_draco(const uint8_t *bytes, size_t size) {
-    static const char name[] = "KHR_draco_mesh_compression";
-    for (size_t i = 0; i + sizeof name - 1 <= size; ++i)
-        if (bytes[i] == 'K' && !memcmp(bytes + i, name, sizeof name - 1)) return 1;
-    return 0;
-}
-
 int fuzz_reader(const uint8_t *bytes, size_t size, norma_file_format format) {
     norma_document_options options = {.struct_size = sizeof options,
         .format = format,
@@ -203,7 +196,6 @@ int fuzz_reader(const uint8_t *bytes, size_t size, norma_file_format format) {
     const int shares = format == NORMA_FILE_GLTF || format == NORMA_FILE_GLB ||
                        format == NORMA_FILE_3MF; /* elements share bytes, a zip unpacks to more */
     shares ? fuzz_meter_begin(size) : fuzz_meter_begin_plain(size);
-    if (may_hold_draco(bytes, size)) fuzz_meter_allow(FUZZ_DRACO_TABLE);
     (void)open_and_read(bytes, size, &options);
     options.depth = NORMA_DOCUMENT_WHOLE;
     norma_document_result strict = open_and_read(bytes, size, &options);
