@@ -327,7 +327,7 @@ static void show(cli_progress *progress, double fraction, double elapsed) {
     fprintf(stderr, ": %3.0f %%", 100 * fraction);
     if (progress->megabytes > 0)
         fprintf(stderr, ", %.1f MB/s", progress->megabytes * fraction / elapsed);
-    if (is_steady(progress, fraction, elapsed))
+    if (!progress->is_uneven && is_steady(progress, fraction, elapsed))
         fprintf(stderr, ", %.0f s left", elapsed * (1 - fraction) / fraction);
     fputs("\033[K", stderr);
     fflush(stderr);

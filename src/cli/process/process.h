@@ -56,6 +56,7 @@ typedef struct cli_progress {
     double began, said;        /* seconds */
     double whole, steady_from; /* how long all will take, and since when that was expected */
     double megabytes;          /* of the input; 0: not known */
+    int is_uneven;             /* equal parts do not take equal time: what is left is not guessed */
     const char *what, *name;
 } cli_progress;
 void cli_progress_start(
