@@ -158,12 +158,17 @@ static size_t choose_size(size_t workers, size_t positions, double span, size_t 
     return size < positions ? size : positions;
 }
 
-/* Whether chunks are measured for one and a half bins each at most. */
-static int is_coherent(const core_bins *bins) {
+/* How often chunks are measured, once for each bin that they touch. */
+static size_t count_touched(const core_bins *bins) {
     size_t touched = 0;
     for (size_t i = 0; i < bins->chunks; i++)
         touched += bins->ranges[i].most / bins->size - bins->ranges[i].least / bins->size + 1;
-    return touched <= bins->chunks + bins->chunks / 2 + 1;
+    return touched;
+}
+
+/* Whether chunks are measured for one and a half bins each at most. */
+static int is_coherent(const core_bins *bins) {
+    return count_touched(bins) <= bins->chunks + bins->chunks / 2 + 1;
 }
 
 static size_t lesser_of(size_t a, size_t b) { return a < b ? a : b; }
@@ -398,7 +403,12 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *r
  * over the chunks of faces that do not touch it. So every sum is taken in the same order by any
  * number of threads. */
 
-enum { FEWEST_FACES_TO_SHARE = 1 << 15, MOST_RANGES = 64, STEPS = 32 };
+enum {
+    FEWEST_FACES_TO_SHARE = 1 << 15,
+    FEWEST_SUMS_TO_SHARE = 1 << 21, /* beyond all caches */
+    MOST_RANGES = 64,
+    STEPS = 32
+};
 
 typedef struct sum_work {
     const core_voting *voting;
@@ -439,10 +449,23 @@ static void sum_range(void *context, size_t number) {
         work->sums + number * bins->size, &work->degenerate[number]);
 }
 
+static void divide_into_ranges(core_bins *bins, size_t sharing) {
+    bins->size = bins->positions / sharing + (bins->positions % sharing != 0);
+    bins->count =
+        bins->size ? bins->positions / bins->size + (bins->positions % bins->size != 0) : 0;
+}
+
+/* Faces in no order are measured by each who works, for some of their corners: two threads took
+ * twice to four times as long as one, unless it waits for memory at each corner. */
+static int is_worth_sharing(const core_bins *bins) {
+    return bins->positions >= FEWEST_SUMS_TO_SHARE ||
+           (double)count_touched(bins) <= 0.75 * (double)bins->chunks * (double)bins->count;
+}
+
 /* In steps where somebody is told of progress: who owns a range is done with it only at the end. */
 static norma_result sum_ranges(sum_work *work) {
     core_call *call = work->voting->call;
-    const core_bins *bins = &work->bins;
+    core_bins *bins = &work->bins;
     const double begin = call->progress_from, to = call->progress_to,
                  from = begin + 0.1 * (to - begin);
     const size_t steps = call->options.progress ? lesser_of(STEPS, 1 + bins->chunks / 8) : 1;
@@ -450,6 +473,8 @@ static norma_result sum_ranges(sum_work *work) {
     norma_core_stage(call, begin, from);
     if (bins->count > 1 && bins->mesh->weld && !work->voting->targets)
         result = norma_core_find_ranges(work->voting);
+    if (bins->count > 1 && result == NORMA_OK && !is_worth_sharing(bins))
+        divide_into_ranges(bins, 1);
     for (size_t step = 0; step < steps && result == NORMA_OK; step++) {
         work->step = (core_chunks){bins->chunks * step / steps, bins->chunks * (step + 1) / steps};
         norma_core_stage(call, from + (to - from) * (double)step / (double)steps,
@@ -469,18 +494,15 @@ static size_t ranges_for(const core_voting *voting) {
 
 norma_result norma_core_sum_all(
     const core_voting *voting, core_vertex_sum *sums, core_tally *tally) {
-    const size_t sharing = ranges_for(voting),
-                 size = voting->count / sharing + (voting->count % sharing != 0);
     sum_work work = {.voting = voting,
         .sums = sums,
         .bins = {.mesh = voting->mesh,
             .ranges = voting->ranges,
             .chunks = norma_core_count_chunks(voting->mesh),
             .first = voting->first,
-            .positions = voting->count,
-            .count = size ? voting->count / size + (voting->count % size != 0) : 0,
-            .size = size},
+            .positions = voting->count},
         .scattered = norma_core_is_scattered(voting->mesh)};
+    divide_into_ranges(&work.bins, ranges_for(voting));
     const norma_result result = sum_ranges(&work);
     for (size_t i = 0; i < work.bins.count; i++)
         norma_core_count_add(&tally->degenerate, &work.degenerate[i]);
