@@ -73,7 +73,7 @@ static const char render_help[] =
     "  --line-length N       their length, as a multiple of nearby edges (0.7)\n"
     "  --line-width PIXELS   the width of lines (1.6)\n"
     "  --most-lines N        at most N lines at vertices, as many at faces, edges (4000)\n"
-    "  --error-top DEG       top of the colour scale for errors (the largest, without outliers)\n"
+    "  --error-top DEG       top of the colour scale for errors (what 99 of 100 do not exceed)\n"
     "\n"
     "Side by side\n"
     "  --compare             shows normals under M itself (--scale etc., the file's) beside right "

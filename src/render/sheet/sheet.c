@@ -253,13 +253,13 @@ static double worst_error_deg(const render_sheet *sheet) {
     return worst;
 }
 
-/* The largest error, unless it is far beyond what nearly all others are: one bad normal would leave
- * one colour for the rest. */
+/* What 99 of 100 errors do not exceed, but no less than a degree, unless that is the largest: of a
+ * few bad normals' own scale the others had one colour. */
 static double shown_error_deg(const render_sheet *sheet) {
     double most = 0;
     for (size_t i = 0; i < sheet->panel_count; ++i)
         most = fmax(most, sheet->panels[i].most_errors_rad * 57.29577951308232);
-    return fmin(worst_error_deg(sheet), fmax(4 * most, 1));
+    return fmin(worst_error_deg(sheet), fmax(most, 1));
 }
 
 /* ---- the legend: the bar by the same shader function as the surfaces, degrees under it */
