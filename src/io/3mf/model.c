@@ -559,20 +559,6 @@ static const tmf_object *find_object(const placing *p, uint32_t part, uint32_t i
     return found ? *found : NULL;
 }
 
-static void chain(const double a[16], const double b[16], double product[16]) {
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row) {
-            double sum = 0;
-            for (int k = 0; k < 4; ++k) sum += a[4 * k + row] * b[4 * column + k];
-            product[4 * column + row] = sum;
-        }
-}
-
-static double determinant_3(const double m[16]) {
-    return m[0] * (m[5] * m[10] - m[9] * m[6]) - m[4] * (m[1] * m[10] - m[9] * m[2]) +
-           m[8] * (m[1] * m[6] - m[5] * m[2]);
-}
-
 static norma_document_result draw_object(
     placing *p, const tmf_object *object, const double world[16]) {
     tmf_state *state = p->document->state;
@@ -587,7 +573,7 @@ static norma_document_result draw_object(
         .name = object->name,
         .where = norma_io_copy_text(where, strlen(where))};
     memcpy(node->world, world, sizeof node->world);
-    p->mirrored |= determinant_3(world) < 0;
+    p->mirrored |= norma_matrix_determinant(world) < 0;
     return node->where ? NORMA_DOCUMENT_OK : norma_document_fail_memory(p->document, p->error);
 }
 
@@ -608,7 +594,7 @@ static norma_document_result place_use(
         return norma_document_fail(p->document, p->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
             above ? above->where : "build",
             "components are nested too deep, or draw far more than the file has bytes");
-    chain(parent, use->matrix, world);
+    norma_matrix_multiply(parent, use->matrix, world);
     if (object->has_mesh) return draw_object(p, object, world);
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t i = 0; i < object->component_count && !result; ++i)

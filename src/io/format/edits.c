@@ -155,14 +155,30 @@ int norma_recentre_step(const recentre_box *box, double step[3]) {
     return any;
 }
 
-/* ---- Stored normals under the matrix of a whole document: cof(M) with the
- * sign of its determinant, since faces are reversed under a mirror. */
+/* ---- Matrices of 4 x 4, column by column. */
 
-int norma_stored_normals_is_identity(const double model[16]) {
+int norma_matrix_is_identity(const double m[16]) {
     for (int i = 0; i < 16; ++i)
-        if (model[i] != (i % 5 == 0 ? 1.0 : 0.0)) return 0;
+        if (m[i] != (i % 5 == 0 ? 1.0 : 0.0)) return 0;
     return 1;
 }
+
+void norma_matrix_multiply(const double a[16], const double b[16], double product[16]) {
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row) {
+            double sum = 0;
+            for (int k = 0; k < 4; ++k) sum += a[4 * k + row] * b[4 * column + k];
+            product[4 * column + row] = sum;
+        }
+}
+
+double norma_matrix_determinant(const double m[16]) {
+    return m[0] * (m[5] * m[10] - m[9] * m[6]) - m[4] * (m[1] * m[10] - m[9] * m[2]) +
+           m[8] * (m[1] * m[6] - m[5] * m[2]);
+}
+
+/* ---- Stored normals under the matrix of a whole document: cof(M) with the
+ * sign of its determinant, since faces are reversed under a mirror. */
 
 norma_document_result norma_stored_normals_progress(const norma_document *document,
     const norma_transform_options *options, double fraction, norma_document_error *error) {

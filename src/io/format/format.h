@@ -403,7 +403,11 @@ void norma_recentre_add(recentre_box *box, const double position[3]);
  */
 int norma_recentre_step(const recentre_box *box, double step[3]);
 
-/* ---- Stored normals under the matrix of a whole document. */
+/* ---- Matrices of 4 x 4, and stored normals under that of a whole document. */
+
+int norma_matrix_is_identity(const double m[16]); /* exactly */
+void norma_matrix_multiply(const double a[16], const double b[16], double product[16]);
+double norma_matrix_determinant(const double m[16]); /* of its upper 3 x 3 */
 
 typedef struct normal_mapping {
     float matrix[9]; /* the normal matrix, its greatest entry 1 */
@@ -427,7 +431,6 @@ norma_document_result norma_transform_stored_normals(norma_document *document,
 norma_document_result norma_check_transformed_range(const norma_document *document,
     const norma_vec3_view *before, const double *after, double most, const char *what,
     size_t positions_each, norma_document_error *error);
-int norma_stored_normals_is_identity(const double model[16]);
 
 /* ---- What is decided when the normals of a file are computed, alike for every
  * format: how the mesh is shaded, which stored normals are replaced, what is written for elements

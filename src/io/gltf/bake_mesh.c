@@ -9,12 +9,6 @@
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-static double vector_dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static int finite3(const double v[3]) { return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]); }
-
 static void linear(const double m[16], const double v[3], double out[3]) {
     for (int k = 0; k < 3; k++) out[k] = m[k] * v[0] + m[4 + k] * v[1] + m[8 + k] * v[2];
 }
@@ -37,7 +31,7 @@ static double transform_normal(const bake_map *map, const double normal[3], doub
     normal_map(map->normal, normal, mapped);
     const double size = length(mapped);
     const int zero = length(normal) == 0,
-              lost = !(finite3(normal) && size > vanishing(map, normal));
+              lost = !(norma_core_finite(normal) && size > vanishing(map, normal));
     for (int k = 0; k < 3; k++) out[k] = zero ? 0 : lost ? map->fallback[k] : mapped[k] / size;
     return lost ? 0 : size;
 }
@@ -62,7 +56,7 @@ static void transform_tangent(
     }
     double mapped[3], flat[3];
     linear(map->matrix, tangent, mapped);
-    const double along = vector_dot(mapped, normal), whole = length(mapped);
+    const double along = norma_core_dot(mapped, normal), whole = length(mapped);
     for (int k = 0; k < 3; k++) flat[k] = mapped[k] - along * normal[k];
     const double size = length(flat);
     if (size > 1e-12 * whole) {
@@ -213,7 +207,7 @@ static bake_encoded encode_floats(
             /* infinity less infinity has another sign on each kind of processor */
             norma_gltf_write_number(data->bytes + (i * stored->width + k) * size, component,
                 isnan(value) ? (double)NAN : value + 0.0);
-            if (!is_held && finite3(before)) {
+            if (!is_held && norma_core_finite(before)) {
                 free(data->bytes);
                 return BAKE_TOO_LARGE;
             }

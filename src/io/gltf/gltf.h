@@ -460,7 +460,6 @@ typedef struct gltf_trs { /* translation after rotation after scale; one scale i
 } gltf_trs;
 
 void norma_gltf_matrix_identity(double m[16]);
-int norma_gltf_matrix_is_identity(const double m[16]); /* exactly */
 void norma_gltf_matrix_multiply(
     const double a[16], const double b[16], double ab[16]); /* ab may be a or b */
 void norma_gltf_matrix_compose(const gltf_trs *trs, double m[16]);

@@ -204,14 +204,12 @@ static norma_document_result make_level(
 /* ---- angles */
 
 static double pack_angle(const double a[3], const double b[3]) {
-    const double cross[3] = {
-        a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    const double dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    double cross[3];
     const int zero = a[0] == 0 && a[1] == 0 && a[2] == 0;
     if (zero && b[0] == 0 && b[1] == 0 && b[2] == 0) return 0;
     if (zero || (b[0] == 0 && b[1] == 0 && b[2] == 0)) return INFINITY;
-    return norma_core_angle(
-        sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]), dot);
+    norma_core_cross(a, b, cross);
+    return norma_core_angle(sqrt(norma_core_dot(cross, cross)), norma_core_dot(a, b));
 }
 
 /* An element, and what a target adds to it (NULL: nothing). */

@@ -230,8 +230,7 @@ static node_fate fate_of(const baking *b, uint32_t node) {
     }
     double world[16];
     norma_gltf_matrix_multiply(b->options->matrix, n->world, world);
-    if (!n->instanced && norma_gltf_matrix_is_identity(world))
-        return FATE_KEEPS; /* nothing to bake */
+    if (!n->instanced && norma_matrix_is_identity(world)) return FATE_KEEPS; /* nothing to bake */
     return b->flags[node] & (BAKE_HOLDS_MORE | BAKE_JOINT) ? FATE_PARTED : FATE_BAKED;
 }
 
@@ -459,7 +458,7 @@ static norma_document_result gltf_bake(gltf *g, const norma_transform_options *o
     baking b = {.g = g,
         .options = options,
         .summary = summary,
-        .moves = !norma_gltf_matrix_is_identity(options->matrix)};
+        .moves = !norma_matrix_is_identity(options->matrix)};
     norma_gltf_tree_read(g, &b.tree);
     norma_document_result result = b.tree.failed || !allocate_baking(&b)
                                        ? norma_document_fail_memory(g->document, error)
@@ -680,7 +679,7 @@ norma_document_result norma_gltf_transform(norma_document *document,
         norma_document_add_note(document, "no node draws anything: there is nothing to transform");
     } else if (options->bake) {
         result = gltf_bake(g, options, summary, error);
-    } else if (!norma_gltf_matrix_is_identity(options->matrix)) {
+    } else if (!norma_matrix_is_identity(options->matrix)) {
         result = check_matrix(g, options->matrix, error);
         count_drawn(g, summary);
         if (!result) result = raise_all(g, options->matrix, error);

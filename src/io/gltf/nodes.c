@@ -13,12 +13,6 @@ void norma_gltf_matrix_identity(double m[16]) {
     for (int i = 0; i < 16; i++) m[i] = i % 5 == 0;
 }
 
-int norma_gltf_matrix_is_identity(const double m[16]) {
-    for (int i = 0; i < 16; i++)
-        if (m[i] != (i % 5 == 0)) return 0;
-    return 1;
-}
-
 void norma_gltf_matrix_multiply(const double a[16], const double b[16], double ab[16]) {
     double product[16];
     for (int column = 0; column < 4; column++) {
@@ -46,16 +40,6 @@ void norma_gltf_matrix_compose(const gltf_trs *trs, double m[16]) {
     m[15] = 1;
 }
 
-static double matrix_dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void matrix_cross(const double a[3], const double b[3], double c[3]) {
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* The columns of the upper 3x3 times a power of two that brings the largest number near 1, so that
  * no square overflows. Returns its exponent. */
 static int scaled_columns(const double m[16], double columns[9]) {
@@ -73,10 +57,10 @@ static int scaled_columns(const double m[16], double columns[9]) {
 int norma_gltf_matrix_invert(const double m[16], double inverse[16]) {
     double c[9], cofactor[9];
     const int exponent = scaled_columns(m, c);
-    matrix_cross(c + 3, c + 6, cofactor);
-    matrix_cross(c + 6, c, cofactor + 3);
-    matrix_cross(c, c + 3, cofactor + 6);
-    const double determinant = matrix_dot(c, cofactor);
+    norma_core_cross(c + 3, c + 6, cofactor);
+    norma_core_cross(c + 6, c, cofactor + 3);
+    norma_core_cross(c, c + 3, cofactor + 6);
+    const double determinant = norma_core_dot(c, cofactor);
     if (determinant == 0) return 0;
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 3; column++)
@@ -106,11 +90,11 @@ static void gltf_complete_basis(double columns[9], int count) {
             if (fabs(a[i]) < fabs(a[axis])) axis = i;
         double e[3] = {0, 0, 0};
         e[axis] = 1;
-        matrix_cross(a, e, columns + 3);
-        const double length = sqrt(matrix_dot(columns + 3, columns + 3));
+        norma_core_cross(a, e, columns + 3);
+        const double length = sqrt(norma_core_dot(columns + 3, columns + 3));
         for (int i = 3; i < 6; i++) columns[i] /= length;
     }
-    if (count < 3) matrix_cross(columns, columns + 3, columns + 6);
+    if (count < 3) norma_core_cross(columns, columns + 3, columns + 6);
 }
 
 /* Unit columns in place, their lengths into lengths; what is zero is filled with what completes the
@@ -118,7 +102,7 @@ static void gltf_complete_basis(double columns[9], int count) {
 static void normalise_columns(double columns[9], double lengths[3]) {
     int order[3] = {0, 1, 2}, whole = 0;
     for (int i = 0; i < 3; i++) {
-        lengths[i] = sqrt(matrix_dot(columns + 3 * i, columns + 3 * i));
+        lengths[i] = sqrt(norma_core_dot(columns + 3 * i, columns + 3 * i));
         if (lengths[i] > 0) order[whole++] = i;
     }
     int at = whole;
@@ -149,7 +133,7 @@ static void rotation_of_columns(const double r[9], double q[4]) {
             q[i] = (r[3 * i + largest] + r[3 * largest + i]) * quarter;
     }
     if (largest != 3) q[3] = skew[largest] * quarter;
-    double length = sqrt(matrix_dot(q, q) + q[3] * q[3]);
+    double length = sqrt(norma_core_dot(q, q) + q[3] * q[3]);
     if (q[3] < 0) length = -length;
     for (int i = 0; i < 4; i++) q[i] = q[i] / length + 0.0; /* no negative zeros in files */
 }
@@ -159,8 +143,8 @@ static void rotation_of_columns(const double r[9], double q[4]) {
 static void rotation_and_scale(
     double columns[9], const double lengths[3], int exponent, gltf_trs *trs) {
     double normal[3];
-    matrix_cross(columns, columns + 3, normal);
-    const int mirrored = matrix_dot(normal, columns + 6) < 0;
+    norma_core_cross(columns, columns + 3, normal);
+    const int mirrored = norma_core_dot(normal, columns + 6) < 0;
     int flip = 0;
     for (int i = 0; i < 3; i++) {
         trs->scale[i] = ldexp(lengths[i], exponent);
@@ -178,8 +162,8 @@ double norma_gltf_matrix_decompose(const double m[16], gltf_trs *trs) {
     const int exponent = scaled_columns(m, columns);
     for (int i = 0; i < 3; i++) {
         const double *a = columns + 3 * i, *b = columns + 3 * ((i + 1) % 3);
-        const double product = sqrt(matrix_dot(a, a)) * sqrt(matrix_dot(b, b));
-        if (product > 0) worst = fmax(worst, fabs(matrix_dot(a, b)) / product);
+        const double product = sqrt(norma_core_dot(a, a)) * sqrt(norma_core_dot(b, b));
+        if (product > 0) worst = fmax(worst, fabs(norma_core_dot(a, b)) / product);
     }
     memcpy(trs->translation, m + 12, sizeof trs->translation);
     if (worst < 1e-3) {
@@ -193,7 +177,7 @@ double norma_gltf_matrix_decompose(const double m[16], gltf_trs *trs) {
  * Returns whether they were not. */
 static int rotate_node_columns(double a[9], double v[9], int p, int q) {
     double *x = a + 3 * p, *y = a + 3 * q;
-    const double xx = matrix_dot(x, x), yy = matrix_dot(y, y), xy = matrix_dot(x, y);
+    const double xx = norma_core_dot(x, x), yy = norma_core_dot(y, y), xy = norma_core_dot(x, y);
     if (fabs(xy) <= 1e-16 * sqrt(xx) * sqrt(yy)) return 0;
     const double zeta = (yy - xx) / (2 * xy);
     const double t = (zeta < 0 ? -1 : 1) / (fabs(zeta) + sqrt(1 + zeta * zeta)),
@@ -417,7 +401,7 @@ static void read_tile_direction(
     out[0] = z < 0 ? (1 - fabs(y)) * (x < 0 ? -1 : 1) : x;
     out[1] = z < 0 ? (1 - fabs(x)) * (y < 0 ? -1 : 1) : y;
     out[2] = z;
-    const double length = sqrt(matrix_dot(out, out));
+    const double length = sqrt(norma_core_dot(out, out));
     for (int k = 0; k < 3; ++k) out[k] /= length;
 }
 
@@ -429,7 +413,7 @@ size_t norma_gltf_tile_instance(const norma_document *document, size_t index, do
     if (tile->up) {
         read_tile_direction(tile, tile->right, index, columns);
         read_tile_direction(tile, tile->up, index, columns + 3);
-        matrix_cross(columns, columns + 3, columns + 6);
+        norma_core_cross(columns, columns + 3, columns + 6);
     }
     norma_gltf_matrix_identity(matrix);
     for (size_t axis = 0; axis < 3; ++axis) {
@@ -443,15 +427,6 @@ size_t norma_gltf_tile_instance(const norma_document *document, size_t index, do
 
 /* ---- The node tree: local matrices, world matrices in double precision, what each node
  * draws. A tree it must be: a node with two parents, or in a loop, is told by name. */
-
-static void gltf_multiply(const double a[16], const double b[16], double out[16]) {
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row) {
-            double sum = 0;
-            for (int k = 0; k < 4; ++k) sum += a[4 * k + row] * b[4 * column + k];
-            out[4 * column + row] = sum;
-        }
-}
 
 /* Reads up to count numbers of a member; *there tells whether it is there. 0: of another type or
  * length. */
@@ -547,7 +522,7 @@ static norma_document_result place_nodes(
             if (node->parent == GLTF_NONE)
                 memcpy(node->world, node->local, sizeof node->world);
             else
-                gltf_multiply(g->nodes[node->parent].world, node->local, node->world);
+                norma_matrix_multiply(g->nodes[node->parent].world, node->local, node->world);
             done[path[depth]] = 1;
         }
     }

@@ -478,7 +478,7 @@ norma_document_result norma_ply_transform(norma_document *document,
     ply_state *state = document->state;
     summary->vertices = state->vertices;
     summary->meshes = 1;
-    if (norma_stored_normals_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
+    if (norma_matrix_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
     normal_mapping mapping;
     result = norma_stored_normals_begin(document, options, summary, &mapping, error);
     if (result) return result;

@@ -263,7 +263,7 @@ static norma_document_result stl_transform(norma_document *document,
     if (result) return result;
     summary->vertices = 3 * ((const stl_state *)document->state)->facets;
     summary->meshes = 1;
-    if (norma_stored_normals_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
+    if (norma_matrix_is_identity(options->matrix)) return NORMA_DOCUMENT_OK;
     normal_mapping mapping;
     result = norma_stored_normals_begin(document, options, summary, &mapping, error);
     if (result) return result;

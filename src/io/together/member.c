@@ -396,15 +396,10 @@ norma_document_result norma_member_visit(
 
 /* ---- places */
 
-static double determinant(const double m[16]) {
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
-           m[8] * (m[1] * m[6] - m[2] * m[5]);
-}
-
 static const double IDENTITY[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
 static placement place_by(const double world[16], uint32_t level) {
-    placement place = {.mirrored = determinant(world) < 0, .level = level};
+    placement place = {.mirrored = norma_matrix_determinant(world) < 0, .level = level};
     memcpy(place.world, world, sizeof place.world);
     place.plain = memcmp(world, IDENTITY, sizeof IDENTITY) == 0;
     return place;
