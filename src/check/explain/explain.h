@@ -39,6 +39,9 @@ static inline size_t norma_explain_computed_of(
            : isnan(trial->crease_rad) ? norma_core_corner(&s->checked, corner)
                                       : corner;
 }
+/* Right for small angles, whatever the lengths. Negative: one of them is no direction. */
+float norma_explain_angle(const float *a, const float *b);
+
 /* topology: that of the mesh, its corners sorted; NULL: made here. */
 norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
     const core_mesh *checked, const core_topology *topology, norma_deviation *deviation);

@@ -1,6 +1,7 @@
 /* explain_normals.c: which weight and crease explain stored normals best, and how far they are off.
  */
 #include "check/explain/explain.h"
+#include "check/findings/check_run.h"
 #include "core/face/face.h"
 #include <math.h>
 #include <string.h>
@@ -126,12 +127,6 @@ enum { EXPLAIN_FACES = 4096 }; /* a mesh of no more is its own sample */
 
 enum { MOST_AT_POSITION = 128 };
 
-static uint64_t mix_sample(uint64_t h) {
-    h = (h ^ (h >> 32)) * UINT64_C(0x9e3779b97f4a7c15);
-    h = (h ^ (h >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
-    return h ^ (h >> 32);
-}
-
 typedef struct choice {
     const core_topology *topology;
     uint64_t one_in;
@@ -140,25 +135,13 @@ typedef struct choice {
 static int is_chosen(const choice *c, uint32_t position) {
     const core_corners_of_position *around = &c->topology->corners_of;
     size_t count = around->starts[position + 1] - around->starts[position];
-    return count > 0 && count <= MOST_AT_POSITION && mix_sample(position) % c->one_in == 0;
+    return count > 0 && count <= MOST_AT_POSITION && norma_check_mix(position) % c->one_in == 0;
 }
 
 /* The places of the ones, ascending. */
 static void list_marked(const uint8_t *marks, size_t count, uint32_t *places) {
     for (const uint8_t *at = marks; (at = memchr(at, 1, count - (size_t)(at - marks))); at++)
         *places++ = (uint32_t)(at - marks);
-}
-
-static size_t place_in_sample(const uint32_t *sorted, size_t count, uint32_t number) {
-    size_t low = 0, high = count;
-    while (low + 1 < high) {
-        size_t middle = low + (high - low) / 2;
-        if (sorted[middle] <= number)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
 }
 
 static size_t mark_place(uint8_t *marks, size_t place) {
@@ -204,7 +187,7 @@ static void copy_faces(
         for (size_t corner = norma_core_face_begin(&t->mesh, faces[i]);
              corner < norma_core_face_end(&t->mesh, faces[i]); corner++, at++) {
             s->corners[at] =
-                (uint32_t)place_in_sample(places, s->position_count, t->corners[corner]);
+                (uint32_t)norma_check_last_at(places, s->position_count, t->corners[corner]);
             s->sources[at] = (uint32_t)corner;
             s->whole[at] = (uint8_t)is_chosen(c, t->corners[corner]);
             if (s->hard_edges) s->hard_edges[at] = t->mesh.hard_edges[corner];
@@ -322,13 +305,12 @@ static norma_result explain_open(
     return NORMA_ERROR_MEMORY;
 }
 
-/* Right for small angles, whatever the lengths. Negative: one of them is no direction. */
-static float angle_of_normals(const float *a, const float *b) {
+float norma_explain_angle(const float *a, const float *b) {
     const double u[3] = {(double)a[0], (double)a[1], (double)a[2]},
                  v[3] = {(double)b[0], (double)b[1], (double)b[2]};
     double cross[3];
     const double dot = norma_core_dot(u, v);
-    if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) /* the case of normals that Norma computed */
+    if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) /* the case of what Norma computed */
         return dot > 0 && dot < INFINITY ? 0 : -1;
     norma_core_cross(u, v, cross);
     const double across = sqrt(norma_core_dot(cross, cross));
@@ -350,7 +332,7 @@ static void measure_vertices(void *context, size_t block) {
     size_t count = s->checked.positions.count, begin = block * VERTICES_IN_BLOCK,
            end = count - begin < VERTICES_IN_BLOCK ? count : begin + VERTICES_IN_BLOCK;
     for (size_t v = begin; v < end; v++)
-        pass->of_vertices[v] = angle_of_normals(s->stored + 3 * v, s->computed + 3 * v);
+        pass->of_vertices[v] = norma_explain_angle(s->stored + 3 * v, s->computed + 3 * v);
 }
 
 static void measure_face_angles(void *context, size_t block) {
@@ -361,7 +343,7 @@ static void measure_face_angles(void *context, size_t block) {
     for (size_t f = begin; f < end; f++)
         for (size_t c = norma_core_face_begin(&s->checked, f);
              c < norma_core_face_end(&s->checked, f); c++)
-            s->angles[c] = angle_of_normals(
+            s->angles[c] = norma_explain_angle(
                 s->stored + 3 * norma_explain_stored_of(s, c), s->computed + 3 * f);
 }
 
@@ -375,7 +357,7 @@ static void measure_corners(void *context, size_t block) {
         s->angles[c] =
             pass->of_vertices
                 ? pass->of_vertices[norma_core_corner(&s->checked, c)]
-                : angle_of_normals(s->stored + 3 * norma_explain_stored_of(s, c),
+                : norma_explain_angle(s->stored + 3 * norma_explain_stored_of(s, c),
                       s->computed + 3 * norma_explain_computed_of(s, pass->trial, SIZE_MAX, c));
 }
 

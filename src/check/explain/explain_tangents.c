@@ -288,16 +288,6 @@ typedef struct tangent_search {
 
 /* ---- one candidate */
 
-static float angle_between(const float *a, const float *b) {
-    const double u[3] = {(double)a[0], (double)a[1], (double)a[2]},
-                 v[3] = {(double)b[0], (double)b[1], (double)b[2]};
-    double cross[3];
-    norma_core_cross(u, v, cross);
-    const double dot = norma_core_dot(u, v), across = sqrt(norma_core_dot(cross, cross));
-    return (across > 0 || dot != 0) && across < INFINITY ? (float)norma_core_angle(across, dot)
-                                                         : -1;
-}
-
 typedef struct tangent_score {
     double sum;
     size_t corners, explained, as_is, negated; /* as_is, negated: corners by their signs */
@@ -309,7 +299,7 @@ static tangent_score score_angles(const tangent_search *search) {
     for (size_t c = 0; c < s->checked.corner_count; c++) {
         const float *stored = s->stored + 4 * (size_t)norma_core_corner(&s->checked, c),
                     *made = search->tangents + 4 * c;
-        const float angle = search->angles[c] = angle_between(stored, made);
+        const float angle = search->angles[c] = norma_explain_angle(stored, made);
         if (angle < 0) continue;
         score.corners++;
         score.sum += fmin((double)angle, MOST);

@@ -230,19 +230,23 @@ norma_result norma_check_users(check_mesh *m) {
     return NORMA_OK;
 }
 
-size_t norma_check_face_of(const check_mesh *m, size_t corner) {
-    if (!m->mesh.face_starts) return corner / 3;
-    size_t low = 0,
-           high =
-               m->mesh.face_count; /* the last face that begins at or before it and is not empty */
-    while (high - low > 1) {
+size_t norma_check_last_at(const uint32_t *sorted, size_t count, size_t number) {
+    size_t low = 0, high = count;
+    while (low + 1 < high) {
         size_t middle = low + (high - low) / 2;
-        if (m->mesh.face_starts[middle] <= corner)
+        if (sorted[middle] <= number)
             low = middle;
         else
             high = middle;
     }
     return low;
+}
+
+/* The last face that begins at or before it and is not empty. */
+size_t norma_check_face_of(const check_mesh *m, size_t corner) {
+    return m->mesh.face_starts
+               ? norma_check_last_at(m->mesh.face_starts, m->mesh.face_count, corner)
+               : corner / 3;
 }
 
 check_spot norma_check_normal_spot(const check_mesh *m, size_t number) {

@@ -30,17 +30,11 @@ typedef struct grid {
     check_hits *parts;
 } grid;
 
-static uint64_t mix_cell(uint64_t h) {
-    h = (h ^ (h >> 32)) * UINT64_C(0x9e3779b97f4a7c15);
-    h = (h ^ (h >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
-    return h ^ (h >> 32);
-}
-
 static uint64_t hash_of_cell(const int64_t cell[3]) {
     uint64_t h = (uint64_t)cell[0] * UINT64_C(0x9e3779b97f4a7c15) +
                  (uint64_t)cell[1] * UINT64_C(0xc2b2ae3d27d4eb4f) +
                  (uint64_t)cell[2] * UINT64_C(0x165667b19e3779f9);
-    return mix_cell(h);
+    return norma_check_mix(h);
 }
 
 /* Coordinates in a cell are not negative, so cutting off is rounding down; a cell before the first
