@@ -177,6 +177,14 @@ int norma_check_siblings(const norma_mesh_info *first, const norma_mesh_info *se
     return first->mesh == second->mesh && second->primitive > first->primitive;
 }
 
+void *norma_check_grow(void *block, size_t count, size_t *room, size_t size) {
+    if (count < *room) return block;
+    const size_t more = *room ? 2 * *room : 8;
+    void *grown = more > SIZE_MAX / size ? NULL : realloc(block, more * size);
+    if (grown) *room = more;
+    return grown;
+}
+
 /* ---- gathering */
 
 static int is_worse(const check_hits *hits, double value) {
@@ -187,16 +195,13 @@ static void keep_sample(const check_run *run, check_hits *hits, check_spot spot)
     if (hits->sample_count >= run->options.max_samples ||
         (spot.vertex == SIZE_MAX && spot.face == SIZE_MAX && spot.normal == SIZE_MAX))
         return;
-    if (hits->sample_count == hits->sample_room) {
-        size_t room = hits->sample_room ? 2 * hits->sample_room : 10;
-        check_spot *samples = realloc(hits->samples, room * sizeof *samples);
-        if (!samples) {
-            hits->failed = 1;
-            return;
-        }
-        hits->samples = samples;
-        hits->sample_room = room;
+    check_spot *samples =
+        norma_check_grow(hits->samples, hits->sample_count, &hits->sample_room, sizeof *samples);
+    if (!samples) {
+        hits->failed = 1;
+        return;
     }
+    hits->samples = samples;
     hits->samples[hits->sample_count++] = spot;
 }
 
@@ -248,14 +253,6 @@ static char *copy_text(const char *from) {
     size_t size = strlen(from) + 1;
     char *copy = malloc(size);
     return copy ? memcpy(copy, from, size) : NULL;
-}
-
-void *norma_check_grow(void *block, size_t count, size_t *room, size_t size) {
-    if (count < *room) return block;
-    const size_t more = *room ? 2 * *room : 8;
-    void *grown = more > SIZE_MAX / size ? NULL : realloc(block, more * size);
-    if (grown) *room = more;
-    return grown;
 }
 
 static findings_entry *new_entry(norma_findings *findings) {

@@ -205,14 +205,11 @@ static place_count count_at(const place_counts *counts, const norma_rule *rule, 
 }
 
 static int add_place(fixing *f, check_rule rule, const char *where) {
-    if (f->request.place_count == f->place_room) {
-        const size_t room = 2 * f->place_room + 8;
-        fix_left_out *grown = realloc(f->places, room * sizeof *grown);
-        if (!grown) return 0;
-        f->places = grown;
-        f->place_room = room;
-        f->request.places = grown;
-    }
+    fix_left_out *grown =
+        norma_check_grow(f->places, f->request.place_count, &f->place_room, sizeof *grown);
+    if (!grown) return 0;
+    f->places = grown;
+    f->request.places = grown;
     const size_t size = strlen(where) + 1;
     char *copy = malloc(size);
     if (!copy) return 0;

@@ -63,16 +63,12 @@ typedef struct edge_pass {
 /* ---- what is seen while edges are paired */
 
 static void keep_conflict(conflict_list *list, uint32_t first, uint32_t second) {
-    if (list->count == list->room) {
-        const size_t room = list->room ? 2 * list->room : 64;
-        conflict *each = realloc(list->each, room * sizeof *each);
-        if (!each) {
-            list->failed = 1;
-            return;
-        }
-        list->each = each;
-        list->room = room;
+    conflict *each = norma_check_grow(list->each, list->count, &list->room, sizeof *each);
+    if (!each) {
+        list->failed = 1;
+        return;
     }
+    list->each = each;
     list->each[list->count++] =
         (conflict){first < second ? first : second, first < second ? second : first};
 }
