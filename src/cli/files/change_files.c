@@ -345,7 +345,7 @@ int cli_run_changer(const cli_subcommand *command, const cli_changer *changer, c
     int status =
         cli_read_files(command, &files, tables, own_count + CLI_COUNT(shared), count, arguments);
     if (status) return status;
-    status = changer->prepare(command, changer->work, common.threads);
+    if (changer->prepare) status = changer->prepare(command, changer->work, common.threads);
     if (!status) status = change_files(command, &common, &files, changer);
     cli_remove_empty_folders(&files);
     cli_files_end(&files);

@@ -204,7 +204,7 @@ struct cli_changer {
         const norma_large_options *options, norma_progress *progress, void *progress_user,
         norma_document_error *error);
     /* Once all options are read: a status. */
-    int (*prepare)(const cli_subcommand *command, void *work, uint32_t threads);
+    int (*prepare)(const cli_subcommand *command, void *work, uint32_t threads); /* or NULL */
     /* NULL, or all files at once, where takes_all says so after prepare. A status. */
     int (*all)(const cli_all_files *all, const cli_changer *changer);
     int (*takes_all)(const void *work);

@@ -92,11 +92,6 @@ static void write_pack_text(const void *user, const norma_document *document, FI
         "vectors were not of unit length, and now are");
 }
 
-static int pack_prepare(const cli_subcommand *command, void *user, uint32_t threads) {
-    (void)command, (void)user, (void)threads;
-    return CLI_OK;
-}
-
 static int pack_run(const cli_subcommand *command, int count, char **arguments) {
     pack_work work = {
         .options = {.struct_size = sizeof work.options, .max_error_rad = 0.5 * RADIANS}};
@@ -104,8 +99,7 @@ static int pack_run(const cli_subcommand *command, int count, char **arguments) 
     const cli_changer changer = {.work = &work,
         .change = pack_change,
         .write_json = write_pack_json,
-        .write_text = write_pack_text,
-        .prepare = pack_prepare};
+        .write_text = write_pack_text};
     return cli_run_changer(command, &changer, &table, 1, count, arguments);
 }
 
