@@ -1,18 +1,15 @@
 /* file_order.c: files in the order in which people read of them: the worst first, those without
  * problems last; and what several files have in common told once. */
 #include "cli/check/check.h"
+#include "cli/process/process.h"
 #include "cli/text/text.h"
 #include <stdlib.h>
 #include <string.h>
 
 int check_list_add(check_list *list, const check_entry *entry) {
-    if (list->count == list->room) {
-        const size_t room = list->room ? 2 * list->room : 64;
-        check_entry *grown = realloc(list->entries, room * sizeof *grown);
-        if (!grown) return 0;
-        list->entries = grown;
-        list->room = room;
-    }
+    check_entry *grown = cli_grow(list->entries, list->count, &list->room, sizeof *grown);
+    if (!grown) return 0;
+    list->entries = grown;
     list->entries[list->count++] = *entry;
     return 1;
 }

@@ -342,13 +342,9 @@ static size_t give_up_one(check_results *results, size_t next) {
 static int add_result(check_results *results, const char *text, size_t size) {
     const size_t rule = rule_of(text, size);
     if (results->kept == MOST_RESULTS && give_up_one(results, rule) == rule) return 1;
-    if (results->count == results->room) {
-        const size_t room = results->room ? 2 * results->room : 256;
-        sarif_result *grown = realloc(results->results, room * sizeof *grown);
-        if (!grown) return 0;
-        results->results = grown;
-        results->room = room;
-    }
+    sarif_result *grown = cli_grow(results->results, results->count, &results->room, sizeof *grown);
+    if (!grown) return 0;
+    results->results = grown;
     char *copy = malloc(size + 1);
     if (!copy) return 0;
     memcpy(copy, text, size);

@@ -518,13 +518,10 @@ static void free_known(known_finding *known) {
 
 static int add_known(check_baseline *baseline, const char *path, const char *rule,
     const char *where, norma_severity severity, size_t count) {
-    if (baseline->count == baseline->capacity) {
-        size_t capacity = baseline->capacity ? 2 * baseline->capacity : 64;
-        known_finding *grown = realloc(baseline->known, capacity * sizeof *grown);
-        if (!grown) return 0;
-        baseline->known = grown;
-        baseline->capacity = capacity;
-    }
+    known_finding *grown =
+        cli_grow(baseline->known, baseline->count, &baseline->capacity, sizeof *grown);
+    if (!grown) return 0;
+    baseline->known = grown;
     known_finding *known = &baseline->known[baseline->count];
     *known = (known_finding){.count = count,
         .severity = severity,

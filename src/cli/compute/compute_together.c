@@ -12,13 +12,10 @@
 static const char *add_lock(void *settings, const char *value) {
     compute_work *work = settings;
     if (!value[0]) return "a pattern of names";
-    if (work->lock_count == work->lock_room) {
-        const size_t room = 2 * work->lock_room + 4;
-        const char **grown = realloc((void *)work->locks, room * sizeof *grown);
-        if (!grown) return "fewer; out of memory";
-        work->locks = grown;
-        work->lock_room = room;
-    }
+    const char **grown =
+        cli_grow((void *)work->locks, work->lock_count, &work->lock_room, sizeof *grown);
+    if (!grown) return "fewer; out of memory";
+    work->locks = grown;
     work->locks[work->lock_count++] = value;
     return NULL;
 }

@@ -88,12 +88,7 @@ static const source *find(const cli_guard *guard, const struct stat *status) {
 
 static void add(cli_guard *guard, const struct stat *status, const char *named_by) {
     char *copy = named_by ? strdup(named_by) : NULL;
-    source *grown = guard->sources;
-    if (guard->count == guard->capacity) {
-        const size_t capacity = guard->capacity ? 2 * guard->capacity : 64;
-        grown = realloc(guard->sources, capacity * sizeof *grown);
-        if (grown) guard->capacity = capacity;
-    }
+    source *grown = cli_grow(guard->sources, guard->count, &guard->capacity, sizeof *grown);
     if (grown) guard->sources = grown;
     if (!grown || (named_by && !copy)) {
         guard->incomplete = 1;

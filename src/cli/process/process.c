@@ -29,6 +29,14 @@ int cli_out_of_memory(void) {
     return CLI_FILE;
 }
 
+void *cli_grow(void *list, size_t count, size_t *room, size_t size) {
+    if (count < *room) return list;
+    const size_t more = *room ? 2 * *room : 64;
+    void *grown = more > SIZE_MAX / size ? NULL : realloc(list, more * size);
+    if (grown) *room = more;
+    return grown;
+}
+
 int cli_status_of(norma_document_result result) {
     switch (result) {
     case NORMA_DOCUMENT_OK:

@@ -27,7 +27,9 @@ norma_document_result cli_reported(norma_document_error *error);
 void cli_print_error(const norma_document_error *error);
 void cli_print_notes(const char *input, const norma_document *document);
 int cli_out_of_memory(void); /* prints that; CLI_FILE */
-int cli_finish(int status);  /* flushes stdout; a full disk there is status 3 */
+/* A list with room for one more than count; NULL: out of memory, and the list is as it was. */
+void *cli_grow(void *list, size_t count, size_t *room, size_t size);
+int cli_finish(int status); /* flushes stdout; a full disk there is status 3 */
 
 /* ---- --max-memory, for the whole process. */
 

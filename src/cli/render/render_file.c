@@ -53,16 +53,12 @@ void render_file_note(render_scene_file *file, const char *format, ...) {
 }
 
 int render_file_keep(render_scene_file *file, void *block) {
-    if (file->owned_count == file->owned_room) {
-        const size_t room = file->owned_room ? 2 * file->owned_room : 16;
-        void **larger = realloc(file->owned, room * sizeof *larger);
-        if (!larger) {
-            free(block);
-            return 0;
-        }
-        file->owned = larger;
-        file->owned_room = room;
+    void **larger = cli_grow(file->owned, file->owned_count, &file->owned_room, sizeof *larger);
+    if (!larger) {
+        free(block);
+        return 0;
     }
+    file->owned = larger;
     file->owned[file->owned_count++] = block;
     return 1;
 }

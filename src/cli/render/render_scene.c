@@ -298,13 +298,9 @@ static void raise(uint8_t *severity, norma_severity to) {
 
 static int add_dot(marks *m, const norma_sample *sample, norma_severity severity) {
     if (!sample->has_position) return 1;
-    if (m->dot_count == m->dot_room) {
-        const size_t room = m->dot_room ? 2 * m->dot_room : 64;
-        render_dot *larger = realloc(m->dots, room * sizeof *larger);
-        if (!larger) return 0;
-        m->dots = larger;
-        m->dot_room = room;
-    }
+    render_dot *larger = cli_grow(m->dots, m->dot_count, &m->dot_room, sizeof *larger);
+    if (!larger) return 0;
+    m->dots = larger;
     memcpy(m->dots[m->dot_count].position, sample->position, sizeof sample->position);
     m->dots[m->dot_count].vertex = sample->vertex;
     m->dots[m->dot_count].face = sample->face;

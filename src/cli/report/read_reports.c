@@ -130,16 +130,12 @@ typedef struct key_hashes {
 } key_hashes;
 
 static int note_key(report_scan *scan, key_hashes *keys, const char *name) {
-    if (keys->count == keys->room) {
-        const size_t room = keys->room ? 2 * keys->room : 16;
-        uint64_t *grown = realloc(keys->hashes, room * sizeof *grown);
-        if (!grown) {
-            scan->status = cli_out_of_memory();
-            return 0;
-        }
-        keys->hashes = grown;
-        keys->room = room;
+    uint64_t *grown = cli_grow(keys->hashes, keys->count, &keys->room, sizeof *grown);
+    if (!grown) {
+        scan->status = cli_out_of_memory();
+        return 0;
     }
+    keys->hashes = grown;
     keys->hashes[keys->count++] = cli_hash(CLI_HASH, name, strlen(name));
     return 1;
 }

@@ -133,14 +133,10 @@ static int keep_path(const report_merge *merged, report_part *part) {
 }
 
 int report_add_part(report_merge *merged, report_part part) {
-    if (merged->part_count == merged->part_room) {
-        const size_t room = merged->part_room ? 2 * merged->part_room : 64;
-        report_part *parts = realloc(merged->parts, room * sizeof *parts);
-        if (!parts) return cli_out_of_memory();
-        merged->parts = parts;
-        merged->part_room = room;
-    }
-    if (!keep_path(merged, &part)) return cli_out_of_memory();
+    report_part *parts =
+        cli_grow(merged->parts, merged->part_count, &merged->part_room, sizeof *parts);
+    merged->parts = parts ? parts : merged->parts;
+    if (!parts || !keep_path(merged, &part)) return cli_out_of_memory();
     merged->parts[merged->part_count++] = part;
     return CLI_OK;
 }
