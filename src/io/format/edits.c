@@ -48,6 +48,11 @@ void norma_edited_close(norma_document *document) {
     document->state = NULL;
 }
 
+size_t norma_edited_mesh_count(const norma_document *document) {
+    (void)document;
+    return 1;
+}
+
 /* Reading our own bytes finds nothing new, so notes about them are removed. */
 static norma_document_result read_again(norma_document *document, norma_document_error *error) {
     const edited_format *format = document->functions->edited;
@@ -116,6 +121,14 @@ norma_document_result norma_edited_flush(norma_document *document, norma_documen
     const norma_document_result result = flush_all(document, error);
     document->watch.progress = progress;
     return result;
+}
+
+size_t norma_edit_kept(const norma_mesh_edit *edit) {
+    size_t kept = edit->vertex_count > 0;
+    while (
+        kept < edit->vertex_count && edit->source_vertices[kept] > edit->source_vertices[kept - 1])
+        ++kept;
+    return kept;
 }
 
 /* ---- The step that brings the middle of a box to the origin, or nearly: a multiple of a

@@ -351,6 +351,9 @@ static inline int norma_edit_has_faces(const norma_mesh_edit *edit) {
 static inline int norma_edit_says(const uint8_t *marks, size_t index) {
     return marks && marks[index];
 }
+/* edits.c: of its list of vertices how many are old ones that stay in their order, from the first
+ * on. */
+size_t norma_edit_kept(const norma_mesh_edit *edit);
 
 /* ---- What the formats share whose changes wait beside the bytes that were read: written
  * through a sink, compared with what was there, made the document's own bytes. */
@@ -376,6 +379,7 @@ struct edited_format {
 };
 norma_document_result norma_edited_open(norma_document *document, norma_document_error *error);
 void norma_edited_close(norma_document *document);
+size_t norma_edited_mesh_count(const norma_document *document); /* 1 */
 /* The changes become the document's bytes, which are read again. Does nothing without changes. */
 norma_document_result norma_edited_flush(norma_document *document, norma_document_error *error);
 /* Before a change; and a change that failed for this reason is taken back, by reading the

@@ -331,11 +331,6 @@ const scene_functions norma_obj_scene = {.materials = walk_all, .unread = scene_
 
 /* ---- the document */
 
-static size_t obj_mesh_count(const norma_document *document) {
-    (void)document;
-    return 1;
-}
-
 static norma_document_result obj_mesh_info(
     const norma_document *document, size_t index, norma_mesh_info *info) {
     const obj_state *state = document->state;
@@ -409,7 +404,7 @@ static int visit_files(const norma_document *document, norma_visit_file *visit, 
 const format_functions norma_obj_functions = {.open = norma_edited_open,
     .close = norma_edited_close,
     .edited = &norma_obj_edited,
-    .mesh_count = obj_mesh_count,
+    .mesh_count = norma_edited_mesh_count,
     .mesh_info = obj_mesh_info,
     .mesh_data = mesh_data,
     .compute = norma_obj_compute,

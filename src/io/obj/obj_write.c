@@ -159,15 +159,6 @@ norma_document_result norma_obj_equal_vertices(
 
 /* ---- new numbers */
 
-/* Old ones that stay, from the first of the list on. */
-static size_t count_kept(const norma_mesh_edit *edit) {
-    size_t kept = edit->vertex_count > 0;
-    while (
-        kept < edit->vertex_count && edit->source_vertices[kept] > edit->source_vertices[kept - 1])
-        ++kept;
-    return kept;
-}
-
 static size_t first_face_of_added(
     const obj_state *state, const norma_mesh_edit *edit, size_t kept) {
     for (size_t face = 0; face < state->face_count; ++face)
@@ -227,7 +218,7 @@ static const char *first_line_ending(const norma_document *document, size_t *siz
 static norma_document_result obj_fill(norma_document *document, const norma_mesh_edit *edit,
     obj_vertices *v, norma_document_error *error) {
     const obj_state *state = document->state;
-    const size_t kept = count_kept(edit);
+    const size_t kept = norma_edit_kept(edit);
     size_t ending_size;
     text_walk walk;
     v->added = edit->vertex_count - kept;

@@ -58,17 +58,15 @@ static const unsigned char *ply_row_of(const void *context, size_t row, size_t *
 
 static norma_document_result ply_equal_vertices(
     norma_document *document, size_t mesh, uint32_t *first, norma_document_error *error) {
-    norma_document_result result = norma_edited_flush(document, error);
     const ply_state *state = document->state;
     ply_span *spans = NULL;
     (void)mesh;
-    if (!result && names_vertices(state)) {
+    if (names_vertices(state)) {
         for (size_t v = 0; v < state->vertices; ++v) first[v] = (uint32_t)v;
         return NORMA_DOCUMENT_OK;
     }
-    if (!result)
-        result = norma_ply_row_spans(
-            document, norma_ply_element(&state->header, state->header.vertex), &spans, error);
+    norma_document_result result = norma_ply_row_spans(
+        document, norma_ply_element(&state->header, state->header.vertex), &spans, error);
     const span_rows rows = {state->bytes, spans};
     if (!result && !norma_equal_rows(ply_row_of, &rows, state->vertices, first))
         result = norma_document_fail_memory(document, error);
@@ -78,21 +76,13 @@ static norma_document_result ply_equal_vertices(
 
 /* ---- copies */
 
-static size_t ply_kept(const norma_mesh_edit *edit) {
-    size_t kept = edit->vertex_count > 0;
-    while (
-        kept < edit->vertex_count && edit->source_vertices[kept] > edit->source_vertices[kept - 1])
-        ++kept;
-    return kept;
-}
-
 /* The edit's list of vertices as a change; how many of them, from the first on, are
  * old rows that stay in their order */
 static norma_document_result ply_edit_vertices(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
     ply_state *state = document->state;
     ply_edit *change = &state->edit;
-    const size_t kept = ply_kept(edit), added = edit->vertex_count - kept;
+    const size_t kept = norma_edit_kept(edit), added = edit->vertex_count - kept;
     if (kept < state->vertices && names_vertices(state))
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_UNSUPPORTED, NULL,
             "cannot renumber vertices: an element that is not read may refer to them");
@@ -161,7 +151,7 @@ static norma_document_result edit_normals(
     ply_edit *change = &state->edit;
     double *values = NULL;
     const size_t count = vertex_count(state, edit),
-                 kept = edit->source_vertices ? ply_kept(edit) : count;
+                 kept = edit->source_vertices ? norma_edit_kept(edit) : count;
     float *codes = norma_io_allocate(count, 3 * sizeof *codes);
     norma_document_result result =
         codes ? read_columns(document, state->header.normal, &values, error)
@@ -189,7 +179,7 @@ static norma_document_result edit_positions(
     ply_state *state = document->state;
     const ply_element *vertex = norma_ply_element(&state->header, state->header.vertex);
     const size_t count = vertex_count(state, edit),
-                 kept = edit->source_vertices ? ply_kept(edit) : count;
+                 kept = edit->source_vertices ? norma_edit_kept(edit) : count;
     norma_document_result result =
         read_columns(document, state->header.position, &state->edit.positions, error);
     for (int axis = 0; axis < 3; ++axis)
@@ -269,12 +259,12 @@ static norma_document_result ply_edit_faces(
 
 static norma_document_result edit_ply(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
-    norma_document_result result = norma_edited_flush(document, error);
-    ply_state *state = document->state;
-    if (!result && edit->set_normals && state->header.normal[0] == PLY_NONE)
+    norma_document_result result = NORMA_DOCUMENT_OK;
+    const ply_state *state = document->state;
+    if (edit->set_normals && state->header.normal[0] == PLY_NONE)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, NULL,
             "has no normals that could be replaced");
-    if (!result && edit->source_vertices) result = ply_edit_vertices(document, edit, error);
+    if (edit->source_vertices) result = ply_edit_vertices(document, edit, error);
     if (!result && edit->set_normals) result = edit_normals(document, edit, error);
     if (!result && edit->set_positions) result = edit_positions(document, edit, error);
     if (!result && edit->cut_faces)
@@ -393,11 +383,6 @@ const scene_functions norma_ply_scene = {
  * kept beside them until it is written, or until another change needs to see it: then it becomes
  * the document's bytes, which are read anew. */
 
-static size_t count_meshes(const norma_document *document) {
-    (void)document;
-    return 1;
-}
-
 static const char *ply_encoding_of(const ply_state *state) {
     const ply_header *header = &state->header;
     const ply_element *vertex = norma_ply_element(header, header->vertex);
@@ -452,10 +437,10 @@ static norma_document_result decode_normals(norma_document *document, norma_docu
 static norma_document_result give_mesh(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
     (void)index;
-    norma_document_result result = norma_edited_flush(document, error);
     ply_state *state = document->state;
-    if (!result && !state->normals && state->header.normal[0] != PLY_NONE)
-        result = decode_normals(document, error);
+    const norma_document_result result = state->normals || state->header.normal[0] == PLY_NONE
+                                             ? NORMA_DOCUMENT_OK
+                                             : decode_normals(document, error);
     if (result) return result;
     data->mesh = norma_ply_core_mesh(state);
     if (state->normals)
@@ -485,7 +470,7 @@ const format_functions norma_ply_functions = {
     .open = norma_edited_open,
     .close = norma_edited_close,
     .edited = &norma_ply_edited,
-    .mesh_count = count_meshes,
+    .mesh_count = norma_edited_mesh_count,
     .mesh_info = describe_mesh,
     .mesh_data = give_mesh,
     .compute = norma_ply_compute,

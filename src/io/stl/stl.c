@@ -433,8 +433,7 @@ static norma_document_result edit_text(norma_document *document, const norma_mes
 static norma_document_result stl_edit(
     norma_document *document, const norma_mesh_edit *edit, norma_document_error *error) {
     growing_bytes memory = {0};
-    norma_document_result result = norma_edited_flush(document, error);
-    if (result) return result;
+    norma_document_result result = NORMA_DOCUMENT_OK;
     const stl_state *state = document->state;
     norma_sink *sink = norma_sink_create(norma_memory_sink_write, &memory);
     if (!sink) return norma_document_fail_memory(document, error);
@@ -458,11 +457,6 @@ static norma_document_result stl_edit(
 
 /* ---- describing */
 
-static size_t stl_count_meshes(const norma_document *document) {
-    (void)document;
-    return 1;
-}
-
 static norma_document_result stl_describe_mesh(
     const norma_document *document, size_t index, norma_mesh_info *info) {
     const stl_state *state = document->state;
@@ -478,8 +472,7 @@ static norma_document_result stl_describe_mesh(
 static norma_document_result stl_give_mesh(
     norma_document *document, size_t index, norma_mesh_data *data, norma_document_error *error) {
     (void)index;
-    norma_document_result result = norma_edited_flush(document, error);
-    if (!result) result = stl_decode(document, error);
+    const norma_document_result result = stl_decode(document, error);
     if (result) return result;
     const stl_state *state = document->state;
     data->mesh = stl_core_mesh(state);
@@ -515,7 +508,7 @@ const format_functions norma_stl_functions = {
     .open = norma_edited_open,
     .close = norma_edited_close,
     .edited = &norma_stl_edited,
-    .mesh_count = stl_count_meshes,
+    .mesh_count = norma_edited_mesh_count,
     .mesh_info = stl_describe_mesh,
     .mesh_data = stl_give_mesh,
     .compute = stl_compute,
