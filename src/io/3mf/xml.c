@@ -2,6 +2,7 @@
  * refused. Source: Extensible Markup Language 1.0, fifth edition; names may have any character
  * beyond ASCII. */
 #include "io/3mf/xml.h"
+#include "io/text/text.h"
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,13 +50,6 @@ static size_t xml_character_length(const unsigned char *text) {
         code = code << 6 | (text[i] & 0x3FU);
     }
     return code >= least[length] && is_xml_character(code) ? length : 0;
-}
-
-static size_t put_character(char *to, uint32_t code) {
-    const size_t length = code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
-    for (size_t i = length; i-- > 1; code >>= 6) to[i] = (char)(0x80 | (code & 0x3F));
-    to[0] = (char)(length == 1 ? code : (0xF00U >> length & 0xF0) | code);
-    return length;
 }
 
 /* &lt; and such: how many bytes of text it takes, and what it stands for; 0: no such. */
@@ -128,7 +122,7 @@ static char *take_xml_value(xml_reader *x, char *word) {
         if (text[x->at] == '&') {
             length = read_reference(text + x->at, &code);
             if (!length) return NULL;
-            word += put_character(word, code);
+            word += norma_put_utf8(word, code);
         } else if (is_xml_blank(text[x->at])) {
             length += text[x->at] == '\r' && text[x->at + 1] == '\n';
             *word++ = ' ';

@@ -29,21 +29,16 @@ static char *realpath(const char *path, char *resolved) {
 #define lstat stat
 #endif
 
-static int uri_hex_value(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-}
-
 /* Bytes of length characters of escaped text; SIZE_MAX for a bad escape. */
 static size_t unescape(const char *text, size_t length, char *out) {
     size_t size = 0;
     for (size_t i = 0; i < length; ++i) {
         char c = text[i];
         if (c == '%') {
-            if (length - i < 3 || uri_hex_value(text[i + 1]) < 0 || uri_hex_value(text[i + 2]) < 0)
+            if (length - i < 3 || norma_hex_value(text[i + 1]) < 0 ||
+                norma_hex_value(text[i + 2]) < 0)
                 return SIZE_MAX;
-            c = (char)(uri_hex_value(text[i + 1]) * 16 + uri_hex_value(text[i + 2]));
+            c = (char)(norma_hex_value(text[i + 1]) * 16 + norma_hex_value(text[i + 2]));
             i += 2;
         }
         out[size++] = c;

@@ -256,21 +256,10 @@ static void see_oddity(obj_oddity *oddity, const char *p) {
     if (!oddity->count++) oddity->first = p;
 }
 
-/* How many digits the number at p has, zeros before and after them aside. */
-static int significant_digits(const char *p, const char *end) {
-    int digits = 0, zeros = 0;
-    for (; p < end && *p != 'e' && *p != 'E'; ++p) {
-        if (*p < '0' || *p > '9' || (digits == 0 && *p == '0')) continue;
-        zeros = *p == '0' ? zeros + 1 : 0;
-        ++digits;
-    }
-    return digits - zeros;
-}
-
 /* Whether the number has more digits than a float needs. plain: it without its point, or more. */
 static int is_long(uint64_t plain, const char *p, const char *end) {
     const uint64_t limit = 1000000000; /* ten digits */
-    return plain >= limit && significant_digits(p, end) > FLT_DECIMAL_DIG;
+    return plain >= limit && norma_significant_digits(p, end) > FLT_DECIMAL_DIG;
 }
 
 /* What follows a number in its token is passed over, as other readers do ("3.1+e2" is 3.1), and

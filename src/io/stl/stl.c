@@ -372,10 +372,7 @@ static void put_numbers(
     text_editor *editor, const stl_word words[3], const double numbers[3], int unit) {
     for (int axis = 0; axis < 3; ++axis) {
         char text[32];
-        size_t length = unit ? norma_number_format_normal((float)numbers[axis], text)
-                        : editor->state->many_digits
-                            ? norma_number_format_double(numbers[axis], text)
-                            : norma_number_format_float((float)numbers[axis], text);
+        const size_t length = norma_stl_format(editor->state, unit, numbers[axis], text);
         stl_copy_to(editor, words[axis].text);
         norma_sink_put(editor->sink, text, length);
         editor->at = words[axis].end;

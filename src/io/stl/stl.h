@@ -35,6 +35,9 @@ norma_document_result norma_stl_decode_text(norma_document *document, norma_docu
 norma_document_result norma_stl_write_text(
     norma_document *document, norma_sink *sink, norma_document_error *error);
 
+/* A number of a normal, or of a vertex, as text that gets one. */
+size_t norma_stl_format(const stl_state *state, int is_normal, double value, char text[32]);
+
 int norma_stl_is_binary(const stl_state *state);
 norma_document_result norma_stl_read_binary(norma_document *document, norma_document_error *error);
 norma_document_result norma_stl_decode_binary(

@@ -356,18 +356,22 @@ static norma_document_result scan(text_scanner *scanner) {
     }
 }
 
-norma_document_result norma_stl_scan(
-    norma_document *document, stl_visitor *visit, void *user, norma_document_error *error) {
+static text_scanner scanner_of(norma_document *document, norma_document_error *error) {
     const stl_state *state = document->state;
     const char *begin = (const char *)state->bytes;
-    text_scanner scanner = {.document = document,
+    return (text_scanner){.document = document,
         .error = error,
         .begin = begin,
         .at = begin,
         .asked = begin,
-        .end = begin + state->size,
-        .visit = visit,
-        .user = user};
+        .end = begin + state->size};
+}
+
+norma_document_result norma_stl_scan(
+    norma_document *document, stl_visitor *visit, void *user, norma_document_error *error) {
+    text_scanner scanner = scanner_of(document, error);
+    scanner.visit = visit;
+    scanner.user = user;
     const norma_document_result result = scan(&scanner);
     return scanner.stopped ? NORMA_DOCUMENT_OK : result;
 }
@@ -376,29 +380,13 @@ norma_document_result norma_stl_scan(
 
 norma_document_result norma_stl_read_text(norma_document *document, norma_document_error *error) {
     stl_state *state = document->state;
-    const char *begin = (const char *)state->bytes;
-    text_scanner scanner = {.document = document,
-        .error = error,
-        .begin = begin,
-        .at = begin,
-        .asked = begin,
-        .end = begin + state->size};
+    text_scanner scanner = scanner_of(document, error);
     norma_document_result result = scan(&scanner);
     state->facets = scanner.facet;
     if (!result && scanner.inside && !scanner.stopped)
         norma_document_add_note(
             document, "the last solid has no \"endsolid\"; the file may have been cut off");
     return result;
-}
-
-static int has_many_digits(const stl_word *word) {
-    int digits = 0, zeros = 0;
-    for (const char *at = word->text; at < word->end && *at != 'e' && *at != 'E'; ++at) {
-        if (*at < '0' || *at > '9') continue;
-        zeros = *at == '0' ? zeros + 1 : 0;
-        digits += digits > 0 || *at != '0';
-    }
-    return digits - zeros > 9;
 }
 
 static int stl_take_numbers(
@@ -411,7 +399,8 @@ static int stl_take_numbers(
             continue;
         }
         positions[9 * facet + (size_t)(3 * (part - 1) + axis)] = values[axis];
-        state->many_digits |= has_many_digits(&words[axis]);
+        state->many_digits |=
+            norma_significant_digits(words[axis].text, words[axis].end) > FLT_DECIMAL_DIG;
     }
     return 0;
 }
@@ -433,10 +422,10 @@ typedef struct text_copier {
     const char *at; /* up to where the old text has been copied */
 } text_copier;
 
-static size_t format_number(const text_copier *copier, int part, double value, char text[32]) {
-    if (part == 0) return norma_number_format_normal((float)value, text);
-    return copier->state->many_digits ? norma_number_format_double(value, text)
-                                      : norma_number_format_float((float)value, text);
+size_t norma_stl_format(const stl_state *state, int is_normal, double value, char text[32]) {
+    if (is_normal) return norma_number_format_normal((float)value, text);
+    return state->many_digits ? norma_number_format_double(value, text)
+                              : norma_number_format_float((float)value, text);
 }
 
 static int replace_numbers(
@@ -455,7 +444,7 @@ static int replace_numbers(
             (value != value && values[axis] != values[axis]))
             continue;
         norma_sink_put(copier->sink, copier->at, (size_t)(words[axis].text - copier->at));
-        norma_sink_put(copier->sink, text, format_number(copier, part, value, text));
+        norma_sink_put(copier->sink, text, norma_stl_format(state, part == 0, value, text));
         copier->at = words[axis].end;
     }
     return 0;

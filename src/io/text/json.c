@@ -111,7 +111,7 @@ static json_token *add_token(parser *p, json_type type) {
 
 static int json_is_digit(int c) { return c >= '0' && c <= '9'; }
 
-static int json_hex_value(int c) {
+int norma_hex_value(int c) {
     if (json_is_digit(c)) return c - '0';
     if (c >= 'a' && c <= 'f') return c - 'a' + 10;
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
@@ -146,7 +146,7 @@ static int skip_escape(parser *p) {
     if (c == 'u') {
         for (int i = 1; i <= 4; ++i)
             if (p->at + (size_t)i >= p->size ||
-                json_hex_value((unsigned char)p->text[p->at + (size_t)i]) < 0)
+                norma_hex_value((unsigned char)p->text[p->at + (size_t)i]) < 0)
                 return json_fail(p, "four hexadecimal digits after \\u");
         p->at += 5;
         return 1;
@@ -361,11 +361,12 @@ uint32_t norma_json_element(const json *j, uint32_t array, uint32_t index) {
 
 static uint32_t read_hex4(const char *at) {
     uint32_t value = 0;
-    for (int i = 0; i < 4; ++i) value = value * 16 + (uint32_t)json_hex_value((unsigned char)at[i]);
+    for (int i = 0; i < 4; ++i)
+        value = value * 16 + (uint32_t)norma_hex_value((unsigned char)at[i]);
     return value;
 }
 
-static size_t put_utf8(char *out, uint32_t code) {
+size_t norma_put_utf8(char *out, uint32_t code) {
     if (code < 0x80) {
         out[0] = (char)code;
         return 1;
@@ -392,10 +393,10 @@ static size_t decode_escape(const char **at, const char *end, char *out) {
         uint32_t low = read_hex4(*at + 2);
         if (low >= 0xDC00 && low < 0xE000) {
             *at += 6;
-            return put_utf8(out, 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00));
+            return norma_put_utf8(out, 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00));
         }
     }
-    return put_utf8(out, code == 0 || (code >= 0xD800 && code < 0xE000) ? 0xFFFD : code);
+    return norma_put_utf8(out, code == 0 || (code >= 0xD800 && code < 0xE000) ? 0xFFFD : code);
 }
 
 int norma_json_equals(const json *j, uint32_t string, const char *text) {

@@ -97,6 +97,16 @@ static size_t digits_of(uint64_t value) {
     return digits + (value >= 10) + (value >= 100) + (value >= 1000);
 }
 
+int norma_significant_digits(const char *p, const char *end) {
+    int digits = 0, zeros = 0;
+    for (; p < end && *p != 'e' && *p != 'E'; ++p) {
+        if (*p < '0' || *p > '9' || (digits == 0 && *p == '0')) continue;
+        zeros = *p == '0' ? zeros + 1 : 0;
+        ++digits;
+    }
+    return digits - zeros;
+}
+
 size_t norma_number_format_integer(uint64_t value, char out[20]) {
     const size_t length = digits_of(value);
     char *p = out + length;

@@ -12,6 +12,12 @@
 /* Blanks between words, the ends of lines among them. */
 static inline int norma_is_blank(int byte) { return byte == ' ' || (byte >= '\t' && byte <= '\r'); }
 
+int norma_hex_value(int c);                      /* -1: no hexadecimal digit */
+size_t norma_put_utf8(char *out, uint32_t code); /* the bytes that it took, at most four */
+
+/* How many digits the number at p has, zeros before and after them aside. */
+int norma_significant_digits(const char *p, const char *end);
+
 /* Reads the number that begins at text and ends before end: an optional sign, digits with an
  * optional point (".5" and "5." too), an optional exponent; or nan, inf, infinity in any case,
  * or 1.#INF, 1.#IND, 1.#QNAN as old Windows programs write them. *value is the double nearest to
