@@ -710,6 +710,23 @@ static int is_plain_array(const gltf_array *array, uint32_t width) {
            (uintptr_t)array->data % sizeof(float) == 0;
 }
 
+norma_document_result norma_gltf_widen(gltf *g, uint32_t accessor, const gltf_array *array,
+    uint32_t width, const float **floats, norma_document_error *error) {
+    if (*floats) return NORMA_DOCUMENT_OK;
+    const norma_document_result result = norma_gltf_spend(
+        g, g->accessors[accessor].token, array->count, width * sizeof(float), error);
+    float *copy =
+        result ? NULL
+               : norma_scene_allocate(g->document->scene, array->count, width * sizeof *copy);
+    if (!copy) return result ? result : norma_document_fail_memory(g->document, error);
+    for (size_t i = 0; i < array->count; ++i) {
+        norma_gltf_floats(array, i, copy + width * i);
+        if (width > array->width) copy[width * i + array->width] = 1;
+    }
+    *floats = copy;
+    return NORMA_DOCUMENT_OK;
+}
+
 norma_document_result norma_gltf_decode(
     gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error) {
     gltf_array array;
@@ -727,18 +744,9 @@ norma_document_result norma_gltf_decode(
         *floats = (const float *)(const void *)array.data;
         return NORMA_DOCUMENT_OK;
     }
-    if (!scene->decoded[accessor]) {
-        result = norma_gltf_spend(
-            g, g->accessors[accessor].token, array.count, width * sizeof(float), error);
-        float *copy =
-            result ? NULL
-                   : norma_scene_allocate(g->document->scene, array.count, width * sizeof *copy);
-        if (!copy) return result ? result : norma_document_fail_memory(g->document, error);
-        for (size_t i = 0; i < array.count; ++i) norma_gltf_floats(&array, i, copy + width * i);
-        scene->decoded[accessor] = copy;
-    }
+    result = norma_gltf_widen(g, accessor, &array, width, &scene->decoded[accessor], error);
     *floats = scene->decoded[accessor];
-    return NORMA_DOCUMENT_OK;
+    return result;
 }
 
 norma_document_result norma_gltf_position_view(

@@ -3,7 +3,6 @@
  */
 #include "io/gltf/gltf.h"
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -133,16 +132,9 @@ static norma_document_result add_targets(mover *m, norma_document_error *error) 
 
 /* ---- skins */
 
-static uint32_t accessor_of(const gltf *g, const gltf_primitive *p, const char *name, int set) {
-    char text[32];
-    snprintf(text, sizeof text, "%s_%d", name, set);
-    const uint32_t found = norma_gltf_find(g, &p->base, text);
-    return found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
-}
-
 static int has_skin(const gltf *g, const gltf_node *node, const gltf_primitive *p) {
-    return node->skin != GLTF_NONE && accessor_of(g, p, "JOINTS", 0) != GLTF_NONE &&
-           accessor_of(g, p, "WEIGHTS", 0) != GLTF_NONE;
+    return node->skin != GLTF_NONE && norma_gltf_numbered(g, p, "JOINTS", 0) != GLTF_NONE &&
+           norma_gltf_numbered(g, p, "WEIGHTS", 0) != GLTF_NONE;
 }
 
 norma_document_result norma_gltf_read_inverse(gltf *g, uint32_t skin, size_t joints,
@@ -224,8 +216,8 @@ enum { MOST_SETS = 8 };
 static norma_document_result find_influences(gltf *g, const gltf_primitive *p,
     influences sets[MOST_SETS], size_t *count, norma_document_error *error) {
     for (*count = 0; *count < MOST_SETS; ++*count) {
-        const uint32_t joints = accessor_of(g, p, "JOINTS", (int)*count),
-                       weights = accessor_of(g, p, "WEIGHTS", (int)*count);
+        const uint32_t joints = norma_gltf_numbered(g, p, "JOINTS", *count),
+                       weights = norma_gltf_numbered(g, p, "WEIGHTS", *count);
         if (joints == GLTF_NONE || weights == GLTF_NONE) break;
         influences *set = &sets[*count];
         norma_document_result result = norma_gltf_array(g, joints, &set->joints, error);

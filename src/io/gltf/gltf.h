@@ -306,6 +306,10 @@ int norma_gltf_fits_half(double number, int exactly);
 static inline int norma_gltf_is_float(int component) {
     return component == GLTF_FLOAT || component == GLTF_DOUBLE || component == GLTF_HALF;
 }
+static inline int norma_gltf_holds_units(int component, int normalized) {
+    return norma_gltf_is_float(component) ||
+           (normalized && (component == GLTF_BYTE || component == GLTF_SHORT));
+}
 void norma_gltf_uints(
     const gltf_array *array, size_t index, uint32_t *out); /* of an unsigned integer accessor */
 /* Which elements a sparse accessor replaces: sparse.count numbers below count. */
@@ -324,6 +328,10 @@ norma_document_result norma_gltf_corners(
 
 uint32_t norma_gltf_find(const gltf *g, const gltf_attributes *attributes,
     const char *name); /* number in g->attributes, or GLTF_NONE */
+/* The accessor of "COLOR_0" and such; GLTF_NONE: none. */
+uint32_t norma_gltf_numbered(const gltf *g, const gltf_primitive *p, const char *name, size_t set);
+/* The same of a set of texture coordinates, a pair for each vertex. */
+uint32_t norma_gltf_texcoords(const gltf *g, const gltf_primitive *p, size_t set);
 
 /* members.c, as the rest of this part. Optional object members: 1: there (or, 2nd form, absent and
  * *value left as it was), 0: there with another type or out of range; message filled by the caller.
@@ -331,6 +339,8 @@ uint32_t norma_gltf_find(const gltf *g, const gltf_attributes *attributes,
 int norma_gltf_size_member(const gltf *g, uint32_t object, const char *key, size_t *value);
 int norma_gltf_index_member(
     const gltf *g, uint32_t object, const char *key, uint32_t limit, uint32_t *value);
+/* Whether an object has another extension than those, of which NULL is the last. */
+int norma_gltf_extends_beyond(const gltf *g, uint32_t object, const char *const *known);
 /* A list of objects among the root's members; empty where there is none. */
 norma_document_result norma_gltf_read_list(
     const gltf *g, const char *name, uint32_t *list, uint32_t *count, norma_document_error *error);
@@ -516,6 +526,9 @@ const char *norma_gltf_where(gltf *g, const char *list, size_t number);
  * where they are just that, else a decoded copy that the document keeps. */
 norma_document_result norma_gltf_decode(
     gltf *g, uint32_t accessor, uint32_t width, const float **floats, norma_document_error *error);
+/* An array as such a copy, made unless *floats is there; a number more than it has is 1. */
+norma_document_result norma_gltf_widen(gltf *g, uint32_t accessor, const gltf_array *array,
+    uint32_t width, const float **floats, norma_document_error *error);
 
 uint32_t norma_gltf_normal_use(
     const gltf *g, uint32_t material); /* gltf_scene.c: the token of the normal texture's info */
@@ -719,6 +732,8 @@ static inline const uint32_t *norma_gltf_points(const gltf_surface *s) {
 /* ---- vertex_sharing.c: which primitives share vertices, and the vertices that their points become
  */
 norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job);
+/* A norma_progress whose user is the job: the core's over one mesh as that over all of them. */
+int norma_gltf_pass_on(void *user, double fraction);
 norma_document_result norma_gltf_take_points(
     gltf_job *job, gltf_surface *surface); /* points become corners */
 norma_document_result norma_gltf_fill_unreferenced(gltf_job *job, gltf_set *set);

@@ -280,10 +280,7 @@ static double surface_unit_of(const gltf *g, const gltf_mesh *mesh, norma_format
         if (g->primitives[i].not_read) continue;
         const gltf_accessor *a = &g->accessors[g->primitives[i].base.position];
         if (!a->normalized || format == NORMA_FORMAT_FLOAT) return 1;
-        return a->component == GLTF_BYTE    ? 1.0 / 127
-               : a->component == GLTF_UBYTE ? 1.0 / 255
-               : a->component == GLTF_SHORT ? 1.0 / 32767
-                                            : 1.0 / 65535;
+        return 1 / norma_gltf_largest_code(a->component);
     }
     return 1;
 }
@@ -523,13 +520,6 @@ static int is_mesh_wanted(const gltf_job *job, uint32_t mesh) {
     return 0;
 }
 
-/* The core's progress over one mesh as that over all of them. */
-static int pass_on_mesh(void *user, double fraction) {
-    const gltf_job *job = user;
-    return job->options->progress(
-        job->options->progress_user, job->progress_base + fraction * job->progress_scale);
-}
-
 static norma_document_result compute_mesh(gltf_job *job, uint32_t mesh) {
     gltf_surface surface;
     norma_document_result result = gltf_gather(job, mesh, &surface);
@@ -550,7 +540,7 @@ static norma_document_result compute_meshes(gltf_job *job) {
     job->progress_scale = wanted ? 1 / (double)wanted : 0;
     for (uint32_t m = 0; !result && m < g->mesh_count; ++m) {
         if (!is_mesh_wanted(job, m)) continue;
-        job->policy.core.progress = job->options->progress ? pass_on_mesh : NULL;
+        job->policy.core.progress = job->options->progress ? norma_gltf_pass_on : NULL;
         job->policy.core.progress_user = job;
         result = compute_mesh(job, m);
         job->progress_base += job->progress_scale;

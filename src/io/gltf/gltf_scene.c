@@ -448,13 +448,8 @@ const char *norma_gltf_encoding_name(const gltf *g, uint32_t accessor) {
  * say. */
 static norma_document_result read_vertex_texcoords(gltf *g, const gltf_primitive *p, size_t set,
     norma_mesh_attributes *attributes, norma_document_error *error) {
-    char name[40];
-    snprintf(name, sizeof name, "TEXCOORD_%zu", set);
-    uint32_t found = norma_gltf_find(g, &p->base, name);
-    uint32_t accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
-    if (accessor == GLTF_NONE || g->accessors[accessor].width != 2 ||
-        g->accessors[accessor].count != p->vertices)
-        return NORMA_DOCUMENT_OK;
+    const uint32_t accessor = norma_gltf_texcoords(g, p, set);
+    if (accessor == GLTF_NONE) return NORMA_DOCUMENT_OK;
     attributes->texcoord_count = p->vertices;
     return norma_gltf_decode(g, accessor, 2, &attributes->texcoords, error);
 }
@@ -476,27 +471,14 @@ static norma_document_result widen_colors(
     gltf_scene *scene = norma_gltf_scene_of(g);
     norma_document_result result = scene ? norma_gltf_array(g, accessor, &array, error)
                                          : norma_document_fail_memory(g->document, error);
-    if (result) return result;
-    if (!scene->colors[accessor]) {
-        result = norma_gltf_spend(
-            g, g->accessors[accessor].token, array.count, 4 * sizeof(float), error);
-        float *made =
-            result ? NULL : norma_scene_allocate(g->document->scene, array.count, 4 * sizeof *made);
-        if (!made) return result ? result : norma_document_fail_memory(g->document, error);
-        for (size_t i = 0; i < array.count; ++i) {
-            norma_gltf_floats(&array, i, made + 4 * i);
-            made[4 * i + 3] = 1;
-        }
-        scene->colors[accessor] = made;
-    }
-    *colors = scene->colors[accessor];
-    return NORMA_DOCUMENT_OK;
+    if (!result) result = norma_gltf_widen(g, accessor, &array, 4, &scene->colors[accessor], error);
+    if (!result) *colors = scene->colors[accessor];
+    return result;
 }
 
 static norma_document_result read_vertex_colors(gltf *g, const gltf_primitive *p,
     norma_mesh_attributes *attributes, norma_document_error *error) {
-    uint32_t found = norma_gltf_find(g, &p->base, "COLOR_0"),
-             accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
+    const uint32_t accessor = norma_gltf_numbered(g, p, "COLOR", 0);
     if (accessor == GLTF_NONE || g->accessors[accessor].count != p->vertices)
         return NORMA_DOCUMENT_OK;
     if (g->accessors[accessor].width == 4)

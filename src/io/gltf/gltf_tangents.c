@@ -3,7 +3,6 @@
 #include "core/tangent/tangents.h"
 #include "io/gltf/gltf.h"
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,7 +13,6 @@ typedef struct tangent_job {
     norma_tangent_summary *summary;
     norma_options core;
     uint32_t *materials; /* the token of each material */
-    double progress_base, progress_scale;
 } tangent_job;
 
 /* The tangents of a set's vertices as they will be. */
@@ -60,19 +58,8 @@ static norma_texture_info placement_of_map(const tangent_job *job, const gltf_pr
     return place;
 }
 
-static uint32_t texcoord_accessor(const gltf *g, const gltf_primitive *p, size_t set) {
-    char name[40];
-    snprintf(name, sizeof name, "TEXCOORD_%zu", set);
-    const uint32_t found = norma_gltf_find(g, &p->base, name);
-    const uint32_t accessor = found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
-    return accessor != GLTF_NONE && g->accessors[accessor].width == 2 &&
-                   g->accessors[accessor].count == p->vertices
-               ? accessor
-               : GLTF_NONE;
-}
-
 static int gltf_has_map_texcoords(const tangent_job *job, const gltf_primitive *p) {
-    return texcoord_accessor(job->sets.g, p, placement_of_map(job, p).texcoord) != GLTF_NONE;
+    return norma_gltf_texcoords(job->sets.g, p, placement_of_map(job, p).texcoord) != GLTF_NONE;
 }
 
 /* gltf_tangents.c: whether a primitive has what its tangents are made of. */
@@ -91,7 +78,7 @@ static norma_document_result gltf_tangent_texcoords(
     const norma_texture_info place = placement_of_map(job, p);
     *owned = NULL;
     norma_document_result result = norma_gltf_decode(
-        g, texcoord_accessor(g, p, place.texcoord), 2, texcoords, job->sets.error);
+        g, norma_gltf_texcoords(g, p, place.texcoord), 2, texcoords, job->sets.error);
     if (result || !norma_gltf_moves(&place)) return result;
     *owned = norma_io_block(p->vertices, 2 * sizeof **owned);
     if (!*owned) return norma_document_fail_memory(g->document, job->sets.error);
@@ -124,12 +111,6 @@ static norma_document_result gltf_encode_tangents(
     return encoded ? norma_gltf_job_memory(&job->sets) : NORMA_DOCUMENT_OK;
 }
 
-static int pass_on_tangents(void *user, double fraction) {
-    const tangent_job *job = user;
-    return job->options->progress(
-        job->options->progress_user, job->progress_base + fraction * job->progress_scale);
-}
-
 typedef struct tangent_shape { /* of a primitive, at rest or in a morph target */
     const float *positions, *normals, *texcoords;
     const uint32_t *corners;
@@ -143,8 +124,8 @@ static norma_document_result compute_shape_tangents(
         .corner_count = shape->corner_count};
     const norma_attribute normals = {.data = shape->normals, .count = shape->vertices},
                           texcoords = {.data = shape->texcoords, .count = shape->vertices};
-    job->core.progress = job->options->progress ? pass_on_tangents : NULL;
-    job->core.progress_user = job;
+    job->core.progress = job->options->progress ? norma_gltf_pass_on : NULL;
+    job->core.progress_user = &job->sets;
     tangent_maker *maker = job->options->meshopt                       ? norma_core_meshopt_tangents
                            : job->options->mode == NORMA_TANGENTS_MIKK ? norma_core_mikk_tangents
                                                                        : norma_core_steady_tangents;
@@ -300,9 +281,7 @@ static norma_document_result find_broken_tangents(tangent_job *job, tangent_set 
 /* Stored tangents of another shape (glTF has none) are replaced by floats. */
 static int keeps_encoding(const gltf_array *array, size_t vertices) {
     return array->width == 4 && array->count == vertices &&
-           (norma_gltf_is_float(array->component) ||
-               (array->normalized &&
-                   (array->component == GLTF_BYTE || array->component == GLTF_SHORT)));
+           norma_gltf_holds_units(array->component, array->normalized);
 }
 
 static norma_document_result gltf_begin_tangents(tangent_job *job, gltf_set *set, tangent_set *of) {
@@ -558,7 +537,7 @@ static norma_document_result compute_set(tangent_job *job, gltf_set *set) {
         result = gltf_corner_tangents(job, i, &of, &made);
         if (!result) result = gltf_take_tangents(job, i, &of, &made);
         gltf_corner_tangents_free(&g->primitives[i], &made);
-        job->progress_base += job->progress_scale;
+        job->sets.progress_base += job->sets.progress_scale;
         ++job->summary->primitives;
     }
     if (!result && set->wanted) result = gltf_put_tangents(job, &of);
@@ -596,13 +575,16 @@ norma_document_result norma_gltf_tangents(norma_document *document,
     const norma_tangent_options *options, norma_tangent_summary *summary,
     norma_document_error *error) {
     gltf *g = norma_gltf_of(document);
-    tangent_job job = {.sets = {.g = g, .error = error},
+    tangent_job job = {
+        .sets = {.g = g,
+            .error = error,
+            .progress_scale = g->primitive_count ? 1 / (double)g->primitive_count : 0},
+        .all = {.progress = options->progress, .progress_user = options->progress_user},
         .options = options,
         .summary = summary,
         .core = {.struct_size = sizeof job.core,
             .weight = options->weight,
-            .threads = options->threads},
-        .progress_scale = g->primitive_count ? 1 / (double)g->primitive_count : 0};
+            .threads = options->threads}};
     job.sets.options = &job.all;
     norma_gltf_begin_change(g);
     norma_document_result result = gltf_find_materials(&job);

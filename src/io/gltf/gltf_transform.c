@@ -86,20 +86,12 @@ static void flag_skins(const gltf *g, unsigned char *flags) {
 
 /* Extensions of a node that say nothing about where it is. */
 static const char *const placeless[] = {"EXT_mesh_gpu_instancing", "KHR_node_visibility",
-    "KHR_node_selectability", "KHR_node_hoverability", "KHR_xmp_json_ld", "KHR_xmp"};
+    "KHR_node_selectability", "KHR_node_hoverability", "KHR_xmp_json_ld", "KHR_xmp", NULL};
 
 static int holds_more(const gltf *g, uint32_t node) {
-    const json *j = &g->json;
-    const uint32_t token = g->nodes[node].token,
-                   extensions = norma_json_member(j, token, "extensions");
-    if (norma_json_member(j, token, "camera") != JSON_NONE) return 1;
-    for (uint32_t value = JSON_NONE; norma_json_each(j, extensions, &value);) {
-        int harmless = 0;
-        for (size_t i = 0; i < sizeof placeless / sizeof *placeless; i++)
-            harmless |= norma_json_equals(j, value - 1, placeless[i]);
-        if (!harmless) return 1;
-    }
-    return 0;
+    const uint32_t token = g->nodes[node].token;
+    return norma_json_member(&g->json, token, "camera") != JSON_NONE ||
+           norma_gltf_extends_beyond(g, token, placeless);
 }
 
 /* NULL: out of memory; to be freed */

@@ -163,6 +163,16 @@ int norma_gltf_index_member(
     return 1;
 }
 
+int norma_gltf_extends_beyond(const gltf *g, uint32_t object, const char *const *known) {
+    const uint32_t extensions = norma_json_member(&g->json, object, "extensions");
+    for (uint32_t value = JSON_NONE; norma_json_each(&g->json, extensions, &value);) {
+        size_t i = 0;
+        while (known[i] && !norma_json_equals(&g->json, value - 1, known[i])) ++i;
+        if (!known[i]) return 1;
+    }
+    return 0;
+}
+
 norma_document_result norma_gltf_read_list(
     const gltf *g, const char *name, uint32_t *list, uint32_t *count, norma_document_error *error) {
     const json *j = &g->json;

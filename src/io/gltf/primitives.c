@@ -98,6 +98,21 @@ uint32_t norma_gltf_find(const gltf *g, const gltf_attributes *attributes, const
     return GLTF_NONE;
 }
 
+uint32_t norma_gltf_numbered(const gltf *g, const gltf_primitive *p, const char *name, size_t set) {
+    char text[40];
+    snprintf(text, sizeof text, "%s_%zu", name, set);
+    const uint32_t found = norma_gltf_find(g, &p->base, text);
+    return found == GLTF_NONE ? GLTF_NONE : g->attributes[found].accessor;
+}
+
+uint32_t norma_gltf_texcoords(const gltf *g, const gltf_primitive *p, size_t set) {
+    const uint32_t accessor = norma_gltf_numbered(g, p, "TEXCOORD", set);
+    return accessor != GLTF_NONE && g->accessors[accessor].width == 2 &&
+                   g->accessors[accessor].count == p->vertices
+               ? accessor
+               : GLTF_NONE;
+}
+
 static const char *why_not_read(const gltf *g, const gltf_primitive *p) {
     if (p->mode == GLTF_POINTS) return "points have no normals to compute";
     if (p->mode < GLTF_TRIANGLES) return "lines have no normals to compute";

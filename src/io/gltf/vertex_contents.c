@@ -84,16 +84,8 @@ static norma_document_result copy_unknown_attributes(gltf *g, uint32_t primitive
 
 /* Extensions that say nothing of vertices by their number. */
 static int names_no_vertices(const gltf *g, const gltf_primitive *p) {
-    static const char *const harmless[] = {"KHR_materials_variants", "EXT_mesh_features"};
-    const json *j = &g->json;
-    uint32_t extensions = norma_json_member(j, p->token, "extensions");
-    for (uint32_t token = JSON_NONE; norma_json_each(j, extensions, &token);) {
-        int known = 0;
-        for (size_t i = 0; i < sizeof harmless / sizeof *harmless; ++i)
-            known |= norma_json_equals(j, token - 1, harmless[i]);
-        if (!known) return 0;
-    }
-    return 1;
+    static const char *const harmless[] = {"KHR_materials_variants", "EXT_mesh_features", NULL};
+    return !norma_gltf_extends_beyond(g, p->token, harmless);
 }
 
 /* Each old vertex keeps its number; further ones follow. */
@@ -254,9 +246,7 @@ typedef enum vector_encoding {
 static vector_encoding vector_encoding_of(const gltf *g, uint32_t accessor, uint32_t width) {
     const gltf_accessor *a = accessor == GLTF_NONE ? NULL : &g->accessors[accessor];
     const int is_kept =
-        a && a->width == width &&
-        (norma_gltf_is_float(a->component) ||
-            (a->normalized && (a->component == GLTF_BYTE || a->component == GLTF_SHORT)));
+        a && a->width == width && norma_gltf_holds_units(a->component, a->normalized);
     return is_kept ? (vector_encoding)a->component : VECTOR_FLOAT;
 }
 
@@ -418,9 +408,7 @@ static norma_document_result turn_tangents(const contents *c, uint32_t accessor,
 /* Tangents that are all zeros, for want of any bytes, are none. */
 static int can_turn(const gltf_accessor *a) {
     if (a->view == GLTF_NONE && a->sparse.count == 0) return 0;
-    return a->width == 4 &&
-           (norma_gltf_is_float(a->component) ||
-               (a->normalized && (a->component == GLTF_BYTE || a->component == GLTF_SHORT)));
+    return a->width == 4 && norma_gltf_holds_units(a->component, a->normalized);
 }
 
 static int is_tangent_turned(const contents *c, const gltf_attribute *attribute, int32_t target) {

@@ -158,6 +158,12 @@ static int is_locked_set(const gltf_job *job, uint32_t primitive) {
     return locked && job->set_of[primitive] != GLTF_NONE;
 }
 
+int norma_gltf_pass_on(void *user, double fraction) {
+    const gltf_job *job = user;
+    return job->options->progress(
+        job->options->progress_user, job->progress_base + fraction * job->progress_scale);
+}
+
 norma_document_result norma_gltf_find_vertex_sharing(gltf_job *job) {
     const gltf *g = job->g;
     norma_document_result result = NORMA_DOCUMENT_OK;
