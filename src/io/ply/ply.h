@@ -63,6 +63,9 @@ typedef struct ply_column {
     const double *doubles;
     int unit; /* a component of a unit vector: text may be short */
 } ply_column;
+static inline double norma_ply_column_value(const ply_column *column, size_t row) {
+    return column->floats ? (double)column->floats[3 * row] : column->doubles[3 * row];
+}
 
 /* What becomes of one property when an element is written. */
 typedef enum ply_action {

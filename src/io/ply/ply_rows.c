@@ -188,21 +188,15 @@ static void binary_compile(row_writer *writer) {
 
 /* ---- its steps */
 
-static void put_value(const row_writer *writer, const ply_item *item, size_t number) {
-    const ply_column *column = &item->column;
-    double value =
-        column->floats ? (double)column->floats[3 * number] : column->doubles[3 * number];
-    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type,
+static void ply_put_number(const row_writer *writer, ply_type type, double value) {
+    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(type)), type,
         writer->state->header.encoding, value);
 }
 
 static void put_triangle(row_writer *writer, const ply_item *item) {
-    const ply_encoding encoding = writer->state->header.encoding;
-    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->count_type)),
-        item->count_type, encoding, 3);
+    ply_put_number(writer, item->count_type, 3);
     for (int k = 0; k < 3; ++k)
-        norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type,
-            encoding, (double)writer->next_index[writer->triangle[k]]);
+        ply_put_number(writer, item->type, (double)writer->next_index[writer->triangle[k]]);
 }
 
 static void put_face(row_writer *writer, const ply_item *item, const unsigned char *at) {
@@ -219,19 +213,14 @@ static void put_face(row_writer *writer, const ply_item *item, const unsigned ch
         writer->next_index += count;
         return;
     }
-    for (size_t i = 0; i < count; ++i)
-        norma_ply_put(
-            norma_sink_room(writer->sink, size), item->type, encoding, *writer->next_index++);
+    for (size_t i = 0; i < count; ++i) ply_put_number(writer, item->type, *writer->next_index++);
 }
 
 static void put_strip(row_writer *writer, const ply_item *item, size_t row) {
-    const ply_encoding encoding = writer->state->header.encoding;
     const uint32_t count = writer->plan->lists->counts[row];
-    norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->count_type)),
-        item->count_type, encoding, count);
+    ply_put_number(writer, item->count_type, count);
     for (uint32_t i = 0; i < count; ++i)
-        norma_ply_put(norma_sink_room(writer->sink, norma_ply_type_size(item->type)), item->type,
-            encoding, (double)*writer->next_item++);
+        ply_put_number(writer, item->type, (double)*writer->next_item++);
 }
 
 /* Where faces turn, the first corner's tuple stays and the others turn round, as the corners do; a
@@ -249,8 +238,7 @@ static void put_corners(
     const size_t tuple = in_step ? bytes / corners : 0,
                  of_triangle = in_step ? count / corners * 3 : 0;
     if (writer->triangle && in_step)
-        norma_ply_put(norma_sink_room(writer->sink, count_size), item->source->count_type, encoding,
-            (double)of_triangle);
+        ply_put_number(writer, item->source->count_type, (double)of_triangle);
     else
         norma_sink_put(writer->sink, at, count_size);
     at += count_size;
@@ -279,7 +267,8 @@ static const unsigned char *binary_run_step(
         norma_sink_put(writer->sink, step->side + step->stride * number, step->size);
         return at;
     case STEP_VALUE:
-        put_value(writer, step->item, number);
+        ply_put_number(
+            writer, step->item->type, norma_ply_column_value(&step->item->column, number));
         return at;
     default:
         break;

@@ -371,10 +371,6 @@ static int64_t integer_of(const text_writer *writer, ply_span word) {
 
 /* ---- values */
 
-static double column_value(const ply_column *column, size_t number) {
-    return column->floats ? (double)column->floats[3 * number] : column->doubles[3 * number];
-}
-
 static int is_same_number(
     const text_writer *writer, ply_span word, const ply_item *item, double value) {
     double old;
@@ -386,7 +382,7 @@ static int is_same_number(
 
 static void text_put_value(text_writer *writer, const ply_item *item, size_t number) {
     char text[32];
-    const double value = column_value(&item->column, number);
+    const double value = norma_ply_column_value(&item->column, number);
     if (item->source) {
         ply_span word = take_word(writer);
         if (is_same_number(writer, word, item, value)) {
