@@ -194,7 +194,7 @@ int norma_near_add(near_positions *near, const double at[3]) {
     return 1;
 }
 
-static int compare_near(const void *a, const void *b) {
+int norma_together_compare(const void *a, const void *b) {
     const double *p = a, *q = b;
     for (int k = 0; k < 3; ++k)
         if (p[k] != q[k]) return p[k] < q[k] ? -1 : 1;
@@ -203,9 +203,9 @@ static int compare_near(const void *a, const void *b) {
 
 static void sort_distinct(near_positions *near) {
     size_t kept = 0;
-    qsort(near->at, near->count, sizeof near->at[0], compare_near);
+    qsort(near->at, near->count, sizeof near->at[0], norma_together_compare);
     for (size_t i = 0; i < near->count; ++i)
-        if (i == 0 || compare_near(near->at[i], near->at[kept - 1]) != 0)
+        if (i == 0 || norma_together_compare(near->at[i], near->at[kept - 1]) != 0)
             memmove(near->at[kept++], near->at[i], sizeof near->at[0]);
     near->count = kept;
 }
@@ -236,8 +236,9 @@ norma_result norma_near_end(near_positions *near, double distance, uint32_t thre
 }
 
 void norma_near_find(const near_positions *near, double at[3]) {
-    double(*found)[3] =
-        near->stands ? bsearch(at, near->at, near->count, sizeof near->at[0], compare_near) : NULL;
+    double(*found)[3] = near->stands ? bsearch(at, near->at, near->count, sizeof near->at[0],
+                                           norma_together_compare)
+                                     : NULL;
     if (found) memcpy(at, near->at[near->stands[found - near->at]], sizeof near->at[0]);
 }
 

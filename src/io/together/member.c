@@ -209,12 +209,6 @@ static int weld_placed(world_mesh *w, size_t count) {
 
 /* ---- faces */
 
-static int lies_before(const double a[3], const double b[3]) {
-    for (int k = 0; k < 3; ++k)
-        if (a[k] != b[k]) return a[k] < b[k];
-    return 0;
-}
-
 /* From the corner that lies first, so that what a face adds does not depend on the corner that its
  * file begins with. */
 static void turn_placed_faces(world_mesh *w) {
@@ -224,7 +218,7 @@ static void turn_placed_faces(world_mesh *w) {
         uint32_t *corners = w->corners + begin;
         size_t first = 0;
         for (size_t k = 1; k < count; ++k)
-            if (lies_before(w->at[corners[k]], w->at[corners[first]])) first = k;
+            if (norma_together_compare(w->at[corners[k]], w->at[corners[first]]) < 0) first = k;
         for (size_t turned = 0; turned < first; ++turned) {
             const uint32_t moved = corners[0];
             memmove(corners, corners + 1, (count - 1) * sizeof *corners);

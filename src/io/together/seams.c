@@ -65,14 +65,8 @@ static const char DAMAGED[] = "damaged votes: a checksum does not match; make th
 
 /* ---- order */
 
-static int order_of_positions(const double a[3], const double b[3]) {
-    for (int k = 0; k < 3; ++k)
-        if (a[k] != b[k]) return a[k] < b[k] ? -1 : 1;
-    return 0;
-}
-
 static int compare_records(const void *a, const void *b) {
-    return order_of_positions(((const position_votes *)a)->at, ((const position_votes *)b)->at);
+    return norma_together_compare(((const position_votes *)a)->at, ((const position_votes *)b)->at);
 }
 
 static int order_of_tiles(const void *a, const void *b) {
@@ -91,7 +85,7 @@ static int has_bounded_digits(const open_sum *sum) {
 static int is_sound(const position_votes *record, const position_votes *before) {
     return norma_core_finite(record->at) && has_bounded_digits(&record->sum) && record->rank >= 1 &&
            record->sum.top >= LEAST_PLACE && record->sum.top <= MOST_PLACE &&
-           (!before || order_of_positions(before->at, record->at) < 0);
+           (!before || norma_together_compare(before->at, record->at) < 0);
 }
 
 /* ---- writing */
@@ -314,7 +308,7 @@ static norma_document_result read_record(seams *s, int *more, norma_document_err
     *more = s->next < s->head.records;
     if (*more && s->at == s->count) result = read_votes_block(s, error);
     if (!*more || result) return result;
-    if (s->next && order_of_positions(s->last.at, s->some[s->at].at) >= 0)
+    if (s->next && norma_together_compare(s->last.at, s->some[s->at].at) >= 0)
         return fail_seams(s->path, error, DAMAGED);
     s->last = s->some[s->at++];
     ++s->next;

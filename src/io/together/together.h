@@ -126,6 +126,7 @@ typedef struct position_normal {
 /* The partition of a position. */
 size_t norma_together_partition(const double at[3]);
 uint64_t norma_together_hash(const double at[3]);
+int norma_together_compare(const void *a, const void *b); /* of three doubles, for qsort */
 
 /* Adds what another record says of the same position. */
 void norma_together_add_votes(position_votes *to, const position_votes *votes);
