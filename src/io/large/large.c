@@ -239,9 +239,7 @@ static norma_document_result walk_ply_surface(
 static norma_document_result locate_vertex(walk_ply *w, size_t vertex, double position[3]) {
     large_ply *ply = &w->ply;
     const norma_document_result result = norma_large_ply_positions(ply, vertex, 1, ply->scratch);
-    const float *single = (const float *)(const void *)ply->scratch;
-    for (size_t k = 0; k < 3 && !result; ++k)
-        position[k] = ply->single ? (double)single[k] : ply->scratch[k];
+    if (!result) norma_large_scratch_position(ply, 0, position);
     return result;
 }
 
@@ -266,15 +264,13 @@ static norma_document_result walk_ply_locate(
 
 static norma_document_result include_vertices(
     large_ply *ply, norma_large_description *description) {
-    const float *floats = (const float *)(const void *)ply->scratch;
     norma_document_result result = NORMA_DOCUMENT_OK;
     for (size_t first = 0; first < ply->vertices && !result; first += LARGE_BLOCK) {
         const size_t left = ply->vertices - first, count = left < LARGE_BLOCK ? left : LARGE_BLOCK;
         result = norma_large_ply_positions(ply, first, count, ply->scratch);
         for (size_t i = 0; i < count && !result; ++i) {
             double at[3];
-            for (size_t k = 0; k < 3; ++k)
-                at[k] = ply->single ? (double)floats[3 * i + k] : ply->scratch[3 * i + k];
+            norma_large_scratch_position(ply, i, at);
             norma_large_include(description, at);
         }
         if (!result) result = norma_large_tell(ply->file, (double)first / (double)ply->vertices);

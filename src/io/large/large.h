@@ -202,6 +202,13 @@ norma_document_result norma_large_ply_positions(
 static inline size_t norma_large_position_size(const large_ply *ply) {
     return 3 * (ply->single ? sizeof(float) : sizeof(double));
 }
+/* One of those that lie in ply->scratch. */
+static inline void norma_large_scratch_position(
+    const large_ply *ply, size_t i, double position[3]) {
+    const float *floats = (const float *)(const void *)ply->scratch;
+    for (size_t k = 0; k < 3; ++k)
+        position[k] = ply->single ? (double)floats[3 * i + k] : ply->scratch[3 * i + k];
+}
 
 /* Rows of the output. */
 typedef struct large_row {

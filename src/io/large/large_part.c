@@ -32,11 +32,9 @@ static uint64_t part_hash_of(const double position[3]) {
 static norma_document_result hash_block(
     large_ply *ply, size_t first, size_t count, uint64_t *hashes) {
     norma_document_result result = norma_large_ply_positions(ply, first, count, ply->scratch);
-    const float *floats = (const float *)(const void *)ply->scratch;
     for (size_t i = 0; i < count && !result; ++i) {
         double position[3];
-        for (size_t k = 0; k < 3; ++k)
-            position[k] = ply->single ? (double)floats[3 * i + k] : ply->scratch[3 * i + k];
+        norma_large_scratch_position(ply, i, position);
         hashes[i] = part_hash_of(position);
     }
     return result;
@@ -128,18 +126,12 @@ typedef struct hash_set {
 
 static uint32_t print_of(uint64_t hash) { return (uint32_t)(hash >> 32) | 1u; }
 
-static void add_hash(hash_set *set, uint64_t hash) {
+/* The slot of its print, or the empty one where it belongs. */
+static uint32_t *print_slot(const hash_set *set, uint64_t hash) {
     size_t slot = (size_t)hash & (set->size - 1);
     while (set->slots[slot] && set->slots[slot] != print_of(hash))
         slot = (slot + 1) & (set->size - 1);
-    set->slots[slot] = print_of(hash);
-}
-
-static int has_hash(const hash_set *set, uint64_t hash) {
-    size_t slot = (size_t)hash & (set->size - 1);
-    while (set->slots[slot] && set->slots[slot] != print_of(hash))
-        slot = (slot + 1) & (set->size - 1);
-    return set->slots[slot] != 0;
+    return &set->slots[slot];
 }
 
 static norma_document_result part_gather(large_ply *ply, const large_bits *equal, size_t begin,
@@ -150,7 +142,8 @@ static norma_document_result part_gather(large_ply *ply, const large_bits *equal
         if (!norma_large_bits_any(equal, first, first + count)) continue;
         result = hash_block(ply, first, count, hashes);
         for (size_t i = 0; i < count && !result; ++i)
-            if (norma_large_bits_has(equal, first + i) && hashes[i]) add_hash(set, hashes[i]);
+            if (norma_large_bits_has(equal, first + i) && hashes[i])
+                *print_slot(set, hashes[i]) = print_of(hashes[i]);
     }
     return result;
 }
@@ -163,7 +156,7 @@ static norma_document_result match(large_ply *ply, const large_bits *equal, cons
         if (!norma_large_bits_any(equal, first, first + count)) continue;
         result = hash_block(ply, first, count, hashes);
         for (size_t i = 0; i < count && !result; ++i)
-            if (norma_large_bits_has(equal, first + i) && hashes[i] && has_hash(set, hashes[i]))
+            if (norma_large_bits_has(equal, first + i) && hashes[i] && *print_slot(set, hashes[i]))
                 norma_large_bits_set(members, first + i);
     }
     return result;
