@@ -293,16 +293,19 @@ static norma_result join_loose(joined *j) {
 
 /* ---- judging */
 
-/* Without a place's label, which the caller keeps. */
-static check_mesh mesh_of_member(check_run *run, const check_solid_member *member) {
+/* label: of its place, kept by the caller. */
+static check_mesh mesh_of_member(
+    check_run *run, const check_solid_member *member, char label[CHECK_MESSAGE]) {
     check_mesh m = {.run = run,
         .given = member->given,
         .number = member->number,
         .on_purpose = member->given->material.double_sided || member->given->material.not_opaque,
         .mesh = member->mesh};
     memcpy(m.rules, member->rules, sizeof m.rules);
+    norma_check_label(&member->given->info, label);
     m.place = (check_place){.order = member->order,
-        .where = member->given->info.where ? member->given->info.where : ""};
+        .where = member->given->info.where ? member->given->info.where : "",
+        .label = label};
     return m;
 }
 
@@ -312,10 +315,8 @@ static norma_result tell_members(
     size_t face = 0;
     for (size_t i = 0; i < run->solid_count && !result; i++) {
         const check_solid_member *member = &run->solids[i];
-        check_mesh m = mesh_of_member(run, member);
         char label[CHECK_MESSAGE];
-        norma_check_label(&member->given->info, label);
-        m.place.label = label;
+        check_mesh m = mesh_of_member(run, member, label);
         result = check_tell_solids(
             &(check_solids){&m, components, face, face + member->mesh.face_count});
         if (!result && norma_check_wants_open(run, m.rules))
@@ -331,7 +332,8 @@ static norma_result find_conflict_sides(check_run *run, const uint8_t *edges, ui
     norma_result result = NORMA_OK;
     size_t face = 0;
     for (size_t i = 0; i < run->solid_count && !result; i++) {
-        check_mesh m = mesh_of_member(run, &run->solids[i]);
+        char label[CHECK_MESSAGE];
+        check_mesh m = mesh_of_member(run, &run->solids[i], label);
         result = norma_check_sides(&m, edges + face, sides + face);
         face += m.mesh.face_count;
     }
@@ -343,10 +345,8 @@ static norma_result tell_conflicts(
     norma_result result = NORMA_OK;
     size_t face = 0;
     for (size_t i = 0; i < run->solid_count && !result; i++) {
-        check_mesh m = mesh_of_member(run, &run->solids[i]);
         char label[CHECK_MESSAGE];
-        norma_check_label(&run->solids[i].given->info, label);
-        m.place.label = label;
+        check_mesh m = mesh_of_member(run, &run->solids[i], label);
         if (norma_check_wants(&m, RULE_N301))
             result = norma_check_conflicts_joined(&m, topology, 3 * face, edges, sides);
         face += m.mesh.face_count;
