@@ -38,7 +38,8 @@ static void include_mesh(info_bounds *bounds, const norma_vec3_view *view, const
     }
 }
 
-/* The primitives of a mesh under one node, each of its instances. *visits: vertices looked at. */
+/* The primitives of a mesh under one node, each of its instances; index SIZE_MAX: as they are
+ * stored. *visits: vertices looked at. */
 static norma_document_result include_node(norma_document *document, size_t index,
     const norma_node_info *node, info_bounds *bounds, size_t *visits, norma_document_error *error) {
     norma_document_result result = NORMA_DOCUMENT_OK;
@@ -48,7 +49,8 @@ static norma_document_result include_node(norma_document *document, size_t index
         norma_mesh_data data;
         result = norma_document_mesh_info(document, i, &info);
         if (result || info.not_read) continue;
-        if (info.vertices && node->instances > (most_visits - *visits) / info.vertices) {
+        if (index != SIZE_MAX && info.vertices &&
+            node->instances > (most_visits - *visits) / info.vertices) {
             *visits = most_visits;
             return NORMA_DOCUMENT_OK;
         }
@@ -56,23 +58,11 @@ static norma_document_result include_node(norma_document *document, size_t index
         result = norma_document_mesh_data(document, i, &data, error);
         for (size_t k = 0; k < node->instances && !result; ++k) {
             double world[16];
-            result = norma_document_instance_world(document, index, k, world, error);
+            memcpy(world, cli_matrix_identity.matrix, sizeof world);
+            if (index != SIZE_MAX)
+                result = norma_document_instance_world(document, index, k, world, error);
             if (!result) include_mesh(bounds, &data.mesh.positions, world);
         }
-    }
-    return result;
-}
-
-static norma_document_result include_stored(
-    norma_document *document, info_bounds *bounds, norma_document_error *error) {
-    norma_document_result result = NORMA_DOCUMENT_OK;
-    for (size_t i = 0; i < norma_document_mesh_count(document) && !result; ++i) {
-        norma_mesh_info info;
-        norma_mesh_data data;
-        result = norma_document_mesh_info(document, i, &info);
-        if (result || info.not_read) continue;
-        result = norma_document_mesh_data(document, i, &data, error);
-        if (!result) include_mesh(bounds, &data.mesh.positions, cli_matrix_identity.matrix);
     }
     return result;
 }
@@ -85,7 +75,11 @@ static norma_document_result info_find_bounds(
     size_t visits = 0;
     norma_document_result result = NORMA_DOCUMENT_OK;
     *bounds = (info_bounds){0};
-    if (nodes == 0) return include_stored(document, bounds, error);
+    if (nodes == 0) {
+        const norma_node_info all = {
+            .instances = 1, .mesh_count = norma_document_mesh_count(document)};
+        return include_node(document, SIZE_MAX, &all, bounds, &visits, error);
+    }
     for (size_t i = 0; i < nodes && !result && visits < most_visits; ++i) {
         norma_node_info node;
         result = norma_document_node_info(document, i, &node);
