@@ -10,12 +10,6 @@
 
 /* ---- acid.json */
 
-static void write_pair(cli_json *json, const char *key, const double pair[2]) {
-    cli_json_open(json, key, '[');
-    for (int k = 0; k < 2; ++k) cli_json_number(json, NULL, pair[k]);
-    cli_json_close(json, ']');
-}
-
 static void write_marks(cli_json *json, const acid_grid *grid) {
     cli_json_open(json, "marks", '[');
     for (size_t i = 0; i < 4; ++i) {
@@ -27,7 +21,7 @@ static void write_marks(cli_json *json, const acid_grid *grid) {
             const double at[2] = {
                 mark.center[0] + (corner == 1 || corner == 2 ? 0.5 : -0.5) * mark.size[0],
                 mark.center[1] + (corner > 1 ? 0.5 : -0.5) * mark.size[1]};
-            write_pair(json, NULL, at);
+            cli_json_numbers(json, NULL, at, 2);
         }
         cli_json_close(json, ']');
         cli_json_close(json, '}');
@@ -38,8 +32,8 @@ static void write_marks(cli_json *json, const acid_grid *grid) {
 /* The members of an object that is open. */
 static void write_patch_place(cli_json *json, const acid_grid *grid, size_t cell, size_t slot) {
     const acid_region place = acid_slot_region(grid, cell, slot);
-    write_pair(json, "center", place.center);
-    write_pair(json, "size", place.size);
+    cli_json_numbers(json, "center", place.center, 2);
+    cli_json_numbers(json, "size", place.size, 2);
 }
 
 static void write_patches(cli_json *json, const acid_grid *grid, size_t index) {
@@ -91,7 +85,7 @@ int acid_write_layout(FILE *out, const acid_grid *grid) {
     cli_json_open(&json, NULL, '{');
     cli_json_string(&json, "schema", "norma-acid-scene/1");
     cli_json_string(&json, "scene", "norma-acid.glb");
-    write_pair(&json, "aspect", aspect);
+    cli_json_numbers(&json, "aspect", aspect, 2);
     write_marks(&json, grid);
     cli_json_open(&json, "cells", '[');
     for (size_t i = 0; i < acid_cell_count; ++i) write_cell_layout(&json, grid, i);

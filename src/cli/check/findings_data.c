@@ -26,9 +26,7 @@ static void write_position(cli_json *json, const norma_sample *sample) {
         cli_json_null(json, "position");
         return;
     }
-    cli_json_open(json, "position", '[');
-    for (int i = 0; i < 3; ++i) cli_json_number(json, NULL, sample->position[i]);
-    cli_json_close(json, ']');
+    cli_json_numbers(json, "position", sample->position, 3);
 }
 
 static void write_json_worst(cli_json *json, const norma_finding *finding) {

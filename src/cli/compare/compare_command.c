@@ -189,12 +189,6 @@ static void write_comparison(
     cli_json_number(json, "share_above", work->limits.given & COMPARE_MAX ? sum->share_above : NAN);
 }
 
-static void write_vector(cli_json *json, const char *key, const double v[3]) {
-    cli_json_open(json, key, '[');
-    for (int k = 0; k < 3; ++k) cli_json_number(json, NULL, v[k]);
-    cli_json_close(json, ']');
-}
-
 static void write_groups(cli_json *json, const compare_work *work) {
     cli_json_open(json, "meshes", '[');
     for (size_t i = 0; i < work->pair.group_count; ++i) {
@@ -220,9 +214,9 @@ static void write_worst_places(cli_json *json, const compare_work *work) {
         cli_json_open(json, NULL, '{');
         cli_json_number(json, "angle_deg", cli_to_degrees((double)s->angle_rad));
         cli_json_number(json, "distance", s->distance < 0 ? NAN : (double)s->distance);
-        write_vector(json, "position", places[i].position);
-        write_vector(json, "normal", places[i].normal);
-        write_vector(json, "base_normal", normal);
+        cli_json_numbers(json, "position", places[i].position, 3);
+        cli_json_numbers(json, "normal", places[i].normal, 3);
+        cli_json_numbers(json, "base_normal", normal, 3);
         cli_json_string(json, "mesh", places[i].piece->name);
         cli_json_string(json, "where", info.where);
         cli_json_size(json, "face", places[i].face);

@@ -173,12 +173,8 @@ static void write_bounds(cli_json *json, const info_bounds *bounds) {
         return;
     }
     cli_json_open(json, "bounds", '[');
-    for (int end = 0; end < 2; ++end) {
-        cli_json_open(json, NULL, '[');
-        for (int axis = 0; axis < 3; ++axis)
-            cli_json_number(json, NULL, end ? bounds->most[axis] : bounds->least[axis]);
-        cli_json_close(json, ']');
-    }
+    cli_json_numbers(json, NULL, bounds->least, 3);
+    cli_json_numbers(json, NULL, bounds->most, 3);
     cli_json_close(json, ']');
 }
 

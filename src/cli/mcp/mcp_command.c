@@ -256,12 +256,9 @@ static void free_call(waiting_call *call) {
 }
 
 static const norma_rule *mcp_rule_of(const char *uri) {
-    size_t count;
-    const norma_rule *rules = norma_rules(&count);
-    if (!uri || strncmp(uri, rule_uri, sizeof rule_uri - 1) != 0) return NULL;
-    for (size_t i = 0; i < count; ++i)
-        if (strcmp(rules[i].id, uri + sizeof rule_uri - 1) == 0) return &rules[i];
-    return NULL;
+    return uri && strncmp(uri, rule_uri, sizeof rule_uri - 1) == 0
+               ? cli_find_rule(uri + sizeof rule_uri - 1)
+               : NULL;
 }
 
 static char *copy_of(const char *text) {

@@ -230,9 +230,8 @@ static void report_picture_json(const picture_job *job) {
     cli_json_string(&json, "up", render_up_name(job->file->up));
     cli_json_bool(&json, "up_guessed", job->file->up_guessed);
     cli_json_string(&json, "not_drawn", job->plan.left_out);
-    cli_json_open(&json, "world_to_clip", '['); /* of the first panel */
-    for (int i = 0; i < 16; ++i) cli_json_number(&json, NULL, job->plan.panels[0].world_to_clip[i]);
-    cli_json_close(&json, ']');
+    /* of the first panel */
+    cli_json_numbers(&json, "world_to_clip", job->plan.panels[0].world_to_clip, 16);
     notes_json(&json, job);
     cli_json_close(&json, '}');
     fputc('\n', stdout);

@@ -440,15 +440,12 @@ static size_t count_in(cli_value object, const char *key) {
 }
 
 static void add_rule(cli_value entry, check_totals *totals) {
-    size_t count;
-    const norma_rule *rules = norma_rules(&count);
     const char *id = cli_string(cli_get(entry, "rule"));
     const norma_severity severity = report_severity(entry);
-    for (size_t rule = 0; rule < count && id && severity; ++rule)
-        if (strcmp(rules[rule].id, id) == 0) {
-            totals->by_rule[rule][severity].findings += count_in(entry, "findings");
-            totals->by_rule[rule][severity].files += count_in(entry, "files");
-        }
+    const norma_rule *rule = id && severity ? cli_find_rule(id) : NULL;
+    if (!rule) return;
+    totals->by_rule[rule - norma_rules(NULL)][severity].findings += count_in(entry, "findings");
+    totals->by_rule[rule - norma_rules(NULL)][severity].files += count_in(entry, "files");
 }
 
 static void add_page_totals(cli_value page, check_totals *totals) {

@@ -85,21 +85,13 @@ static norma_sample read_sample(cli_value object) {
     return sample;
 }
 
-static const norma_rule *find_rule(const char *id) {
-    size_t count;
-    const norma_rule *rules = norma_rules(&count);
-    for (size_t i = 0; i < count; ++i)
-        if (strcmp(rules[i].id, id) == 0) return &rules[i];
-    return NULL;
-}
-
 /* The rule is that of the table, so one that this version does not know has no place in another
  * form. */
 static int read_finding(cli_value object, norma_finding *finding) {
     const cli_value worst = cli_get(object, "worst");
     double value = NAN;
     cli_number_of(cli_get(worst, "value"), &value);
-    *finding = (norma_finding){.rule = find_rule(text_of(object, "rule")),
+    *finding = (norma_finding){.rule = cli_find_rule(text_of(object, "rule")),
         .severity = report_severity(object),
         .where = text_of(object, "where"),
         .label = text_of(object, "where"),

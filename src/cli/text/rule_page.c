@@ -89,6 +89,14 @@ static void write_html_paragraph(FILE *out, const char *label, const char *text)
     fputs("</p>\n", out);
 }
 
+const norma_rule *cli_find_rule(const char *id) {
+    size_t count;
+    const norma_rule *rules = norma_rules(&count);
+    for (size_t i = 0; i < count; ++i)
+        if (strcmp(rules[i].id, id) == 0) return &rules[i];
+    return NULL;
+}
+
 void cli_write_rule_html(FILE *out, const norma_rule *rule, int level) {
     fprintf(out, "<article class=\"meaning\" id=\"%s\"><h%d>%s %s</h%d>\n", rule->id, level,
         rule->id, rule->name, level);

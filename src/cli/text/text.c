@@ -283,6 +283,12 @@ void cli_json_number(cli_json *json, const char *key, double number) {
     fputs(isfinite(number) ? cli_shortest(text, number) : "null", json->out);
 }
 
+void cli_json_numbers(cli_json *json, const char *key, const double *numbers, size_t count) {
+    cli_json_open(json, key, '[');
+    for (size_t i = 0; i < count; ++i) cli_json_number(json, NULL, numbers[i]);
+    cli_json_close(json, ']');
+}
+
 void cli_json_bool(cli_json *json, const char *key, int value) {
     begin_value(json, key);
     fputs(value ? "true" : "false", json->out);

@@ -65,6 +65,7 @@ void cli_json_string(cli_json *json, const char *key, const char *text);
 void cli_json_size(cli_json *json, const char *key, size_t number);
 /* Reads back as the same number; null if it is not finite. */
 void cli_json_number(cli_json *json, const char *key, double number);
+void cli_json_numbers(cli_json *json, const char *key, const double *numbers, size_t count);
 void cli_json_bool(cli_json *json, const char *key, int value);
 void cli_json_null(cli_json *json, const char *key);
 void cli_json_raw(cli_json *json, const char *key, const char *text); /* which is JSON already */
@@ -143,6 +144,8 @@ size_t cli_terminal_width(FILE *out);
 /* Words with line breaks before the last column, and an indent after each. Escape sequences of
  * colours take no column. Width 0: one line. No line end after the last. */
 void cli_write_wrapped(FILE *out, const char *text, size_t width, int indent);
+
+const norma_rule *cli_find_rule(const char *id); /* "N301"; NULL: none is called so */
 
 /* ---- A rule in HTML: what it means, with a picture of wrong and one of right. */
 
