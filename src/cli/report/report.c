@@ -323,7 +323,6 @@ static int merge_reports(const cli_subcommand *command, report_work *work) {
     if (!work->merge) return cli_usage(command, "nothing to do was given; expected --merge");
     if (!words->count) return cli_usage(command, "no report was given");
     if (!work->format) work->format = check_format_of_name(work->output);
-    work->merged.changes_form = work->format && work->format != &check_format_json;
     int status = read_reports(&work->merged, words, work->files.guard);
     if (!status)
         status = report_check_shards(&work->merged, words->count, work->partial, &work->missing);

@@ -63,7 +63,6 @@ typedef struct report_shard { /* what a report says of itself */
 typedef struct report_merge {
     check_settings settings;
     report_kind kind;
-    int changes_form; /* JSON becomes another form */
     report_files files;
     report_shard *shards; /* of each report */
     size_t report_count;
