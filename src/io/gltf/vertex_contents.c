@@ -316,11 +316,9 @@ static void decode_stored(const contents *c, const gltf_data *data) {
     for (size_t v = 0; v < c->count; ++v) norma_gltf_floats(&array, v, c->stored + 3 * v);
 }
 
-static gltf_data vector_data(vector_encoding encoding, uint32_t width, size_t count) {
-    gltf_data data = {.component = (int)encoding,
-        .normalized = has_codes(encoding),
-        .width = width,
-        .count = count};
+static gltf_data vector_data(vector_encoding encoding, size_t count) {
+    gltf_data data = {
+        .component = (int)encoding, .normalized = has_codes(encoding), .width = 3, .count = count};
     data.bytes = norma_io_allocate(count, norma_gltf_data_size(&data));
     return data;
 }
@@ -334,7 +332,7 @@ static norma_document_result put_normals(const contents *c) {
         data.bytes = (unsigned char *)c->set->normals;
         c->set->normals = NULL;
     } else {
-        data = vector_data(encoding, 3, c->count);
+        data = vector_data(encoding, c->count);
         if (!data.bytes || !encode_units(encoding, c->set->normals, c->count, data.bytes,
                                norma_gltf_data_size(&data)))
             result = norma_gltf_job_memory(c->job);
@@ -466,7 +464,7 @@ norma_document_result norma_gltf_put_deltas(
     const uint32_t old = strcmp(attribute, "NORMAL") == 0 ? of->normal : of->tangent;
     vector_encoding encoding = vector_encoding_of(g, old, 3);
     if (!fits_encoding(encoding, deltas, c.count)) encoding = VECTOR_FLOAT;
-    gltf_data data = vector_data(encoding, 3, c.count);
+    gltf_data data = vector_data(encoding, c.count);
     if (!data.bytes) return norma_gltf_job_memory(c.job);
     encode_deltas(encoding, deltas, c.count, data.bytes);
     norma_document_result result =
