@@ -126,15 +126,10 @@ static check_face judge_face(const core_mesh *mesh, size_t f, const core_face *f
 
 enum { FACES_IN_BLOCK = 1 << 13 };
 
-typedef struct face_pass {
-    check_mesh *m;
-    size_t *degenerate; /* of each block */
-} face_pass;
-
 static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
-    const face_pass *pass = context;
-    check_mesh *m = pass->m;
+    const check_mesh *m = context;
     const core_mesh *mesh = &m->topology.mesh;
+    (void)block;
     core_face faces[CORE_FACES_AT_ONCE];
     for (size_t f = begin, count; f < end; f += count) {
         count = end - f < CORE_FACES_AT_ONCE ? end - f : CORE_FACES_AT_ONCE;
@@ -142,26 +137,16 @@ static void judge_faces(void *context, size_t block, size_t begin, size_t end) {
         for (size_t i = 0; i < count; i++) {
             m->faces[f + i] = judge_face(mesh, f + i, &faces[i]);
             judge_cancelled_area(mesh, f + i, &m->faces[f + i]);
-            pass->degenerate[block] += (double)m->faces[f + i].height < CHECK_DEGENERATE;
         }
     }
 }
 
 norma_result norma_check_faces(check_mesh *m) {
-    norma_result result = m->faces ? NORMA_OK : norma_check_weld(m);
+    const norma_result result = m->faces ? NORMA_OK : norma_check_weld(m);
     if (result || m->faces || !m->mesh.face_count) return result;
-    const core_call *call = &m->run->call;
-    size_t blocks = norma_check_block_count(m->mesh.face_count, FACES_IN_BLOCK);
-    face_pass pass = {m, norma_core_allocate(call, blocks, sizeof *pass.degenerate)};
-    m->faces = norma_core_allocate(call, m->mesh.face_count, sizeof *m->faces);
-    result = m->faces && pass.degenerate ? NORMA_OK : NORMA_ERROR_MEMORY;
-    if (!result) {
-        memset(pass.degenerate, 0, blocks * sizeof *pass.degenerate);
-        result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_faces, &pass);
-        for (size_t i = 0; i < blocks; i++) m->degenerate_count += pass.degenerate[i];
-    }
-    norma_core_release(call, pass.degenerate, blocks, sizeof *pass.degenerate);
-    return result;
+    m->faces = norma_core_allocate(&m->run->call, m->mesh.face_count, sizeof *m->faces);
+    return m->faces ? norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_faces, m)
+                    : NORMA_ERROR_MEMORY;
 }
 
 /* ---- several meshes as one */

@@ -141,9 +141,9 @@ void norma_check_hits_free(check_hits *hits);
 /* mesh may be NULL: samples then have no positions. MEMORY. Frees the hits' samples in any case. */
 norma_result norma_check_add(
     check_run *run, const check_place *place, const check_mesh *mesh, check_finding *report);
-/* A finding of count 1 without a value, and without a place but spot. */
+/* A finding of count 1 without a value. */
 norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh,
-    check_rule rule, norma_severity severity, check_spot spot, const char *message);
+    check_rule rule, norma_severity severity, const char *message);
 void norma_check_partly(
     check_run *run); /* something was not checked, whether N002 was asked for or not */
 
@@ -186,7 +186,6 @@ struct check_mesh {
     check_face *faces;
     uint32_t *users; /* where corners name normals (OBJ): of each normal the first corner that does;
                         UINT32_MAX: none */
-    size_t degenerate_count;
     uint8_t *opposed;                /* of each face: whether N201 names it. NULL: not looked at */
     size_t opposed_count, far_count; /* far: corners whose normal is far from their face (N202) */
     atomic_uchar *far;               /* of each normal: it is one of these; filled with opposed */
@@ -209,7 +208,7 @@ static inline int norma_check_wants_any(const check_mesh *m, check_rule first, c
 
 /* Each makes what is not there yet. OK, MEMORY or CANCELLED. */
 norma_result norma_check_weld(check_mesh *m);  /* topology.mesh */
-norma_result norma_check_faces(check_mesh *m); /* faces, degenerate_count */
+norma_result norma_check_faces(check_mesh *m); /* faces */
 norma_result norma_check_around(
     check_mesh *m); /* topology.corners_of: the corners at each position */
 norma_result norma_check_users(check_mesh *m); /* users, where data.corner_normals is given */

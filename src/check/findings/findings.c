@@ -387,9 +387,9 @@ int norma_findings_copy(norma_findings *findings, const norma_finding *finding, 
 }
 
 norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh,
-    check_rule rule, norma_severity severity, check_spot spot, const char *message) {
+    check_rule rule, norma_severity severity, const char *message) {
     check_hits hits = {0};
-    norma_check_hit(run, &hits, 0, spot);
+    norma_check_hit(run, &hits, 0, CHECK_NOWHERE);
     return norma_check_add(run, place, mesh,
         &(check_finding){
             .rule = rule, .severity = severity, .no_value = 1, .hits = &hits, .message = message});

@@ -185,7 +185,7 @@ norma_result norma_check_placeholder(check_mesh *m) {
         "lit like a flat plate: %z of %z normals are (%g, %g, %g), although the mesh is curved",
         p.alike, p.used, p.normal[0], p.normal[1], p.normal[2]);
     return norma_check_add_one(m->run, &m->place, m, RULE_N203,
-        m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
+        m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_WARNING, message);
 }
 
 /* ---- N204: how far the stored normals are from the computed ones that explain them best. */

@@ -176,8 +176,7 @@ static norma_result judge_bases(check_mesh *m) {
         "none",
         normals ? normals : tangents, norma_check_plural(normals ? normals : tangents),
         normals ? "normals" : "tangents");
-    return norma_check_add_one(
-        m->run, &m->place, m, RULE_N903, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, message);
+    return norma_check_add_one(m->run, &m->place, m, RULE_N903, NORMA_SEVERITY_ERROR, message);
 }
 
 norma_result norma_check_morphs(check_mesh *m) {

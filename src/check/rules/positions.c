@@ -460,8 +460,7 @@ static norma_result check_soup(check_mesh *m) {
     if (result || used < m->mesh.corner_count || places == used) return result;
     norma_check_message(message, "nothing is shared: %z vertices for %z corners at %z positions",
         used, m->mesh.corner_count, places);
-    return norma_check_add_one(
-        m->run, &m->place, m, RULE_N502, NORMA_SEVERITY_INFO, CHECK_NOWHERE, message);
+    return norma_check_add_one(m->run, &m->place, m, RULE_N502, NORMA_SEVERITY_INFO, message);
 }
 
 norma_result norma_check_precision(check_mesh *m) {

@@ -309,8 +309,7 @@ static norma_result judge_map(check_mesh *m) {
     norma_check_message(message,
         "the normal map uses TEXCOORD_%z, which is not among the primitive's attributes",
         material->normal_texcoord);
-    return norma_check_add_one(
-        m->run, &m->place, m, RULE_N813, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, message);
+    return norma_check_add_one(m->run, &m->place, m, RULE_N813, NORMA_SEVERITY_ERROR, message);
 }
 
 norma_result norma_check_tangents(check_mesh *m) {
@@ -327,6 +326,6 @@ norma_result norma_check_tangents(check_mesh *m) {
         result = add_no_tangents(m);
     if (!result && tangents && !normals && norma_check_wants(m, RULE_N806))
         result = norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING,
-            CHECK_NOWHERE, "tangents but no normals; readers must ignore the tangents");
+            "tangents but no normals; readers must ignore the tangents");
     return result;
 }

@@ -200,8 +200,7 @@ static norma_result tell_not_read(const map_job *job, const map_use *use, const 
     norma_check_partly(job->run);
     if (!job->run->rules[RULE_N002]) return NORMA_OK;
     norma_check_message(message, "not checked: the normal map, as %s", why);
-    return norma_check_add_one(
-        job->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
+    return norma_check_add_one(job->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, message);
 }
 
 static norma_result judge_image(const map_job *job, const map_use *uses, size_t count) {
@@ -276,8 +275,8 @@ static norma_document_result tell_place_unread(
     norma_check_partly(&d->run);
     if (!d->run.rules[RULE_N002]) return NORMA_DOCUMENT_OK;
     norma_check_message(message, "not checked: %s", why);
-    norma_result result = norma_check_add_one(
-        &d->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
+    norma_result result =
+        norma_check_add_one(&d->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, message);
     return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
@@ -514,8 +513,8 @@ static norma_document_result tell_malformed(
     const check_place place = {.order = d->run.next_order++, .where = where, .label = label};
     norma_check_partly(&d->run);
     if (!d->run.rules[RULE_N001]) return NORMA_DOCUMENT_OK;
-    norma_result result = norma_check_add_one(
-        &d->run, &place, NULL, RULE_N001, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, why);
+    norma_result result =
+        norma_check_add_one(&d->run, &place, NULL, RULE_N001, NORMA_SEVERITY_ERROR, why);
     return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
@@ -708,8 +707,8 @@ norma_findings *norma_check_unreadable(const norma_document_error *error, norma_
     check_run run;
     if (!error || norma_check_begin(&run, options, format)) return NULL;
     const check_place whole = {.order = 0, .where = "", .label = ""};
-    norma_result result = norma_check_add_one(
-        &run, &whole, NULL, RULE_N001, NORMA_SEVERITY_ERROR, CHECK_NOWHERE, error->message);
+    norma_result result =
+        norma_check_add_one(&run, &whole, NULL, RULE_N001, NORMA_SEVERITY_ERROR, error->message);
     if (result) norma_check_abandon(&run);
     return result ? NULL : norma_check_finish(&run);
 }

@@ -211,8 +211,7 @@ static norma_result tell_unread(large_check *c) {
         "not checked: the file is larger than the memory allowed and was read in parts, and these "
         "rules need all of it: %s; allow more memory",
         names);
-    return norma_check_add_one(
-        &c->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, CHECK_NOWHERE, message);
+    return norma_check_add_one(&c->run, &place, NULL, RULE_N002, NORMA_SEVERITY_WARNING, message);
 }
 
 /* ---- the whole */
