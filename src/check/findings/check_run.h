@@ -144,6 +144,9 @@ norma_result norma_check_add(
 /* A finding of count 1 without a value. */
 norma_result norma_check_add_one(check_run *run, const check_place *place, const check_mesh *mesh,
     check_rule rule, norma_severity severity, const char *message);
+/* The same of so many degrees. */
+norma_result norma_check_add_degrees(const check_mesh *m, check_rule rule, norma_severity severity,
+    double degrees, const char *message);
 void norma_check_partly(
     check_run *run); /* something was not checked, whether N002 was asked for or not */
 

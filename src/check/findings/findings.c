@@ -395,6 +395,15 @@ norma_result norma_check_add_one(check_run *run, const check_place *place, const
             .rule = rule, .severity = severity, .no_value = 1, .hits = &hits, .message = message});
 }
 
+norma_result norma_check_add_degrees(const check_mesh *m, check_rule rule, norma_severity severity,
+    double degrees, const char *message) {
+    check_hits hits = {0};
+    norma_check_hit(m->run, &hits, degrees, CHECK_NOWHERE);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_finding){
+            .rule = rule, .severity = severity, .unit = "deg", .hits = &hits, .message = message});
+}
+
 void norma_check_partly(check_run *run) { run->findings->partly = 1; }
 
 /* ---- the whole */

@@ -344,7 +344,6 @@ static void describe_frame(const explain_frame *f, char text[CHECK_MESSAGE]) {
 static norma_result add_frame(check_mesh *m, const explain_frame *frame) {
     char message[CHECK_MESSAGE], how[CHECK_MESSAGE], trial[CHECK_MESSAGE];
     const double degrees = 180 / NORMA_PI, median = m->deviation.p50_rad * degrees;
-    check_hits hits = {0};
     describe_frame(frame, how);
     describe_trial(&frame->trial, trial);
     if (frame->kind)
@@ -357,13 +356,8 @@ static norma_result add_frame(check_mesh *m, const explain_frame *frame) {
             "lit from a wrong direction: half of the normals are %g degrees off the surface's or "
             "more; %s",
             median, how);
-    norma_check_hit(m->run, &hits, median, CHECK_NOWHERE);
-    return norma_check_add(m->run, &m->place, m,
-        &(check_finding){.rule = RULE_N206,
-            .severity = m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_ERROR,
-            .unit = "deg",
-            .hits = &hits,
-            .message = message});
+    return norma_check_add_degrees(
+        m, RULE_N206, m->on_purpose ? NORMA_SEVERITY_INFO : NORMA_SEVERITY_ERROR, median, message);
 }
 
 norma_result norma_check_frame(check_mesh *m) {

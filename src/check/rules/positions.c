@@ -416,18 +416,11 @@ static norma_result check_distance(check_mesh *m) {
 norma_result norma_check_encoding_add(check_mesh *m) {
     double bound = norma_check_encoding_bound(m->given->info.encoding) * (180 / 3.141592653589793);
     if (bound <= .25 || !norma_check_normal_count(m)) return NORMA_OK;
-    check_hits hits = {0};
     char message[CHECK_MESSAGE];
     norma_check_message(message,
         "bands in reflections: normals are stored as %s, which errs by up to %g degrees",
         m->given->info.encoding, bound);
-    norma_check_hit(m->run, &hits, bound, CHECK_NOWHERE);
-    return norma_check_add(m->run, &m->place, m,
-        &(check_finding){.rule = RULE_N702,
-            .severity = NORMA_SEVERITY_INFO,
-            .unit = "deg",
-            .hits = &hits,
-            .message = message});
+    return norma_check_add_degrees(m, RULE_N702, NORMA_SEVERITY_INFO, bound, message);
 }
 
 /* ---- N502: each vertex is used once, and positions coincide. STL knows no other way. */
