@@ -1,7 +1,6 @@
 /* explain_normals.c: which weight and crease explain stored normals best, and how far they are off.
  */
 #include "check/explain/explain.h"
-#include "check/findings/check_run.h"
 #include "core/face/face.h"
 #include <math.h>
 #include <string.h>
@@ -39,14 +38,11 @@ static size_t bin_of(const angle_pass *pass, double angle) {
     return bin;
 }
 
-static void sum_block(void *context, size_t block) {
+static void sum_block(void *context, size_t block, size_t begin, size_t end) {
     const angle_pass *pass = context;
-    const explain_surface *s = pass->surface;
     angle_part *part = &pass->parts[block];
-    size_t count = s->checked.corner_count, begin = block * SUMMARY_CORNERS,
-           end = count - begin < SUMMARY_CORNERS ? count : begin + SUMMARY_CORNERS;
     for (size_t c = begin; c < end; c++) {
-        const double angle = (double)s->angles[c];
+        const double angle = (double)pass->surface->angles[c];
         if (angle < 0) continue;
         part->sum += angle;
         part->max = angle > part->max ? angle : part->max;
@@ -88,7 +84,8 @@ static void add_angle_part(norma_deviation *d, const angle_part *part) {
 
 norma_result norma_explain_summarise(
     core_call *call, const explain_surface *surface, norma_deviation *d) {
-    size_t blocks = norma_check_block_count(surface->checked.corner_count, SUMMARY_CORNERS);
+    const size_t corners = surface->checked.corner_count,
+                 blocks = norma_check_block_count(corners, SUMMARY_CORNERS);
     angle_pass pass = {
         .surface = surface, .parts = norma_core_allocate(call, blocks, sizeof *pass.parts)};
     norma_result result = pass.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
@@ -97,7 +94,7 @@ norma_result norma_explain_summarise(
         for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++)
             pass.bounds[i] = norma_deviation_bound_rad(i);
         memset(pass.parts, 0, blocks * sizeof *pass.parts);
-        result = norma_core_parallel(call, blocks, sum_block, &pass);
+        result = norma_check_blocks(call, corners, SUMMARY_CORNERS, sum_block, &pass);
         for (size_t i = 0; i < blocks; i++) add_angle_part(d, &pass.parts[i]);
     }
     if (!result && d->max_rad > 0) {
@@ -326,20 +323,18 @@ typedef struct trial_pass {
     float *of_vertices; /* NULL, or the angle at each vertex, whose corners all have it */
 } trial_pass;
 
-static void measure_vertices(void *context, size_t block) {
+static void measure_vertices(void *context, size_t block, size_t begin, size_t end) {
     const trial_pass *pass = context;
     const explain_surface *s = pass->surface;
-    size_t count = s->checked.positions.count, begin = block * VERTICES_IN_BLOCK,
-           end = count - begin < VERTICES_IN_BLOCK ? count : begin + VERTICES_IN_BLOCK;
+    (void)block;
     for (size_t v = begin; v < end; v++)
         pass->of_vertices[v] = norma_explain_angle(s->stored + 3 * v, s->computed + 3 * v);
 }
 
-static void measure_face_angles(void *context, size_t block) {
+static void measure_face_angles(void *context, size_t block, size_t begin, size_t end) {
     const trial_pass *pass = context;
     explain_surface *s = pass->surface;
-    size_t count = s->checked.face_count, begin = block * FACES_IN_BLOCK,
-           end = count - begin < FACES_IN_BLOCK ? count : begin + FACES_IN_BLOCK;
+    (void)block;
     for (size_t f = begin; f < end; f++)
         for (size_t c = norma_core_face_begin(&s->checked, f);
              c < norma_core_face_end(&s->checked, f); c++)
@@ -348,11 +343,10 @@ static void measure_face_angles(void *context, size_t block) {
 }
 
 /* Of a trial that is not flat. */
-static void measure_corners(void *context, size_t block) {
+static void measure_corners(void *context, size_t block, size_t begin, size_t end) {
     const trial_pass *pass = context;
     explain_surface *s = pass->surface;
-    size_t count = s->checked.corner_count, begin = block * CORNERS_IN_BLOCK,
-           end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
+    (void)block;
     for (size_t c = begin; c < end; c++)
         s->angles[c] =
             pass->of_vertices
@@ -367,19 +361,16 @@ static norma_result measure_trial(core_call *call, explain_surface *s, const exp
     norma_result result = NORMA_OK;
     if (s->per_vertex && !trial->flat && isnan(trial->crease_rad)) {
         pass.of_vertices = norma_core_allocate(call, vertices, sizeof *pass.of_vertices);
-        result = pass.of_vertices ? norma_core_parallel(call,
-                                        norma_check_block_count(vertices, VERTICES_IN_BLOCK),
-                                        measure_vertices, &pass)
+        result = pass.of_vertices ? norma_check_blocks(
+                                        call, vertices, VERTICES_IN_BLOCK, measure_vertices, &pass)
                                   : NORMA_ERROR_MEMORY;
     }
     if (!result && trial->flat)
-        result = norma_core_parallel(call,
-            norma_check_block_count(s->checked.face_count, FACES_IN_BLOCK), measure_face_angles,
-            &pass);
+        result = norma_check_blocks(
+            call, s->checked.face_count, FACES_IN_BLOCK, measure_face_angles, &pass);
     else if (!result)
-        result = norma_core_parallel(call,
-            norma_check_block_count(s->checked.corner_count, CORNERS_IN_BLOCK), measure_corners,
-            &pass);
+        result = norma_check_blocks(
+            call, s->checked.corner_count, CORNERS_IN_BLOCK, measure_corners, &pass);
     norma_core_release(call, pass.of_vertices, vertices, sizeof *pass.of_vertices);
     return result;
 }
@@ -557,11 +548,10 @@ static size_t stored_number_of(const norma_mesh_data *data, const core_mesh *mes
     return data->corner_normals ? data->corner_normals[corner] : norma_core_corner(mesh, corner);
 }
 
-static void read_corner_block(void *context, size_t block) {
+static void read_corner_block(void *context, size_t block, size_t begin, size_t end) {
     const stored_pass *pass = context;
     const explain_surface *s = pass->surface;
-    size_t count = s->stored_count, begin = block * CORNERS_IN_BLOCK,
-           end = count - begin < CORNERS_IN_BLOCK ? count : begin + CORNERS_IN_BLOCK;
+    (void)block;
     for (size_t i = begin; i < end; i++)
         read_stored_normal(pass->data,
             s->per_vertex ? i : stored_number_of(pass->data, &s->checked, i), s->stored + 3 * i);
@@ -605,8 +595,8 @@ static norma_result open_whole(
     norma_result result = explain_open(call, &data->mesh, !data->corner_normals, surface);
     if (result) return result;
     stored_pass pass = {data, surface};
-    result = norma_core_parallel(call,
-        norma_check_block_count(surface->stored_count, CORNERS_IN_BLOCK), read_corner_block, &pass);
+    result =
+        norma_check_blocks(call, surface->stored_count, CORNERS_IN_BLOCK, read_corner_block, &pass);
     if (result) explain_close(call, surface);
     return result;
 }

@@ -21,9 +21,9 @@ static void run_block(void *context, size_t block) {
 }
 
 norma_result norma_check_blocks(
-    check_run *run, size_t count, size_t size, check_block *task, void *context) {
+    core_call *call, size_t count, size_t size, check_block *task, void *context) {
     block_loop loop = {task, context, count, size};
-    return norma_core_parallel(&run->call, norma_check_block_count(count, size), run_block, &loop);
+    return norma_core_parallel(call, norma_check_block_count(count, size), run_block, &loop);
 }
 
 /* ---- shared geometry */
@@ -145,7 +145,8 @@ norma_result norma_check_faces(check_mesh *m) {
     const norma_result result = m->faces ? NORMA_OK : norma_check_weld(m);
     if (result || m->faces || !m->mesh.face_count) return result;
     m->faces = norma_core_allocate(&m->run->call, m->mesh.face_count, sizeof *m->faces);
-    return m->faces ? norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_faces, m)
+    return m->faces ? norma_check_blocks(
+                          &m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_faces, m)
                     : NORMA_ERROR_MEMORY;
 }
 

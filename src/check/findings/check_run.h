@@ -275,7 +275,7 @@ double norma_check_encoding_bound(const char *encoding);
  * block. What is gathered in a block is merged in their order. */
 typedef void check_block(void *context, size_t block, size_t begin, size_t end);
 norma_result norma_check_blocks(
-    check_run *run, size_t count, size_t size, check_block *task, void *context);
+    core_call *call, size_t count, size_t size, check_block *task, void *context);
 static inline size_t norma_check_block_count(size_t count, size_t size) {
     return count / size + (count % size != 0);
 }

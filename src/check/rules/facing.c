@@ -74,8 +74,8 @@ static norma_result check_opposed(check_mesh *m) {
     if (!result) {
         memset((void *)m->far, 0, norma_check_normal_count(m) * sizeof *m->far);
         memset(pass.parts, 0, blocks * sizeof *pass.parts);
-        result =
-            norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_opposed, &pass);
+        result = norma_check_blocks(
+            &m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_opposed, &pass);
     }
     for (size_t i = 0; !result && i < blocks; i++) {
         m->opposed_count += pass.parts[i].opposed;

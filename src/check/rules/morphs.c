@@ -101,7 +101,8 @@ static norma_result judge_target(check_mesh *m, const norma_vec3_view *deltas, c
     bend_pass pass = {m, deltas, norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
     if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_block, &pass);
+    result =
+        norma_check_blocks(&m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_block, &pass);
     for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, hits, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     return result;

@@ -213,8 +213,10 @@ static norma_result add_coincident(check_mesh *m, check_hits *hits, double step)
 
 static norma_result search(check_mesh *m, grid *g, size_t blocks) {
     size_t count = m->mesh.positions.count;
-    norma_result result = norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, add_positions, g);
-    if (!result) result = norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, judge_cells, g);
+    norma_result result =
+        norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, add_positions, g);
+    if (!result)
+        result = norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, judge_cells, g);
     check_hits hits = {0};
     for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, &hits, &g->parts[i]);
     if (!result && hits.count) return add_coincident(m, &hits, g->step);
@@ -345,7 +347,7 @@ norma_result norma_check_sort_edges(
     if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, numbers * sizeof *pass.parts);
     norma_result result =
-        norma_check_blocks(m->run, m->mesh.face_count, CORNERS_IN_BLOCK, sort_edges, &pass);
+        norma_check_blocks(&m->run->call, m->mesh.face_count, CORNERS_IN_BLOCK, sort_edges, &pass);
     for (size_t i = 0; i < numbers; i++) counts[i % (count + 1)] += pass.parts[i];
     norma_core_release(&m->run->call, pass.parts, numbers, sizeof *pass.parts);
     return result;

@@ -430,8 +430,8 @@ static norma_result add_member(joined *j, size_t number) {
 
 static norma_result judge_all(joined *j) {
     memset(j->angles, 0, j->vertices * sizeof *j->angles);
-    return norma_check_blocks(j->run, j->m.topology.corners_of.position_count, JOINED_IN_BLOCK,
-        judge_joined_positions, j);
+    return norma_check_blocks(&j->run->call, j->m.topology.corners_of.position_count,
+        JOINED_IN_BLOCK, judge_joined_positions, j);
 }
 
 static int has_any(const joined *j) {
@@ -515,7 +515,7 @@ static norma_result gather_seams(
     if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     const norma_result result =
-        norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, judge_seam_positions, &pass);
+        norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, judge_seam_positions, &pass);
     for (size_t i = 0; i < blocks; i++) {
         norma_check_hits_merge(m->run, &hits->shown, &pass.parts[i].shown);
         norma_check_hits_merge(m->run, &hits->open, &pass.parts[i].open);

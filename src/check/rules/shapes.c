@@ -120,7 +120,8 @@ norma_result norma_check_shapes_look(check_mesh *m, check_shapes *sum) {
         norma_check_wants(m, RULE_N401), norma_check_wants(m, RULE_N402)};
     if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result = norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_shapes, &pass);
+    result =
+        norma_check_blocks(&m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_shapes, &pass);
     for (size_t i = 0; i < blocks; i++) {
         norma_check_hits_merge(m->run, &sum->degenerate, &pass.parts[i].degenerate);
         norma_check_hits_merge(m->run, &sum->slivers, &pass.parts[i].slivers);
@@ -277,7 +278,7 @@ norma_result norma_check_cancelled(check_mesh *m) {
     cancel_pass pass = {m, norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
     if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result = norma_check_blocks(m->run, count, POSITIONS_IN_BLOCK, judge_positions, &pass);
+    result = norma_check_blocks(&m->run->call, count, POSITIONS_IN_BLOCK, judge_positions, &pass);
     check_hits hits = {.least = 1};
     for (size_t i = 0; i < blocks; i++) norma_check_hits_merge(m->run, &hits, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
@@ -511,8 +512,8 @@ norma_result norma_check_polygons_look(check_mesh *m, check_polygons *sum) {
         m, result ? NULL : norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
     if (!pass.parts) return result ? result : NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result =
-        norma_check_blocks(m->run, m->mesh.face_count, POLYGONS_IN_BLOCK, judge_polygons, &pass);
+    result = norma_check_blocks(
+        &m->run->call, m->mesh.face_count, POLYGONS_IN_BLOCK, judge_polygons, &pass);
     for (size_t i = 0; i < blocks; i++) add_polygon_part(m->run, sum, &pass.parts[i]);
     norma_core_release(&m->run->call, pass.parts, blocks, sizeof *pass.parts);
     return result;

@@ -314,7 +314,7 @@ norma_result norma_check_facets_look(check_mesh *m, check_facets *sum, uint8_t *
     facet_pass pass = {m, norma_core_allocate(call, blocks, sizeof *pass.parts), behind};
     if (!pass.parts) return NORMA_ERROR_MEMORY;
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    result = norma_check_blocks(m->run, count, FACETS_IN_BLOCK, judge_facets, &pass);
+    result = norma_check_blocks(&m->run->call, count, FACETS_IN_BLOCK, judge_facets, &pass);
     for (size_t i = 0; i < blocks; i++) {
         norma_check_hits_merge(m->run, &sum->hits, &pass.parts[i].hits);
         sum->zeros += pass.parts[i].zeros;

@@ -142,8 +142,8 @@ norma_result norma_check_smoothed(check_mesh *m) {
     if (!result && !pass.parts) result = NORMA_ERROR_MEMORY;
     if (!result) {
         memset(pass.parts, 0, blocks * sizeof *pass.parts);
-        result =
-            norma_check_blocks(m->run, m->mesh.face_count, FACES_IN_BLOCK, judge_shading, &pass);
+        result = norma_check_blocks(
+            &m->run->call, m->mesh.face_count, FACES_IN_BLOCK, judge_shading, &pass);
         for (size_t i = 0; i < blocks; i++) {
             sum.twice_area += pass.parts[i].twice_area;
             norma_check_hits_merge(m->run, &sum.hits, &pass.parts[i].hits);

@@ -146,7 +146,8 @@ norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum) {
         m, normal_tolerance(m), norma_core_allocate(&m->run->call, blocks, sizeof *pass.parts)};
     norma_result result = pass.parts ? norma_check_users(m) : NORMA_ERROR_MEMORY;
     if (pass.parts) memset(pass.parts, 0, blocks * sizeof *pass.parts);
-    if (!result) result = norma_check_blocks(m->run, count, NORMALS_IN_BLOCK, judge_normals, &pass);
+    if (!result)
+        result = norma_check_blocks(&m->run->call, count, NORMALS_IN_BLOCK, judge_normals, &pass);
     for (size_t i = 0; pass.parts && i < blocks; i++) {
         norma_check_hits_merge(m->run, &sum->non_finite, &pass.parts[i].non_finite);
         norma_check_hits_merge(m->run, &sum->zero, &pass.parts[i].zero);

@@ -266,7 +266,7 @@ static norma_result judge_values(check_mesh *m) {
         pass.normals = norma_check_normal_count(m);
     memset(pass.parts, 0, blocks * sizeof *pass.parts);
     norma_result result =
-        norma_check_blocks(m->run, count, TANGENTS_IN_BLOCK, judge_tangents, &pass);
+        norma_check_blocks(&m->run->call, count, TANGENTS_IN_BLOCK, judge_tangents, &pass);
     for (size_t i = 0; i < blocks; i++) {
         norma_check_hits_merge(m->run, &sum.bad, &pass.parts[i].bad);
         norma_check_hits_merge(m->run, &sum.sign, &pass.parts[i].sign);
