@@ -28,7 +28,8 @@ typedef struct fix_request {
 } fix_request;
 /* Frees what is there twice. Returns how many are left. */
 size_t norma_fix_sort_left_out(fix_left_out *places, size_t count);
-int norma_fix_may(const fix_request *request, const norma_finding *finding);
+/* Whether a finding may be mended; context: the request. */
+int norma_fix_may(const void *context, const norma_finding *finding);
 
 /* What could not be done. */
 #define FIX_RULE(rule) ((uint64_t)1 << (rule))

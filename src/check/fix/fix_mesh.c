@@ -90,7 +90,8 @@ static int is_finding_left_out(
                                         compare_left_out) != NULL);
 }
 
-int norma_fix_may(const fix_request *request, const norma_finding *finding) {
+int norma_fix_may(const void *context, const norma_finding *finding) {
+    const fix_request *request = context;
     size_t count;
     const check_rule rule = (check_rule)(finding->rule - norma_rules(&count));
     /* Of N201 and N301 it is told why nothing is changed where nothing is shown to be wrong. */

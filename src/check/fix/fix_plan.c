@@ -271,10 +271,6 @@ static norma_document_result fail_plan(const mender *m, norma_result result) {
 
 /* ---- one mesh */
 
-static int may_be_mended(const void *request, const norma_finding *finding) {
-    return norma_fix_may(request, finding);
-}
-
 static void strip_normals(fix_mesh *m) {
     if (norma_fix_has(m, RULE_N105))
         m->edit->strip_normals = NORMA_STRIP_ALL;
@@ -465,7 +461,7 @@ static norma_document_result plan_all(mender *m) {
     m->sides = calloc(m->mesh_count + 1, sizeof *m->sides);
     m->smooth = calloc(m->mesh_count + 1, sizeof *m->smooth);
     if (!m->plan->edits || !m->turned || !m->sides || !m->smooth ||
-        !norma_places_gather(&m->mended, m->findings, may_be_mended, m->request) ||
+        !norma_places_gather(&m->mended, m->findings, norma_fix_may, m->request) ||
         !norma_places_gather(&m->known, m->findings, NULL, NULL))
         return fail_plan(m, NORMA_ERROR_MEMORY);
     mark_asked(m);

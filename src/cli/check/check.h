@@ -211,7 +211,7 @@ struct check_list {
 /* The path stays the caller's, the text becomes the list's. 0: out of memory. */
 int check_list_add(check_list *list, const check_entry *entry);
 void check_list_free(check_list *list);
-int check_compare_entries(const check_entry *one, const check_entry *other); /* for qsort */
+int check_compare_entries(const void *a, const void *b); /* for qsort */
 void check_list_sort(check_list *list);
 int check_list_write(const check_list *list, const check_format *format, FILE *out,
     const check_settings *settings); /* 0: out of memory */

@@ -22,17 +22,17 @@ void check_list_free(check_list *list) {
 
 static int more_first(size_t a, size_t b) { return a == b ? 0 : a > b ? -1 : 1; }
 
-int check_compare_entries(const check_entry *one, const check_entry *other) {
+int check_compare_entries(const void *a, const void *b) {
+    const check_entry *one = a, *other = b;
     int order = more_first(one->errors, other->errors);
     if (!order) order = more_first(one->warnings, other->warnings);
     if (!order) order = one->is_clean - other->is_clean;
     return order ? order : strcmp(one->path, other->path);
 }
 
-static int compare_for_list(const void *a, const void *b) { return check_compare_entries(a, b); }
-
 void check_list_sort(check_list *list) {
-    if (list->count) qsort(list->entries, list->count, sizeof *list->entries, compare_for_list);
+    if (list->count)
+        qsort(list->entries, list->count, sizeof *list->entries, check_compare_entries);
 }
 
 /* ---- What is told once: a line with CHECK_SAME and a key in front, up to CHECK_SAME_END. The

@@ -32,10 +32,6 @@ typedef struct mover {
     double world[16]; /* from these positions to the scene */
 } mover;
 
-static norma_document_result fail_drawn(const gltf *g, norma_document_error *error) {
-    return norma_document_fail_memory(g->document, error);
-}
-
 /* ---- which nodes the scene of the file has */
 
 static int mark_roots(const gltf *g, uint8_t *shown) {
@@ -183,7 +179,7 @@ static norma_document_result make_joints(
     if (!result) result = norma_gltf_spend(g, skin, count, 16 * sizeof *made->matrices, error);
     if (result) return result;
     made->matrices = norma_scene_allocate(g->document->scene, count, 16 * sizeof *made->matrices);
-    if (!made->matrices) return fail_drawn(g, error);
+    if (!made->matrices) return norma_document_fail_memory(g->document, error);
     return fill_joints(g, list, there ? &inverse : NULL, made, error);
 }
 
@@ -196,7 +192,7 @@ static norma_document_result read_drawn_joints(
     if (result) return result;
     if (!scene->joints && !(scene->joints = norma_scene_allocate(
                                 g->document->scene, g->skin_count, sizeof *scene->joints)))
-        return fail_drawn(g, error);
+        return norma_document_fail_memory(g->document, error);
     if (!scene->joints[index].matrices) {
         gltf_joints made = {0};
         result = make_joints(g, skin, &made, error);
@@ -270,7 +266,7 @@ norma_document_result norma_gltf_read_influences(
     skin->weights = weights;
     skin->influences = width;
     skin->vertex_count = p->vertices;
-    if (!joints || !weights) return fail_drawn(g, error);
+    if (!joints || !weights) return norma_document_fail_memory(g->document, error);
     for (size_t i = 0; i < p->vertices; ++i) {
         for (size_t set = 0; set < count; ++set) {
             uint32_t numbers[4];
@@ -333,7 +329,7 @@ static norma_result move_by_skin(mover *m, norma_skin skin, float *signs) {
 static norma_document_result refuse_skin(
     const mover *m, const norma_skin *skin, norma_result why, norma_document_error *error) {
     norma_fault fault;
-    if (why == NORMA_ERROR_MEMORY) return fail_drawn(m->g, error);
+    if (why == NORMA_ERROR_MEMORY) return norma_document_fail_memory(m->g->document, error);
     norma_find_skin_fault(skin, NULL, &fault);
     if (why == NORMA_ERROR_INDEX)
         return norma_document_fail(m->g->document, error, NORMA_DOCUMENT_ERROR_MALFORMED,
@@ -357,7 +353,7 @@ static norma_document_result apply_skin(mover *m, norma_document_error *error) {
     float *signs = norma_io_allocate(m->count, 4 * sizeof *signs);
     result = m->posed && signs
                  ? norma_gltf_read_influences(g, (uint32_t)(m->p - g->primitives), &skin, error)
-                 : fail_drawn(g, error);
+                 : norma_document_fail_memory(g->document, error);
     if (!result) {
         const norma_result moved = move_by_skin(m, skin, signs);
         if (moved) result = refuse_skin(m, &skin, moved, error);
@@ -377,7 +373,7 @@ static norma_document_result copy_floats(gltf *g, uint32_t accessor, uint32_t wi
     if (result) return result;
     *count = g->accessors[accessor].count;
     *copy = norma_scene_allocate(g->document->scene, *count, width * sizeof **copy);
-    if (!*copy) return fail_drawn(g, error);
+    if (!*copy) return norma_document_fail_memory(g->document, error);
     memcpy(*copy, floats, *count * width * sizeof **copy);
     return NORMA_DOCUMENT_OK;
 }
@@ -391,7 +387,7 @@ static norma_document_result copy_vertices(mover *m, norma_document_error *error
     if (!result) result = norma_gltf_array(g, m->p->base.position, &array, error);
     if (result) return result;
     m->positions = norma_scene_allocate(g->document->scene, m->count, 3 * sizeof *m->positions);
-    if (!m->positions) return fail_drawn(g, error);
+    if (!m->positions) return norma_document_fail_memory(g->document, error);
     for (size_t i = 0; i < m->count; ++i) {
         float p[3];
         norma_gltf_floats(&array, i, p);
@@ -429,14 +425,14 @@ static norma_document_result find_moved(gltf *g, size_t index, size_t mesh, int 
     gltf_scene *scene = norma_gltf_scene_of(g);
     if (!scene->moved && !(scene->moved = norma_scene_allocate(
                                g->document->scene, g->drawing_count, sizeof(gltf_moved *))))
-        return fail_drawn(g, error);
+        return norma_document_fail_memory(g->document, error);
     gltf_moved *found = scene->moved[index];
     while (found && found->mesh != mesh) found = found->next;
     if (!found) {
         found = norma_scene_allocate(g->document->scene, 1, sizeof *found);
         norma_document_result result =
             found ? make_moved(g, g->drawing[index], mesh, skinned, found, error)
-                  : fail_drawn(g, error);
+                  : norma_document_fail_memory(g->document, error);
         if (result) return result;
         found->next = scene->moved[index];
         scene->moved[index] = found;
@@ -466,7 +462,7 @@ norma_document_result norma_gltf_move_drawn(norma_document *document, size_t nod
     const gltf_primitive *p = &g->primitives[mesh];
     gltf_scene *scene = norma_gltf_scene_of(g);
     const uint8_t *shown = scene ? nodes_shown(g, scene) : NULL;
-    if (!shown) return fail_drawn(g, error);
+    if (!shown) return norma_document_fail_memory(g->document, error);
     if (p->mesh != at->mesh)
         return norma_document_fail(document, error, NORMA_DOCUMENT_ERROR_ARGUMENT, p->where,
             "node %zu does not draw this mesh", node);

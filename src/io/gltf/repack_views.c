@@ -129,10 +129,6 @@ static void write_user_rows(
             size);
 }
 
-static norma_document_result repack_failed(const repacking *r, norma_document_error *error) {
-    return norma_document_fail_memory(r->g->document, error);
-}
-
 static void move_user(const repacking *r, const view_user *user, size_t offset) {
     if (user->run) {
         norma_gltf_point_data_run(r->g, user->run, r->view, offset);
@@ -151,7 +147,7 @@ static norma_document_result shorten_rows(
         if (end > rows) rows = end;
     }
     to->plain.bytes = to->owned = norma_io_allocate(rows, length);
-    if (!to->owned) return repack_failed(r, error);
+    if (!to->owned) return norma_document_fail_memory(r->g->document, error);
     to->plain.length = rows * length;
     to->stride = to->element = length;
     for (size_t i = 0; i < r->count; ++i) {
@@ -177,7 +173,7 @@ static norma_document_result close_view_gaps(repacking *r, norma_document_error 
     size_t reach = 0, gone = 0, length = 0;
     qsort(r->users, r->count, sizeof *r->users, compare_view_users);
     to->plain.bytes = to->owned = norma_io_allocate(r->g->views[r->view].length + 1, 1);
-    if (!to->owned) return repack_failed(r, error);
+    if (!to->owned) return norma_document_fail_memory(r->g->document, error);
     for (size_t i = 0; i < r->count; ++i) {
         const view_user *user = &r->users[i];
         const size_t stride = r->stride ? r->stride : user->size,
@@ -197,7 +193,8 @@ norma_document_result norma_gltf_repack_view(gltf *g, uint32_t view, uint32_t fi
     const uint32_t *next, int *done, norma_document_error *error) {
     repacking r = {.g = g, .view = view, .stride = g->views[view].stride};
     norma_document_result result = norma_gltf_view_bytes(g, view, &r.bytes, error);
-    if (!result && !list_view_users(&r, first, next)) result = repack_failed(&r, error);
+    if (!result && !list_view_users(&r, first, next))
+        result = norma_document_fail_memory(g->document, error);
     for (size_t i = 0; i < r.count && !g->views[view].stride; ++i) /* rows of one element each */
         r.stride = i == 0 || r.stride == r.users[i].size ? r.users[i].size : 0;
     const size_t length = result || r.count < 2 ? 0 : place_columns(&r);

@@ -16,8 +16,6 @@ static void ply_free_content(void *content) {
     free(state->header.properties);
 }
 
-static int ply_has_edit(const void *state) { return norma_ply_has_edit(state); }
-
 static norma_document_result read_source(norma_document *document, norma_document_error *error) {
     ply_state *state = document->state;
     state->bytes = document->source.data;
@@ -28,7 +26,7 @@ static norma_document_result read_source(norma_document *document, norma_documen
 }
 
 const edited_format norma_ply_edited = {
-    sizeof(ply_state), 0, ply_has_edit, ply_free_content, read_source};
+    sizeof(ply_state), 0, norma_ply_has_edit, ply_free_content, read_source};
 
 /* ---- Vertices of a PLY as a list of copies of old ones: rows that stay or go, further
  * ones behind them; and which rows are equal. */

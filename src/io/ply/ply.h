@@ -260,7 +260,7 @@ norma_document_result norma_ply_write_vertices(
     norma_document *document, norma_sink *sink, norma_document_error *error);
 size_t norma_ply_written_row(
     norma_document *document, size_t normal[3], norma_document_error *error);
-int norma_ply_has_edit(const ply_state *state);
+int norma_ply_has_edit(const void *state); /* a ply_state */
 void norma_ply_free_edit(ply_edit *edit);
 /* Forgets changes that would write the bytes that are there already; *changed: whether any are
  * left. */

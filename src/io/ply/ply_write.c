@@ -4,8 +4,8 @@
 #include "io/text/text.h"
 #include <stdlib.h>
 
-int norma_ply_has_edit(const ply_state *state) {
-    const ply_edit *edit = &state->edit;
+int norma_ply_has_edit(const void *state) {
+    const ply_edit *edit = &((const ply_state *)state)->edit;
     return edit->normals || edit->stored_normals || edit->positions || edit->float_positions ||
            edit->face_normals || edit->corners || edit->added_count > 0 || edit->dropped_rows ||
            edit->dropped_vertices || edit->cut_rows;

@@ -109,10 +109,6 @@ int norma_spill_add(spill *s, size_t partition_number, const void *record) {
     return at + 1 == s->in_block ? keep_open_block(s, p) : 0;
 }
 
-static size_t spill_count(const spill *s, size_t partition_number) {
-    return s->parts[partition_number].count;
-}
-
 /* Within one block. */
 static int access_some(
     spill *s, partition *p, size_t first, size_t count, void *records, int writing) {
@@ -389,7 +385,7 @@ static int each_record(joining *j, int (*visit)(joining *j, size_t first, size_t
 
 static int join_partition(joining *j, uint64_t memory) {
     int error = 0;
-    j->count = spill_count(j->votes, j->partition);
+    j->count = j->votes->parts[j->partition].count;
     j->rounds = (size_t)(j->count * 2 * sizeof(position_votes) / (memory ? memory : 1)) + 1;
     for (j->round = 0; j->round < j->rounds && !error; ++j->round) {
         j->entry_count = 0;
