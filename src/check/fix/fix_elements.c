@@ -1,7 +1,6 @@
 /* fix_elements.c: faces, vertices and positions put right. */
 #include "check/fix/fix.h"
 #include "core/face/cut_polygon.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

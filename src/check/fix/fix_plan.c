@@ -2,7 +2,6 @@
  * by an edit of its mesh; missing normals by computing them; transforms by baking them. A plan is
  * made without a change to the document, and may be applied to any copy of it. */
 #include "check/fix/fix.h"
-#include "check/rules/rules.h"
 #include "io/format/for_fixes.h"
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,6 @@
 #include "check/findings/check_run.h"
 #include "core/face/face.h"
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- The angle between the normals on both sides of a seam of UVs, colours or materials,

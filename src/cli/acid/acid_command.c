@@ -1,7 +1,6 @@
 /* acid_command.c: norma acid: scenes that show whether a renderer carries normals, and a judge for
  * its screenshots. */
 #include "cli/acid/acid.h"
-#include "cli/process/process.h"
 #include <string.h>
 
 static const char acid_help[] =

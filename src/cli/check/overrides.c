@@ -4,7 +4,6 @@
 #define _XOPEN_SOURCE   700
 #include "cli/check/check.h"
 #include "cli/options/options.h"
-#include "cli/process/process.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,6 @@
 /* compute_command.c: norma compute: normals of the surface, written into a copy of each file. */
 #include "cli/compute/compute_together.h"
 #include "cli/files/files.h"
-#include "cli/process/process.h"
 #include "cli/text/text.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* mcp_tools.c: the tools: which subcommand each runs, and what its arguments become on that
  * command's line. The JSON schemas that clients see are written from the same table. */
 #include "cli/mcp/mcp.h"
-#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 /* pack_command.c: norma pack: normals and tangents of a glTF in fewer bytes, within an angle. */
 #include "cli/files/files.h"
-#include "cli/process/process.h"
 #include "cli/text/text.h"
 
 static const char pack_help[] =

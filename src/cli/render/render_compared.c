@@ -1,7 +1,6 @@
 /* render_compared.c: what norma compare found, as a picture. */
 #include "cli/render/render.h"
 #include "compare/compare_scene.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -9,7 +9,6 @@
 #include <norma/check.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- The options of norma render. */

@@ -2,7 +2,6 @@
 #include "io/format/for_fixes.h"
 #include "io/format/format.h"
 #include "core/call/call.h"
-#include <errno.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
  * try changes on. */
 #include "io/format/format.h"
 #include "io/stream/stream.h"
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

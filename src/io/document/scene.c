@@ -1,7 +1,6 @@
 /* scene.c: the public functions about what else belongs to a surface. */
 #include "io/format/for_fixes.h"
 #include "io/format/format.h"
-#include <stdlib.h>
 #include <string.h>
 
 static const scene_functions *scene_of(const norma_document *document) {

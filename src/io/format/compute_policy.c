@@ -2,7 +2,6 @@
  * format. */
 #include "io/format/format.h"
 #include "core/face/unit_length.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,7 +2,6 @@
  * were. */
 #include "io/gltf/gltf_layout.h"
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

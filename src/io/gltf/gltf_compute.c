@@ -1,6 +1,5 @@
 /* gltf_compute.c: normals for an asset, and the differences of its morph targets. */
 #include "io/gltf/gltf.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

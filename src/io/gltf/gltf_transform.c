@@ -1,7 +1,6 @@
 /* gltf_transform.c: a matrix over an asset, node transforms baked into meshes, and meshes moved
  * near their origin. */
 #include "io/gltf/gltf_layout.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,8 +2,6 @@
  * accessors are replaced. */
 #include "io/gltf/gltf_layout.h"
 #include "core/call/table.h"
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -4,7 +4,6 @@
  * the old one, which other assets may show, stays as it is. */
 #include "io/gltf/gltf_layout.h"
 #include "io/image/image.h"
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 

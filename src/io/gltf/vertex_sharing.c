@@ -2,7 +2,6 @@
  * vertices, corners new indices. */
 #include "io/gltf/gltf.h"
 #include "core/call/table.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,5 @@
 /* large_ply.c: a binary PLY read through windows, and its faces gone through once. */
 #include "io/large/large.h"
-#include <stdlib.h>
 
 /* ---- A binary PLY read through windows. Vertices are rows of one size, so any block of
  * them can be read; faces are walked once, and found again by the offsets of their chunks. */

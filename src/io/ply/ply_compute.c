@@ -1,7 +1,6 @@
 /* ply_compute.c: a PLY with new normals, and under a matrix. */
 #include "io/ply/ply.h"
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 
 /* ---- Normals as whole numbers: in which types they are stored, and the codes for unit vectors. */

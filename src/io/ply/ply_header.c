@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 /* ---- The types of PLY values; single values, binary in either byte order and as text; the
  * size of a binary row. */

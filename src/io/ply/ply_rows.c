@@ -1,7 +1,6 @@
 /* ply_rows.c: binary rows of a PLY: where they lie, and rewritten with some properties replaced or
  * put in. */
 #include "io/ply/ply.h"
-#include "io/text/text.h"
 #include <stdlib.h>
 
 /* ---- Where the rows of each element lie. Rows of fixed size are skipped by arithmetic;

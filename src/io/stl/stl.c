@@ -2,7 +2,6 @@
 #include "io/stl/stl.h"
 #include "io/text/text.h"
 #include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

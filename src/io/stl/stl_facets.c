@@ -3,7 +3,6 @@
 #include "io/stl/stl.h"
 #include "io/text/text.h"
 #include <stdio.h>
-#include <stdlib.h>
 
 static uint32_t load_32(const unsigned char *at) {
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;

@@ -2,7 +2,6 @@
  * beside them, then the lines. */
 #include "render/sheet/draw.h"
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define DEGREE 0.017453292519943295
