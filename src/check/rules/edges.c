@@ -157,11 +157,7 @@ typedef enum conflict_kind {
 
 /* ---- N301 */
 
-typedef struct conflict_count {
-    const check_mesh *m;
-    uint8_t *edges; /* of each face, at most 255 */
-} conflict_count;
-
+/* edges: of each face, at most 255. */
 static void count_conflicts(const check_mesh *m, const edge_part *part, uint8_t *edges) {
     for (size_t i = 0; i < part->conflicts.count; i++) {
         size_t faces[2] = {norma_core_topology_face(&m->topology, part->conflicts.each[i].first),

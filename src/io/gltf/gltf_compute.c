@@ -494,7 +494,6 @@ static norma_document_result gather_target(morph *m, uint32_t target) {
     return m->target_count == TARGETS_AT_A_TIME ? finish_targets(m) : NORMA_DOCUMENT_OK;
 }
 
-/* gltf_compute.c */
 static norma_document_result gltf_morph(gltf_job *job, const gltf_surface *surface) {
     morph m = {.job = job, .s = surface};
     const gltf_mesh *mesh = &job->g->meshes[surface->mesh];

@@ -254,7 +254,6 @@ static norma_document_result stl_transform_normals(
     return result;
 }
 
-/* slices.c */
 static norma_document_result stl_transform(norma_document *document,
     const norma_transform_options *options, norma_transform_summary *summary,
     norma_document_error *error) {
