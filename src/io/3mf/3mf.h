@@ -5,8 +5,6 @@
 #include "io/3mf/zip.h"
 #include "io/format/format.h"
 
-#define TMF_NONE UINT32_MAX
-
 typedef struct tmf_part { /* a model in the package */
     char *name;           /* without its first slash */
     char *text;           /* unpacked, while it is read or edited */
