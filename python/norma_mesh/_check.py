@@ -9,6 +9,7 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator as AnyIterator, Set as AnySet, ValuesView
 from dataclasses import dataclass, field
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _norma
-from ._arguments import WEIGHTS, Faces, Profile, choice, count_of, given_degrees, mesh, options, parts_of, refuse, thread_count
+from ._arguments import WEIGHTS, Faces, Profile, as_array, choice, count_of, given_degrees, mesh, options, parts_of, refuse, thread_count
 from ._calls import attribute
 from ._files import FORMATS, Document, FileError, FileMesh, Format, Source, bytes_of, is_tileset, raise_document, source_of
 from ._selection import PROFILES, Names, mask_of
@@ -26,6 +27,9 @@ _PROFILE_NAMES = ("auto", "render", "print", "generated")
 _SEVERITIES = ("none", "info", "warning", "error")
 _SHADINGS = ("default", "crease", "smooth", "flat")
 _FIXES = (None, "safe", "unsafe")
+_PATHS = (str, os.PathLike)
+_BYTES = (bytes, bytearray, memoryview)
+_LISTS = (list, tuple, AnySet, ValuesView, AnyIterator)
 
 
 @dataclass(frozen=True)
@@ -375,10 +379,12 @@ def check(
     """Checks the normals of a file, as `norma check` does; configuration files are not read.
 
     source: a path; a folder, whose files are checked, those in folders below too; a tileset.json, whose
-        tiles are; a list of such; a file's contents as bytes; a document of `norma.open`, as it is now; or positions
-        (with `faces`), or a mesh as `norma.vertex_normals` takes it.
+        tiles are; a file's contents as bytes; a document of `norma.open`, as it is now; a mesh as
+        `norma.vertex_normals` takes it; a list or another iterable of such, for one report; or positions
+        (with `faces`), also as (positions, faces) or (positions, faces, normals).
     faces, normals: of positions; normals are one for each position or for each corner.
-    name, format: of bytes, as in `norma.open`.
+    name, format: of bytes, as in `norma.open`. In a list, `format` is that of all bytes, which are
+        called by their place: "bytes 2" are the second of the list.
     profile: "render", "print", "generated" or "auto" (print for STL and 3MF).  select, ignore: rules by
         id, beginning of an id ("N3") or name, in a list or with commas.  strict: lengths within 1e-4 of 1.
     A file that is there and cannot be read gives a report with the status "unreadable", and so does one
@@ -392,20 +398,65 @@ def check(
     """
     settings = _Settings(profile, choice("profile", profile, PROFILES), bool(strict), count_of("samples", samples, sys.maxsize),
                          mask_of(select, ignore), threads)
-    if isinstance(source, Document):
-        return _check_file(source.to_bytes(), settings, source.path, source.format)
-    if faces is None and isinstance(source, (list, tuple)) and source and all(isinstance(part, (str, os.PathLike)) for part in source):
-        return _check_files([path for part in source for path in _within(part)], f"{len(source)} paths", settings)
-    if isinstance(source, (str, os.PathLike)) and not format and (os.path.isdir(bytes_of("path", source)) or is_tileset(source)):
-        return _check_files(_within(source), os.fsdecode(source), settings)
-    if faces is None and not isinstance(source, (bytes, bytearray, memoryview)) and not isinstance(source, (str, os.PathLike)):
-        if not isinstance(source, (list, tuple, np.ndarray)) and parts_of(source)[0] is source:
-            raise TypeError(f"path: a path, bytes, or positions and faces are needed, not {type(source).__name__}")
-    if isinstance(source, (str, os.PathLike, bytes, bytearray, memoryview)):
-        if faces is not None or normals is not None:
-            raise TypeError(f"{'faces' if faces is not None else 'normals'}: only for positions, not for a file")
-        return _check_file(source, settings, name, format)
+    if faces is None and _is_mesh_in_a_tuple(source):
+        source, faces, normals = (*source, normals)[:3]
+    if faces is None and isinstance(source, _LISTS):
+        source = list(source)
+        if not source or not all(isinstance(item, (list, tuple, np.ndarray)) for item in source):
+            _refuse_arrays(faces, normals)
+            return _check_list(source, format, settings)
+    if isinstance(source, (*_PATHS, *_BYTES, Document)):
+        _refuse_arrays(faces, normals)
+        return _check_named(source, name, format, settings)
+    if faces is None and not isinstance(source, (list, np.ndarray)) and not _is_mesh(source):
+        raise TypeError(f"path: a path, bytes, or positions and faces are needed, not {type(source).__name__}")
     return _check_arrays(source, faces, normals, settings)
+
+
+def _is_mesh(source: Any) -> bool:
+    return not isinstance(source, (*_PATHS, *_BYTES, Document)) and parts_of(source)[0] is not source
+
+
+def _is_mesh_in_a_tuple(source: Any) -> bool:
+    """(positions, faces) or (positions, faces, normals), as `norma.compare` takes it."""
+    if not isinstance(source, tuple) or len(source) not in (2, 3) or _is_mesh(source[0]):
+        return False
+    return as_array("positions", source[0]).ndim == 2
+
+
+def _refuse_arrays(faces: Faces, normals: Optional[ArrayLike]) -> None:
+    if faces is not None or normals is not None:
+        raise TypeError(f"{'faces' if faces is not None else 'normals'}: only for positions, not for a file")
+
+
+def _check_named(source: Any, name: Optional[str], format: Optional[Format], settings: _Settings) -> Report:
+    """A path, with all that it stands for, bytes or a document."""
+    if isinstance(source, Document):
+        return _check_file(source.to_bytes(), settings, name or source.path, source.format)
+    if isinstance(source, _PATHS) and not format and (os.path.isdir(bytes_of("path", source)) or is_tileset(source)):
+        return _joined(_check_paths(source, settings), os.fsdecode(source), settings)
+    return _check_file(source, settings, name, format)
+
+
+def _check_list(items: List[Any], format: Optional[Format], settings: _Settings) -> Report:
+    if not items:
+        raise ValueError("path: nothing was given to check, the list is empty")
+    parts = [part for place, item in enumerate(items) for part in _check_item(item, place, format, settings)]
+    word = "path" if all(isinstance(item, _PATHS) for item in items) else "input"
+    return _joined(parts, f"{len(items)} {word}{'' if len(items) == 1 else 's'}", settings)
+
+
+def _check_item(item: Any, place: int, format: Optional[Format], settings: _Settings) -> List[Report]:
+    """The reports of one of a list; a nameless one is called by its place, from 1."""
+    if isinstance(item, _PATHS):
+        return _check_paths(item, settings)
+    if isinstance(item, _BYTES) or (isinstance(item, Document) and item.path == "bytes"):
+        return [_check_named(item, f"bytes {place + 1}", format, settings)]
+    if isinstance(item, Document):
+        return [_check_named(item, None, None, settings)]
+    if not _is_mesh(item):
+        raise TypeError(f"path[{place}]: a path, bytes, a document or a mesh is needed, not {type(item).__name__}")
+    return [_check_arrays(item, None, None, settings, f"arrays {place + 1}")]
 
 
 def _within(path: Any) -> List[str]:
@@ -422,14 +473,17 @@ def _within(path: Any) -> List[str]:
     return sorted(file for file in found if os.path.splitext(file)[1].lower() in endings)
 
 
-def _check_files(paths: List[str], shown: str, settings: _Settings) -> Report:
-    if not paths:
+def _check_paths(path: Any, settings: _Settings) -> List[Report]:
+    return [_check_source(Source(file, bytes_of("path", file), None, 0), settings) for file in _within(path)]
+
+
+def _joined(parts: List[Report], shown: str, settings: _Settings) -> Report:
+    if not parts:
         raise FileError(f"{shown}: holds no OBJ, PLY, STL, glTF or 3MF file, nor a tile")
-    parts = tuple(_check_source(Source(path, bytes_of("path", path), None, 0), settings) for path in paths)
     worst = max((part.status for part in parts), key=("checked", "partly", "unreadable").index)
     profiles = {part.profile for part in parts}
     return Report(shown, profiles.pop() if len(profiles) == 1 else settings.profile, worst,
-                  tuple(finding for part in parts for finding in part.findings), -1, parts)
+                  tuple(finding for part in parts for finding in part.findings), -1, tuple(parts))
 
 
 def _check_file(given: object, settings: _Settings, name: Optional[str] = None, format: Optional[str] = None) -> Report:
@@ -446,7 +500,7 @@ def _check_source(source: Source, settings: _Settings) -> Report:
     return settings.report(source.shown, answer[0], bool(answer[1]), on_disk, time)
 
 
-def _check_arrays(positions: Any, faces: Faces, normals: Optional[ArrayLike], settings: _Settings) -> Report:
+def _check_arrays(positions: Any, faces: Faces, normals: Optional[ArrayLike], settings: _Settings, shown: str = "arrays") -> Report:
     if normals is None and isinstance(positions, FileMesh):
         normals = positions.corner_normals
     m = mesh(positions, faces)
@@ -461,7 +515,7 @@ def _check_arrays(positions: Any, faces: Faces, normals: Optional[ArrayLike], se
                                  settings.samples, settings.mask)
     if len(answer) == 4:
         refuse(answer, m)
-    return settings.report("arrays", answer, on_disk=False)
+    return settings.report(shown, answer, on_disk=False)
 
 
 def rules() -> List[Rule]:

@@ -97,7 +97,7 @@ def source_of(argument: str, source: object, name: Optional[str] = None, format:
             found = [word for beginning, word in _BEGINNINGS if contents.startswith(beginning)]
             found += ["gltf"] * contents.lstrip().startswith(b"{")
             if not found:
-                raise ValueError(f"format: bytes that begin with {contents[:8]!r} may be of any format; "
+                raise ValueError(f"format: {name or 'bytes'} that begin with {contents[:8]!r} may be of any format; "
                                  "name it (\"obj\", \"stl\"), or give the name of a file")
             kind = FORMATS[found[0]]
         return Source(name or "bytes", bytes_of("name", name) if name else None, contents, kind)

@@ -1,6 +1,7 @@
 """Files and rules: what Python says is what the command-line tool says."""
 import base64
 import glob
+import io
 import json
 import os
 import shutil
@@ -124,6 +125,34 @@ class Rules(unittest.TestCase):
                 file.write("{}")
             with self.assertRaisesRegex(norma.FileError, "inner.json"):
                 norma.check(path)
+
+    def test_a_list_of_anything_is_one_report(self):
+        path, points, faces = "assets/spider.stl", [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]
+        with open(path, "rb") as file:
+            data = file.read()
+        written = io.BytesIO()
+        norma.write(written, points, faces, normals=[[0, 0, 2]] * 3, format="glb")
+        glb, document = written.getvalue(), norma.open("assets/goathead.obj")
+        mesh = document.meshes[0]
+        report = norma.check([path, glb, norma.open(glb), document, mesh])
+        self.assertEqual([file.path for file in report.files], [path, "bytes 2", "bytes 3", "assets/goathead.obj", "arrays 5"])
+        singly = [norma.check(each) for each in (path, glb, norma.open(glb), document, mesh)]
+        self.assertEqual([[f.message for f in file] for file in report.files], [[f.message for f in one] for one in singly])
+        self.assertTrue(all(f.path == file.path for file in report.files for f in file))
+        self.assertEqual((report.path, norma.check([path]).path, norma.check([glb]).path), ("5 inputs", "1 path", "1 input"))
+        for others in ([data], (data,), {data}, {"a": data}.values(), (each for each in [data])):
+            self.assertEqual([f.message for f in norma.check(others, format="stl")], [f.message for f in norma.check(path)])
+        for each in (points, np.array(points)):
+            self.assertEqual(norma.check((each, faces)), norma.check(points, faces))
+            self.assertEqual(norma.check((each, "soup", np.ones((3, 3)))), norma.check(points, "soup", normals=np.ones((3, 3))))
+        for kind, words, wrong in ((ValueError, "^path: nothing was given to check", []), (ValueError, "^path: nothing was given", iter(())),
+                                   (TypeError, r"^path\[1\]: a path, bytes, a document or a mesh is needed, not float", [path, 3.5]),
+                                   (TypeError, r"^path\[0\]: .* not NoneType", [None]), (ValueError, "^format: bytes 1 that begin with", [b"v 0 0 0"]),
+                                   (TypeError, "^faces: indices are needed", points)):
+            with self.assertRaisesRegex(kind, words):
+                norma.check(wrong)
+        with self.assertRaisesRegex(TypeError, "^normals: only for positions"):
+            norma.check([path], normals=points)
 
     def test_files_that_cannot_be_read(self):
         with self.assertRaises(FileNotFoundError):
