@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 import re
 from typing import Any, Literal, NamedTuple, NoReturn, Optional, Sequence, Tuple, Union
 
@@ -41,6 +42,8 @@ _FLOATS = {np.dtype(np.float32): 0, np.dtype(np.float64): 1}
 _FLOAT32 = np.dtype(np.float32)
 _UINT32 = np.dtype(np.uint32)
 _PACKED_INDICES = {np.dtype(t): np.dtype(t).itemsize for t in (np.uint32, np.int32, np.uint16, np.uint8)}
+_MESHES = "(n, 3) numbers and faces, or a mesh (of norma.open, trimesh, meshio, Open3D, pyvista or VTK) are needed"
+_VTK_FLAT = (5, 7, 9)  # VTK's numbers for triangles, polygons and quads
 _FLAT = re.compile(r"triangle|quad|polygon\d*")  #: meshio's types of cells that are faces
 _NO_FACES = re.compile("(VTK_LAGRANGE_)?(vertex|line|curve|tetra|hexa|wedge|pyramid|penta_prism|polyhedron)", re.IGNORECASE)
 _NAMES = {
@@ -359,6 +362,23 @@ def _cell_blocks(blocks: Any) -> Faces:
     return corners, np.concatenate([[0], np.cumsum(sizes)])
 
 
+def _vtk_parts(whole: Any) -> Tuple[Array, Faces]:
+    """The points and faces of a vtkPolyData, or of a vtkUnstructuredGrid whose cells are faces."""
+    if hasattr(whole, "GetPolys"):
+        if whole.GetNumberOfStrips():
+            raise TypeError("positions: strips are no faces yet; vtkTriangleFilter makes triangles of them")
+        polygons = whole.GetPolys()
+    else:
+        polygons, kinds = whole.GetCells(), whole.GetCellTypesArray()
+        if kinds is not None and not np.isin(_vtk_array(kinds), _VTK_FLAT).all():
+            raise TypeError(f"positions: faces (triangle, quad, polygon) are needed, but this {type(whole).__name__} has other cells; "
+                            "take its surface, with vtkGeometryFilter or pyvista's extract_surface()")
+    points = whole.GetPoints()
+    if points is None or polygons is None or polygons.GetNumberOfCells() == 0:
+        return np.empty((0, 3)) if points is None else _vtk_array(points.GetData()), None
+    return _vtk_array(points.GetData()), (_vtk_array(polygons.GetConnectivityArray()), _vtk_array(polygons.GetOffsetsArray()))
+
+
 def _tensor(values: Any) -> Array:
     """A tensor of Open3D or of torch, as an array."""
     for step in ("detach", "cpu", "numpy"):
@@ -368,18 +388,14 @@ def _tensor(values: Any) -> Array:
 
 def parts_of(whole: Any) -> Tuple[Any, Faces]:
     """Positions and faces of an object that has both by their usual names: a mesh of `norma.open`,
-    trimesh, meshio, Open3D (both kinds), pyvista and vtkPolyData."""
-    if hasattr(whole, "GetPolys") and hasattr(whole, "GetPoints"):  # VTK, pyvista
-        if whole.GetNumberOfStrips():
-            raise TypeError("positions: strips are no faces yet; vtkTriangleFilter makes triangles of them")
-        points, polygons = whole.GetPoints(), whole.GetPolys()
-        if points is None or polygons.GetNumberOfCells() == 0:
-            return np.empty((0, 3)) if points is None else _vtk_array(points.GetData()), None
-        return _vtk_array(points.GetData()), (_vtk_array(polygons.GetConnectivityArray()), _vtk_array(polygons.GetOffsetsArray()))
-    if hasattr(whole, "vertex") and hasattr(whole, "triangle"):  # Open3D's tensors
-        if "indices" not in whole.triangle:
-            return _tensor(whole.vertex["positions"]), None
-        return _tensor(whole.vertex["positions"]), _tensor(whole.triangle["indices"])
+    trimesh, meshio, Open3D (both kinds), pyvista, vtkPolyData and vtkUnstructuredGrid."""
+    if hasattr(whole, "GetPoints") and (hasattr(whole, "GetPolys") or hasattr(whole, "GetCellTypesArray")):  # VTK, pyvista
+        return _vtk_parts(whole)
+    vertices: Any = getattr(whole, "vertex", getattr(whole, "point", None))
+    if hasattr(type(vertices), "__contains__") and not isinstance(vertices, np.ndarray):  # Open3D's tensors; a cloud has points
+        faces = getattr(whole, "triangle", {})
+        return (_tensor(vertices["positions"]) if "positions" in vertices else np.empty((0, 3)),
+                _tensor(faces["indices"]) if "indices" in faces else None)
     positions = next((getattr(whole, name) for name in ("positions", "vertices", "points") if hasattr(whole, name)), None)
     if positions is None or isinstance(whole, np.ndarray):
         return whole, None
@@ -392,6 +408,16 @@ def parts_of(whole: Any) -> Tuple[Any, Faces]:
     return as_array("positions", positions), faces
 
 
+def _refuse_whole(given: Any) -> NoReturn:
+    """Raises what to give instead of something that is neither an array nor a mesh."""
+    hint = ""
+    if isinstance(given, (str, bytes, os.PathLike)):
+        hint = "; norma.open() reads a file, and has its meshes"
+    elif hasattr(given, "meshes"):
+        hint = "; give one of its meshes"
+    raise TypeError(f"positions: {_MESHES}, not {type(given).__name__}{hint}")
+
+
 def mesh(
     positions: Any,
     faces: Faces,
@@ -399,11 +425,14 @@ def mesh(
     hard_edges: Optional[ArrayLike] = None,
 ) -> Mesh:
     """A mesh from positions and faces, or from an object that has both (see `parts_of`)."""
+    whole = positions
     if faces is None:
-        whole = positions
         positions, faces = parts_of(whole)
         if faces is None and positions is not whole:
             raise TypeError(f"positions: an object with vertices needs faces (triangles, cells) too. {POINTS}")
+    positions = as_array("positions", positions)
+    if positions.ndim == 0:
+        _refuse_whole(whole)
     points, kind = vectors("positions", positions)
     given, starts = _split_faces(faces)
     corners = None if given is None else indices("faces", given)

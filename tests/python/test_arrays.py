@@ -1,6 +1,7 @@
 """Calls on arrays: closed forms, forms of arguments, and refusals that name the argument."""
 import math
 import os
+import pathlib
 import signal
 import threading
 import time
@@ -347,6 +348,30 @@ class OtherLibraries(unittest.TestCase):
             with self.assertRaisesRegex(TypeError, rf"^positions: faces .* are needed, not {type_}$"):
                 norma.vertex_normals(named(points=points, cells=[named(type="tetra", data=[[0, 1, 2, 3]]), named(type="triangle", data=faces), named(type=type_, data=[[0] * 9])]))
 
+    def test_clouds_of_tensors(self):
+        named = types.SimpleNamespace
+        for whole in named(point={"positions": self.POINTS}), named(point={}), named(vertex={}, triangle={}):
+            for call in norma.vertex_normals, lambda cloud: norma.sample(cloud, 5), norma.check:
+                with self.assertRaisesRegex(TypeError, "^positions: an object with vertices needs faces.*estimate_normals"):
+                    call(whole)
+
+    def test_what_is_no_mesh_is_named(self):
+        document = norma.open("assets/goathead.obj")
+        for whole, words in (("a.obj", "str; norma.open"), (pathlib.Path("a.obj"), "PosixPath; norma.open"), (b"ply", "bytes; norma.open"), (document, "Document; give one of its meshes"),
+                             ({"positions": self.POINTS}, "dict$"), (None, "NoneType$"), (3.5, "float$"), (iter(self.POINTS), "iterator$")):
+            for faces in None, self.TRIANGLES:
+                with self.assertRaisesRegex(TypeError, rf"^positions: \(n, 3\) numbers and faces, or a mesh \(of norma.open, trimesh.*\) are needed, not \w*{words}"):
+                    norma.vertex_normals(whole, faces)
+
+    def test_grids_of_vtk(self):
+        points, named = self.POINTS.astype(np.float64), types.SimpleNamespace
+        data, connectivity, offsets = points, np.array([0, 1, 2, 0, 2, 3]), np.array([0, 3, 6])
+        cells = named(GetNumberOfCells=lambda: 2, GetConnectivityArray=lambda: connectivity, GetOffsetsArray=lambda: offsets)
+        grid = lambda kinds: named(GetPoints=lambda: named(GetData=lambda: data), GetCells=lambda: cells, GetCellTypesArray=lambda: np.uint8(kinds))
+        self.same(grid([5, 5]))
+        with self.assertRaisesRegex(TypeError, r"^positions: faces .* are needed, but this SimpleNamespace has other cells; .*extract_surface"):
+            norma.vertex_normals(grid([5, 10]))
+
     def test_lists_of_cells_that_do_not_add_up(self):
         for cells, at, count in (([0, 1, 2, -1, 0, 2, 3, -1], 0, 0), ([3, 0, 1, 2, -1, 0, 2, 3], 4, -1), ([-1, 0, 1, 2], 0, -1),
                                  ([3, 0, 1, 2, 4, 0, 2, 3], 4, 4), ([3, 0, 1, 2, 2, 0, 2], 4, 2), ([1, 0, 1, 2], 0, 1), ([2**62, 0, 1, 2], 0, 2**62)):
@@ -401,6 +426,10 @@ class OtherLibraries(unittest.TestCase):
         mesh = open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(self.POINTS), open3d.utility.Vector3iVector(self.TRIANGLES))
         self.same(mesh)
         self.same(open3d.t.geometry.TriangleMesh.from_legacy(mesh))
+        cloud = open3d.t.geometry.PointCloud(open3d.core.Tensor(self.POINTS))
+        for bare in cloud, open3d.t.geometry.PointCloud(), open3d.t.geometry.TriangleMesh():
+            with self.assertRaisesRegex(TypeError, "^positions: an object with vertices needs faces.*estimate_normals"):
+                norma.vertex_normals(bare)
 
 
 class Refusals(unittest.TestCase):
