@@ -60,11 +60,23 @@ await attempt("several at once", async () => {
   for (const file of all) apart.push(await one(file));
   if ((await Promise.all(all.map(one))).join() !== apart.join()) throw new Error("others");
 });
+const encode = (text) => new TextEncoder().encode(text);
+for (const ending of ["glb", "gltf", "ply", "b3dm", "i3dm", "cmpt"])
+  await attempt(`.${ending} needs no name`, async () => {
+    const file = files.find((path) => path.endsWith(`.${ending}`)), content = file ? readFileSync(file) : encode(`${ending}: broken`), name = `file.${ending}`;
+    const beside = file ? Object.fromEntries(more(file).map((other) => [other, readFileSync(join(dirname(file), other))])) : {};
+    for (const [call, options] of [...CALLS, ["check", {}]]) {
+      const asked = call === "check" ? options : { files: beside, ...options };
+      const [bare, full] = await Promise.all([asked, { name, ...asked }].map((chosen) => norma[call](content, chosen).then(plain, String)));
+      if (bare !== full || /unknown kind|name: /.test(bare)) throw new Error(`${call}: ${bare}\n${full}`);
+    }
+  });
+await attempt("white space before JSON needs no name either", async () => { if ((await norma.check(encode(' \n{"asset":{"version":"2.0"}}'))).files[0].path !== "file.gltf") throw new Error("another name"); });
 const bytes = readFileSync(files[0]);
 for (const [what, message, work] of [
   ["a name without a format", /unknown kind of file/, () => norma.info(bytes, { name: "a.txt" })], ["a weight that does not exist", /^weight: "heavy"/, () => norma.compute(bytes, { name: "a.obj", weight: "heavy" })], ["a crease out of range", /^crease: 200/, () => norma.compute(bytes, { name: "a.obj", crease: 200 })],
   ["an option of another call", /^options: crease/, () => norma.fix(bytes, { name: "a.obj", crease: 3 })], ["a rule that is none", /N9x/, () => norma.fix(bytes, { name: "a.obj", select: "N9x" })], ["files that are none", /^files: /, () => norma.info(bytes, { name: "a.obj", files: 3 })],
-  ["no name", /^name: /, () => norma.info(bytes)], ["no bytes", /^bytes: /, () => norma.info("a.obj", { name: "a.obj" })],
+  ["no name", /^name: bytes that begin with "v /, () => norma.info(encode("v 0 0 0\n"))], ["a wrong name", /^name: 3 is not/, () => norma.info(bytes, { name: 3 })], ["no bytes", /^bytes: /, () => norma.info("a.obj", { name: "a.obj" })],
 ]) {
   const error = await work().catch((given) => given);
   check(`${what}: an error that says so`, error instanceof Error && error.name === "NormaError" && message.test(error.message), String(error?.message));

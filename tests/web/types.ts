@@ -70,8 +70,10 @@ export async function uses(): Promise<void> {
   norma.vertexNormals({ array: positions });
   // @ts-expect-error a report is asked for, so that the normals are a member of what is returned
   normals = norma.vertexNormals(positions, indices, { report: true });
-  // @ts-expect-error check needs a name
   await norma.check(new Uint8Array(8), { profile: "print" });
+  await norma.info((await norma.fix(new Uint8Array(8))).bytes);
+  // @ts-expect-error a name is a word
+  await norma.check(new Uint8Array(8), { name: 3 });
   // @ts-expect-error an unknown weight
   norma.vertexNormals(positions, indices, { weight: "heavy" });
   // @ts-expect-error positions are a typed array

@@ -177,3 +177,16 @@ export const bytes = (given, what = "bytes") => {
 };
 
 export const name = (value, what = "name") => (typeof value === "string" && value !== "" && !value.includes("\0") ? value : fail(`${what}: ${spell(value)} is not the name of a file, such as "chair.glb"`));
+
+/* Beginnings by which a file without a name is known; OBJ and STL have none. */
+const BEGINNINGS = { glTF: "glb", ply: "ply", b3dm: "b3dm", i3dm: "i3dm", cmpt: "cmpt", "PK\x03\x04": "3mf" };
+const WHITE = [0x20, 0x09, 0x0a, 0x0b, 0x0c, 0x0d];
+
+/* The name of a file, or one whose ending says what its bytes are. */
+export const fileName = (value, bytes) => {
+  if (value !== undefined) return name(value);
+  const first = String.fromCharCode(...bytes.subarray(0, 8)), known = Object.keys(BEGINNINGS).find((beginning) => first.startsWith(beginning));
+  if (known) return `file.${BEGINNINGS[known]}`;
+  if (bytes.find((byte) => !WHITE.includes(byte)) === 0x7b) return "file.gltf"; // the brace of JSON
+  return fail(`name: bytes that begin with ${spell(first)} may be of any format; give a name that ends in it, such as "chair.obj"`);
+};

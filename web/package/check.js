@@ -98,7 +98,7 @@ export function makeCheck(loadModule, reading) {
   let bound = null;
   return async (file, options) => {
     const bytes = given.bytes(file), chosen = given.options(options, "name profile");
-    const name = given.name(chosen.name), profile = given.profile(chosen.profile);
+    const name = given.fileName(chosen.name, bytes), profile = given.profile(chosen.profile);
     bound ??= loadModule().then(bindCheck);
     const check = await bound.catch((error) => { bound = null; throw error; });
     return reading(() => check(bytes, name, profile));

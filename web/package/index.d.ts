@@ -228,8 +228,9 @@ export interface Deviation {
 }
 
 export interface CheckOptions {
-  /** The name of the file; its ending decides the format: .glb, .gltf, .vrm, .obj, .ply, .stl, .3mf, .b3dm, .i3dm or .cmpt. */
-  name: string;
+  /** The name of the file; its ending decides the format: .glb, .gltf, .vrm, .obj, .ply, .stl, .3mf, .b3dm, .i3dm or .cmpt.
+   * Default: "file.glb" or the like, by the first bytes; OBJ and STL need a name. */
+  name?: string | undefined;
   /** What the surface is for. Default: `"auto"`, print for STL and render for the others. */
   profile?: "auto" | "render" | "print" | "generated" | undefined;
 }
@@ -237,8 +238,9 @@ export interface CheckOptions {
 export type Bytes = ArrayBuffer | ArrayBufferView;
 
 export interface FileOptions {
-  /** The name of the file; its ending decides the format. */
-  name: string;
+  /** The name of the file; its ending decides the format. Default: "file.glb" or the like, by the first bytes; OBJ and STL
+   * need a name. */
+  name?: string | undefined;
   /** Files that it refers to, by name: the buffers of a .gltf. */
   files?: Record<string, Bytes> | undefined;
 }
@@ -340,13 +342,13 @@ export interface Norma {
   /** The largest angle, in degrees, between any unit vector and what its code is decoded to; proven. */
   encodingErrorDeg(encoding: Encoding): number;
   /** Looks for what is wrong with the normals and surfaces of a file in memory. The first call loads a second module, check.wasm. */
-  check(bytes: Bytes, options: CheckOptions): Promise<CheckReport>;
+  check(bytes: Bytes, options?: CheckOptions): Promise<CheckReport>;
   /** Fixes what check finds, as `norma check --fix` does; the report is about the fixed file. The first of these three calls loads a third module, tool.wasm. */
-  fix(bytes: Bytes, options: FixOptions): Promise<WrittenFile & { report: CheckReport }>;
+  fix(bytes: Bytes, options?: FixOptions): Promise<WrittenFile & { report: CheckReport }>;
   /** The file with new normals, byte by byte what `norma compute` writes. */
-  compute(bytes: Bytes, options: ComputeOptions): Promise<WrittenFile & { summary: Summary }>;
+  compute(bytes: Bytes, options?: ComputeOptions): Promise<WrittenFile & { summary: Summary }>;
   /** What is in a file. */
-  info(bytes: Bytes, options: InfoOptions): Promise<Summary>;
+  info(bytes: Bytes, options?: InfoOptions): Promise<Summary>;
 }
 
 /** Hands the arrays of a call over to the worker instead of copying them: they are empty afterwards. `out` is always handed over, and returned. */
@@ -384,10 +386,10 @@ export interface NormaWorker {
   encodeNormals(normals: Vectors, options?: Plain<EncodeOptions & Transfer>): Promise<Uint32Array>;
   decodeNormals(codes: Uint32Array, options?: DecodeOptions & Transfer): Promise<Float32Array>;
   encodingErrorDeg(encoding: Encoding): Promise<number>;
-  check(bytes: Bytes, options: CheckOptions & Transfer): Promise<CheckReport>;
-  fix(bytes: Bytes, options: FixOptions & Transfer): Promise<WrittenFile & { report: CheckReport }>;
-  compute(bytes: Bytes, options: ComputeOptions & Transfer): Promise<WrittenFile & { summary: Summary }>;
-  info(bytes: Bytes, options: InfoOptions & Transfer): Promise<Summary>;
+  check(bytes: Bytes, options?: CheckOptions & Transfer): Promise<CheckReport>;
+  fix(bytes: Bytes, options?: FixOptions & Transfer): Promise<WrittenFile & { report: CheckReport }>;
+  compute(bytes: Bytes, options?: ComputeOptions & Transfer): Promise<WrittenFile & { summary: Summary }>;
+  info(bytes: Bytes, options?: InfoOptions & Transfer): Promise<Summary>;
   /** Ends the worker. Calls that wait are rejected. */
   terminate(): void;
 }

@@ -68,18 +68,18 @@ export function makeTool(loadModule, libraries) {
 
   return {
     fix: async (bytes, options) => {
-      const chosen = given.options(options, "name files unsafe profile select ignore"), name = given.name(chosen.name), words = wordsOf(chosen, FIX);
+      const chosen = given.options(options, "name files unsafe profile select ignore"), name = given.fileName(chosen.name, given.bytes(bytes)), words = wordsOf(chosen, FIX);
       const ended = await work(["check", given.flag(chosen.unsafe, "unsafe") ? "--fix-unsafe" : "--fix", "--no-config", "--format", "json", "--out-dir", OUT, ...words, "--", name], filesOf(bytes, name, chosen.files), FINDINGS);
       return { ...written(ended, name, bytes), report: JSON.parse(ended.stdout) };
     },
     compute: async (bytes, options) => {
-      const chosen = given.options(options, `name files ${Object.keys(COMPUTE).join(" ")}`), name = given.name(chosen.name), words = wordsOf(chosen, COMPUTE);
+      const chosen = given.options(options, `name files ${Object.keys(COMPUTE).join(" ")}`), name = given.fileName(chosen.name, given.bytes(bytes)), words = wordsOf(chosen, COMPUTE);
       const ended = await work(["compute", "--json", "--out-dir", OUT, ...words, "--", name], filesOf(bytes, name, chosen.files));
       const { output, ...summary } = JSON.parse(ended.stdout); // its name is one of ours
       return { ...written(ended, name, bytes), summary };
     },
     info: async (bytes, options) => {
-      const chosen = given.options(options, "name files deep"), name = given.name(chosen.name);
+      const chosen = given.options(options, "name files deep"), name = given.fileName(chosen.name, given.bytes(bytes));
       return JSON.parse((await work(["info", "--json", ...(given.flag(chosen.deep, "deep") ? ["--deep"] : []), "--", name], filesOf(bytes, name, chosen.files))).stdout);
     },
   };
