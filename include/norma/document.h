@@ -647,7 +647,7 @@ typedef struct norma_tangent_options {
 typedef struct norma_tangent_summary {
     int changed;       /* 0: the document would be written byte for byte as it was read */
     size_t primitives; /* that got tangents */
-    size_t left_out;   /* triangles without normals, or without that set of coordinates */
+    size_t left_out;   /* primitives without normals, or without that set of coordinates */
     size_t vertices_before, vertices_after; /* of all primitives */
 
     /* Corners without a tangent of their own, by reason; they got a unit vector perpendicular to

@@ -6,9 +6,15 @@ import sys
 
 import norma_mesh as norma
 
+def counted(count: int, one: str, more: str) -> str:
+    return f"{count} {one if count == 1 else more}"
+
+
 source, target = sys.argv[1:3]
 model = norma.open(source)
 done = model.tangents(only="missing")
 model.save(target)
-print(f"{done.primitives} meshes got tangents; {done.left_out} triangles have no normals or texture coordinates")
-print(f"{done.vertices_before} vertices became {done.vertices_after}; {done.degenerate} corners have no texture area")
+print(f"{counted(done.primitives, 'primitive', 'primitives')} got tangents; "
+      f"{counted(done.left_out, 'primitive has', 'primitives have')} no normals or no texture coordinates")
+print(f"{counted(done.vertices_before, 'vertex', 'vertices')} became {done.vertices_after}; "
+      f"{counted(done.degenerate, 'corner has', 'corners have')} no texture area")

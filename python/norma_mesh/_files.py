@@ -210,7 +210,7 @@ class TangentSummary:
 
     changed: bool
     primitives: int  #: that got tangents
-    left_out: int  #: triangles without normals or texture coordinates
+    left_out: int  #: primitives of triangles without normals or texture coordinates
     vertices_before: int
     vertices_after: int
     degenerate: int  #: corners without texture area

@@ -43,9 +43,12 @@ class Examples(unittest.TestCase):
             path, target = os.path.join(folder, "square.glb"), os.path.join(folder, "out.glb")
             square = np.float32([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
             norma.write(path, square, [[0, 1, 2], [0, 2, 3]], normals=[[0, 0, 1]] * 4, texcoords=square[:, :2])
-            self.assertIn("1 meshes got tangents; 0 triangles", self.run_one("gltf_tangents.py", path, target))
+            self.assertIn("1 primitive got tangents; 0 primitives have no normals", self.run_one("gltf_tangents.py", path, target))
             # v runs downwards in glTF: the bitangent of these coordinates points along -y of the picture
             self.assertEqual(norma.open(target).meshes[0].tangents.tolist(), [[1, 0, 0, -1]] * 4)
+
+            norma.write(path, square, [[0, 1, 2], [0, 2, 3]])  # two triangles, one primitive
+            self.assertIn("0 primitives got tangents; 1 primitive has no normals", self.run_one("gltf_tangents.py", path, os.path.join(folder, "bare.glb")))
 
     def test_a_folder_in_pytest(self):
         try:
