@@ -144,10 +144,14 @@ def vertex_normals(
     """The unit normal of each position, (positions, 3) float32: the weighted sum of the normals of
     the faces around it. Creases are ignored.
 
-    positions, faces, fallback, out, report: as for `face_normals`.
+    positions: (n, 3) numbers, or a whole mesh: of `norma.open`, trimesh, meshio, Open3D, pyvista, VTK.
+    faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each
+        three positions are a triangle. It may be left out only beside an object that has faces.
     weight: "angle", "area", "uniform", "max", "angle-area", "visible" or "angle-lengths".
     weld: which positions share a normal: "exact" (equal ones), "none" (by index) or a distance.
+    fallback: what a position without a normal gets: "zero", "nearest" or three numbers.
     threads: None uses all cores; 1 only the calling thread. The bits are the same.
+    out: an array to write to, instead of a new one.  report: return (normals, NormalReport).
 
     >>> import norma_mesh as norma
     >>> roof = [[0, 0, 0], [0, 1, 0], [1, 0, 1], [1, 1, 1], [2, 0, 0], [2, 1, 0]]
@@ -747,7 +751,8 @@ def encode_normals(
 def decode_normals(codes: ArrayLike, encoding: Encoding = "oct16", *, out: Optional[Floats] = None) -> Floats:
     """The unit normals of codes, (n, 3) float32.
 
-    codes: (n,) integers of 32 bits.  encoding: as for `encode_normals`.  out: an array to write to.
+    codes: (n,) integers of 32 bits.  out: an array to write to.
+    encoding: that of the codes: "oct8", "oct12", "oct16" or "10-10-10-2".
 
     >>> import norma_mesh as norma
     >>> norma.decode_normals([0, 127], "oct8")

@@ -103,7 +103,10 @@ def closest(
     """The nearest point of a mesh for each point, with its distance, face, interpolated normal, and the
     side of the surface that the point is on.
 
-    points: (n, 3) numbers.  positions, faces: as for `norma.vertex_normals`; polygons are cut.
+    points: (n, 3) numbers.
+    positions: (n, 3) numbers, or a whole mesh: of `norma.open`, trimesh, meshio, Open3D, pyvista, VTK.
+    faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each
+        three positions are a triangle. It may be left out only beside an object that has faces. Polygons are cut.
     normals: what is interpolated: one for each position or for each corner. None: those of a mesh of
         `norma.open`, otherwise those of `norma.corner_normals`.
     sides: by the faces at the nearest point, weighted by angle (Baerentzen and Aanaes 2005): right for
@@ -156,8 +159,12 @@ def sample(
     """Random points of a surface, spread evenly over its area, with normals. The same seed gives the
     same points: `norma.sample(mesh, n, seed)` or `norma.sample(positions, faces, n, seed)`.
 
-    n: how many.  normals: as for `norma.closest`.
-    Polygons must be convex.
+    mesh: of `norma.open`, trimesh, meshio, Open3D, pyvista or VTK.  positions: (n, 3) numbers.
+    faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each
+        three positions are a triangle. Polygons must be convex.
+    n: how many.
+    normals: what is interpolated: one for each position or for each corner. None: those of a mesh of
+        `norma.open`, otherwise those of `norma.corner_normals`.
 
     >>> import norma_mesh as norma
     >>> found = norma.sample([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], 1000, seed=7)

@@ -172,8 +172,10 @@ def write(
     """Writes a new file, whole or not at all: binary PLY, binary STL, OBJ or GLB, by the path's ending.
 
     path: a path, or a file object opened for bytes, such as io.BytesIO(); that needs `format`.
-    positions, faces: as for `norma.vertex_normals`. STL and GLB hold triangles, and floats of 32 bits;
-        OBJ and PLY hold polygons, and doubles if they are given.
+    positions: (n, 3) numbers, or a whole mesh: of `norma.open`, trimesh, meshio, Open3D, pyvista, VTK.
+    faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each
+        three positions are a triangle. It may be left out only beside an object that has faces.
+    STL and GLB hold triangles, and floats of 32 bits; OBJ and PLY hold polygons, and doubles if they are given.
     normals: one for each position or for each corner; in STL one for each face (None: as the winding is).
         In GLB and PLY a vertex is split where its corners differ. Lengths are written as they are given.
     texcoords: (n, 2), one for each position or for each corner; v is written as it is given.

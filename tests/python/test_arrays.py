@@ -432,6 +432,15 @@ class OtherLibraries(unittest.TestCase):
                 norma.vertex_normals(bare)
 
 
+class Words(unittest.TestCase):
+    def test_docstrings_stand_alone(self):
+        named = {name: getattr(norma, name) for name in norma.__all__ if callable(getattr(norma, name))}
+        named.update({f"Document.{name}": part for name, part in vars(norma.Document).items() if callable(part) and not name.startswith("_")})
+        for name, part in named.items():
+            self.assertTrue(part.__doc__, name)
+            self.assertNotRegex(part.__doc__, r"(?i)\bas for\b", name)
+
+
 class Refusals(unittest.TestCase):
     def refused(self, kind, words, call, *arguments, **options):
         with self.assertRaises(kind) as caught:
