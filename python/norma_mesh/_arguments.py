@@ -408,6 +408,15 @@ def parts_of(whole: Any) -> Tuple[Any, Faces]:
     return as_array("positions", positions), faces
 
 
+def unpacked(positions: Any, faces: Faces, normals: Any) -> Tuple[Any, Faces, Any]:
+    """Positions, faces and normals as they are given, or from (positions, faces) or (positions, faces, normals)."""
+    if faces is not None or not isinstance(positions, tuple) or len(positions) not in (2, 3):
+        return positions, faces, normals
+    if parts_of(positions[0])[0] is not positions[0] or as_array("positions", positions[0]).ndim != 2:
+        return positions, faces, normals
+    return positions[0], positions[1], positions[2] if len(positions) == 3 and normals is None else normals
+
+
 def _refuse_whole(given: Any) -> NoReturn:
     """Raises what to give instead of something that is neither an array nor a mesh."""
     hint = ""

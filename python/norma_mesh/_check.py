@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _norma
-from ._arguments import WEIGHTS, Faces, Profile, as_array, choice, count_of, given_degrees, mesh, options, parts_of, refuse, thread_count
+from ._arguments import WEIGHTS, Faces, Profile, choice, count_of, given_degrees, mesh, options, parts_of, refuse, thread_count, unpacked
 from ._calls import attribute
 from ._files import FORMATS, Document, FileError, FileMesh, Format, Source, bytes_of, is_tileset, raise_document, source_of
 from ._selection import PROFILES, Names, mask_of
@@ -398,8 +398,7 @@ def check(
     """
     settings = _Settings(profile, choice("profile", profile, PROFILES), bool(strict), count_of("samples", samples, sys.maxsize),
                          mask_of(select, ignore), threads)
-    if faces is None and _is_mesh_in_a_tuple(source):
-        source, faces, normals = (*source, normals)[:3]
+    source, faces, normals = unpacked(source, faces, normals)
     if faces is None and isinstance(source, _LISTS):
         source = list(source)
         if not source or not all(isinstance(item, (list, tuple, np.ndarray)) for item in source):
@@ -415,13 +414,6 @@ def check(
 
 def _is_mesh(source: Any) -> bool:
     return not isinstance(source, (*_PATHS, *_BYTES, Document)) and parts_of(source)[0] is not source
-
-
-def _is_mesh_in_a_tuple(source: Any) -> bool:
-    """(positions, faces) or (positions, faces, normals), as `norma.compare` takes it."""
-    if not isinstance(source, tuple) or len(source) not in (2, 3) or _is_mesh(source[0]):
-        return False
-    return as_array("positions", source[0]).ndim == 2
 
 
 def _refuse_arrays(faces: Faces, normals: Optional[ArrayLike]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _norma
-from ._arguments import Array, Faces, Floats, Mesh, as_array, mesh, number, options, output, refuse, stride, vectors
+from ._arguments import Array, Faces, Floats, Mesh, as_array, mesh, number, options, output, refuse, stride, unpacked, vectors
 from ._calls import attribute, corner_normals, face_normals, index_corners, vertex_normals
 from ._results import NormalReport, report_of
 
@@ -106,7 +106,8 @@ def closest(
     points: (n, 3) numbers.
     positions: (n, 3) numbers, or a whole mesh: of `norma.open`, trimesh, meshio, Open3D, pyvista, VTK.
     faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each
-        three positions are a triangle. It may be left out only beside an object that has faces. Polygons are cut.
+        three positions are a triangle. It may be left out beside an object that has faces, and beside
+        (positions, faces) or (positions, faces, normals) as one. Polygons are cut.
     normals: what is interpolated: one for each position or for each corner. None: those of a mesh of
         `norma.open`, otherwise those of `norma.corner_normals`.
     sides: by the faces at the nearest point, weighted by angle (Baerentzen and Aanaes 2005): right for
@@ -117,6 +118,7 @@ def closest(
     >>> found.points.round(6).tolist(), found.distances.tolist(), found.faces.tolist(), found.sides.tolist()
     ([[0.2, 0.2, 0.0]], [3.0], [0], [1])
     """
+    positions, faces, normals = unpacked(positions, faces, normals)
     m = mesh(positions, faces)
     places, kind = vectors("points", points)
     count = places.shape[0]
@@ -159,7 +161,8 @@ def sample(
     """Random points of a surface, spread evenly over its area, with normals. The same seed gives the
     same points: `norma.sample(mesh, n, seed)` or `norma.sample(positions, faces, n, seed)`.
 
-    mesh: of `norma.open`, trimesh, meshio, Open3D, pyvista or VTK.  positions: (n, 3) numbers.
+    mesh: of `norma.open`, trimesh, meshio, Open3D, pyvista or VTK, (positions, faces) or (positions,
+        faces, normals).  positions: (n, 3) numbers.
     faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each
         three positions are a triangle. Polygons must be convex.
     n: how many.
@@ -180,6 +183,7 @@ def sample(
         raise TypeError(f"{'seed' if isinstance(n, (int, np.integer)) else 'n'}: an integer is needed") from None
     if count < 0 or start < 0:
         raise ValueError(f"{'n' if count < 0 else 'seed'}: a number of at least 0 is needed")
+    positions, faces, normals = unpacked(positions, faces, normals)
     m = mesh(positions, faces)
     starts, index = _starts(m), _corners(m)
     high = np.flatnonzero(index >= len(m.positions))

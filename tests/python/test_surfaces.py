@@ -66,6 +66,14 @@ class ClosestPoints(unittest.TestCase):
         self.assertTrue(np.allclose(flat.normals[1], 3**-0.5))
         self.assertTrue(np.array_equal(norma.closest(points[:1], CUBE, QUADS).normals[0], [0, 0, 1]))
 
+    def test_a_surface_in_a_tuple(self):
+        points, normals = [[0, 0, 3], [2, 2, 2]], -CUBE
+        for whole, apart, options in (((CUBE, QUADS), (CUBE, QUADS), {}), ((CUBE, QUADS, normals), (CUBE, QUADS), {"normals": normals})):
+            for a, b in zip(norma.closest(points, whole), norma.closest(points, *apart, **options)):
+                self.assertTrue(np.array_equal(a, b))
+            for a, b in zip(norma.sample(whole, 9, 2), norma.sample(*apart, 9, 2, **options)):
+                self.assertTrue(np.array_equal(a, b))
+
     def test_nothing_near(self):
         found = norma.closest([[np.nan, 0, 0], [0, 0, 2]], CUBE, QUADS)
         self.assertEqual((found.faces[0], np.isnan(found.distances[0]), found.sides[0]), (-1, True, 0))
