@@ -4,6 +4,7 @@ from __future__ import annotations
 import errno
 import os
 import threading
+import warnings
 from dataclasses import dataclass, field
 from typing import Any, List, Literal, NoReturn, Optional, Tuple, Union
 
@@ -29,7 +30,7 @@ from ._arguments import (
     vectors,
     weld_of,
 )
-from ._calls import MODES, compare, index_corners, matrix_columns, split
+from ._calls import MODES, compare, index_corners, matrix_columns, matrix_info, normal_matrix, split
 from ._results import Comparison, NormalReport, Split, report_of
 from ._selection import PROFILES, Names, mask_of
 
@@ -396,6 +397,7 @@ class Document:
 
         matrix: (4, 4) or (3, 3) as mathematics writes it: the translation is the last column.
         bake: the transforms of glTF nodes are applied to their meshes as well.
+        A matrix that flattens gives a warning that says what becomes of the normals.
 
         >>> import norma_mesh as norma
         >>> norma.open("assets/goathead.obj").transform([[-1, 0, 0], [0, 1, 0], [0, 0, 1]]).mirrored
@@ -407,6 +409,9 @@ class Document:
         if len(answer) == 2:
             raise_document(answer)
         changed, vertices, meshes, baked, mirrored = answer
+        words = None if matrix is None else _flattening(matrix, self.format not in ("obj", "ply", "stl") and not bake)
+        if changed and words:
+            warnings.warn(f"matrix: singular; {words}", stacklevel=2)
         return TransformSummary(bool(changed), vertices, meshes, baked, bool(mirrored))
 
     def set_normals(self, mesh: int, normals: ArrayLike) -> FileMesh:
@@ -466,7 +471,23 @@ class Document:
         with self._lock:
             answer = _norma.document_save(self._document, bytes_of("path", path), in_place)
         if answer is not None:
-            raise_document(answer)
+            raise_document((answer[0], answer[1].replace("or work in place", "or in_place=True")))
+
+
+def _flattening(matrix: ArrayLike, on_a_node: bool) -> Optional[str]:
+    """What a matrix that flattens does to normals, in the words of `norma transform`; None: it does not."""
+    info = matrix_info(matrix)
+    if info.rank == 3:
+        return None
+    if on_a_node:
+        return (f"flattened (rank {info.rank}) by a new node: the normals then depend on the renderer; "
+                "bake=True writes them into the file")
+    if info.determinant != 0:
+        return "nearly flat (within 1e-6 of its largest stretch): each face keeps its normal"
+    if normal_matrix(matrix).any():
+        return "flattened to a plane (rank 2): faces get the plane's normal, which is right; collapsed faces have none"
+    shape = "line (rank 1)" if info.rank == 1 else "point (rank 0)"
+    return f"flattened to a {shape}: no face keeps a direction, so no normal is right"
 
 
 def _address(array: Array) -> int:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 
 import numpy as np
 
@@ -215,6 +216,27 @@ class Documents(unittest.TestCase):
         after = box.meshes[0]
         self.assertLess(np.abs(after.normals[after.normal_faces] - normals).max(), 1e-5)
 
+    def test_a_matrix_that_flattens_is_warned_of_as_by_the_tool(self):
+        flat, thin = np.diag([1.0, 1, 0]), np.diag([1.0, 1, 1e-9])
+        with tempfile.TemporaryDirectory() as folder:
+            glb = os.path.join(folder, "a.glb")
+            norma.write(glb, np.eye(3), [[0, 1, 2]], normals=np.ones((3, 3)))
+            for path, matrix, bake in (("assets/spider.stl", flat, False), ("assets/spider.stl", thin, False), ("assets/spider.stl", np.zeros((3, 3)), False),
+                                       ("assets/spider.stl", np.diag([1.0, 0, 0]), False), (glb, flat, False), (glb, flat, True)):
+                whole = np.eye(4)
+                whole[:3, :3] = matrix
+                out = os.path.join(folder, "out" + os.path.splitext(path)[1])
+                said = tool("transform", path, "-o", out, "--matrix", " ".join(map(str, whole.ravel())), *["--bake"] * bake).stdout
+                with self.assertWarns(UserWarning) as caught:
+                    norma.open(path).transform(matrix, bake=bake)
+                words = str(caught.warning).replace("bake=True", "--bake")
+                self.assertRegex(words, "^matrix: singular; .*flat")
+                self.assertIn(words, said.replace(", 1 node baked", ""))
+                self.assertEqual(caught.filename, __file__)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            norma.open("assets/spider.stl").transform(np.diag([1.0, -1, 0.1]))
+
     def test_saving_keeps_the_source(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "a.obj")
@@ -222,7 +244,7 @@ class Documents(unittest.TestCase):
                 target.write(source.read())
             document = norma.open(path)
             document.compute(smooth=True)
-            with self.assertRaisesRegex(ValueError, "is the input itself"):
+            with self.assertRaisesRegex(ValueError, "is the input itself; give another name, or in_place=True$"):
                 document.save(path)
             document.save(path, in_place=True)
             self.assertEqual(norma.open(path).meshes[0].stored, "corner")
