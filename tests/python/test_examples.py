@@ -27,6 +27,26 @@ class Examples(unittest.TestCase):
             self.assertIn("1 info", done.stdout)
             self.assertTrue(os.path.getsize(os.path.join(folder, "goathead-normals.obj")))
 
+    def test_the_readme_on_normals_of_an_obj(self):
+        import norma_mesh as norma
+        with open("python/README.md") as file:
+            readme = " ".join(file.read().split())
+        document = norma.open("assets/goathead.obj")
+
+        def refuses(**options):
+            with self.assertRaises(ValueError) as caught:
+                document.meshes[0].normals = norma.corner_normals(document.meshes[0], **options)
+            words = str(caught.exception).partition(": ")[2].partition(";")[0]
+            self.assertIn(f'"{words}"', readme)
+
+        refuses()
+        document.compute(smooth=True)
+        lines = [line.split(b" ")[0] for line in document.to_bytes().splitlines()]
+        for normals in norma.vertex_normals(document.meshes[0], weight="area"), document.meshes[0].normals[::-1]:
+            document.meshes[0].normals = normals
+        self.assertEqual([line.split(b" ")[0] for line in document.to_bytes().splitlines()], lines)
+        refuses(crease=30)
+
     def test_a_scan(self):
         with tempfile.TemporaryDirectory() as folder:
             target = os.path.join(folder, "out.obj")
