@@ -1,6 +1,6 @@
 /* node tool.mjs COMMAND TOOL ASSETS FILES FILE...: what npx norma-mesh writes has the bytes of what the tool writes, also of compressed files; a pasted command of a finding fixes it; rights are kept; a signal leaves nothing half-written. */
 import { spawn, spawnSync } from "node:child_process";
-import { chmodSync, copyFileSync, cpSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, realpathSync, rmSync, statSync } from "node:fs";
+import { chmodSync, copyFileSync, cpSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, realpathSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, dirname, extname, join } from "node:path";
 import { attempt, check, finish } from "./tap.mjs";
@@ -56,6 +56,16 @@ await attempt("SIGTERM while it waits for its input ends it, and no file is left
   setTimeout(() => child.kill("SIGTERM"), 1500);
   const status = await new Promise((settle) => child.on("exit", (code, signal) => settle(signal)));
   if (status !== "SIGTERM" || !said.includes("norma: interrupted") || readdirSync(folder).length) throw new Error(`${status} ${said} ${readdirSync(folder)}`);
+});
+await attempt("a large file, whose memory grows while node collects, is computed as by the tool; one that may not be written whole is an error", async () => {
+  const side = 800, path = join(scratch, "large.stl"), bytes = new DataView(new ArrayBuffer(84 + 50 * side * side));
+  bytes.setUint32(80, side * side, true);
+  for (let i = 0; i < side * side; i++) [0, 0, 0, i % side, Math.floor(i / side), i % 7, 1 + (i % side), Math.floor(i / side), 0, i % side, 1 + Math.floor(i / side), 0].forEach((number, k) => bytes.setFloat32(84 + 50 * i + 4 * k, number, true));
+  writeFileSync(path, bytes);
+  const [ours, theirs] = [command, tool].map((program, i) => run(program, ["compute", path, "-o", `large-${i}.stl`]));
+  if (ours.status !== 0 || theirs.status !== 0 || !readFileSync(join(scratch, "large-0.stl")).equals(readFileSync(join(scratch, "large-1.stl")))) throw new Error(`${ours.status} ${ours.signal} ${ours.stderr.slice(0, 500)}`);
+  const { status, stderr } = run("bash", ["-c", 'ulimit -f 8; "$0" compute "$1" -o small.stl', command, path]);
+  if (status !== 3 || !/small\.stl: cannot be written: File too large/.test(stderr)) throw new Error(`${status} ${stderr.slice(0, 500)}`);
 });
 for (const word of ["render", "view", "acid", "mcp"]) {
   const { status, stderr } = run(command, [word, "a.obj"]);

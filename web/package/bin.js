@@ -1,6 +1,7 @@
 #!/usr/bin/env node
 /* npx norma-mesh: the tool norma, compiled to WebAssembly, under node's WASI. It runs in a thread of its own, so that signals are heard. WASI has neither rights nor owners of files; node is asked for them. */
 import { accessSync, closeSync, fchmodSync, fchownSync, lstatSync, openSync, readFileSync, rmSync, statSync, writeSync } from "node:fs";
+import { setFlagsFromString } from "node:v8";
 import { Worker, isMainThread, parentPort } from "node:worker_threads";
 
 import { allLibraries, makeDecoders } from "./decoders.js";
@@ -96,5 +97,7 @@ function start(words) {
   });
 }
 
+/* node 20 crashes (a segmentation fault, or "unreachable code") when a program of its WASI lets memory grow while the collector marks in steps: files of some 30 MB and more. */
+setFlagsFromString("--no-incremental-marking");
 if (isMainThread) start(process.argv.slice(2));
 else process.exit(await run(process.argv.slice(2)));
