@@ -485,6 +485,24 @@ for (const [name, files, words] of [["an OBJ", [["turned.obj", Buffer.from(TURNE
     await page.click("tint");
   });
 
+await attempt("a file that cannot be shown leaves the one that is: its name, its fix, its normals", async () => {
+  const view = await visit(plain), bad = { "empty.ply": "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n", "short.glb": "glTF\x02" };
+  await dropFiles(view, ["turned.obj", Buffer.from(TURNED)]);
+  for (const [name, text] of Object.entries(bad)) {
+    writeFileSync(join(shots, name), text);
+    await view.setFiles("file", [join(shots, name)]);
+    const words = await view.until("document.getElementById('notice').textContent");
+    expect(words.includes(name) && (await shown(view)) === "turned.obj", `${words} Show: ${await shown(view)}`);
+    for (const [button, facts, what] of [["fix", "fix-facts", /^Nothing can be fixed without/], ["compute", "computed-facts", /^Computed/]]) {
+      await view.evaluate(`document.getElementById("${button}").click()`);
+      const told = await view.until(`!/Working/.test(document.getElementById("${facts}").textContent) && document.getElementById("${facts}").textContent`);
+      expect(what.test(told), `after ${name}: ${told}`);
+      await view.settled();
+    }
+  }
+  expect(view.said.length === 0, view.said.join("\n"));
+});
+
 for (const name of PACKED)
   await attempt(`the findings of a file under ${name} are those of norma check; a damaged one is told of, and the page goes on`, async () => {
     const path = join(root, `tests/web/ball-${name}.glb`), bytes = readFileSync(path), { files: [{ findings }] } = JSON.parse(spawnSync(tool, ["check", "--format", "json", path], { encoding: "utf8" }).stdout);

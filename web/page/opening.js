@@ -146,9 +146,29 @@ export function stopIntro() {
   dirty.draw = true;
 }
 
+/* The files that may be shown, { files, path } each; and what is shown: one of them, or the value of another option. */
+let fileChoices = [], shownChoice = null;
+const choiceNow = () => fileChoices[Number(value("model").slice(4))] ?? value("model");
+
+function listChoices(choices, chosen) {
+  const select = byId("model");
+  select.querySelectorAll('[value^="file"]').forEach((old) => old.remove());
+  fileChoices = choices;
+  select.prepend(...choices.map(({ path }, i) => new Option(choices.length > 1 ? path : path.split("/").pop(), `file${i}`)));
+  select.value = choices.includes(chosen) ? `file${choices.indexOf(chosen)}` : chosen;
+}
+
+/* What was shown stays: its name, and its files, which the worker gave up for those of the other. */
+function keepShown(failed) {
+  const others = fileChoices.filter((choice) => choice !== failed), isListed = typeof shownChoice === "string" || others.includes(shownChoice);
+  listChoices(isListed ? others : [shownChoice, ...others], shownChoice);
+  forgetChosen();
+  if (page.source) page.remote.giveFiles((page.before ?? page.scene).files.files).catch((error) => notice(error.message));
+}
+
 /* Asks for a model; what is asked for last is shown. */
 export async function show(ask, then = () => undefined) {
-  const mine = ++page.opening;
+  const mine = ++page.opening, choice = choiceNow();
   page.awaiting = true;      /* of what was there nothing is drawn unasked: the new one would wait for it */
   try {
     const model = await ask();
@@ -156,6 +176,7 @@ export async function show(ask, then = () => undefined) {
     page.awaiting = false;
     if (!model.triangles) { page.remote.free(model.number); throw new Error(`${model.name}: there is nothing in it to draw.`); }
     showModel(model);
+    shownChoice = choice;
     then(model);
     const asked = follow();
     await page.scene.seen;
@@ -164,7 +185,8 @@ export async function show(ask, then = () => undefined) {
   } catch (error) {
     if (mine !== page.opening) return;
     page.awaiting = false;
-    if (!page.scene && page.sculpture) { byId("model").value = "sculpture"; pickModel(); } // the page's first file: the stage is not left empty
+    if (page.scene) { if (choice !== shownChoice) keepShown(choice); }
+    else if (page.sculpture) { byId("model").value = "sculpture"; pickModel(); } // the page's first file: the stage is not left empty
     notice(hintFor(error.message));
   }
 }
@@ -181,6 +203,7 @@ export function showMoving() {
   page.awaiting = false;
   page.atFirst = null;
   dropScenes();
+  shownChoice = "moving";
   page.moving = makeMoving(page.norma);
   const surface = page.graphics.makeSurface({ positions: page.moving.positions(), normals: page.moving.normals(), indices: page.moving.indices });
   page.scene = { model: null, hidden: new Set(), surfaces: [surface], still: page.graphics.makeBuffer(page.moving.still), free: () => surface.free() };
@@ -214,7 +237,8 @@ export async function openGiven(given) {
   if (!given.length) return;
   try {
     const { files, models } = await gather(given);
-    addFileOptions(files, models);
+    const choices = models.map((path) => ({ files, path }));
+    listChoices(choices, choices[0]);
     openFile(files, models[0]);
   } catch (error) {
     notice(error.message);
@@ -258,16 +282,6 @@ function openEmbedded() {
     settle();
     showSections();
   });
-}
-
-let fileChoices = [];
-
-function addFileOptions(files, models) {
-  const select = byId("model");
-  select.querySelectorAll('[value^="file"]').forEach((old) => old.remove());
-  fileChoices = models.map((path) => ({ files, path }));
-  models.slice().reverse().forEach((path, i) => select.prepend(new Option(models.length > 1 ? path : path.split("/").pop(), `file${models.length - 1 - i}`)));
-  select.value = "file0";
 }
 
 /* What is shown now is not the file that was chosen before. */
