@@ -602,6 +602,13 @@ const isRed = ([r, g, b]) => r > g + 70 && r > b + 70;
 const pressed = (on) => on.evaluate(`[...document.querySelectorAll("#findings button")].filter((b) => b.getAttribute("aria-pressed") === "true").map((b) => b.textContent).join()`);
 
 /* Every finding pressed shows its faces in its colour, and from where they are seen. */
+/* Presses the first finding of a rule, and waits until the picture shows it. */
+async function press(on, rule) {
+  const at = await on.until(`(() => { const at = [...document.querySelectorAll("#findings button")].findIndex((b) => b.textContent.includes("${rule}")); return at < 0 ? "" : \`finding-\${at}\`; })()`, 20);
+  await on.settled();
+  await on.click(at);
+}
+
 async function expectFindings(on, name) {
   expect(await on.evaluate("document.getElementById('findings-section').hidden === false"), "no findings");
   expect(/^[1-9] errors?, /.test(await on.text("findings-facts")), await on.text("findings-facts"));
@@ -1294,6 +1301,25 @@ await attempt("materials: colours of vertices, masks, what lets light through, s
   expect(countPixels(await view.picture("view-materials-clay"), STAGE, isColoured) === 0, "clay has colours");
   expect(view.said.length === 0, view.said.join("\n"));
   await view.close();
+});
+
+/* Its unlit square, with three faces of which the second is turned. */
+function unlitModel() {
+  const json = JSON.parse(materialsModel()), bytes = Buffer.concat([Buffer.from(Float32Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 2, 0, 0.5]).buffer), Buffer.from(Uint16Array.of(0, 1, 2, 1, 2, 3, 1, 4, 3).buffer)]);
+  return JSON.stringify({ ...json, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1, material: 5 }] }], bufferViews: [{ buffer: 0, byteLength: 60 }, { buffer: 0, byteOffset: 60, byteLength: 18 }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 5, type: "VEC3", min: [0, 0, 0], max: [2, 1, 0.5] }, { bufferView: 1, componentType: 5123, count: 9, type: "SCALAR" }], buffers: [{ byteLength: 78, uri: `data:application/octet-stream;base64,${bytes.toString("base64")}` }] });
+}
+
+await attempt("a finding that is pressed dims the rest, also where that is unlit", async () => {
+  const view = await visit(plain, { calm: true }), isNear = (colour) => (seen) => colour.every((part, i) => Math.abs(part - seen[i]) < 5);
+  await dropText(view, "unlit.gltf", unlitModel());
+  await view.until("document.getElementById('finding-0') && !document.getElementById('textures-row').hidden", 20);
+  await view.settled();
+  const count = async (name, colour) => countPixels(await view.picture(name), STAGE, isNear(colour)), [bright, dim] = [[124, 63, 170], [82, 39, 115]], before = await count("unlit", bright);
+  await press(view, "N301");
+  const after = [await count("unlit-pressed", bright), await count("unlit-pressed", dim)];
+  expect(before > 3000 && after[0] < before / 100 && after[1] > 1000, `of the unlit colour ${before} pixels before, ${after[0]} after; of the dim one ${after[1]}`);
+  expect(view.said.length === 0, view.said.join("\n"));
 });
 
 await attempt("KTX2 textures: it is said that they are not shown, and the material keeps the rest; what lacks its image is grey", async () => {

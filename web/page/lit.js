@@ -76,6 +76,7 @@ export function makeLit(canvas, gl) {
       if (!wardrobe.has(key)) wardrobe.set(key, dress(source, { tangents: Boolean(surface.tangents), colours }));
       dressed = wardrobe.get(key);
       if (dressed.normalScale) dressed.normalScale.copy(source.normalScale).multiplyScalar(look.normalMaps ? 1 : 0).setY((look.normalMaps ? 1 : 0) * source.normalScale.y * (surface.tangents ? 1 : -1));
+      if (!dressed.toneMapped) dressed.color.copy(source.color).multiplyScalar(look.dim ? DIM : 1);      /* no exposure reaches it */
     }
     if (dressed && look.materials) return dressed;
     return clayOf(item, colours, dressed?.normalMap && look.normalMaps ? dressed : null);
