@@ -1240,6 +1240,18 @@ await attempt("a small picture shows its place, though another part hides it", a
   await view.close();
 });
 
+await attempt("the arrow to a place is seen whole: before what hides the place, and with an edge", async () => {
+  for (const dark of [false, true]) {
+    const view = await visit(plain, { calm: true, dark });
+    await dropText(view, "hidden.gltf", hiddenModel());
+    await press(view, "N301");
+    const png = await view.picture(`arrow${dark ? "-dark" : ""}`), box = [0, 60, 330, 440], isBlack = (colour) => Math.max(...colour.slice(0, 3)) < 12, isWhite = (colour) => Math.min(...colour.slice(0, 3)) > 246;
+    const [ink, edge] = dark ? [isWhite, isBlack] : [isBlack, isWhite], around = [-3, -2, -1, 0, 1, 2, 3], inks = countPixels(png, box, ink), edged = countPixels(png, box, (colour, x, y) => ink(colour) && around.some((i) => edge(png.at(x + i, y))) && around.some((i) => edge(png.at(x, y + i))));
+    expect(inks > 80 && edged > inks / 4, `${inks} pixels of an arrow, ${edged} of them near its edge, ${dark ? "dark" : "light"}`);
+    expect(view.said.length === 0, view.said.join("\n"));
+  }
+});
+
 await attempt("a solid that is inside out is marked as a whole, and is one place", async () => {
   const two = `${boxOf(1, 1, 1)}${boxOf(1, 1, 1).replaceAll(/^v (\S+)/gm, (_, x) => `v ${Number(x) + 3}`).replaceAll(/^f (\d+) (\d+) (\d+) (\d+)/gm, (_, ...corners) => `f ${corners.slice(0, 4).reverse().map((i) => Number(i) + 8).join(" ")}`)}`;
   const view = await visit(home, { calm: true });

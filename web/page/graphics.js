@@ -295,11 +295,12 @@ export function makeGraphics(canvas, texts) {
     drawTriangles(item, marks, defines.includes("MARKED_ONLY") ? runsOf.get(marks) : null);
   };
 
-  const startLines = (place, camera, width, head, lift = 0.002) => {
+  const startLines = (place, camera, width, head, lift = 0.002, rim = 0) => {
     setCamera(place, camera);
     gl.uniform2f(place("viewport"), box.width, box.height);
     gl.uniform1f(place("width"), width);
     gl.uniform1f(place("head"), head);
+    gl.uniform1f(place("rim"), rim);
     gl.uniform1f(place("lift"), lift);
     gl.bindVertexArray(lines);
     gl.enable(gl.BLEND);
@@ -351,11 +352,18 @@ export function makeGraphics(canvas, texts) {
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, numbers.length / 10);
     gl.disable(gl.BLEND);
   };
-  /* Arrows: [{ from, to, colour }]. */
-  const drawArrows = (arrows, camera, pixels) => {
+  /* Arrows: [{ from, to, colour }]; rim: pixels that they are wider by. */
+  const drawArrows = (arrows, camera, pixels, rim = 0) => {
     const place = programOf("line"), size = pixels * Math.max(0.5, Math.min(1, box.width / pixels / WIDE));
-    startLines(place, camera, 3 * size, 13 * size, 0.01);
+    startLines(place, camera, 3 * size, 13 * size, 0.01, rim * size);
     drawStrokes(place, arrows.flatMap(({ from, to, colour }) => [...from, ...to, ...colour]));
+  };
+  /* One over everything, with an edge: on any model one of the two colours is seen. */
+  const drawPointer = (arrow, edge, camera, pixels) => {
+    gl.disable(gl.DEPTH_TEST);
+    drawArrows([{ ...arrow, colour: edge }], camera, pixels, 2);
+    drawArrows([arrow], camera, pixels);
+    gl.enable(gl.DEPTH_TEST);
   };
   /* Discs over everything: [x, y, z, ...], of so many pixels. */
   const drawPins = (points, camera, colour, size) => {
@@ -534,5 +542,5 @@ export function makeGraphics(canvas, texts) {
     gl.disable(gl.SCISSOR_TEST);
   };
 
-  return { gl, makeBuffer, fillBuffer, fillSlowly, fillMarks, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPins, castShadow, drawShadow, countMarked, drawSmall, drawPatches, clear, paint, within };
+  return { gl, makeBuffer, fillBuffer, fillSlowly, fillMarks, reserve, drained, warmUp, makeSurface, lit, drawSurfaces, drawWire, drawHedgehog, drawArrows, drawPointer, drawPins, castShadow, drawShadow, countMarked, drawSmall, drawPatches, clear, paint, within };
 }

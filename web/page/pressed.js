@@ -149,6 +149,9 @@ function apart(points, { worldToView, viewToClip }) {
   return Math.max(1, cells.size);
 }
 
+/* Far from the paper, and near it. */
+const inks = () => (isDark() ? [[1, 1, 1, 1], [0, 0, 0, 1]] : [[0, 0, 0, 1], [1, 1, 1, 1]]);
+
 /* The whole in a corner, with the place marked. */
 export function drawCorner(pixels, draw) {
   const width = Math.round(Math.min(200, 0.28 * canvas.clientWidth)), height = Math.round(0.8 * width), box = { x: canvas.clientWidth - width - 12, y: canvas.clientHeight - height - 12, width, height }, whole = makeCamera();
@@ -160,20 +163,19 @@ export function drawCorner(pixels, draw) {
     page.graphics.paint(isDark() ? [0.11, 0.137, 0.149] : [1, 1, 1]);
     draw(view);
     if (!page.look.place) return;
-    page.graphics.drawPins(page.look.place.at, view, isDark() ? [1, 1, 1, 1] : [0, 0, 0, 1], 13 * pixels);
-    page.graphics.drawPins(page.look.place.at, view, isDark() ? [0, 0, 0, 1] : [1, 1, 1, 1], 8 * pixels);
+    inks().forEach((colour, i) => page.graphics.drawPins(page.look.place.at, view, colour, [13, 8][i] * pixels));
   });
 }
 
 /* An arrow that points at the place of the finding that is chosen; discs where it has no area. */
 export function drawChosen(view, pixels) {
   if (value("colours") !== "findings" || !page.chosen || !page.look.place) return;
-  const { place, pins } = page.look, reach = 0.09 * camera.distance, { right, up } = camera.axes(), ink = isDark() ? [1, 1, 1, 1] : [0, 0, 0, 1];
+  const { place, pins } = page.look, reach = 0.09 * camera.distance, { right, up } = camera.axes(), [ink, paper] = inks();
   if (pins) {
     const size = Math.max(9 * pixels, Math.min(80 * pixels, 2 * Math.sqrt((0.006 * pixels * pixels * canvas.clientWidth * canvas.clientHeight) / Math.PI / apart(pins, view))));
     page.graphics.drawPins(pins.flat(), view, ink, size + 3 * pixels);
     page.graphics.drawPins(pins.flat(), view, PIN_COLOURS[page.chosen.grade], size);
     return;
   }
-  page.graphics.drawArrows([{ from: place.at.map((x, i) => x + reach * (place.normal[i] + right[i] + up[i])), to: place.at, colour: ink }], view, pixels);
+  page.graphics.drawPointer({ from: place.at.map((x, i) => x + reach * (place.normal[i] + right[i] + up[i])), to: place.at, colour: ink }, paper, view, pixels);
 }

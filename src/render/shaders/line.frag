@@ -1,5 +1,5 @@
 // line.frag: a line with round ends, or an arrow, its borders smooth. Needs blending (SRC_ALPHA, ONE_MINUS_SRC_ALPHA); uniforms of line.vert; how the files make a program: colour.glsl.
-uniform float width, head;
+uniform float width, head, rim;
 in vec4 line_colour, line_place;
 out vec4 pixel;
 
@@ -10,7 +10,7 @@ void main() {
     float outside = length(beyond) - 0.5 * width;
     if (head > 0.0)
         outside = min(outside, max((across - 0.4 * (place.z - along)) * 0.93, shaft_end - along));
-    float coverage = clamp(0.5 - outside, 0.0, 1.0);
+    float coverage = clamp(0.5 + rim - outside, 0.0, 1.0);
     if (coverage <= 0.0)
         discard;
     pixel = vec4(encode(line_colour.rgb), line_colour.a * coverage);

@@ -14,6 +14,7 @@
 //   float reach_scale   HEDGEHOG: world units for one local unit of reach
 //   vec2 viewport       pixels
 //   float width, head   pixels; head: length of an arrow's head, 0 for none
+//   float rim           pixels by which all of it grows, for an edge beneath it; 0 for none
 //   float lift          towards the eye, as a part of the distance, so that a line lies on its surface and not in it (0.001)
 layout(location = 0) in vec3 from;
 layout(location = 1) in vec3 to;
@@ -22,7 +23,7 @@ layout(location = 3) in float reach;
 uniform mat4 local_to_world, world_to_view, view_to_clip;
 uniform mat3 normal_matrix;
 uniform vec2 viewport;
-uniform float width, head, lift, reach_scale;
+uniform float width, head, rim, lift, reach_scale;
 out vec4 line_colour;
 // Pixels along the line, pixels across it, both from its start; its length; clip space's w. Linear on the screen: all but the last times w, divided by it again later.
 out vec4 line_place;
@@ -55,7 +56,7 @@ void main() {
     if (b.w < nearest && a.w > nearest)
         b = mix(b, a, (nearest - b.w) / (a.w - b.w));
     vec2 pixel_a = a.xy / a.w * 0.5 * viewport, pixel_b = b.xy / b.w * 0.5 * viewport, along = pixel_b - pixel_a;
-    float pixels = length(along), half_width = 0.5 * max(width, head) + 1.0;
+    float pixels = length(along), half_width = 0.5 * max(width, head) + rim + 1.0;
     along = pixels > 1e-3 ? along / pixels : vec2(1.0, 0.0);
     bool at_end = gl_VertexID >= 2;
     float side = (gl_VertexID & 1) == 0 ? -1.0 : 1.0;
