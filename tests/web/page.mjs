@@ -1184,6 +1184,8 @@ await attempt("animations: morph targets and nodes at the time of a slider; play
   const lively = await visit(home);
   await lively.evaluate(`(() => { const data = new DataTransfer(); data.items.add(new File([${JSON.stringify(animatedModel())}], "moves.gltf")); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`);
   await lively.until("document.getElementById('play').textContent === 'Pause' && document.getElementById('time').value > 0");
+  const made = "document.querySelector('#findings canvas')?.dataset.made && document.getElementById('play').textContent";
+  expect((await lively.until(made, 20)) === "Pause", "no picture of a finding while it plays");
   expect(lively.said.length === 0, lively.said.join("\n"));
   await lively.close();
 });

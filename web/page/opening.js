@@ -118,9 +118,9 @@ async function loadMaterials(shown, files) {
   }
 }
 
-/* When no picture is being drawn, and the card has done all else. */
+/* When no picture is being drawn, and the card has done all else; while an animation plays, between two of its pictures, which never end. */
 export async function whenQuiet() {
-  do await page.graphics.drained(); while (page.drawing);
+  do await page.graphics.drained(); while (page.drawing && !page.animation.isPlaying());
 }
 
 let lessonOf = null;
