@@ -1190,6 +1190,23 @@ await attempt("animations: morph targets and nodes at the time of a slider; play
   await lively.close();
 });
 
+await attempt("a glTF without normals is flat until somebody computes them", async () => {
+  /* Four strips, each bent by 40 degrees against the one before it. */
+  const turn = (i) => (i * 40 * Math.PI) / 180, points = [...Array(5).keys()].flatMap((i) => [0, 2].flatMap((y) => [-2 * Math.cos(turn(i)), y, 2 * Math.sin(turn(i))])), faces = [...Array(4).keys()].flatMap((i) => [0, 2, 1, 1, 2, 3].map((corner) => 2 * i + corner));
+  const bytes = Buffer.concat([Float32Array.from(points), Uint16Array.from(faces)].map(({ buffer }) => Buffer.from(buffer))), view = await visit(plain, { calm: true });
+  await dropText(view, "strips.gltf", JSON.stringify({ asset: { version: "2.0" }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }], bufferViews: [{ buffer: 0, byteLength: 120 }, { buffer: 0, byteOffset: 120, byteLength: 48 }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 10, type: "VEC3", min: [-9, -9, -9], max: [9, 9, 9] }, { bufferView: 1, componentType: 5123, count: 24, type: "SCALAR" }], buffers: [{ byteLength: 168, uri: `data:application/octet-stream;base64,${bytes.toString("base64")}` }] }));
+  await view.settled();
+  const opened = await view.picture("without-normals");
+  await view.pick("shading", "flat");
+  const flat = differences(opened, await view.picture());
+  await view.pick("shading", "phong");
+  await view.set("crease", 61);
+  const smooth = differences(opened, await view.picture("with-normals"));
+  expect(flat < 20 && smooth > 1000, `as it is opened it differs from flat at ${flat} pixels, from smooth at ${smooth}`);
+  expect(view.said.length === 0, view.said.join("\n"));
+});
+
 /* A small picture shows the place of its finding; one about a whole part has a line round that part, which is in view. */
 await attempt("findings are listed with pictures, worst first; a finding about a whole part outlines it", async () => {
   const looked = await visit(home, { size: [1000, 700] }), made = `[...document.querySelectorAll("#findings canvas")].filter((c) => c.dataset.made)`;

@@ -4,6 +4,8 @@ import { packTriangles, startEngine } from "./engine.js";
 import { seamsOf } from "./seams.js";
 import { SHAPES } from "./shapes.js";
 
+const GLTF = new Set(["glTF", "GLB", "B3DM", "I3DM", "CMPT"]);
+
 /* The corners of the box round the points; of no finite point: none. */
 function boxOf(positions) {
   const least = [Infinity, Infinity, Infinity], most = least.map((x) => -x);
@@ -16,11 +18,14 @@ function boxOf(positions) {
   return Array.from({ length: 8 }, (_, i) => [0, 1, 2].map((axis) => (i >> axis & 1 ? most : least)[axis]));
 }
 
+/* Whether its file says how it is shaded: by normals, or in glTF, where a mesh without any is flat. */
+const isShaded = ({ format, meshes }) => GLTF.has(format) || meshes.some(({ stored }) => stored);
+
 /* What a page knows of a model; its arrays follow by themselves. */
 function describe(number, model) {
   const isPlain = ([, part]) => typeof part !== "function";
   const meshes = model.meshes.map((mesh) => Object.fromEntries(Object.entries(mesh).filter(isPlain)));
-  return { number, name: model.name, format: model.format, unread: model.unread, triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes, up: model.up,
+  return { number, name: model.name, format: model.format, unread: model.unread, isShaded: isShaded(model), triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes, up: model.up,
            arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), reach: mesh.reach().slice(), box: boxOf(mesh.positions()) })) };
 }
 
@@ -30,7 +35,7 @@ export async function startModels(modules) {
   let next = 1;
   /* options: what its normals are to be from the beginning, which then need not be asked for. */
   const add = (model, options) => {
-    if (options) run(model, { ...options, wanted: model.meshes.some(({ stored }) => stored) ? "stored" : "computed" });
+    if (options) run(model, { ...options, wanted: isShaded(model) ? "stored" : "computed" });
     models.set(next, model);
     return { ...describe(next++, model), options: model.options ?? null };
   };
@@ -40,7 +45,7 @@ export async function startModels(modules) {
     model.options = options;
     const begin = performance.now();
     /* What is stored per facet is held against the facet's own direction. */
-    const wantedOf = (mesh) => (options.errors && mesh.stored === "per facet" ? "flat" : options.wanted);
+    const isFlat = ({ stored }) => (options.errors ? stored === "per facet" : options.wanted === "stored" && !stored && GLTF.has(model.format)), wantedOf = (mesh) => (isFlat(mesh) ? "flat" : options.wanted);
     model.meshes.forEach((mesh, i) => model.compute(i, { ...options, wanted: wantedOf(mesh) }));
     return performance.now() - begin;
   };

@@ -45,10 +45,11 @@ export function showModel(model, { changed = false, files = model.files } = {}) 
   }
   page.scene.files = files;
   const stored = model.meshes.some((mesh) => mesh.stored);
-  option("source", "stored").disabled = option("colours", "error").disabled = !stored;
+  option("source", "stored").disabled = !model.isShaded;
+  option("colours", "error").disabled = !stored;
   for (const kind of ["deviation", "distance"]) option("colours", kind).disabled = true;
   byId("compared-facts").replaceChildren();
-  byId("source").value = stored ? "stored" : "computed";
+  byId("source").value = model.isShaded ? "stored" : "computed";
   showFindings(model);
   if (byId("colours").selectedOptions[0].disabled) byId("colours").value = "lit";
   if (!changed) showMaterialControls(model);

@@ -43,9 +43,9 @@ export function showModelFacts(model) {
 }
 
 /* milliseconds: of each run while everything was warm. */
-export function showComputeFacts(milliseconds, triangles, wanted) {
+export function showComputeFacts(milliseconds, { triangles, meshes }, wanted) {
   const middle = [...milliseconds].sort((a, b) => a - b)[Math.floor(milliseconds.length / 2)];
-  byId("compute-facts").textContent = wanted === "stored" ? "As the file has them."
+  byId("compute-facts").textContent = wanted === "stored" ? (meshes.some(({ stored }) => stored) ? "As the file has them." : "The file has none: glTF draws such meshes flat.")
     : milliseconds.length ? `${counted(triangles, "triangle")} in ${middle.toFixed(middle < 10 ? 2 : 1)} ms (the median of ${counted(milliseconds.length, "run")}).` : `${counted(triangles, "triangle")}.`;
 }
 

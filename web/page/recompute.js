@@ -85,10 +85,10 @@ export async function compute() {
 /* Times what was computed once it has been quiet for a while: nothing was warm before. */
 async function warmUp(options) {
   const mine = page.computed, { model } = page.scene, times = [];
-  showComputeFacts(times, model.triangles, options.wanted);
+  showComputeFacts(times, model, options.wanted);
   await new Promise((done) => setTimeout(done, QUIET));
   while (times.length < WARM_RUNS && mine === page.computed && !dirty.compute && page.scene?.model === model && options.wanted !== "stored") times.push(await page.remote.time(model.number, options));
-  if (times.length === WARM_RUNS && mine === page.computed && page.scene?.model === model) showComputeFacts(times, model.triangles, options.wanted);
+  if (times.length === WARM_RUNS && mine === page.computed && page.scene?.model === model) showComputeFacts(times, model, options.wanted);
 }
 
 function uploadErrors(one, { worst, values }) {
