@@ -1207,6 +1207,15 @@ await attempt("a glTF without normals is flat until somebody computes them", asy
   expect(view.said.length === 0, view.said.join("\n"));
 });
 
+await attempt("what is left to the command line is a note, after all that was found and in no count", async () => {
+  const view = await visit(plain, { calm: true });
+  await dropText(view, "art.gltf", artistsModel());
+  const grades = await view.evaluate("[...document.querySelectorAll('#findings button')].map((b) => `${b.className} ${b.dataset.key.slice(0, 4)}`).join()");
+  expect(/,note N002$/.test(grades) && !/N002.*N002/.test(grades), grades);
+  expect(/^0 errors, 0 warnings, \d info, 1 note\./.test(await view.text("findings-facts")), await view.text("findings-facts"));
+  expect(view.said.length === 0, view.said.join("\n"));
+});
+
 /* A small picture shows the place of its finding; one about a whole part has a line round that part, which is in view. */
 await attempt("findings are listed with pictures, worst first; a finding about a whole part outlines it", async () => {
   const looked = await visit(home, { size: [1000, 700] }), made = `[...document.querySelectorAll("#findings canvas")].filter((c) => c.dataset.made)`;

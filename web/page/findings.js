@@ -8,8 +8,8 @@ const measured = ({ worst, unit }) => (Number.isFinite(worst) ? `, worst ${Strin
 
 function summary(findings) {
   if (!findings.length) return "Nothing is wrong with this model's normals.";
-  const of = (grade) => findings.filter((finding) => finding.grade === grade).length;
-  return `${counted(of("error"), "error")}, ${counted(of("warning"), "warning")}, ${counted(of("info"), "info", "info")}. Press one to see it.`;
+  const of = (grade) => findings.filter((finding) => finding.grade === grade).length, notes = of("note");
+  return `${counted(of("error"), "error")}, ${counted(of("warning"), "warning")}, ${counted(of("info"), "info", "info")}${notes ? `, ${counted(notes, "note")}` : ""}. Press one to see it.`;
 }
 
 function element(tag, text, name) {

@@ -2,12 +2,13 @@
  * corners that a finding names in colour, and from where to look at it. */
 #include "model.h"
 #include "../../package/wasm/exports.h"
+#include "io/image/image.h"
 #include <math.h>
 #include <norma/check.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_SEVERITY = NORMA_SEVERITY_ERROR };
+enum { NOTE = 0, MOST_SEVERITY = NORMA_SEVERITY_ERROR };
 static const double REACH_SEEN = 0.3; /* the camera stands nine sizes off */
 
 /* Red, green, blue, alpha, linear: those of norma render --show findings; what is not meant is
@@ -51,10 +52,19 @@ int model_findings_are_sound(const view_pack_head *head, const unsigned char *pa
 /* VIEW_PACK_NONE: the model was not checked. */
 uint32_t WEB_EXPORT(model_finding_count)(const model *m) { return m->head->finding_count; }
 
-/* numbers: severity, mesh, draw (-1: none), count, worst (NaN: no measure). */
+/* That the page looks into no image is no fault of the file: a note. */
+static uint32_t severity_shown(const model *m, const view_pack_finding *f) {
+    const char *text = (const char *)m->pack;
+    return strcmp(text + f->id, "N002") == 0 &&
+                   strstr(text + f->message, norma_image_text(IMAGE_LEFT_OUT))
+               ? NOTE
+               : f->severity;
+}
+
+/* numbers: severity or NOTE, mesh, draw (-1: none), count, worst (NaN: no measure). */
 void WEB_EXPORT(model_finding_numbers)(const model *m, uint32_t index, double numbers[5]) {
     const view_pack_finding *f = finding_at(m, index);
-    numbers[0] = f->severity;
+    numbers[0] = severity_shown(m, f);
     numbers[1] = f->mesh == VIEW_PACK_NONE ? -1.0 : (double)f->mesh;
     numbers[2] = f->draw == VIEW_PACK_NONE ? -1.0 : (double)f->draw;
     numbers[3] = f->count;
