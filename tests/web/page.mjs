@@ -1216,6 +1216,19 @@ await attempt("what is left to the command line is a note, after all that was fo
   expect(view.said.length === 0, view.said.join("\n"));
 });
 
+await attempt("angles next to nothing are given in words; of one grade the rules stand in the report's order", async () => {
+  const view = await visit(plain, { calm: true }), from = join(shots, "goathead-computed.obj"), words = () => view.evaluate("[...document.querySelectorAll('#findings button')].map((b) => b.textContent).join('\\n')");
+  execFileSync(tool, ["compute", join(root, "assets/goathead.obj"), "-o", from, "--quiet"]);
+  await dropFiles(view, ["goathead-computed.obj", readFileSync(from)]);
+  expect(/N204 normal-deviation, worst less than 0\.01°/.test(await words()), await words());
+  await dropFiles(view, ["spider.stl", readFileSync(join(root, "assets/spider.stl"))]);
+  await view.until("document.querySelectorAll('#findings button').length > 2", 20);
+  const report = JSON.parse(execFileSync(tool, ["check", join(root, "assets/spider.stl"), "--json", "--fail-on", "never"], { encoding: "utf8" })).files[0].findings.filter(({ severity }) => severity === "info").map(({ rule }) => rule).join();
+  const listed = await view.evaluate("[...document.querySelectorAll('#findings .info')].map((b) => b.dataset.key.slice(0, 4)).join()");
+  expect(listed === report && report.length > 9, `${listed}, and the report ${report}`);
+  expect(view.said.length === 0, view.said.join("\n"));
+});
+
 /* A small picture shows the place of its finding; one about a whole part has a line round that part, which is in view. */
 await attempt("findings are listed with pictures, worst first; a finding about a whole part outlines it", async () => {
   const looked = await visit(home, { size: [1000, 700] }), made = `[...document.querySelectorAll("#findings canvas")].filter((c) => c.dataset.made)`;

@@ -4,7 +4,7 @@ import { count, counted } from "./readouts.js";
 /* A list that nobody reads to its end would only make the page slow. */
 const MOST_LISTED = 200;
 
-const measured = ({ worst, unit }) => (Number.isFinite(worst) ? `, worst ${String(Number(worst.toPrecision(4))).replace("-", "−")}${unit === "deg" ? "°" : unit ? ` ${unit}` : ""}` : "");
+const measured = ({ worst, unit }) => (!Number.isFinite(worst) ? "" : unit === "deg" && worst < 0.01 ? ", worst less than 0.01°" : `, worst ${String(Number(worst.toPrecision(4))).replace("-", "−")}${unit === "deg" ? "°" : unit ? ` ${unit}` : ""}`);
 
 function summary(findings) {
   if (!findings.length) return "Nothing is wrong with this model's normals.";
@@ -35,8 +35,8 @@ function makeButton(finding, number, thumb) {
   return button;
 }
 
-/* Errors before warnings before the rest; of one grade those of most places. */
-const byWorst = (a, b) => b.severity - a.severity || b.places - a.places;
+/* Errors before warnings before the rest; of one grade those of most places, and informations, whose numbers count different things, as norma check reports them. */
+const byWorst = (a, b) => b.severity - a.severity || (a.severity > 1 && b.places - a.places) || a.id.localeCompare(b.id) || b.places - a.places;
 
 /* findings: null where the model was not checked, undefined while it is. chosen(finding or null) is called when that changes; thumbOf(finding) gives its picture. */
 export function listFindings(findings, chosen, thumbOf) {
