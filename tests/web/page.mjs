@@ -1014,6 +1014,12 @@ await attempt("the lesson's cells: each mistake beside what is right, as the fil
   await pause(500);
   expect((await light()) === "120", `it turns on, to ${await light()}`);
   await view.picture("cells");
+  const torn = await view.evaluate(`[...document.querySelectorAll(".cell pre")].flatMap((pre) => {
+    const walker = document.createTreeWalker(pre, NodeFilter.SHOW_TEXT), torn = [], range = document.createRange();
+    for (let node; (node = walker.nextNode());) for (const { index, 0: word } of node.data.matchAll(/\\w+/g)) { range.setStart(node, index); range.setEnd(node, index + word.length); if (new Set([...range.getClientRects()].map(({ top }) => top)).size > 1) torn.push(word); }
+    return torn;
+  }).join()`);
+  expect(torn === "", `words of shaders that are broken: ${torn}`);
   expect(view.said.length === 0, view.said.join("\n"));
   await view.close();
 });

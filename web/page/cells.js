@@ -41,6 +41,13 @@ const watcher = new IntersectionObserver((entries) => {
   for (const { target, isIntersecting } of entries) if (isIntersecting) inSight.add(target.cell); else inSight.delete(target.cell);
 });
 
+/* Lines break behind brackets and commas before they break within a word. */
+function codeOf(text) {
+  const code = made("pre");
+  code.append(...text.split(/(?<=[(,.])(?=\w)/).flatMap((part) => [part, made("wbr")]));
+  return code;
+}
+
 function addCell({ tested, sentence, section, patches }) {
   const canvas = made("canvas", { width: SIZE * patches.length, height: SIZE }), names = made("p", { className: "names" }), article = made("article", { className: "cell" });
   canvas.setAttribute("role", "img");
@@ -52,7 +59,7 @@ function addCell({ tested, sentence, section, patches }) {
   article.append(made("h3", { textContent: tested }), canvas, names, ...patches.slice(1).flatMap(({ id, words, mend, shader }) => {
     const said = made("p");
     said.append(made("b", { textContent: id }), `: ${words}. Instead: ${mend}.`);
-    return shader ? [said, made("pre", { textContent: shader })] : [said];
+    return shader ? [said, codeOf(shader)] : [said];
   }), made("p", { className: "quiet", textContent: `“${sentence}” (${section})` }));
   byId("cells-list").append(article);
   watcher.observe(canvas);
