@@ -7,7 +7,7 @@ import { basename, dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { deflateSync } from "node:zlib";
 import { seamsOf } from "../../web/page/seams.js";
-import { changesOf } from "../../web/page/changes.js";
+import { changesOf, whatStays } from "../../web/page/changes.js";
 import { makeCamera } from "../../web/page/camera.js";
 import { meetsPicture, multiply, scaling, translation } from "../../web/page/matrix.js";
 import { seek } from "../../web/page/seek.js";
@@ -1232,6 +1232,25 @@ await attempt("angles next to nothing are given in words; of one grade the rules
   const report = JSON.parse(execFileSync(tool, ["check", join(root, "assets/spider.stl"), "--json", "--fail-on", "never"], { encoding: "utf8" })).files[0].findings.filter(({ severity }) => severity === "info").map(({ rule }) => rule).join();
   const listed = await view.evaluate("[...document.querySelectorAll('#findings .info')].map((b) => b.dataset.key.slice(0, 4)).join()");
   expect(listed === report && report.length > 9, `${listed}, and the report ${report}`);
+  expect(view.said.length === 0, view.said.join("\n"));
+});
+
+await attempt("a fix says what is true: where none is of use, where the picture stays, which rules it is about", async () => {
+  const view = await visit(plain, { calm: true }), isGreen = () => view.evaluate("document.getElementById('fix').classList.contains('main')"), listed = (id) => view.until(`[...document.querySelectorAll("#${id} li")].map((item) => item.textContent).join("; ")`);      // the words in front of the list come first
+  const press = async () => { await view.evaluate("document.getElementById('fix').click()"); await view.until("!/Working/.test(document.getElementById('fix-facts').textContent)"); await view.settled(); return view.text("fix-facts"); };
+  await dropText(view, "plate.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  await view.until("document.getElementById('finding-0')", 20);
+  expect(!(await isGreen()) && /^There is nothing to fix/.test(await press()), `without a warning: ${await view.text("fix-facts")}`);
+  /* A quadrangle that folds over where it is cut from its first corner, as the page does not cut it. */
+  await dropText(view, "dart.obj", "v -1 -1 0\nv 0 0 0\nv 1 -1 0\nv 0 2 0\nf 1 2 3 4\n");
+  await view.until("/N404/.test(document.getElementById('findings').textContent)", 20);
+  expect((await isGreen()) && /tick the box to try/.test(await press()), `before the box is ticked: ${await view.text("fix-facts")}`);
+  expect(/^N404 bad-polygon stays: .*tick the box to try it$/.test(await listed("stays")), await listed("stays"));
+  await view.evaluate("document.getElementById('fix-unsafe').click()");
+  expect(/^Before: .*1 warning.*After: .*0 warnings/.test(await press()), await view.text("fix-facts"));
+  expect(/^no triangle and no normal of the picture changed; N404 bad-polygon: 1 place before, none after/.test(await listed("fixed-list")) && (await view.evaluate("document.getElementById('tint-row').hidden")), await listed("fixed-list"));
+  const found = [{ id: "N305", name: "duplicate-faces", severity: 2, fix: 2 }];
+  expect(whatStays(found, ["N401, N305: 152 faces are kept"], true).join() === "N305: 152 faces are kept", "a rule is named that found nothing");
   expect(view.said.length === 0, view.said.join("\n"));
 });
 

@@ -94,13 +94,14 @@ const many = (count, one) => `${count.toLocaleString("en-US")} ${one}${count ===
 /* Rules whose faults go with their faces. */
 const DROPPED = { N305: "duplicate", N401: "degenerate" };
 
-/* In words, for a list. dropped: by how much each rule's findings fell, { id, name, before, after }. */
+/* In words, for a list; without counts where the meshes are others. rules: by how much each rule's findings fell, { id, name, before, after }. */
 export function wordsOf({ gone, made, turned, normals }, rules) {
   const faces = rules.filter(({ id, before, after }) => DROPPED[id] && before - after === gone), words = [];
   if (gone) words.push(`${many(gone, `${faces.length ? `${DROPPED[faces[0].id]} ` : ""}face`)} removed`);
   if (turned) words.push(`${many(turned, "face")} turned round`);
   if (normals) words.push(`${many(normals, "corner normal")} changed`);
   if (made) words.push(`${many(made, "face")} added`);
+  if (gone === 0 && !words.length) words.push("no triangle and no normal of the picture changed");
   return [...words, ...rules.map(({ id, name, before, after }) => `${id} ${name}: ${many(before, "place")} before, ${after ? many(after, "place").replace(/ .*/, "") : "none"} after`)];
 }
 
@@ -110,9 +111,14 @@ export function rulesThatFell(before, after) {
   return [...new Map(all.map(({ id, name }) => [id, name]))].map(([id, name]) => ({ id, name, before: sum(before, id), after: sum(after ?? [], id) })).filter((rule) => rule.after < rule.before);
 }
 
-/* What stays and why: what a note says, otherwise what kind of fix its rule has. */
+/* Errors and warnings, which a fix is about; those whose rule has one, which may yet not help. */
+export const problemsIn = (findings) => (findings ?? []).filter(({ severity }) => severity > 1);
+export const triedBy = (findings) => problemsIn(findings).filter(({ fix }) => fix > 0);
+
+/* What stays and why: what a note says, of the rules that found something, otherwise what kind of fix its rule has. */
 export function whatStays(findings, notes, unsafe) {
-  const stays = [...new Map((findings ?? []).filter(({ severity }) => severity > 1).map((finding) => [finding.id, finding])).values()], of = (id) => notes.find((note) => note.includes(id));
-  const why = ({ id, fix }) => (fix === 0 ? "no program can know what was meant" : fix === 2 && !unsafe ? "its fix changes how the model looks: tick the box to allow that" : "its fix would not remove it");
-  return [...notes, ...stays.filter(({ id }) => !of(id)).map((finding) => `${finding.id} ${finding.name} stays: ${why(finding)}`)];
+  const stays = [...new Map(problemsIn(findings).map((finding) => [finding.id, finding])).values()], of = (id) => notes.find((note) => note.includes(id));
+  const why = ({ fix }) => (fix === 0 ? "no program can know what was meant" : fix === 2 && !unsafe ? "its fix would change how the model looks: tick the box to try it" : "its fix would not remove it");
+  const isFound = (rule) => (findings ?? []).some(({ id }) => id === rule), ofFound = (note) => note.replace(/^(N\d+, )*N\d+(?=: )/, (rules) => rules.split(", ").filter(isFound).join(", ") || rules);
+  return [...notes.map(ofFound), ...stays.filter(({ id }) => !of(id)).map((finding) => `${finding.id} ${finding.name} stays: ${why(finding)}`)];
 }

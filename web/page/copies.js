@@ -1,5 +1,5 @@
 /* Changed copies of the file: fixed, or with its normals computed; beside the file as it is. */
-import { rulesThatFell, whatStays, wordsOf } from "./changes.js";
+import { problemsIn, rulesThatFell, triedBy, whatStays, wordsOf } from "./changes.js";
 import { byId, isChecked, numberOf, value } from "./controls.js";
 import { listFiles } from "./files.js";
 import { showModel } from "./opening.js";
@@ -44,7 +44,7 @@ async function change(facts, links, ask, words, then = () => undefined) {
 /* What was changed, in colour on both sides. */
 async function uploadTint(changes) {
   const mine = page.opening;
-  byId("tint-row").hidden = !changes;
+  byId("tint-row").hidden = !changes?.some(({ counts }) => Object.values(counts).some(Boolean));
   for (const [shown, name] of [[page.before, "before"], [page.scene, "after"]])
     for (const [i, one] of (changes ?? []).entries()) {
       if (mine !== page.opening) return;
@@ -67,10 +67,15 @@ async function goToChange(wasChosen, changes) {
   if (old === page.before && shown === page.scene) await fly({ ...best.pose, centre: isFar ? [0, 0, 0] : [...best.pose.centre], distance: isFar ? 3.4 : distance });
 }
 
+function whyNothing(findings, unsafe) {
+  if (findings && !problemsIn(findings).length) return "There is nothing to fix: no error and no warning.";
+  return triedBy(findings).length && !unsafe ? "Nothing can be fixed without changing how it looks: tick the box to try that." : "Nothing here can be fixed by a program.";
+}
+
 export function fix() {
   const unsafe = isChecked("fix-unsafe");
   return change("fix-facts", "fixed-files", () => page.remote.fix(page.source.path, page.source.name, { unsafe }), ({ changed, model }) => (changed
-    ? `Before: ${sum((page.before ?? page.scene).model.findings)}. After: ${sum(model.findings)}. The line in the picture divides before from after.` : unsafe ? "Nothing here can be fixed by a program." : "Nothing can be fixed without changing how it looks: tick the box to allow that."),
+    ? `Before: ${sum((page.before ?? page.scene).model.findings)}. After: ${sum(model.findings)}. The line in the picture divides before from after.` : whyNothing((page.before ?? page.scene).model.findings, unsafe)),
   ({ model, notes }, changes, first) => {
     const counts = (changes ?? []).reduce((all, one) => Object.fromEntries(Object.entries(one.counts).map(([name, x]) => [name, x + (all[name] ?? 0)])), {}), after = model?.findings ?? first.model.findings, stays = whatStays(after, notes, unsafe);
     listWords("fixed-list", model ? wordsOf(counts, rulesThatFell(first.model.findings, after)) : []);

@@ -1,5 +1,6 @@
 /* Opening: a model that is built in, files, what norma view put into the page, the surface that moves; and what the page shows of each. */
 import { applyAddress } from "./address.js";
+import { triedBy } from "./changes.js";
 import { byId, isChecked, numberOf, setMatrix, setRange, value } from "./controls.js";
 import { bytesFor, gather, hintFor, listFiles } from "./files.js";
 import { listFindings, pressFinding } from "./findings.js";
@@ -67,6 +68,7 @@ function showFindings(model) {
   listFindings(model.unchecked ? undefined : model.findings, chooseFinding, (finding) => (model.meshes[finding.mesh] ? page.thumbs.add(finding) : null));
   byId("finding-seen").textContent = "";
   option("colours", "findings").disabled = !model.findings?.length;
+  byId("fix").classList.toggle("main", triedBy(model.findings).length > 0);
 }
 
 /* Asks norma check, behind the first picture. */
