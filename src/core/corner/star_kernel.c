@@ -322,17 +322,22 @@ CORE_INLINE quad choose_quad(quad condition, quad a, quad b) {
 
 CORE_INLINE quad number_quad(uint32_t from) { return (quad){0, 1, 2, 3} + from; }
 
-/* Nonzero where some lane is. */
+/* The bits of all lanes. */
 CORE_INLINE uint32_t any_of_quad(quad lanes) {
     return (lanes[0] | lanes[1]) | (lanes[2] | lanes[3]);
 }
 
 CORE_INLINE quad all_but_lowest(quad bits) { return bits & (bits - 1); }
 
-/* The place of each number's only bit, from its exponent as a float: there is an instruction for
- * that on every machine. */
-CORE_INLINE quad place_of_bit(quad bit) {
-    return ((quad) __builtin_convertvector((signed_quad)bit, float_quad) >> 23) - 127;
+/* All ones where a number has one bit. */
+CORE_INLINE quad is_only_bit(quad bits) {
+    return (quad)(bits != 0) & (quad)(all_but_lowest(bits) == 0);
+}
+
+/* The place of each number's only bit, counted from begin; from its exponent as a float: there is
+ * an instruction for that on every machine. */
+CORE_INLINE quad place_of_bit(quad bit, uint32_t begin) {
+    return ((quad) __builtin_convertvector((signed_quad)bit, float_quad) >> 23) + (begin - 127);
 }
 
 /* Of a star of so many corners at most. Returns whether an edge has more than one face that runs
@@ -360,15 +365,13 @@ CORE_INLINE int find_edges(
 /* Where more than two faces meet, each has those across the edge as partners that are not its
  * twins; of triangles, twins share both edges. Two that are each other's only one stay. */
 CORE_INLINE void keep_only_partners(quad *back, const quad *out, uint32_t quads) {
-    uint32_t wanted = 0; /* by one only */
+    quad wanted = {0}; /* by one only */
     for (uint32_t q = 0; q < quads; q++)
-        for (uint32_t i = 0; i < QUAD; i++) {
-            const uint32_t outs = out[q][i] & ~back[q][i];
-            wanted |= (uint32_t)(outs != 0 && !(outs & (outs - 1))) << (QUAD * q + i);
-        }
+        wanted |= is_only_bit(out[q] & ~back[q]) & ((quad){1, 2, 4, 8} << (QUAD * q));
+    const uint32_t all_wanted = any_of_quad(wanted);
     for (uint32_t q = 0; q < quads; q++) {
         const quad backs = back[q] & ~out[q];
-        back[q] = backs & wanted & (quad)(all_but_lowest(backs) == 0);
+        back[q] = backs & all_wanted & is_only_bit(backs);
     }
 }
 
@@ -376,8 +379,8 @@ CORE_INLINE void name_others(fan_batch *t, uint32_t begin, uint32_t from, quad b
     const quad number = number_quad(begin + from);
     store_quad(t->back + begin + from, back);
     store_quad(t->out + begin + from, out);
-    store_quad(t->other + begin + from,
-        choose_quad((quad)(back != 0), begin + place_of_bit(back), number));
+    store_quad(
+        t->other + begin + from, choose_quad((quad)(back != 0), place_of_bit(back, begin), number));
 }
 
 /* Whether two run the same way along an edge, which only those ask who count it. */
