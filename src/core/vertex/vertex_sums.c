@@ -158,17 +158,12 @@ static size_t choose_size(size_t workers, size_t positions, double span, size_t 
     return size < positions ? size : positions;
 }
 
-/* How often chunks are measured, once for each bin that they touch. */
-static size_t count_touched(const core_bins *bins) {
+/* Whether chunks are measured for so many bins each at most. */
+static int is_coherent(const core_bins *bins, double most) {
     size_t touched = 0;
     for (size_t i = 0; i < bins->chunks; i++)
         touched += bins->ranges[i].most / bins->size - bins->ranges[i].least / bins->size + 1;
-    return touched;
-}
-
-/* Whether chunks are measured for one and a half bins each at most. */
-static int is_coherent(const core_bins *bins) {
-    return count_touched(bins) <= bins->chunks + bins->chunks / 2 + 1;
+    return (double)touched <= most * (double)bins->chunks + 1;
 }
 
 static size_t lesser_of(size_t a, size_t b) { return a < b ? a : b; }
@@ -199,7 +194,7 @@ static int core_plan_bins(const core_voting *voting, core_bins *bins) {
     bins->buffers = choose_buffers(bins, workers, alone);
     bins->step =
         call->options.parallel_for || bins->buffers < workers ? bins->buffers : bins->count;
-    return bins->size <= MOST_IN_BIN && is_coherent(bins);
+    return bins->size <= MOST_IN_BIN && is_coherent(bins, 1.5);
 }
 
 /* ---- who does what */
@@ -403,12 +398,7 @@ norma_result norma_core_bin_vertices(core_prepared_mesh *prepared, core_range *r
  * over the chunks of faces that do not touch it. So every sum is taken in the same order by any
  * number of threads. */
 
-enum {
-    FEWEST_FACES_TO_SHARE = 1 << 15,
-    FEWEST_SUMS_TO_SHARE = 1 << 21, /* beyond all caches */
-    MOST_RANGES = 64,
-    STEPS = 32
-};
+enum { FEWEST_FACES_TO_SHARE = 1 << 15, MOST_RANGES = 64, STEPS = 32 };
 
 typedef struct sum_work {
     const core_voting *voting;
@@ -450,16 +440,8 @@ static void sum_range(void *context, size_t number) {
 }
 
 static void divide_into_ranges(core_bins *bins, size_t sharing) {
-    bins->size = bins->positions / sharing + (bins->positions % sharing != 0);
-    bins->count =
-        bins->size ? bins->positions / bins->size + (bins->positions % bins->size != 0) : 0;
-}
-
-/* Faces in no order are measured by each who works, for some of their corners: two threads took
- * twice to four times as long as one, unless it waits for memory at each corner. */
-static int is_worth_sharing(const core_bins *bins) {
-    return bins->positions >= FEWEST_SUMS_TO_SHARE ||
-           (double)count_touched(bins) <= 0.75 * (double)bins->chunks * (double)bins->count;
+    bins->size = bins->positions / sharing + 1;
+    bins->count = bins->positions / bins->size + (bins->positions % bins->size != 0);
 }
 
 /* In steps where somebody is told of progress: who owns a range is done with it only at the end. */
@@ -473,7 +455,10 @@ static norma_result sum_ranges(sum_work *work) {
     norma_core_stage(call, begin, from);
     if (bins->count > 1 && bins->mesh->weld && !work->voting->targets)
         result = norma_core_find_ranges(work->voting);
-    if (bins->count > 1 && result == NORMA_OK && !is_worth_sharing(bins))
+    /* Faces in no order are measured by each who works, for some of their corners: two threads took
+     * twice to four times as long as one, and no less where memory was waited for at each corner.
+     */
+    if (bins->count > 1 && result == NORMA_OK && !is_coherent(bins, 0.75 * (double)bins->count))
         divide_into_ranges(bins, 1);
     for (size_t step = 0; step < steps && result == NORMA_OK; step++) {
         work->step = (core_chunks){bins->chunks * step / steps, bins->chunks * (step + 1) / steps};
