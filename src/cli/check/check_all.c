@@ -518,7 +518,7 @@ int check_all_files(const check_settings *settings, check_configs *configs,
         .totals.list = totals->list};
     cli_progress_start(&all->progress, "checking",
         inputs->count == 1 ? cli_input_name(inputs->paths[0]) : "files", settings->quiet, 0);
-    all->progress.is_uneven = settings->fix && inputs->count == 1; /* how many passes: not known */
+    all->progress.is_uneven = settings->fix != CHECK_FIX_NOTHING; /* how many passes: not known */
     for (size_t i = 0; i < inputs->count && all->progress.enabled; ++i)
         all->work += work_of(all, i);
     const int is_limited = format == &check_format_sarif && !settings->shards;
