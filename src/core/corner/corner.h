@@ -291,6 +291,11 @@ typedef struct position_visit {
     size_t target_size;
 } position_visit;
 
+/* Whether a call asks for what edges are counted for. */
+static inline int norma_core_counts_edges(const core_call *call, const norma_report *report) {
+    return report || call->options.edges;
+}
+
 /* sum: what all visits added up to, degenerate faces among it. MEMORY or CANCELLED: some were not
  * made. */
 norma_result norma_core_visit_positions(

@@ -28,10 +28,6 @@ static void take_corner_normal(void *output, uint32_t corner, const float normal
     norma_core_write_normal(output, corner, normal);
 }
 
-static int is_counting(const core_call *call, const norma_report *report) {
-    return report || call->options.edges;
-}
-
 static norma_result compute_corners(
     core_prepared_mesh *prepared, const core_output *output, norma_report *report) {
     core_call *call = prepared->call;
@@ -39,7 +35,7 @@ static norma_result compute_corners(
     corner_work work = {.output = output};
     stars_part sum = {.tally.degenerate = prepared->degenerate_faces};
     const position_visit visit = {.join = CORE_JOIN_FANS,
-        .counting = is_counting(call, report),
+        .counting = norma_core_counts_edges(call, report),
         .by_fan = 1,
         .see = write_fans,
         .context = &work,

@@ -345,10 +345,10 @@ static norma_result check_split_room(
 }
 
 /* The first pass. */
-static norma_result find_firsts(split_work *work, stars_part *sum) {
+static norma_result find_firsts(split_work *work, const norma_report *report, stars_part *sum) {
     core_prepared_mesh *prepared = work->prepared;
     const position_visit visit = {.join = CORE_JOIN_FANS,
-        .counting = 1,
+        .counting = norma_core_counts_edges(prepared->call, report),
         .see = see_to_number,
         .context = work,
         .target = work->firsts,
@@ -362,7 +362,7 @@ static norma_result split_and_report(
     core_call *call = prepared->call;
     stars_part sum = {.tally.degenerate = prepared->degenerate_faces};
     size_t count;
-    norma_result result = find_firsts(work, &sum);
+    norma_result result = find_firsts(work, report, &sum);
     norma_core_stage(call, 0.75, 0.76);
     if (result == NORMA_OK) result = count_vertices(work, &count);
     if (result == NORMA_OK) result = check_split_room(prepared, out, count);
