@@ -530,13 +530,27 @@ static void count_edges(
     }
 }
 
-/* Numbers them from fan on, and returns how many there are. */
-static uint32_t number_linked_fans(
-    const star_links *l, uint32_t count, uint32_t fan, uint32_t *fan_of) {
-    uint32_t left = (1U << count) - 1, first = left;
-    const uint32_t given = fan;
-    for (uint32_t c = 0; c < count; c++) first &= ~l->link[c];
+/* The sum of some of a star's corners, in their order, in a register: one in memory would wait for
+ * its last store. */
+CORE_INLINE void sum_fan(fan_batch *t, const uint32_t *key, uint32_t members, uint32_t fan) {
+    const double *rows = t->kept->row[0];
+    row_lanes sum = {0};
+    for (; members; members &= members - 1) {
+        const uint32_t k = key[lowest(members)];
+        sum += load_row(rows + (k & ~7U)) * rows[k + 4];
+    }
+    memcpy(t->row[fan], &sum, sizeof sum);
+}
+
+/* Numbers them from the star's first on, in the order of their first corners, and sums them.
+ * Returns how many there are. */
+CORE_INLINE uint32_t sum_fans(
+    fan_batch *t, const uint32_t *key, const listed_star *star, const star_links *l) {
+    uint32_t *fan_of = t->fan_of + star->begin;
+    uint32_t left = (1U << star->count) - 1, first = left, fan = star->first_fan;
+    for (uint32_t c = 0; c < star->count; c++) first &= ~l->link[c];
     for (; left; fan++) {
+        const uint32_t before = left;
         uint32_t at = lowest(first & left ? first & left : left), next;
         do {
             fan_of[at] = fan;
@@ -544,11 +558,12 @@ static uint32_t number_linked_fans(
             next = l->link[at] & left;
             at = lowest(next | 1U << 31);
         } while (next);
+        sum_fan(t, key, before & ~left, fan);
     }
-    return fan - given;
+    return fan - star->first_fan;
 }
 
-/* The one fan of most stars, in a register: a sum in memory would wait for its last store. */
+/* The one fan of most stars. */
 CORE_INLINE void sum_one_fan(fan_batch *t, const uint32_t *key, const listed_star *star) {
     const double *rows = t->kept->row[0];
     row_lanes sum = {0};
@@ -556,16 +571,6 @@ CORE_INLINE void sum_one_fan(fan_batch *t, const uint32_t *key, const listed_sta
         sum += load_row(rows + (key[i] & ~7U)) * rows[key[i] + 4];
     memcpy(t->row[star->first_fan], &sum, sizeof sum);
     for (uint32_t i = 0; i < ORDINARY_CORNERS; i++) t->fan_of[star->begin + i] = star->first_fan;
-}
-
-/* Several fans, each in the order of its corners. */
-static void sum_fans(fan_batch *t, const uint32_t *key, const listed_star *star, uint32_t fans) {
-    const double *rows = t->kept->row[0];
-    const uint32_t *fan_of = t->fan_of + star->begin;
-    double(*sums)[4] = t->row;
-    memset(sums + star->first_fan, 0, fans * sizeof *sums);
-    for (uint32_t i = 0; i < star->count; i++)
-        core_add_row(sums[fan_of[i]], rows + (key[i] & ~7U), rows[key[i] + 4]);
 }
 
 /* Returns how many fans; 0: the star is not ordinary. */
@@ -577,12 +582,10 @@ CORE_INLINE uint32_t settle_star(
                       : star->count <= HALF ? link_ordinary(t, star, HALF, &l)
                                             : link_ordinary(t, star, 2 * HALF, &l);
     if (found == UNSURE) return 0;
-    if (found == ONE_FAN) {
+    if (found == ONE_FAN)
         sum_one_fan(t, key, star);
-    } else {
-        fans = number_linked_fans(&l, star->count, star->first_fan, t->fan_of + star->begin);
-        sum_fans(t, key, star, fans);
-    }
+    else
+        fans = sum_fans(t, key, star, &l);
     if (edges) count_edges(t, star, &l, edges);
     return fans;
 }
