@@ -8,6 +8,7 @@ python=${PYTHON:-/usr/bin/python3}
 [ -x "$python" ] || python=python3
 
 newest() { find "$1" -maxdepth 1 -name '*.whl' -printf '%T@ %p\n' 2>/dev/null | sort -n | tail -n 1 | cut -d' ' -f2-; }
+mkdir -p build/python
 wheel=$(newest build/python)
 if [ -z "$wheel" ] || [ -n "$(find python src include scripts/python.sh -type f -newer "$wheel" -print -quit)" ]; then
     scripts/python.sh >/dev/null
