@@ -35,6 +35,10 @@ await attempt("a finding's command begins with npx norma-mesh, and its words fix
   const fixed = run("bash", ["-c", commands[0].replace("npx norma-mesh", '"$0"'), command]), { files: [{ findings: left }] } = JSON.parse(run(tool, ["check", "corner.fixed.stl", "--format", "json"]).stdout);
   if (fixed.status !== 0 || left.some(({ rule }) => rule === findings.find((finding) => finding.command).rule)) throw new Error(fixed.stdout + fixed.stderr);
 });
+await attempt("a pipe that is read late gets everything", async () => {
+  const words = Array(9).fill('"$0" explain N --json').join("; "), { stdout, stderr } = run("bash", ["-c", `{ ${words}; } | (sleep 5; wc -c)`, command]), all = 9 * Buffer.byteLength(run(tool, ["explain", "N", "--json"]).stdout);
+  if (Number(stdout) < all || stderr) throw new Error(`${stdout} of ${all} bytes\n${stderr}`);
+});
 await attempt("a file that is replaced keeps its mode, and one that may not be written is not replaced", async () => {
   const file = join(scratch, "kept.obj"), owner = process.geteuid() === 0 ? { uid: 65534, gid: 65534 } : {};
   copyFileSync(join(assets, "goathead.obj"), file);

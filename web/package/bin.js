@@ -18,7 +18,7 @@ async function importWasi() {
 
 /* WASI's numbers of errors, which are not the system's. */
 const ERRORS = { EACCES: 2, EBADF: 8, EINVAL: 28, EIO: 29, ELOOP: 32, ENAMETOOLONG: 37, ENOENT: 44, ENOTDIR: 54, EPERM: 63, EROFS: 69 };
-const EPIPE = 64;
+const EAGAIN = 6, EPIPE = 64;
 const numberOf = ({ code }) => ERRORS[code] ?? ERRORS.EIO;
 const attempt = (work) => { try { work(); return 0; } catch (error) { return numberOf(error); } };
 
@@ -62,9 +62,11 @@ function makeHost(wasi, memory) {
     host_user: () => process.geteuid?.() ?? 0,
     host_process: () => process.pid,
   };
-  /* node hears no SIGPIPE; whoever reads no more ends the tool all the same. */
+  /* node makes pipes return at once when they are full: wait until they are read. It hears no SIGPIPE; whoever reads no more ends the tool all the same. */
+  const still = new Int32Array(new SharedArrayBuffer(4));
   const written = (descriptor, ...rest) => {
-    const result = wasi.fd_write(descriptor, ...rest);
+    let result;
+    while ((result = wasi.fd_write(descriptor, ...rest)) === EAGAIN) Atomics.wait(still, 0, 0, 5);
     if (result === EPIPE && descriptor === 1) process.exit(128 + 13);
     return result;
   };
