@@ -134,6 +134,11 @@ NORMA_API size_t norma_findings_count(const norma_findings *findings);
  * the file; at one place the most severe comes first. The finding belongs to findings. */
 NORMA_API const norma_finding *norma_findings_get(const norma_findings *findings, size_t index);
 
+/* The program that commands to be pasted begin with. The npm package is built with another. */
+#if !defined(NORMA_PROGRAM)
+#define NORMA_PROGRAM "norma"
+#endif
+
 /* Writes the command that fixes a finding, to paste into a POSIX shell:
  * norma check chair.glb --fix-unsafe --select N602 -o chair.fixed.glb
  * Names are quoted if a shell needs it.

@@ -34,10 +34,13 @@ static const char ending[] =
     "130 interrupted, 143 terminated.\n";
 
 static void print_help(FILE *out) {
-    fputs(introduction, out);
-    for (size_t i = 0; i < CLI_COUNT(commands); ++i)
-        fprintf(out, "  %-11s %s\n", commands[i]->name, commands[i]->summary);
-    fputs(ending, out);
+    cli_help(out, introduction);
+    for (size_t i = 0; i < CLI_COUNT(commands); ++i) {
+        fprintf(out, "  %-11s ", commands[i]->name);
+        cli_help(out, commands[i]->summary);
+        fputc('\n', out);
+    }
+    cli_help(out, ending);
 }
 
 static const cli_subcommand *find_subcommand(const char *name) {
@@ -61,7 +64,7 @@ static int help_about(int count, char **names) {
     }
     const cli_subcommand *command = find_subcommand(names[0]);
     if (!command) return unknown_subcommand(names[0]);
-    fputs(command->help, stdout);
+    cli_help(stdout, command->help);
     return cli_finish(CLI_OK);
 }
 

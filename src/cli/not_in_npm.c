@@ -6,7 +6,7 @@
 
 static const char not_in_npm_help[] =
     "This subcommand is not in the npm package: it needs OpenGL, a browser or processes. The\n"
-    "program norma has it: https://example.org/norma\n";
+    "native program has it: https://example.org/norma\n";
 
 static int run_not_in_npm(const cli_subcommand *command, int count, char **arguments) {
     (void)count, (void)arguments;

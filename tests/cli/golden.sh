@@ -9,7 +9,7 @@
 #   > words              a line of its standard output        ("\ " at the end: without a line's end)
 #   ! words              a line of its standard error
 #   = 2                  its exit status, where that is not 0
-# For a tool under another name (npx norma-mesh): NORMA_SAYS, what its findings' commands call it, and NORMA_LEFT_OUT, a regular expression of the commands that it cannot run.
+# For a tool under another name (npx norma-mesh): NORMA_SAYS, what its commands call it, and NORMA_LEFT_OUT, a regular expression of the commands that it cannot run.
 # shellcheck source=tests/support/tap.sh
 source "$(dirname "$0")/../support/tap.sh"
 cases=$root/tests/cli/golden
@@ -35,7 +35,7 @@ answer() {
         export -f norma
         bash -c "$1"
     ) >"$scratch/stdout" 2>"$scratch/stderr" </dev/null 3<&- || status=$?
-    [ -z "${NORMA_SAYS:-}" ] || sed -i "s/$NORMA_SAYS check /norma check /g" "$scratch/stdout" "$scratch/stderr"
+    [ -z "${NORMA_SAYS:-}" ] || sed -i "s/$NORMA_SAYS /norma /g" "$scratch/stdout" "$scratch/stderr"
     printf '$ %s\n' "$1"
     prefixed '>' "$scratch/stdout"
     prefixed '!' "$scratch/stderr"

@@ -23,7 +23,7 @@ const CALLS = [
   ["compute", { crease: 25, weight: "area" }, ["compute", "--crease", "25", "--weight", "area", "--json", "--out-dir", "out"]], ["compute", { smooth: true, only: "missing" }, ["compute", "--smooth", "--only", "missing", "--json", "--out-dir", "out"]],
   ["info", {}, ["info", "--json"]], ["info", { deep: true }, ["info", "--deep", "--json"]],
 ];
-const withoutOutput = ({ output, ...rest }) => rest, plain = (value) => JSON.stringify(value).replaceAll("npx norma-mesh check ", "norma check ");
+const withoutOutput = ({ output, ...rest }) => rest, plain = (value) => JSON.stringify(value).replaceAll("npx norma-mesh ", "norma ");
 
 function compare(call, expected, result, file) {
   const printed = JSON.parse(expected.stdout), told = call === "info" ? result : call === "fix" ? result.report : result.summary;

@@ -60,7 +60,7 @@ relay files node tests/web/files.mjs "$installed" "$tool" "${files[@]}"
 # The tool itself, under node's WASI: the cases of the command line, byte by byte. It cannot draw, limit its memory, open a shell's pipes by name or take names that are not UTF-8.
 command=$user/node_modules/.bin/norma-mesh
 check "npx norma-mesh is the tool" test "$(cd "$user" && npx --no-install norma-mesh --version)" = "$("$tool" --version)"
-relay "npx norma-mesh" env NORMA_SAYS="npx norma-mesh" NORMA_LEFT_OUT='norma render|help render|norma view|norma mcp|--max-memory|<\(|\\xff|^norma( --help)?$'"$no_3mf" NORMA_BIN="$command" tests/cli/golden.sh
+relay "npx norma-mesh" env NORMA_SAYS="npx norma-mesh" NORMA_LEFT_OUT='norma render|help render|norma view|norma mcp|--max-memory|<\(|\\xff|^norma( --help)?$|explain N501'"$no_3mf" NORMA_BIN="$command" tests/cli/golden.sh
 relay "npx norma-mesh beside the tool" node tests/web/tool.mjs "$command" "$(realpath "$tool")" "$root/assets" "$root/tests/cli/golden/files" tests/web/ball-draco.glb tests/web/ball-meshopt.glb
 relay "files in, files out" node tests/web/edits.mjs "$installed" "$(realpath "$tool")" "$root"/assets/*.obj "$root"/assets/*.stl "$root"/tests/cli/golden/files/*.* "$root"/tests/web/ball-*.glb
 if [ -z "$no_3mf" ]; then

@@ -16,7 +16,7 @@ function isSame(file, words) {
     const folder = mkdtempSync(join(scratch, "side-"));
     copyFileSync(file, join(folder, basename(file)));
     const { status, stdout, stderr } = run(program, words(basename(file), `out${extname(file)}`), { cwd: folder });
-    return JSON.stringify([status, stdout.replaceAll("npx norma-mesh check ", "norma check "), stderr, bytesIn(folder)]);
+    return JSON.stringify([status, ...[stdout, stderr].map((text) => text.replaceAll("npx norma-mesh ", "norma ")), bytesIn(folder)]);
   });
   return { same: sides[0] === sides[1], sides };
 }
@@ -34,6 +34,15 @@ await attempt("a finding's command begins with npx norma-mesh, and its words fix
   if (!commands.length || commands.some((words) => !words.startsWith("npx norma-mesh check corner.stl "))) throw new Error(commands.join("\n"));
   const fixed = run("bash", ["-c", commands[0].replace("npx norma-mesh", '"$0"'), command]), { files: [{ findings: left }] } = JSON.parse(run(tool, ["check", "corner.fixed.stl", "--format", "json"]).stdout);
   if (fixed.status !== 0 || left.some(({ rule }) => rule === findings.find((finding) => finding.command).rule)) throw new Error(fixed.stdout + fixed.stderr);
+});
+await attempt("explanations, helps and hints name commands that can be pasted, and are the tool's otherwise", async () => {
+  const verbs = ["compute", "seams", "tangents", "pack", "transform", "matrix", "check", "report", "explain", "info", "compare"];
+  for (const words of [["explain", "N"], ["explain", "N", "--json"], ["matrix"], ["nothing"], ["check", "--nothing"], ["help"], ...verbs.map((verb) => ["help", verb])]) {
+    const [ours, theirs] = [command, tool].map((program) => run(program, words)), plain = (text) => text.replace(/\s+/g, " ").replaceAll("npx norma-mesh ", "norma ");
+    const wrong = ours.stdout.match(/.*(?<!npx )norma [a-z].*/g) ?? (ours.stderr && !/\(see 'npx norma-mesh help/.test(ours.stderr) && [ours.stderr]);
+    if (wrong) throw new Error(`${words.join(" ")}\n${wrong.join("\n")}`);
+    if (words[0] !== "help" || words[1]) if (plain(ours.stdout + ours.stderr) !== plain(theirs.stdout + theirs.stderr)) throw new Error(`${words.join(" ")}\n${ours.stdout}\n${theirs.stdout}`);
+  }
 });
 await attempt("a pipe that is read late gets everything", async () => {
   const words = Array(9).fill('"$0" explain N --json').join("; "), { stdout, stderr } = run("bash", ["-c", `{ ${words}; } | (sleep 5; wc -c)`, command]), all = 9 * Buffer.byteLength(run(tool, ["explain", "N", "--json"]).stdout);

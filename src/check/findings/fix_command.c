@@ -5,10 +5,6 @@
 #include "check/findings/check_run.h"
 #include <string.h>
 
-#if !defined(NORMA_PROGRAM)
-#define NORMA_PROGRAM "norma" /* in npm's package: npx norma-mesh */
-#endif
-
 typedef struct command_line {
     char *text;
     size_t capacity, length; /* length: of all that was put, even if it does not fit */
@@ -176,7 +172,7 @@ static void put_output(command_line *line, const char *path, const char *const *
 static void put_view(command_line *line, const char *path) {
     command_word page = begin_word(path, strlen(path));
     page.text[2] = ".html", page.length[2] = strlen(page.text[2]);
-    put_text(line, NORMA_PROGRAM " view ");
+    put_text(line, "norma view "); /* which the npm package has not */
     put_word(line, path);
     put_text(line, " -o ");
     put_pieces(line, &page);

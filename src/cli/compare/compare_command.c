@@ -314,7 +314,8 @@ static void print_comparison(const compare_work *work, FILE *out) {
 
 static void print_computed(const compare_work *work, const compared_scene *scene) {
     if (scene->computed && !work->common.quiet)
-        cli_error("%s: note: some normals were missing and were computed, as norma compute does",
+        cli_error("%s: note: some normals were missing and were computed, as " NORMA_PROGRAM
+                  " compute does",
             scene->name);
 }
 

@@ -44,7 +44,7 @@ static void write_fix(const norma_rule *rule) {
     if (rule->fix == NORMA_FIX_NONE)
         fputs("Fix: by hand only.\n", stdout);
     else
-        printf("Fix (%s): norma check FILE %s --select %s -o FIXED\n", rule->fix_verb,
+        printf("Fix (%s): " NORMA_PROGRAM " check FILE %s --select %s -o FIXED\n", rule->fix_verb,
             rule->fix == NORMA_FIX_SAFE ? "--fix" : "--fix-unsafe", rule->id);
 }
 

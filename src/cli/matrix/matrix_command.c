@@ -260,7 +260,7 @@ static int matrix_run(const cli_subcommand *command, int count, char **arguments
     if (status) return status;
     if (!matrix.given)
         return cli_usage(command, "no matrix was given; expected --scale, --rotate, --translate or "
-                                  "--matrix, as in: norma matrix --scale 2,0.5,1");
+                                  "--matrix, as in: " NORMA_PROGRAM " matrix --scale 2,0.5,1");
     status = answer(command, matrix.matrix, &found);
     if (status) return status;
     if (common.json)

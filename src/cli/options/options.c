@@ -97,7 +97,8 @@ int cli_usage(const cli_subcommand *command, const char *format, ...) {
     va_start(arguments, format);
     cli_say_list(stderr, format, arguments);
     va_end(arguments);
-    fprintf(stderr, " (see 'norma help%s%s')\n", command ? " " : "", command ? command->name : "");
+    fprintf(stderr, " (see '" NORMA_PROGRAM " help%s%s')\n", command ? " " : "",
+        command ? command->name : "");
     return CLI_USAGE;
 }
 

@@ -124,6 +124,13 @@ void cli_error(const char *format, ...) {
     funlockfile(stderr);
 }
 
+void cli_help(FILE *out, const char *text) {
+    static const char name[] = "norma ";
+    for (const char *found; (found = strstr(text, name)); text = found + strlen(name))
+        fprintf(out, "%.*s%s ", (int)(found - text), text, NORMA_PROGRAM);
+    fputs(text, out);
+}
+
 void cli_write_base64(FILE *out, const unsigned char *bytes, size_t size) {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     char text[4 * 1024];

@@ -27,6 +27,8 @@ void cli_write_outside(FILE *out, const char *text);
 void cli_write_outside_cut(FILE *out, const char *text, size_t most);
 /* The same as text in HTML and in its attributes. */
 void cli_write_outside_html(FILE *out, const char *text);
+/* A help text; its commands, which begin with "norma ", are written as they can be pasted. */
+void cli_help(FILE *out, const char *text);
 void cli_write_base64(FILE *out, const unsigned char *bytes, size_t size);
 
 #if defined(__GNUC__)

@@ -356,8 +356,7 @@ norma_document_result norma_together_fail_places(
     return norma_document_fail(m->document, run->error, NORMA_DOCUMENT_ERROR_UNSUPPORTED,
         info.where,
         "mesh \"%.200s\" is drawn at %zu places and would need different normals there, because "
-        "different surfaces meet it; run norma transform --bake first, which gives each node a "
-        "mesh of its own",
+        "different surfaces meet it; transform --bake gives each node a mesh of its own",
         info.name, count);
 }
 
