@@ -88,14 +88,6 @@ class NORMA_OT_show_finding(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
     index: bpy.props.IntProperty(default=-1)
 
-    @classmethod
-    def description(cls, context: Any, properties: Any) -> str:
-        """The tooltip: the whole message."""
-        if not 0 <= properties.index < len(state.rows):
-            return cls.__doc__ or ""
-        row = state.rows[properties.index]
-        return f"{row.object or 'The whole file'}: {row.message}"
-
     def execute(self, context: Any) -> Any:
         if not 0 <= self.index < len(state.rows):
             return {"CANCELLED"}
@@ -244,7 +236,7 @@ class NORMA_OT_weighted_normals(bpy.types.Operator):
     bl_label = "Weighted Normals"
     bl_options = {"REGISTER", "UNDO"}
     weight: bpy.props.EnumProperty(name="Weight", items=WEIGHTS)
-    crease: bpy.props.FloatProperty(name="Crease", description="Edges that bend by more degrees are hard", default=60, min=0, max=180)
+    crease: bpy.props.FloatProperty(name="Crease (°)", description="Edges that bend by more degrees are hard", default=60, min=0, max=180)
     keep_sharp: bpy.props.BoolProperty(name="Keep sharp edges", default=True)
     weld: bpy.props.BoolProperty(name="Across split vertices", default=True)
 

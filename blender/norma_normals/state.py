@@ -18,6 +18,7 @@ class NormaFinding(bpy.types.PropertyGroup):
     title: bpy.props.StringProperty()
     object: bpy.props.StringProperty()
     severity: bpy.props.StringProperty()
+    message: bpy.props.StringProperty()
 
 
 def _chosen(settings: Any, context: Any) -> None:
@@ -46,13 +47,13 @@ class NormaSettings(bpy.types.PropertyGroup):
         name="Check exports", description="Check each glTF file that Blender exports", default=True
     )
     unsafe: bpy.props.BoolProperty(
-        name="Also what may be intended",
+        name="Include unsafe fixes",
         description="Fix All applies also fixes that may change what an artist meant, such as turning faces",
         default=True,
     )
     weight: bpy.props.EnumProperty(name="Weight", items=WEIGHTS)
     crease: bpy.props.FloatProperty(
-        name="Crease", description="Edges that bend by more degrees are hard", default=60, min=0, max=180
+        name="Crease (°)", description="Edges that bend by more degrees are hard", default=60, min=0, max=180
     )
     keep_sharp: bpy.props.BoolProperty(
         name="Keep sharp edges", description="Edges marked as sharp and edges of flat faces stay hard", default=True
@@ -75,7 +76,7 @@ def show(context: Any, found: List[Row], verdict: str) -> None:
         item = own.findings.add()
         item.name = row.rule
         item.title, item.object = row.name, row.object
-        item.severity = row.severity
+        item.severity, item.message = row.severity, f"{row.object or 'The whole file'}: {row.message}"
     own.active = -1  # nothing is chosen yet
     own.verdict = verdict
 

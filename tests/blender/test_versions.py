@@ -126,7 +126,7 @@ class Versions(unittest.TestCase):
         self.assertEqual(mesh.removed, [])
 
     def test_messages_are_whole(self):
-        """Each letter 7 pixels wide: no line is wider than the panel, no word is lost."""
+        """Each letter 7 pixels wide, an icon 20: no line is wider than the panel, no word is lost."""
         blf.dimensions.side_effect = lambda font, text: (7 * len(text), 11)
         system = types.SimpleNamespace(ui_scale=1)
         style = types.SimpleNamespace(widget=types.SimpleNamespace(points=11))
@@ -138,11 +138,28 @@ class Versions(unittest.TestCase):
                     preferences=types.SimpleNamespace(system=system, ui_styles=[style]), region=types.SimpleNamespace(width=width)
                 )
                 blf.size.reset_mock()
-                lines = panel._lines(context, text)
-                self.assertEqual(" ".join(lines), text)
-                self.assertLessEqual(max(7 * len(line) for line in lines), width - 48)
+                for icon, room in (("NONE", width - 48), ("INFO", width - 68)):
+                    layout = mock.MagicMock()
+                    panel._write(layout, context, text, icon)
+                    lines = [call.kwargs["text"] for call in layout.column.return_value.label.call_args_list]
+                    self.assertEqual(" ".join(lines), text)
+                    self.assertLessEqual(max(7 * len(line) for line in lines), room)
                 self.assertEqual(len(blf.size.call_args.args), 3 if version < (4, 0, 0) else 2)
         bpy.app.version = (3, 4, 1)
+
+    def test_a_finding_s_object_is_whole(self):
+        """The rule's number gives way to a long name."""
+        blf.dimensions.side_effect = lambda font, text: (6 * len(text), 11)
+        preferences = types.SimpleNamespace(
+            system=types.SimpleNamespace(ui_scale=1), ui_styles=[types.SimpleNamespace(widget=types.SimpleNamespace(points=11))]
+        )
+        context = types.SimpleNamespace(preferences=preferences, region=types.SimpleNamespace(width=229))
+        for name, first in (("Chassis", "N301  Chassis"), ("SM_Rock_Large_Weath_01", "SM_Rock_Large_Weath_01"), ("", "N301  whole file")):
+            layout = mock.MagicMock()
+            item = types.SimpleNamespace(name="N301", object=name, title="inconsistent-winding", severity="error")
+            panel.NORMA_UL_findings().draw_item(context, layout, None, item, 0, None, "active", 0)
+            labels = [call.kwargs["text"] for call in layout.column.return_value.label.call_args_list]
+            self.assertEqual(labels, [first, "inconsistent winding"])
 
     def test_texture_coordinates_are_read(self):
         expected = np.float32([[0, 0], [1, 0], [1, 1]])
