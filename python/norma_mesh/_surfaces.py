@@ -46,6 +46,21 @@ def _starts(m: Mesh) -> NDArray[np.int64]:
     return np.arange(m.face_count + 1) * 3 if m.starts is None else m.starts.astype(np.int64)
 
 
+def triangles(positions: Array, corners: Array, starts: NDArray[np.int64]) -> Tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Convex polygons as fans: for each triangle its face, its three corners by number, and the product of its sides."""
+    sizes = np.maximum(np.diff(starts) - 2, 0)
+    of = np.repeat(np.arange(len(sizes)), sizes)
+    step = np.arange(len(of)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    fans = np.stack([starts[of], starts[of] + step + 1, starts[of] + step + 2], 1)
+    a, b, c = (positions[corners[fans[:, k]]].astype(np.float64) for k in range(3))
+    across = np.cross(b - a, c - a)
+    if len(of) > len(sizes):
+        concave = np.flatnonzero((across * face_normals(positions, (corners, starts))[of]).sum(1) < -1e-9 * np.abs(across).sum(1))
+        if concave.size:
+            raise ValueError(f"faces[{of[concave[0]]}]: convex polygons are needed; cut this one into triangles")
+    return of, fans, across
+
+
 def _normals_at_corners(whole: Any, m: Mesh, normals: Optional[ArrayLike]) -> Array:
     """Given ones, those of a file's mesh, or those that norma computes at creases of 60 degrees."""
     if normals is None and getattr(whole, "corner_normals", None) is not None:
@@ -189,17 +204,8 @@ def sample(
     high = np.flatnonzero(index >= len(m.positions))
     if high.size:
         raise IndexError(f"faces: index {index[high[0]]} of corner {high[0]}; an index below {len(m.positions)} is needed")
-    sizes = np.maximum(np.diff(starts) - 2, 0)
-    of = np.repeat(np.arange(m.face_count), sizes)
-    step = np.arange(len(of)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    fans = np.stack([starts[of], starts[of] + step + 1, starts[of] + step + 2], 1)
     p = m.positions.astype(np.float64)
-    a, b, c = (p[index[fans[:, k]]] for k in range(3))
-    across = np.cross(b - a, c - a)
-    if m.starts is not None:
-        concave = np.flatnonzero((across * face_normals(m.positions, (index, starts))[of]).sum(1) < -1e-9 * np.abs(across).sum(1))
-        if concave.size:
-            raise ValueError(f"faces[{of[concave[0]]}]: convex polygons are needed; cut this one into triangles")
+    of, fans, across = triangles(p, index, starts)
     areas = np.linalg.norm(across, axis=1)
     areas[~np.isfinite(areas)] = 0
     total = np.cumsum(areas)

@@ -13,6 +13,7 @@ from . import _norma
 from ._arguments import Faces, Mesh, mesh, vectors
 from ._calls import face_normals, index_corners
 from ._files import Path, bytes_of, raise_document
+from ._surfaces import triangles
 
 _FORMATS = ("obj", "ply", "stl", "glb")
 
@@ -36,10 +37,10 @@ class _Surface:
         self.sizes = np.diff(self.starts)
         if len(self.sizes) and self.sizes.min() < 3:
             raise ValueError(f"faces[{int(np.argmin(self.sizes))}]: three corners or more are needed, not {self.sizes.min()}")
-        if format in ("stl", "glb"):
-            large = np.flatnonzero(self.sizes != 3)
-            if large.size:
-                raise ValueError(f"faces[{large[0]}]: {format} holds triangles; this face has {self.sizes[large[0]]} corners")
+        self.face_of, self.fans = np.arange(self.count), np.arange(len(self.corners))
+        if format in ("stl", "glb") and (self.sizes != 3).any():  # which hold triangles only
+            self.face_of, fans, _ = triangles(points, self.corners, self.starts)
+            self.fans = fans.ravel()
         if format == "glb" and not m.corner_count:
             raise ValueError("faces: glb holds no mesh without faces")
 
@@ -123,10 +124,10 @@ def _ply(s: _Surface, attributes: Dict[str, NDArray[Any]]) -> bytes:
 
 
 def _stl(s: _Surface, attributes: Dict[str, NDArray[Any]]) -> bytes:
-    rows = np.zeros(s.count, [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    rows["corners"] = _floats("positions", s.positions, "stl")[s.corners].reshape(-1, 3, 3)
+    rows = np.zeros(len(s.face_of), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    rows["corners"] = _floats("positions", s.positions, "stl")[s.corners[s.fans]].reshape(-1, 3, 3)
     rows["normal"] = _floats("normals", attributes["normals"], "stl")
-    return b"norma".ljust(80, b"\0") + struct.pack("<I", s.count) + rows.tobytes()
+    return b"norma".ljust(80, b"\0") + struct.pack("<I", len(rows)) + rows.tobytes()
 
 
 def _glb(s: _Surface, attributes: Dict[str, NDArray[Any]]) -> bytes:
@@ -135,7 +136,7 @@ def _glb(s: _Surface, attributes: Dict[str, NDArray[Any]]) -> bytes:
     positions = s.positions
     names = {"normals": "NORMAL", "tangents": "TANGENT", "texcoords": "TEXCOORD_0"}
     small = len(positions) < 65536  # 65535 restarts strips
-    arrays: List[Tuple[Optional[str], NDArray[Any]]] = [(None, s.corners.astype(np.uint16 if small else np.uint32)), ("POSITION", positions)]
+    arrays: List[Tuple[Optional[str], NDArray[Any]]] = [(None, s.corners[s.fans].astype(np.uint16 if small else np.uint32)), ("POSITION", positions)]
     arrays += [(names[name], array) for name, array in attributes.items()]
     views: List[Dict[str, Any]] = []
     accessors: List[Dict[str, Any]] = []
@@ -175,7 +176,8 @@ def write(
     positions: (n, 3) numbers, or a whole mesh: of `norma.open`, trimesh, meshio, Open3D, pyvista, VTK.
     faces: (n, 3) or (n, k) integers, a list of polygons, (corners, face_starts), or "soup": each
         three positions are a triangle. It may be left out only beside an object that has faces.
-    STL and GLB hold triangles, and floats of 32 bits; OBJ and PLY hold polygons, and doubles if they are given.
+    STL and GLB hold triangles, into which convex polygons are cut, and floats of 32 bits; OBJ and PLY hold polygons,
+        and doubles if they are given.
     normals: one for each position or for each corner; in STL one for each face (None: as the winding is).
         In GLB and PLY a vertex is split where its corners differ. Lengths are written as they are given.
     texcoords: (n, 2), one for each position or for each corner; v is written as it is given.
@@ -199,10 +201,13 @@ def write(
     if kind == "stl":
         if texcoords is not None or tangents is not None:
             raise ValueError(f"{'texcoords' if texcoords is not None else 'tangents'}: stl holds none")
-        own = vectors("normals", face_normals(surface.positions, (surface.corners, surface.starts)) if normals is None else normals)[0]
-        if len(own) != surface.count:
-            raise ValueError(f"normals: stl holds one for each of {surface.count} faces, not {len(own)}")
-        attributes["normals"] = own
+        if normals is None:
+            attributes["normals"] = face_normals(surface.positions, surface.corners[surface.fans].reshape(-1, 3))
+        else:
+            own = vectors("normals", normals)[0]
+            if len(own) != surface.count:
+                raise ValueError(f"normals: stl holds one for each of {surface.count} faces, not {len(own)}")
+            attributes["normals"] = own[surface.face_of]
     else:
         for name, values, width in (("texcoords", texcoords, 2), ("normals", normals, 3), ("tangents", tangents, 4)):
             if values is not None:

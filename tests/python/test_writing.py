@@ -15,6 +15,7 @@ import norma_mesh as norma
 QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], np.float64) / 3
 TRIANGLES = np.concatenate([QUADS[:, :3], QUADS[:, [0, 2, 3]]])
+DART = np.array([[0, 0, 0], [4, 0, 0], [1, 1, 0], [0, 4, 0]], np.float64)[[1, 2, 3, 0]]
 MIXED = [[0, 1, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 
 
@@ -65,6 +66,18 @@ class Writing(unittest.TestCase):
         expected = np.cross(CUBE[TRIANGLES[:, 1]] - CUBE[TRIANGLES[:, 0]], CUBE[TRIANGLES[:, 2]] - CUBE[TRIANGLES[:, 0]]) * 9
         self.assertTrue(np.allclose(mesh.normals, expected, atol=1e-6))
 
+    def test_polygons_become_triangles(self):
+        corners = norma.corner_normals(CUBE, MIXED, crease=30)
+        facets = norma.face_normals(CUBE, MIXED)
+        sizes = [len(face) - 2 for face in MIXED]
+        for mesh in (written("glb", CUBE, MIXED, normals=corners).meshes[0], written("stl", CUBE, MIXED).meshes[0],
+                     written("stl", CUBE, MIXED, normals=facets).meshes[0]):
+            self.assertEqual(mesh.faces.shape, (12, 3))
+            self.assertTrue(np.allclose(norma.face_normals(mesh.positions, mesh.faces), np.repeat(facets, sizes, 0), atol=1e-6))
+            self.assertTrue(np.allclose(mesh.corner_normals.reshape(12, 3, 3), np.repeat(facets, sizes, 0)[:, None], atol=1e-6))
+            sides = mesh.positions[mesh.faces].astype(np.float64)
+            self.assertAlmostEqual(np.einsum("ij,ij->", sides[:, 0], np.cross(sides[:, 1], sides[:, 2])) / 6, np.linalg.det(np.eye(3) / 3), 6)
+
     def test_tangents_in_a_glb(self):
         uv = CUBE[:, :2].astype(np.float32)
         corners = norma.corner_normals(CUBE, TRIANGLES, crease=0)
@@ -101,7 +114,7 @@ class Writing(unittest.TestCase):
             with open(path, "rb") as file:
                 before = file.read()
             for error, words, arguments, named in (
-                (ValueError, r"^faces\[0\]: stl holds triangles; this face has 4", (CUBE, QUADS), {}),
+                (ValueError, r"^faces\[1\]: convex polygons are needed", (DART, [[0, 1, 2], [0, 1, 2, 3]]), {}),
                 (ValueError, r"^normals: stl holds one for each of 12", (CUBE, TRIANGLES), {"normals": CUBE}),
                 (ValueError, r"^texcoords: stl holds none", (CUBE, TRIANGLES), {"texcoords": CUBE[:, :2]}),
                 (IndexError, r"^faces: index 9 of corner 2", (CUBE, [[0, 1, 9]]), {}),
