@@ -3,6 +3,7 @@ import { spawnSync } from "node:child_process";
 import { cpSync, existsSync, mkdirSync, readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { extname, join } from "node:path";
+import { gzipSync } from "node:zlib";
 import * as inNode from "norma-mesh";
 import { attempt, check, finish, skip } from "./tap.mjs";
 import { findChrome, launch } from "./chrome.mjs";
@@ -77,6 +78,13 @@ else {
     const { warnings } = await esbuild.build({ entryPoints: [join(one, "start.js")], outfile: join(one, "dist/start.out.js"), bundle: true, format: "iife", platform: "browser", logLevel: "silent" });
     if (warnings.length) throw new Error(JSON.stringify(warnings));
     cpSync(join(one, "index.html"), join(one, "dist/index.html"));
+  });
+  await attempt("a script without splitting can leave out the texts of other modules, and still computes", async () => {
+    const build = { entryPoints: [join(one, "vertices.js")], outfile: join(one, "vertices.mjs"), bundle: true, minify: true, format: "esm", logLevel: "silent" };
+    writeFileSync(join(one, "vertices.js"), 'import { load } from "norma-mesh/inline";\nexport default (await load()).vertexNormals(Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0)).join();\n');
+    await esbuild.build({ ...build, external: ["check", "draco", "tool"].map((name) => `*/${name}-text.js`) });
+    const size = gzipSync(readFileSync(build.outfile)).length, { default: normals } = await import(build.outfile);
+    if (size > 220000 || normals !== "0,0,1,0,0,1,0,0,1") throw new Error(`${size} ${normals}`);
   });
   for (const [name, root, policy] of [["esbuild, under a content security policy", beside, POLICY], ["norma-mesh/inline as one script, under a content security policy", one, POLICY.replace("worker-src 'self'", "worker-src blob:").replace("connect-src 'self'; ", "")]]) {
     const server = await serve(join(root, "dist"), policy);
