@@ -64,11 +64,11 @@ export function makeCamera() {
   /* What it comes back to from now on. */
   const settle = (start) => { camera.home = { ...FRONT, ...start }; reset(); };
 
-  /* The pose in which the points fill the picture, seen from there. Turned about, what is long may then reach beyond it: so never closer than CLOSEST. Through the planes at the picture's borders: each
+  /* The pose in which the points fill the picture, seen from there. Turned about, what is long may then reach beyond it: so never closer than closest. Through the planes at the picture's borders: each
    * point wants |x| <= t (eye's z - z), so the outermost of x + t z and of x - t z say how far off the eye is, and where. */
-  const framing = (points, { azimuth, elevation } = FRONT) => {
+  const framing = (points, { azimuth, elevation } = FRONT, closest = CLOSEST) => {
     const { right, up, back } = axes({ azimuth, elevation }), at = [0, 0];
-    let distance = CLOSEST;
+    let distance = closest;
     [right, up].forEach((axis, i) => {
       const t = FILLED * tangents()[i];
       let high = -Infinity, low = Infinity;

@@ -41,6 +41,7 @@ export function placeStage() {
   const [left, leftText, right, rightText] = wordsOf(compared);
   byId("divider").hidden = kind !== "split";
   byId("divider").style.left = `${numberOf("split")}%`;
+  stage.style.setProperty("--split", `${numberOf("split")}%`);
   byId("side-wrong").hidden = !compared || !sides.includes("wrong");
   byId("side-right").hidden = !compared || !sides.includes("right");
   byId("side-angle").hidden = !angle;

@@ -145,6 +145,7 @@ export function showSections() {
 export function stopIntro() {
   if (!page.intro.isShown()) return;
   page.intro.end();
+  camera.reset({ azimuth: camera.azimuth, elevation: camera.elevation });      /* the panel takes a part of the window */
   page.cursor = DEFAULT_CURSOR;
   dirty.draw = true;
 }
@@ -299,7 +300,7 @@ export function pickModel() {
   if (!key.startsWith("file")) { forgetChosen(); page.source = null; byId("model").querySelectorAll('[value^="file"]').forEach((old) => old.remove()); }
   if (key === "moving") showMoving();
   else if (key === "embedded") openEmbedded();
-  else if (key === "sculpture") show(async () => ({ ...(await page.remote.openTriangles({ ...page.sculpture, positions: page.sculpture.positions.slice(), indices: page.sculpture.indices.slice() })), isWooden: true }), () => setRange("crease", 180));
+  else if (key === "sculpture") show(async () => ({ ...(await page.remote.openTriangles({ ...page.sculpture, positions: page.sculpture.positions.slice(), indices: page.sculpture.indices.slice() })), isWooden: true }), () => { setRange("crease", 180); if (page.intro.isShown()) page.intro.frame(); });
   else if (key.startsWith("file")) { const { files, path } = fileChoices[Number(key.slice(4))]; openFile(files, path); }
   else if (SHAPES[key]) show(() => page.remote.openShape(key), () => setRange("crease", SHAPES[key].crease ?? 60));
   camera.settle(VIEWS[key]);
