@@ -553,6 +553,14 @@ await attempt("the steps set M, and the formula has its numbers; the address bri
   expect(kinds.join() === "translation,rotation,uniform scale,non-uniform scale,rotation,shear", kinds.join());
   await page.click("step-4");
   expect(/C₁₁ = 1·1 − 0·0 = 1\nC₁₂ = 0·0 − 0·1 = 0/.test(await page.text("cofactors")) && /C₂₂ = 1·2 − 0·0 = 2/.test(await page.text("cofactors")), await page.text("cofactors"));
+  /* Object, world, view, clip and tangent space, with the point and the normal at the cursor: by M = diag(2, 1, 1) in closed form. */
+  const rows = await page.until("document.getElementById('spaces').rows.length > 10 && [...document.getElementById('spaces').rows].map((row) => [...row.cells].map((cell) => cell.textContent))"), numbersIn = (text) => /\(([^)]*)\)/.exec(text)[1].replaceAll("−", "-").split(", ").map(Number);
+  const length = (v) => Math.hypot(...v), unit = (v) => v.map((x) => x / length(v)), isNear = (a, b, within = 0.002) => a.every((x, i) => Math.abs(x - b[i]) <= within), between = (a, b) => (Math.acos(Math.min(1, a.reduce((sum, x, i) => sum + x * b[i], 0))) * 180) / Math.PI, row = (name) => rows.findIndex(([first]) => first.startsWith(name));
+  expect(rows.filter((cells) => cells.length === 1).map(([first]) => first.split(" ")[0]).join() === "Object,World,View,Clip,Tangent", rows.join("\n"));
+  const [object, world, view, clip] = ["Object", "World", "View", "Clip"].map((name) => numbersIn(rows[row(name)][0])), [n, right, wrong, seen] = ["n", "C n", "M n", "V C n"].map((name) => numbersIn(rows.find(([first]) => first === name)[1])), off = parseFloat(rows.find(([first]) => first === "M n")[2]);
+  expect(isNear(world, [2 * object[0], object[1], object[2]]) && near(clip[3], -view[2], 0.002), `points ${rows.join("\n")}`);
+  expect(isNear(right, unit([n[0] / 2, n[1], n[2]])) && isNear(wrong, unit([2 * n[0], n[1], n[2]])) && near(length(seen), 1, 0.002) && near(off, between(right, wrong), 0.3), `normals ${rows.join("\n")}`);
+  await page.picture("lesson-spaces");
   await page.set("scale-y", 3);
   await page.until("/scale-y=3/.test(location.hash)");
   const hash = await page.evaluate("location.hash"), again = await visit(`${home}${hash}`);

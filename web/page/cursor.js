@@ -29,15 +29,16 @@ async function pick(user) {
       if (inverse) rays.push({ mesh: item.mesh, from: point(inverse, ray.from), along: apply3(upper(inverse), ray.along), item });
     }
     const hit = rays.length ? await page.remote.pick(shown.model.number, rays.map(({ mesh, from, along }) => ({ mesh, from, along }))) : null;
-    if (shown === page.scene) page.found = hit && hitOf(hit, rays[hit.ray].item, ray);
+    if (shown === page.scene) page.found = hit && hitOf(hit, rays[hit.ray], ray);
   } catch { page.found = null; }
   page.picking = false;
   dirty.draw = true;
 }
 
-function hitOf({ at, weights, normals }, item, ray) {
-  const normal = [0, 1, 2].map((i) => weights[0] * normals[i] + weights[1] * normals[3 + i] + weights[2] * normals[6 + i]);
-  return { point: ray.from.map((x, i) => x + at * ray.along[i]), normal, right: unit(apply3(item.right, normal)), wrong: unit(apply3(item.plain, normal)) };
+/* normal, object: before M, the model being as large as a ball of radius 1. inner: the ray where its part lies. */
+function hitOf({ at, weights, normals }, { item, ...inner }, ray) {
+  const stored = [0, 1, 2].map((i) => weights[0] * normals[i] + weights[1] * normals[3 + i] + weights[2] * normals[6 + i]), { world, local } = page.scene.draws[item.draw], along = ({ from, along: way }) => from.map((x, i) => x + at * way[i]);
+  return { point: along(ray), object: point(local, along(inner)), normal: unit(apply3(Array.from(page.norma.normalMatrix(world)), stored)), right: unit(apply3(item.right, stored)), wrong: unit(apply3(item.plain, stored)) };
 }
 
 function pickMoving() {
@@ -93,7 +94,7 @@ export function showReadouts(info, user, compared) {
   showMatrix("matrix-plain", upper(user));
   showMatrix("matrix-normal", page.norma.normalMatrix(user));
   showMatrixFacts(info, page.scene.worst ?? null);
-  if (byId("lesson").open) showFormula(upper(user), Array.from(page.norma.normalMatrix(user)), page.found?.normal);
+  if (byId("lesson").open) showFormula(user, Array.from(page.norma.normalMatrix(user)), page.found);
   pick(user);
   measure(user);
 }

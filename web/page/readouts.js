@@ -6,10 +6,9 @@ export const degrees = (angle) => `${angle.toFixed(2)}°`;
 export const short = (x) => String(Number(x.toPrecision(4)));
 export const count = (number) => number.toLocaleString("en-US");
 
-const number = (x) => {
-  const size = Math.abs(x);
-  if (size !== 0 && (size < 0.0005 || size >= 1000)) return x.toExponential(1).replace("-", "−");
-  return x.toFixed(3).replace(/\.?0+$/, "").replace("-", "−") || "0";
+export const number = (x) => {
+  const text = (Math.abs(x) >= 1000 || (x !== 0 && Math.abs(x) < 0.0005) ? x.toExponential(1) : x.toFixed(3).replace(/\.?0+$/, "")).replace("-", "−");
+  return text === "−0" ? "0" : text;
 };
 
 /* A 3x3, column-major, into a table. */
