@@ -42,9 +42,11 @@ static inline size_t norma_explain_computed_of(
 /* Right for small angles, whatever the lengths. Negative: one of them is no direction. */
 float norma_explain_angle(const float *a, const float *b);
 
-/* topology: that of the mesh, its corners sorted; NULL: made here. */
+/* topology: that of the mesh, its corners sorted; NULL: made here. worst: the first corner with the
+ * greatest angle; SIZE_MAX: all are zero. */
 norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
-    const core_mesh *checked, const core_topology *topology, norma_deviation *deviation);
+    const core_mesh *checked, const core_topology *topology, norma_deviation *deviation,
+    size_t *worst);
 
 /* Whether half of the stored normals are within 30 degrees of those that explain them best, as far
  * as that can be said at once: 0 says nothing. likely: NULL, or what may explain them. */
@@ -82,8 +84,8 @@ norma_result norma_explain_find_frame(core_call *call, const norma_mesh_data *da
     const core_mesh *checked, const core_topology *topology, explain_frame *frame);
 
 norma_result norma_explain_summarise(
-    core_call *call, const explain_surface *surface, norma_deviation *deviation);
+    core_call *call, const explain_surface *surface, norma_deviation *deviation, size_t *worst);
 norma_result norma_explain_tangents_with(core_call *call, const norma_mesh_data *data,
     const norma_mesh_attributes *attributes, const core_mesh *checked,
-    norma_tangent_deviation *deviation);
+    norma_tangent_deviation *deviation, size_t *worst);
 #endif

@@ -23,7 +23,7 @@ double norma_deviation_bound_rad(size_t bin) {
 
 typedef struct angle_part {
     double sum, max;
-    size_t count, histogram[NORMA_DEVIATION_BINS];
+    size_t worst, count, histogram[NORMA_DEVIATION_BINS];
 } angle_part;
 
 typedef struct angle_pass {
@@ -45,7 +45,10 @@ static void sum_block(void *context, size_t block, size_t begin, size_t end) {
         const double angle = (double)pass->surface->angles[c];
         if (angle < 0) continue;
         part->sum += angle;
-        part->max = angle > part->max ? angle : part->max;
+        if (angle > part->max) {
+            part->max = angle;
+            part->worst = c;
+        }
         part->count++;
         part->histogram[bin_of(pass, angle)]++;
     }
@@ -75,27 +78,31 @@ static double find_angle_of_rank(const explain_surface *s, size_t rank) {
     return (double)angle;
 }
 
-static void add_angle_part(norma_deviation *d, const angle_part *part) {
+static void add_angle_part(norma_deviation *d, const angle_part *part, size_t *worst) {
     d->mean_rad += part->sum;
-    d->max_rad = fmax(d->max_rad, part->max);
+    if (part->max > d->max_rad) {
+        d->max_rad = part->max;
+        *worst = part->worst;
+    }
     d->corners += part->count;
     for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++) d->histogram[i] += part->histogram[i];
 }
 
 norma_result norma_explain_summarise(
-    core_call *call, const explain_surface *surface, norma_deviation *d) {
+    core_call *call, const explain_surface *surface, norma_deviation *d, size_t *worst) {
     const size_t corners = surface->checked.corner_count,
                  blocks = norma_check_block_count(corners, SUMMARY_CORNERS);
     angle_pass pass = {
         .surface = surface, .parts = norma_core_allocate(call, blocks, sizeof *pass.parts)};
     norma_result result = pass.parts ? NORMA_OK : NORMA_ERROR_MEMORY;
     *d = (norma_deviation){.crease_angle_rad = NAN};
+    *worst = SIZE_MAX;
     if (!result) {
         for (size_t i = 0; i < NORMA_DEVIATION_BINS; i++)
             pass.bounds[i] = norma_deviation_bound_rad(i);
         memset(pass.parts, 0, blocks * sizeof *pass.parts);
         result = norma_check_blocks(call, corners, SUMMARY_CORNERS, sum_block, &pass);
-        for (size_t i = 0; i < blocks; i++) add_angle_part(d, &pass.parts[i]);
+        for (size_t i = 0; i < blocks; i++) add_angle_part(d, &pass.parts[i], worst);
     }
     if (!result && d->max_rad > 0) {
         d->mean_rad /= (double)d->corners;
@@ -649,7 +656,8 @@ norma_result norma_explain_is_near(core_call *call, const norma_mesh_data *data,
 }
 
 norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
-    const core_mesh *checked, const core_topology *topology, norma_deviation *deviation) {
+    const core_mesh *checked, const core_topology *topology, norma_deviation *deviation,
+    size_t *worst) {
     explain_surface surface;
     explain_trial best;
     norma_result result = open_whole(call, data, &surface);
@@ -658,7 +666,7 @@ norma_result norma_explain_with(core_call *call, const norma_mesh_data *data,
                  ? visit_large(call, data, checked, topology, search_trials, &best)
                  : search_trials(call, &surface, &best);
     if (!result) result = norma_explain_measure(call, &surface, &best);
-    if (!result) result = norma_explain_summarise(call, &surface, deviation);
+    if (!result) result = norma_explain_summarise(call, &surface, deviation, worst);
     explain_close(call, &surface);
     if (!result && deviation->corners) {
         deviation->weight = best.weight;
@@ -674,6 +682,7 @@ norma_result norma_explain_normals(const norma_mesh_data *data, norma_normal_sto
     const norma_options *options, norma_deviation *deviation) {
     core_call call;
     core_mesh mesh;
+    size_t worst;
     if (!data || !deviation) return NORMA_ERROR_ARGUMENT;
     *deviation = (norma_deviation){.crease_angle_rad = NAN};
     norma_result result = norma_core_begin(&call, options);
@@ -683,5 +692,5 @@ norma_result norma_explain_normals(const norma_mesh_data *data, norma_normal_sto
     if (result || storage == NORMA_NORMALS_NONE || storage == NORMA_NORMALS_PER_FACET ||
         !mesh.corner_count || !data->normals.count)
         return result;
-    return norma_explain_with(&call, data, &mesh, NULL, deviation);
+    return norma_explain_with(&call, data, &mesh, NULL, deviation, &worst);
 }

@@ -345,17 +345,20 @@ static norma_result try_quads(tangent_search *search, int across_ties) {
 }
 
 /* Of the angles that the last candidate left. */
-static norma_result summarise(const tangent_search *search, float *of, norma_deviation *angles) {
+static norma_result summarise(
+    const tangent_search *search, float *of, norma_deviation *angles, size_t *worst) {
     const explain_surface measured = {.checked = search->surface.checked, .angles = of};
-    return norma_explain_summarise(search->call, &measured, angles);
+    return norma_explain_summarise(search->call, &measured, angles, worst);
 }
 
 /* A way in which renderers make tangents: the candidate in search->tangents. */
 static norma_result judge_renderer(
     tangent_search *search, norma_tangent_source source, norma_map_error *under) {
     norma_deviation angles;
+    size_t worst;
     const int is_best = judge(search, source);
-    const norma_result result = summarise(search, is_best ? search->best : search->angles, &angles);
+    const norma_result result =
+        summarise(search, is_best ? search->best : search->angles, &angles, &worst);
     if (!result) *under = (norma_map_error){angles.p50_rad, angles.p99_rad, angles.max_rad};
     return result;
 }
@@ -416,9 +419,9 @@ static norma_result find_best(tangent_search *search, const float turn[4]) {
     return result;
 }
 
-static norma_result report_best(const tangent_search *search) {
+static norma_result report_best(const tangent_search *search, size_t *worst) {
     norma_deviation angles;
-    const norma_result result = summarise(search, search->best, &angles);
+    const norma_result result = summarise(search, search->best, &angles, worst);
     if (result) return result;
     search->found->corners = angles.corners;
     search->found->mean_rad = angles.mean_rad;
@@ -431,7 +434,7 @@ static norma_result report_best(const tangent_search *search) {
     return NORMA_OK;
 }
 
-static norma_result search_tangents(tangent_search *search, const float turn[4]) {
+static norma_result search_tangents(tangent_search *search, const float turn[4], size_t *worst) {
     const size_t corners = search->surface.checked.corner_count;
     float *blocks[2] = {norma_core_allocate(search->call, corners, sizeof(float)),
         norma_core_allocate(search->call, corners, sizeof(float))};
@@ -442,7 +445,7 @@ static norma_result search_tangents(tangent_search *search, const float turn[4])
         search->tangents && blocks[0] && blocks[1] ? NORMA_OK : NORMA_ERROR_MEMORY;
     for (size_t c = 0; !result && c < corners; c++) blocks[1][c] = -1;
     if (!result) result = find_best(search, turn);
-    if (!result) result = report_best(search);
+    if (!result) result = report_best(search, worst);
     for (int i = 0; i < 2; i++) norma_core_release(search->call, blocks[i], corners, sizeof(float));
     norma_core_release(
         search->call, search->turned, search->surface.checked.positions.count, 2 * sizeof(float));
@@ -463,9 +466,10 @@ static int is_comparable(const norma_mesh_data *data, const norma_mesh_attribute
 
 norma_result norma_explain_tangents_with(core_call *call, const norma_mesh_data *data,
     const norma_mesh_attributes *attributes, const core_mesh *checked,
-    norma_tangent_deviation *deviation) {
+    norma_tangent_deviation *deviation, size_t *worst) {
     const size_t vertices = checked->positions.count;
     *deviation = (norma_tangent_deviation){0};
+    *worst = SIZE_MAX;
     if (!is_comparable(data, attributes)) return NORMA_OK;
     tangent_search search = {.call = call,
         .surface = {.mesh = &data->mesh,
@@ -482,7 +486,7 @@ norma_result norma_explain_tangents_with(core_call *call, const norma_mesh_data 
         norma_view_read(&data->normals, v, normal);
         for (size_t k = 0; k < 3; k++) normals[3 * v + k] = (float)normal[k];
     }
-    const norma_result result = search_tangents(&search, attributes->texcoord_turn);
+    const norma_result result = search_tangents(&search, attributes->texcoord_turn, worst);
     norma_core_release(call, normals, vertices, 3 * sizeof(float));
     return result;
 }
@@ -492,13 +496,15 @@ norma_result norma_explain_tangents(const norma_mesh_data *data,
     norma_tangent_deviation *deviation) {
     core_call call;
     core_mesh mesh;
+    size_t worst;
     if (!data || !attributes || !deviation) return NORMA_ERROR_ARGUMENT;
     *deviation = (norma_tangent_deviation){0};
     norma_result result = norma_core_begin(&call, options);
     if (!result) result = norma_core_mesh_shape(&data->mesh, &mesh);
     if (!result) result = norma_core_mesh_content(&call, &mesh);
     mesh.scale = 1;
-    return result ? result : norma_explain_tangents_with(&call, data, attributes, &mesh, deviation);
+    return result ? result
+                  : norma_explain_tangents_with(&call, data, attributes, &mesh, deviation, &worst);
 }
 
 const char *norma_tangent_source_name(norma_tangent_source source) {

@@ -131,6 +131,9 @@ norma_result norma_check_take_options(
 /* Room for one more element of size bytes than count. NULL: out of memory; the block stays. */
 void *norma_check_grow(void *block, size_t count, size_t *room, size_t size);
 
+/* The greatest angle of one kind, at a corner of the mesh; so small that it is nobody's fault, at
+ * no place. */
+void norma_check_hit_greatest(const check_mesh *m, check_hits *hits, double degrees, size_t corner);
 /* value: how bad (NaN: nothing to compare). */
 void norma_check_hit(const check_run *run, check_hits *hits, double value, check_spot spot);
 /* One more place of something that was counted: a sample alone. */
@@ -196,6 +199,7 @@ struct check_mesh {
     int placeholder, frame;          /* CHECK_UNKNOWN, _NO or _YES: N203, N206 hold */
     int has_deviation;
     norma_deviation deviation;
+    size_t deviation_corner; /* where it is greatest; SIZE_MAX: all are zero */
 };
 enum { CHECK_UNKNOWN = 0, CHECK_NO, CHECK_YES };
 

@@ -227,6 +227,15 @@ void norma_check_hit(const check_run *run, check_hits *hits, double value, check
     keep_sample(run, hits, spot);
 }
 
+void norma_check_hit_greatest(
+    const check_mesh *m, check_hits *hits, double degrees, size_t corner) {
+    const double least_shown = 0.01;
+    norma_check_hit(m->run, hits, degrees,
+        corner < m->mesh.corner_count && degrees >= least_shown
+            ? norma_check_vertex(norma_core_corner(&m->mesh, corner))
+            : CHECK_NOWHERE);
+}
+
 void norma_check_also(const check_run *run, check_hits *hits, check_spot spot) {
     keep_sample(run, hits, run->part ? spot_in_file(run->part, spot) : spot);
 }

@@ -223,8 +223,8 @@ static norma_result check_deviation_of(check_mesh *m, const norma_deviation **de
     norma_result result = norma_check_users(m);
     if (!result) result = norma_check_around(m);
     if (!result)
-        result = norma_explain_with(
-            &m->run->call, &m->given->data, &m->mesh, &m->topology, &m->deviation);
+        result = norma_explain_with(&m->run->call, &m->given->data, &m->mesh, &m->topology,
+            &m->deviation, &m->deviation_corner);
     m->has_deviation = !result;
     return result;
 }
@@ -236,7 +236,7 @@ norma_result norma_check_deviation(check_mesh *m) {
     const norma_result result = check_deviation_of(m, &deviation);
     if (result || !deviation->corners) return result;
     check_hits hits = {0};
-    norma_check_hit(m->run, &hits, deviation->max_rad * (180 / NORMA_PI), CHECK_NOWHERE);
+    norma_check_hit_greatest(m, &hits, deviation->max_rad * (180 / NORMA_PI), m->deviation_corner);
     hits.count = count_normals(m);
     describe_deviation(deviation, hits.count, message);
     return norma_check_add(m->run, &m->place, m,

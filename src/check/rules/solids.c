@@ -8,6 +8,7 @@
 
 typedef struct check_solids {
     check_mesh *m; /* who is told: rules, place, positions */
+    const core_topology *topology;
     const core_components *components;
     size_t begin, end; /* of the components' faces those that are the mesh's; one that begins there
                           is told of there */
@@ -23,6 +24,19 @@ static int is_here(const check_solids *s, size_t number) {
 
 static check_spot spot_of(const check_solids *s, size_t number) {
     return norma_check_face(s->components->faces[s->components->starts[number]] - s->begin);
+}
+
+/* A face of it at an edge of one face, if it has one here: where it is open. */
+static check_spot open_spot_of(const check_solids *s, size_t number) {
+    const core_components *c = s->components;
+    const core_mesh *mesh = &s->topology->mesh;
+    for (size_t i = c->starts[number]; i < c->starts[number + 1]; i++)
+        for (size_t corner = norma_core_face_begin(mesh, c->faces[i]);
+             corner < norma_core_face_end(mesh, c->faces[i]); corner++)
+            if (s->topology->partners[corner] == CORE_EDGE_OPEN && c->faces[i] >= s->begin &&
+                c->faces[i] < s->end)
+                return norma_check_face(c->faces[i] - s->begin);
+    return spot_of(s, number);
 }
 
 static size_t count_here(const check_solids *s) {
@@ -138,7 +152,8 @@ static norma_result tell_undecidable(const check_solids *s) {
             !is_here(s, i))
             continue;
         one_sided += (flags & COMPONENT_ONE_SIDED) != 0;
-        norma_check_hit(m->run, &hits, (double)(c->starts[i + 1] - c->starts[i]), spot_of(s, i));
+        norma_check_hit(
+            m->run, &hits, (double)(c->starts[i + 1] - c->starts[i]), open_spot_of(s, i));
     }
     if (hits.count) {
         return norma_check_report(m,
@@ -318,7 +333,7 @@ static norma_result tell_members(
         char label[CHECK_MESSAGE];
         check_mesh m = mesh_of_member(run, member, label);
         result = check_tell_solids(
-            &(check_solids){&m, components, face, face + member->mesh.face_count});
+            &(check_solids){&m, topology, components, face, face + member->mesh.face_count});
         if (!result && norma_check_wants_open(run, m.rules))
             result = norma_check_add_open(&m, topology, 3 * face);
         face += member->mesh.face_count;
@@ -442,7 +457,8 @@ norma_result norma_check_solids(check_mesh *m) {
     } else {
         result = check_judge_solids(&m->topology, &components, nesting, sides);
         if (!result)
-            result = check_tell_solids(&(check_solids){m, &components, 0, m->mesh.face_count});
+            result = check_tell_solids(
+                &(check_solids){m, &m->topology, &components, 0, m->mesh.face_count});
     }
     norma_core_release_components(&m->run->call, &components);
     return result;

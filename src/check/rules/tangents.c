@@ -148,13 +148,20 @@ static void describe(const norma_tangent_deviation *d, char message[CHECK_MESSAG
 norma_result norma_check_tangent_deviation(check_mesh *m) {
     norma_tangent_deviation deviation;
     char message[CHECK_MESSAGE];
+    size_t worst;
+    check_hits hits = {0};
     if (!norma_check_wants(m, RULE_N807) || !m->given->attributes.tangents) return NORMA_OK;
     norma_result result = norma_explain_tangents_with(
-        &m->run->call, &m->given->data, &m->given->attributes, &m->mesh, &deviation);
+        &m->run->call, &m->given->data, &m->given->attributes, &m->mesh, &deviation, &worst);
     if (result || !deviation.corners) return result;
     describe(&deviation, message);
-    return norma_check_add_degrees(
-        m, RULE_N807, NORMA_SEVERITY_INFO, deviation.max_rad * (180 / 3.141592653589793), message);
+    norma_check_hit_greatest(m, &hits, deviation.max_rad * (180 / 3.141592653589793), worst);
+    return norma_check_add(m->run, &m->place, m,
+        &(check_finding){.rule = RULE_N807,
+            .severity = NORMA_SEVERITY_INFO,
+            .unit = "deg",
+            .hits = &hits,
+            .message = message});
 }
 
 /* ---- N801 to N803, N805, N806, N813: tangents that are no unit vectors, signs that are

@@ -237,9 +237,25 @@ static void explained(void **state) {
             assert_int_equal(f->deviation->weight, ways[i].weight);
             assert_int_equal(f->deviation->corners, s.vertices);
             assert_int_equal(f->deviation->histogram[0], s.vertices);
+            assert_int_equal(f->worst.vertex, SIZE_MAX); /* nothing to show */
             surface_free(&s);
         }
     }
+}
+
+/* Where it is greatest: at the one normal that leans. */
+static void deviation_has_a_place(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    const size_t vertex = 4321;
+    float *n = s.normals + 3 * vertex, leaning[3] = {n[0] + n[1], n[1] - n[0], n[2]};
+    memcpy(n, leaning, sizeof leaning);
+    const norma_finding *f = in_render(&s, "N204", NORMA_SEVERITY_INFO);
+    assert_non_null(f);
+    assert_true(f->worst_value > 5);
+    assert_int_equal(f->worst.vertex, vertex);
+    assert_true(f->worst.has_position);
+    surface_free(&s);
 }
 
 /* Two squares side by side, one of them wound wrongly or with a wrong normal for it: nothing says
@@ -495,7 +511,13 @@ static void open_surfaces(void **state) {
     s.faces--;
     const norma_finding *f = in_render(&s, "N304", NORMA_SEVERITY_INFO);
     assert_found(f, 1);
-    assert_int_equal(f->samples[0].face, 2 * 64 * 32);
+    /* A face beside the one that is missing. */
+    const uint32_t *open = s.corners + 3 * f->samples[0].face, *missing = s.corners + 3 * s.faces;
+    size_t shared = 0;
+    for (size_t i = 0; i < 9; i++)
+        shared += memcmp(s.positions + 3 * open[i / 3], s.positions + 3 * missing[i % 3],
+                      3 * sizeof *s.positions) == 0;
+    assert_int_equal(shared, 2);
     assert_null(finding_of(found, "N302", NORMA_SEVERITY_NONE));
     surface_free(&s);
 }
@@ -985,6 +1007,7 @@ int main(void) {
         cmocka_unit_test(one_normal_far_off),
         cmocka_unit_test(placeholders),
         cmocka_unit_test(explained),
+        cmocka_unit_test(deviation_has_a_place),
         cmocka_unit_test(facets),
         cmocka_unit_test(facets_of_polygons),
         cmocka_unit_test(one_face_turned_in_a_hundred_thousand),

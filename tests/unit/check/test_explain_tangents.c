@@ -148,6 +148,7 @@ static void check_file(const known *k) {
         if (strcmp(f->rule->id, "N807") != 0) continue;
         found += strstr(f->message, norma_tangent_source_name(k->source)) != NULL;
         assert_int_equal(f->count, 1);
+        assert_int_equal(f->worst.has_position, f->worst_value >= 0.01);
     }
     assert_true(found > 0);
     norma_findings_free(findings);
