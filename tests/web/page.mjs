@@ -553,6 +553,7 @@ await attempt("the steps set M, and the formula has its numbers; the address bri
   expect(kinds.join() === "translation,rotation,uniform scale,non-uniform scale,rotation,shear", kinds.join());
   await page.click("step-4");
   expect(/C₁₁ = 1·1 − 0·0 = 1\nC₁₂ = 0·0 − 0·1 = 0/.test(await page.text("cofactors")) && /C₂₂ = 1·2 − 0·0 = 2/.test(await page.text("cofactors")), await page.text("cofactors"));
+  await page.after(() => page.mouse("mouseMoved", (STAGE[0] + STAGE[2]) / 2, (STAGE[1] + STAGE[3]) / 2));
   /* Object, world, view, clip and tangent space, with the point and the normal at the cursor: by M = diag(2, 1, 1) in closed form. */
   const rows = await page.until("document.getElementById('spaces').rows.length > 10 && [...document.getElementById('spaces').rows].map((row) => [...row.cells].map((cell) => cell.textContent))"), numbersIn = (text) => /\(([^)]*)\)/.exec(text)[1].replaceAll("−", "-").split(", ").map(Number);
   const length = (v) => Math.hypot(...v), unit = (v) => v.map((x) => x / length(v)), isNear = (a, b, within = 0.002) => a.every((x, i) => Math.abs(x - b[i]) <= within), between = (a, b) => (Math.acos(Math.min(1, a.reduce((sum, x, i) => sum + x * b[i], 0))) * 180) / Math.PI, row = (name) => rows.findIndex(([first]) => first.startsWith(name));
@@ -1299,6 +1300,28 @@ await attempt("findings are listed with pictures, worst first; a finding about a
   expect(line > 300 && line < 12000, `${line} pixels of a line`);
   expect(whole.said.length === 0, whole.said.join("\n"));
   await whole.close();
+});
+
+await attempt("of angles that all of a part has, the greatest has a place: the one normal that leans is pointed at", async () => {
+  const grid = await visit(home, { size: [1000, 700] }), lines = [];
+  for (let j = 0; j < 21; j++) for (let i = 0; i < 21; i++) lines.push(`v ${i} ${j} 0`);
+  const corner = (i, j) => { const v = 21 * j + i + 1; return `${v}//${v === 21 * 15 + 4 + 1 ? 2 : 1}`; };
+  lines.push("vn 0 0 1", "vn 0.6 0 0.8");
+  for (let j = 0; j < 20; j++) for (let i = 0; i < 20; i++) lines.push(`f ${corner(i, j)} ${corner(i + 1, j)} ${corner(i + 1, j + 1)} ${corner(i, j + 1)}`);
+  await dropText(grid, "leaning.obj", `${lines.join("\n")}\n`);
+  const at = await grid.evaluate("[...document.querySelectorAll('#findings button')].findIndex((b) => /N204.*worst 36.87°/.test(b.textContent))");
+  expect(at >= 0, await grid.text("findings"));
+  await grid.click(`finding-${at}`);
+  await grid.evaluate("new Promise((done) => setTimeout(done, 700))");
+  await grid.settled();
+  expect(!/whole part/.test(await grid.text("finding-seen")), await grid.text("finding-seen"));
+  /* A flat file lies: its z is up. */
+  const centre = /camera=([^&]*)/.exec(await grid.until("/camera=/.test(location.hash) && location.hash"))[1].split(",").slice(3).map(Number), half = Math.sqrt(200);
+  expect(near(centre[0], (4 - 10) / half, 0.02) && near(-centre[2], (15 - 10) / half, 0.02), `the camera looks at ${centre}`);
+  const blue = countPixels(await grid.picture("finding-greatest"), [0, 60, 620, 560], ([r, g, b]) => b > r + 60 && b > g + 30);
+  expect(blue > 100, `${blue} pixels are marked`);
+  expect(grid.said.length === 0, grid.said.join("\n"));
+  await grid.close();
 });
 
 /* TURNED in a mesh of its own, within a box that is another. */

@@ -26,8 +26,8 @@ export function placeIn(finding, { point: at, direction, size, points }, shown =
   return { at: where, normal: length(normal) > 0 ? unit(normal) : camera.axes().back, size: size * meanColumn(toWorld), pins: pins.length ? pins : [where] };
 }
 
-/* Whether a finding is about a part rather than about places on it; N304 measures the faces of an open surface. */
-export const isOfWhole = (shown, { id, mesh, places, worst, severity }, place) => shown.model.meshes[mesh] !== undefined && (!place || (severity < 2 && (id === "N304" ? worst : places) > shown.model.meshes[mesh].faces / 2));
+/* Whether a finding is about a part rather than about places on it. Of angles that all of a part has, the greatest has a place. */
+export const isOfWhole = (shown, { mesh, places, severity, unit }, place) => shown.model.meshes[mesh] !== undefined && (!place || (severity < 2 && unit !== "deg" && places > shown.model.meshes[mesh].faces / 2));
 /* What is drawn of a part that a finding is about: of its node, if that is what it names. */
 const partOf = ({ mesh, draw }) => (item) => item.mesh === mesh && (draw < 0 || item.draw === draw);
 
@@ -76,7 +76,7 @@ export async function chooseFinding(finding, which = 0) {
       return;
     }
     page.look.dim = true;
-    const everywhere = finding.places > shown.model.meshes[finding.mesh].faces / 2, aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
+    const everywhere = finding.severity > 1 && finding.places > shown.model.meshes[finding.mesh].faces / 2, aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
     const counts = (poses, through) => page.graphics.countMarked(items, poses.map((pose) => viewOf(pose, aspect, REACH)), aspect, through);
     const best = await seek(posesOf(place, camera.axes().up, everywhere), counts);
     if (mine !== page.seeking || shown !== page.scene) return;
