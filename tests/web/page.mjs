@@ -507,6 +507,16 @@ await attempt("a file that cannot be shown leaves the one that is: its name, its
       await view.settled();
     }
   }
+  /* While a copy is made another file fails: the copy is shown all the same. */
+  const goat = readFileSync(join(root, "assets/goathead.obj"));
+  await dropFiles(view, ["goathead.obj", goat]);
+  for (const [button, facts, what] of [["fix", "fix-facts", /^Nothing |^There is nothing |^Before/], ["compute", "computed-facts", /^Computed/]]) {
+    await view.evaluate(`(() => { document.getElementById("notice").textContent = ""; document.getElementById("${button}").click(); const data = new DataTransfer(); data.items.add(new File(["glTF"], "meanwhile.glb")); document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data })); })()`);
+    await view.until("/meanwhile.glb/.test(document.getElementById('notice').textContent)");
+    await view.settled();
+    const told = await view.text(facts);
+    expect(what.test(told) && (await shown(view)) === "goathead.obj", `${button} while another file failed: ${told}`);
+  }
   expect(view.said.length === 0, view.said.join("\n"));
 });
 

@@ -14,40 +14,40 @@ const countGrade = (findings, grade) => (findings ?? []).filter((finding) => fin
 const sum = (findings) => `${counted(countGrade(findings, "error"), "error")} and ${counted(countGrade(findings, "warning"), "warning")}`;
 const listWords = (id, words) => byId(id).replaceChildren(...words.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
 
-/* Asks for a changed copy, shows it beside the file as it is, and offers it. */
+const fileShown = () => page.before ?? page.scene;
+
+/* Asks for a changed copy, shows it beside the file as it is, and offers it; unless another file is shown meanwhile. */
 async function change(facts, links, ask, words, then = () => undefined) {
-  const mine = page.opening;
+  const first = fileShown();
   byId(facts).textContent = "Working …";
   listFiles(links, []);
   try {
     const wasChosen = page.chosen, result = await ask();
-    if (mine !== page.opening) { if (result.model) page.remote.free(result.model.number); return; }
+    if (first !== fileShown()) { if (result.model) page.remote.free(result.model.number); return; }
     byId(facts).textContent = words(result);
-    const first = page.before ?? page.scene;
     if (result.changed) {
       const changes = await page.remote.changes(first.model.number, result.model.number).catch(() => null); /* then nothing is tinted */
-      if (mine !== page.opening) { page.remote.free(result.model.number); return; }
+      if (first !== fileShown()) { page.remote.free(result.model.number); return; }
       if (value("colours") === "findings") byId("colours").value = "lit";
-      showModel(result.model, { changed: true, files: page.before?.files ?? page.scene.files });
+      showModel(result.model, { changed: true, files: first.files });
       listFiles(links, result.files);
-      await uploadTint(changes);
-      if (mine !== page.opening) return;
+      await uploadTint(first, changes);
+      if (first !== fileShown()) return;
       then(result, changes, first);
       await goToChange(wasChosen, changes);
       sweep();
     } else then(result, null, first);
   } catch (error) {
-    byId(facts).textContent = error.message;
+    if (first === fileShown()) byId(facts).textContent = error.message;
   }
 }
 
 /* What was changed, in colour on both sides. */
-async function uploadTint(changes) {
-  const mine = page.opening;
+async function uploadTint(first, changes) {
   byId("tint-row").hidden = !changes?.some(({ counts }) => Object.values(counts).some(Boolean));
   for (const [shown, name] of [[page.before, "before"], [page.scene, "after"]])
     for (const [i, one] of (changes ?? []).entries()) {
-      if (mine !== page.opening) return;
+      if (first !== fileShown()) return;
       await page.graphics.fillMarks(shown.surfaces[i], "tint", one.marks[name]);
     }
   dirty.draw = true;
@@ -75,7 +75,7 @@ function whyNothing(findings, unsafe) {
 export function fix() {
   const unsafe = isChecked("fix-unsafe");
   return change("fix-facts", "fixed-files", () => page.remote.fix(page.source.path, page.source.name, { unsafe }), ({ changed, model }) => (changed
-    ? `Before: ${sum((page.before ?? page.scene).model.findings)}. After: ${sum(model.findings)}. The line in the picture divides before from after.` : whyNothing((page.before ?? page.scene).model.findings, unsafe)),
+    ? `Before: ${sum(fileShown().model.findings)}. After: ${sum(model.findings)}. The line in the picture divides before from after.` : whyNothing(fileShown().model.findings, unsafe)),
   ({ model, notes }, changes, first) => {
     const counts = (changes ?? []).reduce((all, one) => Object.fromEntries(Object.entries(one.counts).map(([name, x]) => [name, x + (all[name] ?? 0)])), {}), after = model?.findings ?? first.model.findings, stays = whatStays(after, notes, unsafe);
     listWords("fixed-list", model ? wordsOf(counts, rulesThatFell(first.model.findings, after)) : []);

@@ -249,6 +249,13 @@ export async function openGiven(given) {
   }
 }
 
+/* What was said of another file's copies. */
+function forgetCopies() {
+  for (const id of ["fix-facts", "computed-facts", "fixed-list", "stays"]) byId(id).textContent = "";
+  byId("stays-box").hidden = byId("tint-row").hidden = true;
+  for (const id of ["fixed-files", "computed-files"]) listFiles(id, []);
+}
+
 function openFile(files, path) {
   page.graphics.lit.warmUp();
   return show(async () => {
@@ -260,9 +267,7 @@ function openFile(files, path) {
   }, (model) => {
     page.source = model.source;
     byId("other").value = "";
-    for (const id of ["fix-facts", "computed-facts", "fixed-list", "stays"]) byId(id).textContent = "";
-    byId("stays-box").hidden = byId("tint-row").hidden = true;
-    for (const id of ["fixed-files", "computed-files"]) listFiles(id, []);
+    forgetCopies();
     setMatrix();
     if (value("sides") === "beside") byId("sides").value = "split";
     byId("colours").value = "lit";
@@ -283,6 +288,7 @@ function openEmbedded() {
     return { ...(await page.remote.openText(text, name, { ...wishes(), errors: false })), files };
   }, () => {
     page.source = files && { path: files.path, name };
+    forgetCopies();
     settle();
     showSections();
   });
