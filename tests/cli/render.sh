@@ -69,11 +69,12 @@ check "a run that draws nothing leaves no folder that it made" bash -c '! "$0" r
 "$norma" render "$scratch/square.obj" assets/spider.stl --out-dir "$scratch/all" --size 40x30 --json >"$scratch/json"
 check "several inputs: a picture and a line each" test -s "$scratch/all/square.png" -a -s "$scratch/all/spider.png" -a "$(wc -l <"$scratch/json")" = 2
 
-# A hilly ground over the x and y axes, and the same over x and z; a stool with a flat foot at z = 0.
+# A hilly ground over the x and y axes, and the same over x and z; a stool with a flat foot at z = 0; a beast on four pointed feet at z = 0, whose snout is its only point at the least y.
 awk 'BEGIN { for (y = 0; y < 6; y++) for (x = 0; x < 6; x++) print "v", x, y, 0.2 * sin(3 * x + y); for (y = 0; y < 5; y++) for (x = 1; x < 6; x++) { a = 6 * y + x; print "f", a, a + 1, a + 7, a + 6 } }' >"$scratch/z-up.obj"
 awk '$1 == "v" { print "v", $2, $4, -$3; next } { print }' "$scratch/z-up.obj" >"$scratch/y-up.obj"
 printf 'v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0.9 0.9 3\nv 1.1 0.9 3.1\nv 1 1.1 3.2\nf 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 7\nf 4 1 5 7\nf 5 6 7\n' >"$scratch/foot.obj"
-for name in z-up=z y-up=y foot=z; do
+printf 'v -1 -2 0\nv 1 -2 0\nv 1 2 0\nv -1 2 0\nv -1 -2 2\nv 1 -2 2\nv 1 2 2\nv -1 2 2\nv 0 -4 2\nf 1 5 9\nf 2 9 6\nf 3 6 7\nf 4 7 8\nf 5 6 7 8\nf 5 6 9\n' >"$scratch/feet.obj"
+for name in z-up=z y-up=y foot=z feet=z; do
     "$norma" render "$scratch/${name%=*}.obj" -o "$scratch/u.png" --size 32x32 --json >"$scratch/json"
     check "--up of ${name%=*}.obj is guessed, and said so" test "$(value up <"$scratch/json") $(value up_guessed <"$scratch/json")" = "\"${name#*=}\" true"
 done

@@ -1,11 +1,14 @@
 /* guess_up.c: which axis of a mesh points up. A ground is lower than it is wide, and nearly all of
- * it faces along the vertical; a thing that stands has a flat foot at its lowest. */
+ * it faces along the vertical; a thing that stands has a flat foot at its lowest, or feet that are
+ * far apart. */
 #include "render/camera/camera.h"
 #include "render/render.h"
 #include <math.h>
+#include <string.h>
 
 typedef struct evidence { /* for y (1) and z (2) */
     double low[3], high[3], along[3], foot[3], area;
+    double feet_low[3][3], feet_high[3][3]; /* the box of what is lowest along each axis */
 } evidence;
 
 static int read_triangle(const norma_mesh *mesh, size_t first, size_t i, double p[3][3]) {
@@ -46,6 +49,11 @@ static void weigh_face(evidence *e, double p[3][3]) {
         e->along[k] += fabs(v[k]);
         if (fabs(v[k]) > 0.95 * area && p[0][k] <= lowest && p[1][k] <= lowest && p[2][k] <= lowest)
             e->foot[k] += fabs(v[k]);
+        for (int i = 0; i < 3; ++i)
+            for (int axis = 0; axis < 3 && p[i][k] <= lowest; ++axis) {
+                e->feet_low[k][axis] = fmin(e->feet_low[k][axis], p[i][axis]);
+                e->feet_high[k][axis] = fmax(e->feet_high[k][axis], p[i][axis]);
+            }
     }
 }
 
@@ -73,19 +81,36 @@ static int is_ground(const evidence *e, int up) {
     return e->along[up] > 0.8 * e->area;
 }
 
+static double floor_of(const double low[3], const double high[3], int up) {
+    const int a = (up + 1) % 3, b = (up + 2) % 3;
+    return (high[a] - low[a]) * (high[b] - low[b]);
+}
+
 /* The part of the floor that the foot covers. */
 static double foot_of(const evidence *e, int up) {
-    const int a = (up + 1) % 3, b = (up + 2) % 3;
-    const double floor = (e->high[a] - e->low[a]) * (e->high[b] - e->low[b]);
+    const double floor = floor_of(e->low, e->high, up);
     return floor > 0 ? fmin(e->foot[up] / floor, 1) : 0;
 }
 
+/* The part of the floor that its feet stand round. */
+static double stance_of(const evidence *e, int up) {
+    const double floor = floor_of(e->low, e->high, up);
+    return floor > 0 ? floor_of(e->feet_low[up], e->feet_high[up], up) / floor : 0;
+}
+
+static enum render_up higher(double y, double z, double clearly, enum render_up otherwise) {
+    return y > z + clearly ? RENDER_UP_Y : z > y + clearly ? RENDER_UP_Z : otherwise;
+}
+
 enum render_up render_guess_up(const render_surface *surfaces, size_t count, enum render_up usual) {
-    static const double clearly = 0.15; /* of the floor */
     evidence e = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
     visit(surfaces, count, find_bounds, &e);
+    for (int k = 0; k < 3; ++k) {
+        memcpy(e.feet_low[k], e.high, sizeof e.high);
+        memcpy(e.feet_high[k], e.low, sizeof e.low);
+    }
     visit(surfaces, count, weigh_face, &e);
     if (is_ground(&e, 1) != is_ground(&e, 2)) return is_ground(&e, 1) ? RENDER_UP_Y : RENDER_UP_Z;
-    const double y = foot_of(&e, 1), z = foot_of(&e, 2);
-    return y > z + clearly ? RENDER_UP_Y : z > y + clearly ? RENDER_UP_Z : usual;
+    return higher(foot_of(&e, 1), foot_of(&e, 2), 0.15,
+        higher(stance_of(&e, 1), stance_of(&e, 2), 0.2, usual));
 }
