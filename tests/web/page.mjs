@@ -1532,6 +1532,20 @@ await attempt("compare: each corner has its own difference: meshes in another or
   expect(JSON.stringify(seen) === JSON.stringify(tilts) && how === "corners" && near(degrees[2], 35, 1e-4), `${JSON.stringify(seen)}, ${how}, ${degrees}`);
 });
 
+await attempt("the lines of normals are of one length, whatever the size of the faces", async () => {
+  const view = await visit(plain), across = [0, 1, 2, 3, 4, 5, 6, 7, 8, 16], lines = across.flatMap((x) => [`v ${x} 0 0`, `v ${x} 0 1`]);
+  for (let i = 1; i < across.length; i++) lines.push(`f ${2 * i - 1} ${2 * i} ${2 * i + 2} ${2 * i + 1}`);
+  await dropText(view, "strip.obj", `${lines.join("\n")}\n`);
+  await view.click("reset-view");
+  await view.pick("hedgehog", "vertex");
+  /* Seen from the front they stand upright: those at either end of the strip. */
+  const png = await view.picture("lines-of-one-length"), columns = new Map();
+  countPixels(png, STAGE, ([r, g, b], x) => { if (g > r + 40 && g > b + 20) columns.set(x, (columns.get(x) ?? 0) + 1); });
+  const ends = [...columns.keys()].sort((a, b) => a - b), tallest = (from, to) => Math.max(...ends.filter((x) => x >= from && x <= to).map((x) => columns.get(x))), [left, right] = [tallest(ends[0], ends[0] + 8), tallest(ends.at(-1) - 8, ends.at(-1))];
+  expect(left > 8 && Math.abs(left - right) <= 3, `${left} pixels on the left, ${right} on the right`);
+  await view.close();
+});
+
 await attempt("OBJ, PLY and STL: the axis that points up is a guess, and said to be one", async () => {
   const from = join(shots, "ground.obj"), out = join(shots, "view-ground.html");
   writeFileSync(from, ["v 0 0 0", "v 9 0 0.2", "v 9 9 0", "v 0 9 0.3", "f 1 2 3", "f 1 3 4"].join("\n"));

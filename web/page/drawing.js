@@ -29,8 +29,8 @@ function faceLinesOf(item) {
   if (lines[item.mesh] === undefined) {
     const shown = page.scene;
     lines[item.mesh] = null;
-    page.remote.faceLines(shown.model.number, item.mesh).then(({ from, to, lengths }) => {
-      lines[item.mesh] = { from: page.graphics.makeBuffer(from), to: page.graphics.makeBuffer(to), reach: page.graphics.makeBuffer(lengths), points: lengths.length };
+    page.remote.faceLines(shown.model.number, item.mesh).then(({ from, to }) => {
+      lines[item.mesh] = { from: page.graphics.makeBuffer(from), to: page.graphics.makeBuffer(to), points: to.length / 3 };
       dirty.draw = true;
     }, (error) => notice(error.message));
   }
@@ -58,9 +58,8 @@ function drawEdges(kind, item, view, pixels, shown) {
 function drawHedgehog(item, view, pixels, colour) {
   const kind = value("hedgehog");
   if (!kind) return;
-  const { surface } = item, common = { colour, pixels, scale: numberOf("line-length") * item.size };
-  const lines = page.moving ? { from: surface.positions, to: item.normals, reachConstant: 1, points: surface.points }
-    : kind === "vertex" ? { from: surface.positions, to: item.normals, reach: surface.reach, points: surface.points } : faceLinesOf(item);
+  const { surface } = item, common = { colour, pixels, scale: numberOf("line-length") * item.size * (item.material?.reach ?? 1) };
+  const lines = page.moving || kind === "vertex" ? { from: surface.positions, to: item.normals, points: surface.points } : faceLinesOf(item);
   if (lines) page.graphics.drawHedgehog(item, view, { ...common, ...lines, most: Math.min(MOST_LINES, (numberOf("line-density") / 100) * lines.points) });
 }
 

@@ -70,7 +70,7 @@ export async function startEngine({ bytes, draco: packed }) {
         texcoords: (set) => floats(wasm.model_texcoords(address, i, set), 6 * triangles), tangents: () => floats(wasm.model_tangents(address, i), 12 * triangles),
         colours: () => new Uint16Array(memory(), wasm.model_colours(address, i) >>> 0, 12 * triangles),
         edges: () => lend([3 * triangles], (at) => (wasm.model_edges(address, i, at), new Uint8Array(memory(), at, 3 * triangles).slice())),
-        reach: () => floats(wasm.model_draw_reach(address, i), 3 * triangles), values: () => floats(wasm.model_draw_values(address, i), 3 * triangles),
+        values: () => floats(wasm.model_draw_values(address, i), 3 * triangles),
       };
     });
     const draws = Array.from({ length: wasm.model_draw_count(address) }, (_, i) => ({ mesh: wasm.model_draw_mesh(address, i), world: Array.from(doubles(wasm.model_draw_world(address, i), 16)) }));

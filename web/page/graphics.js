@@ -138,11 +138,11 @@ export function makeGraphics(canvas, texts) {
     gl.vertexAttribDivisor(index, divisor);
   };
 
-  /* A surface on the card: { positions, normals, reach?, indices? } as arrays, count of what is drawn. That of a model has no indices, and is empty until it is filled. */
-  const makeSurface = ({ positions, normals, reach, indices }) => {
+  /* A surface on the card: { positions, normals, indices? } as arrays, count of what is drawn. That of a model has no indices, and is empty until it is filled. */
+  const makeSurface = ({ positions, normals, indices }) => {
     const buffer = (list) => (indices ? makeBuffer(list, gl.DYNAMIC_DRAW) : reserve(list.byteLength));
     const surface = {
-      positions: buffer(positions), normals: buffer(normals), reach: reach && buffer(reach), isFree: false,
+      positions: buffer(positions), normals: buffer(normals), isFree: false,
       values: null, marks: null, trial: null, tint: null, colours: null, texcoords: [null, null], tangents: null, lit: new Map(), indexArray: indices, indices: indices && makeBuffer(indices, gl.STATIC_DRAW, gl.ELEMENT_ARRAY_BUFFER), count: indices ? indices.length : positions.length / 3, points: positions.length / 3,
     };
     const arrays = new Map();
@@ -167,11 +167,11 @@ export function makeGraphics(canvas, texts) {
     };
     surface.fill = async () => {
       surface.fill = null;      /* which holds the arrays */
-      for (const [to, list] of [[surface.positions, positions], [surface.normals, normals], [surface.reach, reach]]) if (list) await fillSlowly(to, list, LARGE_SLICE, () => !surface.isFree);
+      for (const [to, list] of [[surface.positions, positions], [surface.normals, normals]]) await fillSlowly(to, list, LARGE_SLICE, () => !surface.isFree);
     };
     surface.free = () => {
       surface.isFree = true;
-      for (const name of ["positions", "normals", "reach", "values", "marks", "trial", "tint", "colours", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
+      for (const name of ["positions", "normals", "values", "marks", "trial", "tint", "colours", "tangents", "indices"]) if (surface[name]) gl.deleteBuffer(surface[name]);
       for (const buffer of surface.texcoords) if (buffer) gl.deleteBuffer(buffer);
       surface.lit.forEach((geometry) => geometry.dispose());
       arrays.forEach((array) => gl.deleteVertexArray(array));
@@ -308,7 +308,7 @@ export function makeGraphics(canvas, texts) {
   };
 
   /* One line from each point along its normal; where there are more than most, evenly chosen ones. */
-  const drawHedgehog = (item, camera, { from, to, reach, reachConstant, points, colour, scale, pixels, most }) => {
+  const drawHedgehog = (item, camera, { from, to, points, colour, scale, pixels, most }) => {
     const place = programOf("line", "HEDGEHOG");
     startLines(place, camera, 1.3 * pixels, 0);
     gl.uniformMatrix4fv(place("local_to_world"), false, item.localToWorld);
@@ -319,8 +319,8 @@ export function makeGraphics(canvas, texts) {
     attribute(1, to, 3, 12 * step, 0, 1);
     gl.disableVertexAttribArray(2);
     gl.vertexAttrib4f(2, ...colour);
-    if (reach) attribute(3, reach, 1, 4 * step, 0, 1);
-    else { gl.disableVertexAttribArray(3); gl.vertexAttrib1f(3, reachConstant); }
+    gl.disableVertexAttribArray(3);
+    gl.vertexAttrib1f(3, 1);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, Math.ceil(points / step));
     gl.disable(gl.BLEND);
   };

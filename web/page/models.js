@@ -21,12 +21,23 @@ function boxOf(positions) {
 /* Whether its file says how it is shaded: by normals, or in glTF, where a mesh without any is flat. */
 const isShaded = ({ format, meshes }) => GLTF.has(format) || meshes.some(({ stored }) => stored);
 
+/* How far normals are drawn: half of the mean length of the edges, of those that are finite. */
+function reachOf(positions) {
+  let sum = 0;
+  for (let t = 0; t < positions.length; t += 9)
+    for (let i = t; i < t + 9; i += 3) {
+      const j = i === t + 6 ? t : i + 3, x = positions[i] - positions[j], y = positions[i + 1] - positions[j + 1], z = positions[i + 2] - positions[j + 2];
+      sum += Math.sqrt(x * x + y * y + z * z) || 0;
+    }
+  return (0.5 * sum) / Math.max(1, positions.length / 3);
+}
+
 /* What a page knows of a model; its arrays follow by themselves. */
 function describe(number, model) {
   const isPlain = ([, part]) => typeof part !== "function";
-  const meshes = model.meshes.map((mesh) => Object.fromEntries(Object.entries(mesh).filter(isPlain)));
+  const meshes = model.meshes.map((mesh) => ({ ...Object.fromEntries(Object.entries(mesh).filter(isPlain)), reach: reachOf(mesh.positions()) }));
   return { number, name: model.name, format: model.format, unread: model.unread, isShaded: isShaded(model), triangles: model.triangles, faces: model.faces, findings: model.findings, draws: model.draws, meshes, up: model.up,
-           arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), reach: mesh.reach().slice(), box: boxOf(mesh.positions()) })) };
+           arrays: model.meshes.map((mesh) => ({ positions: mesh.positions().slice(), normals: mesh.normals().slice(), box: boxOf(mesh.positions()) })) };
 }
 
 /* modules: the bytes of the page's module, and draco.wasm as the page holds it. */
@@ -146,15 +157,12 @@ export async function startModels(modules) {
       const mesh = models.get(number).meshes[index];
       return mesh.hasTexcoords[0] ? seamsOf(mesh.positions().slice(), mesh.texcoords(0).slice()) : { ends: new Float32Array(), count: 0 };
     },
-    /* Middles and normals of faces, and how long their lines are. */
+    /* Middles and normals of faces. */
     faceLines: (number, index) => {
-      const { positions: read, reach: readReach, triangles } = models.get(number).meshes[index], positions = read().slice(), to = engine.norma.faceNormals(positions).slice(), reach = readReach(); // the call may move the memory that read() looks at
-      const from = new Float32Array(3 * triangles), lengths = new Float32Array(triangles);
-      for (let t = 0; t < triangles; t++) {
-        for (let i = 0; i < 3; i++) from[3 * t + i] = (positions[9 * t + i] + positions[9 * t + 3 + i] + positions[9 * t + 6 + i]) / 3;
-        lengths[t] = (reach[3 * t] + reach[3 * t + 1] + reach[3 * t + 2]) / 3;
-      }
-      return { from, to, lengths };
+      const { positions: read, triangles } = models.get(number).meshes[index], positions = read().slice(), to = engine.norma.faceNormals(positions).slice(); // the call may move the memory that read() looks at
+      const from = new Float32Array(3 * triangles);
+      for (let t = 0; t < triangles; t++) for (let i = 0; i < 3; i++) from[3 * t + i] = (positions[9 * t + i] + positions[9 * t + 3 + i] + positions[9 * t + 6 + i]) / 3;
+      return { from, to };
     },
   };
 }

@@ -184,36 +184,16 @@ static void fill_positions(model_mesh *mesh) {
     }
 }
 
-static double distance(const float *a, const float *b) {
-    const double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1],
-                 z = (double)a[2] - (double)b[2];
-    return sqrt(x * x + y * y + z * z);
-}
-
-/* How far a normal is drawn: half of the mean length of the two edges at its corner. */
-static void fill_reach(model_mesh *mesh) {
-    for (size_t t = 0; t < mesh->triangle_count; ++t) {
-        const float *p = mesh->draw_positions + 9 * t;
-        const double ab = distance(p, p + 3), bc = distance(p + 3, p + 6), ca = distance(p + 6, p);
-        mesh->draw_reach[3 * t] = (float)(0.25 * (ab + ca));
-        mesh->draw_reach[3 * t + 1] = (float)(0.25 * (ab + bc));
-        mesh->draw_reach[3 * t + 2] = (float)(0.25 * (bc + ca));
-    }
-}
-
 static int make_arrays(model_mesh *mesh) {
     const size_t corners = 3 * mesh->triangle_count;
     mesh->normals = calloc(3 * mesh->mesh.corner_count + 1, sizeof(float));
     mesh->draw_positions = malloc(12 * corners + 1);
     mesh->draw_normals = mesh->triangle_corners ? malloc(12 * corners + 1) : mesh->normals;
-    mesh->draw_reach = malloc(4 * corners + 1);
     mesh->draw_values = calloc(corners + 1, sizeof(float));
-    if (!mesh->normals || !mesh->draw_positions || !mesh->draw_normals || !mesh->draw_reach ||
-        !mesh->draw_values)
+    if (!mesh->normals || !mesh->draw_positions || !mesh->draw_normals || !mesh->draw_values)
         return 0;
     find_ball(mesh);
     fill_positions(mesh);
-    fill_reach(mesh);
     return 1;
 }
 
@@ -252,7 +232,6 @@ void model_close(model *m) {
         free(mesh->draw_positions);
         if (mesh->draw_normals != mesh->normals) free(mesh->draw_normals);
         free(mesh->normals);
-        free(mesh->draw_reach);
         free(mesh->draw_values);
         free(mesh->draw_marks);
         free(mesh->draw_texcoords[0]);

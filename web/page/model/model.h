@@ -15,7 +15,7 @@ typedef struct model_mesh {
     double centre[3],
         radius;     /* draw_positions = (position - centre) / radius: within the unit ball */
     float *normals; /* of each corner of the mesh */
-    float *draw_positions, *draw_normals, *draw_reach,
+    float *draw_positions, *draw_normals,
         *draw_values;         /* of each corner of each triangle; draw_normals may be normals */
     uint8_t *draw_marks;      /* the same, four bytes each; NULL until they are asked for */
     float *draw_texcoords[2]; /* two each; NULL until they are asked for */

@@ -53,9 +53,6 @@ const float *WEB_EXPORT(model_draw_positions)(const model *m, uint32_t mesh) {
 const float *WEB_EXPORT(model_draw_normals)(const model *m, uint32_t mesh) {
     return m->meshes[mesh].draw_normals;
 }
-const float *WEB_EXPORT(model_draw_reach)(const model *m, uint32_t mesh) {
-    return m->meshes[mesh].draw_reach;
-}
 const float *WEB_EXPORT(model_draw_values)(const model *m, uint32_t mesh) {
     return m->meshes[mesh].draw_values;
 }
