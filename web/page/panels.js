@@ -1,7 +1,7 @@
 /* How the stage is divided: into panels, each with a side (wrong, right, or the angle between them), a box in pixels of the page from the top left, and the part of it that is seen. */
 
-/* Below three panels lies a strip for what is read. */
-const STRIP = 84;
+/* Below three panels that are narrow lies a strip for what is read. */
+const STRIP = 84, NARROW = 600;
 /* Above each of them its name. */
 export const NAME = 30;
 
@@ -9,7 +9,7 @@ const whole = (width, height) => ({ x: 0, y: 0, width, height });
 
 /* Two pictures and, below them, what differs; beside that one, room for words. */
 function beside(width, height) {
-  const upper = Math.round(0.6 * (height - STRIP)), half = Math.floor(width / 2), low = height - upper - STRIP;
+  const strip = width < NARROW ? STRIP : 0, upper = Math.round(0.56 * (height - strip)), half = Math.floor(width / 2), low = height - upper - strip;
   return [
     { side: "wrong", box: { x: 0, y: NAME, width: half, height: upper - NAME } },
     { side: "right", box: { x: half, y: NAME, width: width - half, height: upper - NAME } },
