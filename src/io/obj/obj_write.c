@@ -323,8 +323,11 @@ static void rewrite_normal(writer *w, const char *p, size_t normal) {
     double old;
     for (int i = 0; i < 3 && (next = next_number(w, &p, &old)); ++i, p = next) {
         char text[32];
-        /* Also if the old one is not a number. */
-        if (!isfinite(values[i]) || fabs((double)values[i] - old) <= 1e-9) continue;
+        /* Also if the old one is not a number. Normals are floats, which text may say with more
+         * digits than they hold. */
+        if (!isfinite(values[i]) || (float)old == values[i] ||
+            fabs((double)values[i] - old) <= 1e-9)
+            continue;
         copy_then_skip(w, p, next);
         norma_sink_put(w->sink, text, norma_number_format_normal(values[i], text));
     }

@@ -104,6 +104,16 @@ static void test_obj_split(void **state) {
         "4\nf -1 -7 -6\nf 10 5 2\nv 7 7 7\np 1 -1 -11 11\n");
 }
 
+/* One normal is too long; the others keep their digits, of which a float holds fewer. */
+static void test_obj_digits(void **state) {
+    (void)state;
+    text_becomes("a.obj", "N103",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0.577350269190 0.577350269 5.7735026919e-1\nvn 0 0 "
+        "2.0\nvn -0.267261242 .534522484 0.801783726\nf 1//1 2//2 3//3\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0.577350269190 0.577350269 5.7735026919e-1\nvn 0 0 "
+        "1\nvn -0.267261242 .534522484 0.801783726\nf 1//1 2//2 3//3\n");
+}
+
 /* ---- PLY: a concave polygon, a bent square, tuples of corners that go with them, a list that does
  * not */
 
@@ -326,6 +336,7 @@ int main(void) {
         cmocka_unit_test(test_obj_weld),
         cmocka_unit_test(test_obj_curves),
         cmocka_unit_test(test_obj_split),
+        cmocka_unit_test(test_obj_digits),
         cmocka_unit_test(test_ply_cut),
         cmocka_unit_test(test_ply_strips),
         cmocka_unit_test(test_gltf_recentre),
