@@ -280,6 +280,12 @@ static norma_document_result tell_place_unread(
     return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
+static int is_empty(const document_check *d) {
+    size_t i = 0;
+    while (i < d->mesh_count && d->meshes[i].info.vertices == 0) i++;
+    return i == d->mesh_count;
+}
+
 /* Where nothing could be checked, that is an error. */
 static void raise_unread(document_check *d) {
     for (size_t i = 0; i < d->run.findings->count; i++) {
@@ -685,7 +691,7 @@ norma_document_result norma_check_again(norma_document *document, const check_kn
     if (!result) result = check_meshes(&d);
     if (!result) result = check_maps(&d);
     if (!result) result = check_nodes(&d);
-    if (!result && d.mesh_count == 0) raise_unread(&d);
+    if (!result && is_empty(&d)) raise_unread(&d);
     if (result)
         norma_check_abandon(&d.run);
     else

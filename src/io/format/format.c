@@ -1,6 +1,7 @@
 /* format.c: what every format needs of its document: errors and notes, options, files beside it,
  * memory of what it tells. */
 #include "io/format/format.h"
+#include "io/text/text.h"
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -292,6 +293,12 @@ struct scene_block {
     scene_block *next;
     max_align_t bytes[];
 };
+
+int norma_is_padding(const unsigned char *bytes, size_t size) {
+    size_t i = 0;
+    while (i < size && (bytes[i] == 0 || norma_is_blank(bytes[i]))) ++i;
+    return i == size;
+}
 
 void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size) {
     if (size && count > (SIZE_MAX - sizeof(scene_block)) / size) return NULL;

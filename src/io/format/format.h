@@ -329,10 +329,12 @@ typedef struct scene_functions {
         const float **texcoords, size_t *count, norma_document_error *error);
 } scene_functions;
 
-extern const scene_functions norma_obj_scene, norma_ply_scene, norma_gltf_scene;
+extern const scene_functions norma_obj_scene, norma_ply_scene, norma_stl_scene, norma_gltf_scene;
 
 /* Zeroed memory that lives as long as the document; NULL: none is left. */
 void *norma_scene_allocate(norma_scene *scene, size_t count, size_t size);
+/* Whether bytes hold nothing: blanks, line ends and zeros only. */
+int norma_is_padding(const unsigned char *bytes, size_t size);
 char *norma_scene_text(norma_scene *scene, const char *text);
 /* Two lists of rules as one, with a comma between them where both have something. */
 char *norma_scene_join(norma_scene *scene, const char *first, const char *second);

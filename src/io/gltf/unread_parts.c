@@ -16,8 +16,11 @@ static const char *unknown_extension(gltf *g, uint32_t token) {
     return why;
 }
 
+/* Points and lines are no surface, so nothing is left out but normals that they have. */
 static const char *why_in_part(const gltf *g, const gltf_primitive *p) {
-    if (p->not_read) return p->mode >= GLTF_TRIANGLES ? p->not_read : NULL;
+    if (p->not_read && p->mode >= GLTF_TRIANGLES) return p->not_read;
+    if (p->not_read && p->base.normal == GLTF_NONE) return NULL;
+    if (p->not_read) return p->mode == GLTF_POINTS ? "normals of points" : "normals of lines";
     if (p->base.normal != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.normal))
         return "its normals have no data in the file; an application has to provide them";
     if (p->base.tangent != GLTF_NONE && norma_gltf_is_placeholder(g, p->base.tangent))

@@ -361,16 +361,28 @@ static norma_document_result ply_read_unread(
     norma_document *document, norma_document_error *error) {
     const ply_state *state = document->state;
     norma_scene *scene = document->scene;
-    norma_unread *unread = norma_scene_allocate(scene, 1, sizeof *unread);
-    char *texts = norma_scene_allocate(scene, 2, sizeof(char[120]));
+    norma_unread *unread = norma_scene_allocate(scene, 2, sizeof *unread);
+    char *texts = norma_scene_allocate(scene, 4, sizeof(char[120]));
+    size_t count = 0;
     if (!unread || !texts) return norma_document_fail_memory(document, error);
     if (state->surplus_rows) {
         snprintf(texts, 120, "line %zu", norma_ply_line_of(state, state->first_surplus));
         norma_ply_surplus_text(state, texts + 120);
-        *unread = (norma_unread){texts, texts + 120};
+        unread[count++] = (norma_unread){texts, texts + 120};
+    }
+    if (state->tail) {
+        texts += 240;
+        if (state->header.encoding == PLY_ASCII)
+            snprintf(texts, 120, "line %zu", norma_ply_line_of(state, state->tail));
+        else
+            snprintf(texts, 120, "byte %zu", state->tail);
+        snprintf(texts + 120, 120, "%zu %s the last element that the header declares",
+            state->size - state->tail,
+            state->size - state->tail == 1 ? "byte follows" : "bytes follow");
+        unread[count++] = (norma_unread){texts, texts + 120};
     }
     scene->unread = unread;
-    scene->unread_count = state->surplus_rows > 0;
+    scene->unread_count = count;
     return NORMA_DOCUMENT_OK;
 }
 

@@ -124,8 +124,9 @@ typedef struct ply_state {
     ply_header header;
     ply_mesh mesh;
     ply_edit edit;
-    float *normals;                     /* decoded on demand for norma_document_mesh_data */
-    size_t vertices, faces, triangles;  /* what the file holds; known at any depth */
+    float *normals;                    /* decoded on demand for norma_document_mesh_data */
+    size_t vertices, faces, triangles; /* what the file holds; known at any depth */
+    size_t tail;                       /* where bytes begin that follow the last element; 0: none */
     size_t surplus_rows, first_surplus; /* of text: rows with more values than the header declares;
                                            where the first of these values stands */
 } ply_state;

@@ -83,6 +83,7 @@ static norma_document_result locate_binary(norma_document *document, norma_docum
         }
         element->end = at;
     }
+    state->tail = norma_is_padding(state->bytes + at, state->size - at) ? 0 : at;
     if (at < state->size)
         norma_document_add_note(
             document, "bytes after the last element, kept as they are: %zu", state->size - at);

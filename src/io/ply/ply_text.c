@@ -191,6 +191,7 @@ norma_document_result norma_ply_locate_text(norma_document *document, norma_docu
     size_t length;
     const unsigned char *rest =
         ply_token(skip_comments(walker.at, walker.end), walker.end, &length);
+    state->tail = rest ? (size_t)(rest - state->bytes) : 0;
     if (rest)
         norma_document_add_note(document, "bytes after the last element, kept as they are: %zu",
             (size_t)(walker.end - rest));

@@ -2,6 +2,7 @@
 #include "io/stl/stl.h"
 #include "io/text/text.h"
 #include <float.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -499,6 +500,31 @@ static norma_document_result write_stl(norma_document *document, const char *pat
     return norma_rewrite(document, stl_write_body, write, user, error);
 }
 
+static norma_document_result stl_read_unread(
+    norma_document *document, norma_document_error *error) {
+    const stl_state *state = document->state;
+    norma_scene *scene = document->scene;
+    norma_unread *unread = norma_scene_allocate(scene, 1, sizeof *unread);
+    char *texts = norma_scene_allocate(scene, 2, sizeof(char[120]));
+    if (!unread || !texts) return norma_document_fail_memory(document, error);
+    if (state->tail) {
+        snprintf(texts, 120, "byte %zu", state->tail);
+        const size_t size = state->size - state->tail;
+        const int length =
+            snprintf(texts + 120, 120, "%zu %s the %zu facets that the header declares", size,
+                size == 1 ? "byte follows" : "bytes follow", state->facets);
+        if (size >= STL_FACET)
+            snprintf(texts + 120 + length, 120 - (size_t)length, "; they may be %zu more",
+                size / STL_FACET);
+        *unread = (norma_unread){texts, texts + 120};
+    }
+    scene->unread = unread;
+    scene->unread_count = state->tail > 0;
+    return NORMA_DOCUMENT_OK;
+}
+
+const scene_functions norma_stl_scene = {.unread = stl_read_unread};
+
 const format_functions norma_stl_functions = {
     .open = norma_edited_open,
     .close = norma_edited_close,
@@ -506,6 +532,7 @@ const format_functions norma_stl_functions = {
     .mesh_count = norma_edited_mesh_count,
     .mesh_info = stl_describe_mesh,
     .mesh_data = stl_give_mesh,
+    .scene = &norma_stl_scene,
     .compute = stl_compute,
     .transform = stl_transform,
     .edit = stl_edit,

@@ -11,6 +11,7 @@ typedef struct stl_state {
     size_t size;
     int binary;
     size_t facets;
+    size_t tail;     /* binary: where bytes begin that follow the last facet; 0: none */
     char *name;      /* of the first solid */
     int many_digits; /* text: some number of a vertex has more digits than a float */
     void *positions; /* nine numbers a facet, decoded on demand: floats, in text doubles */

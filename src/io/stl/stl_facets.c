@@ -93,7 +93,8 @@ norma_document_result norma_stl_read_binary(norma_document *document, norma_docu
             "the header declares %lu facets, but the file holds only %zu", (unsigned long)count,
             room);
     state->facets = count;
-    const size_t rest = state->size - STL_HEADER - (size_t)count * STL_FACET;
+    const size_t end = STL_HEADER + (size_t)count * STL_FACET, rest = state->size - end;
+    state->tail = rest >= STL_FACET || !norma_is_padding(state->bytes + end, rest) ? end : 0;
     if (rest > 0)
         norma_document_add_note(document,
             "%zu bytes after the last of the %lu facets declared are kept as they are", rest,

@@ -13,6 +13,7 @@
 #include <norma/check.h>
 #include "document_bytes.h"
 #include "gltf_asset.h"
+#include "gltf_scene.h"
 
 /* ---- what is found */
 
@@ -835,7 +836,57 @@ static void test_not_checked(void **state) {
         check(asset_open(&a, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"NORMAL\":1}}]}]", 1),
             MINE),
         {"N002", "/meshes/0/primitives/0", E, 1, NAN, ""});
+    FOUND(check(asset_open(&a,
+                    "\"meshes\":[{\"primitives\":[{" SURFACE "},{\"mode\":0," SURFACE
+                    "},{\"mode\":3,\"attributes\":{\"POSITION\":0}}]}]",
+                    1),
+              MINE),
+        {"N002", "/meshes/0/primitives/1", W, 1, NAN, ""});
     asset_free(&a);
+}
+
+/* A file goes on behind what its header declares. Padding holds nothing that could be checked. */
+static void test_behind_the_end(void **state) {
+    (void)state;
+    enum { HEADER = 84, FACET = 50 };
+#define PLY(encoding)                                                                              \
+    "ply\nformat " encoding " 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\n"         \
+    "property uchar z\nelement face 1\nproperty list uchar uchar vertex_indices\nend_header\n"
+    static const char rows[] = PLY("ascii") "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+                      more[] = PLY("ascii") "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\n3 0 2 1\n",
+                      blank[] = PLY("ascii") "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n \n\n",
+                      codes[] = PLY("binary_little_endian") "@@@A@@@A@\3\0\1\2\n\0",
+                      beyond[] = PLY("binary_little_endian") "@@@A@@@A@\3\0\1\2\3";
+    static const struct {
+        const char *text;
+        size_t size;
+        const char *where;
+    } plys[] = {{rows, sizeof rows - 1, NULL}, {more, sizeof more - 1, "line 15"},
+        {blank, sizeof blank - 1, NULL}, {codes, sizeof codes - 1, NULL},
+        {beyond, sizeof beyond - 1, "byte 184"}};
+    for (size_t i = 0; i < sizeof plys / sizeof *plys; i++) {
+        norma_findings *findings =
+            check(scene_reopen((const unsigned char *)plys[i].text, plys[i].size, "a.ply"), "N002");
+        if (!plys[i].where)
+            assert_clean(findings);
+        else
+            FOUND(findings, {"N002", plys[i].where, W, 1, NAN, ""});
+    }
+    static const float facet[12] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0};
+    unsigned char stl[HEADER + 3 * FACET] = {0};
+    memcpy(stl + HEADER, facet, sizeof facet);
+    memcpy(stl + HEADER + FACET, facet, sizeof facet);
+    stl[80] = 1;
+    assert_clean(check(scene_reopen(stl, HEADER + FACET, "a.stl"), "N002"));
+    FOUND(check(scene_reopen(stl, HEADER + 2 * FACET, "a.stl"), "N002"),
+        {"N002", "byte 134", W, 1, NAN, ""});
+    stl[80] = 2;
+    assert_clean(check(scene_reopen(stl, HEADER + 3 * FACET - 1, "a.stl"), "N002"));
+    FOUND(check(scene_reopen(stl, HEADER + 3 * FACET, "a.stl"), "N002"),
+        {"N002", "byte 184", W, 1, NAN, ""}); /* a facet, though one of zeros */
+    stl[80] = 0;
+    FOUND(check(scene_reopen(stl, sizeof stl, "a.stl"), "N002"),
+        {"N002", "byte 84", E, 1, NAN, ""}); /* nothing was checked */
 }
 
 static void test_malformed_skin(void **state) {
@@ -982,6 +1033,7 @@ int main(void) {
         cmocka_unit_test(test_not_checked),
         cmocka_unit_test(test_malformed_skin),
         cmocka_unit_test(test_endless_skins),
+        cmocka_unit_test(test_behind_the_end),
         cmocka_unit_test(test_unreadable),
         cmocka_unit_test(test_arrays),
     };
