@@ -288,17 +288,21 @@ static norma_result judge_values(check_mesh *m) {
 }
 
 /* Tangents are computed from texture coordinates. */
-static norma_result add_no_tangents(check_mesh *m) {
+static norma_result add_no_tangents(check_mesh *m, int has_tangents) {
     check_hits one = {0};
     norma_check_hit(m->run, &one, 0, CHECK_NOWHERE);
     return norma_check_add(m->run, &m->place, m,
         &(check_finding){.rule = RULE_N805,
             .severity = NORMA_SEVERITY_INFO,
             .no_value = 1,
-            .no_fix = !m->given->attributes.texcoords,
+            .no_fix = has_tangents || !m->given->attributes.texcoords,
             .hits = &one,
-            .message = "a normal map but no tangents; readers compute MikkTSpace's, as the "
-                       "specification asks"});
+            .message =
+                has_tangents
+                    ? "a normal map, but tangents that count for nothing without normals (N806); "
+                      "readers compute MikkTSpace's, as the specification asks"
+                    : "a normal map but no tangents; readers compute MikkTSpace's, as the "
+                      "specification asks"});
 }
 
 static norma_result judge_map(check_mesh *m) {
@@ -321,10 +325,10 @@ norma_result norma_check_tangents(check_mesh *m) {
     if (!result && given->attributes.tangents && norma_check_wants(m, RULE_N804))
         result = check_tangent_signs(m);
     if (!result) result = judge_map(m);
-    int usable = tangents && normals; /* without normals readers must ignore them */
+    const int usable = tangents && normals; /* without normals readers must ignore them */
     if (!result && !usable && given->material.normal_map && !given->material.unlit &&
         m->mesh.face_count && norma_check_wants(m, RULE_N805))
-        result = add_no_tangents(m);
+        result = add_no_tangents(m, tangents);
     if (!result && tangents && !normals && norma_check_wants(m, RULE_N806))
         result = norma_check_add_one(m->run, &m->place, m, RULE_N806, NORMA_SEVERITY_WARNING,
             "tangents but no normals; readers must ignore the tangents");

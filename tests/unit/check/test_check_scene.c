@@ -657,6 +657,12 @@ static void test_parts_of_tangents(void **state) {
     FOUND(check_surface("\"POSITION\":0,\"TANGENT\":3,\"TEXCOORD_0\":4", "{}"),
         {"N104", PRIMITIVE, I, 10, NAN, "f0 f1 f2 f3 f4 f5 f6 f7 f8 f9"},
         {"N806", PRIMITIVE, W, 1, NAN, ""});
+    norma_findings *ignored =
+        check_surface("\"POSITION\":0,\"TANGENT\":3,\"TEXCOORD_0\":4", MAPPED);
+    assert_int_equal(norma_findings_get(ignored, 1)->fix, NORMA_FIX_NONE); /* that of N806 is it */
+    assert_null(strstr(norma_findings_get(ignored, 1)->message, "no tangents"));
+    FOUND(ignored, {"N104", PRIMITIVE, I, 10, NAN, "f0 f1 f2 f3 f4 f5 f6 f7 f8 f9"},
+        {"N805", PRIMITIVE, I, 1, NAN, ""}, {"N806", PRIMITIVE, W, 1, NAN, ""});
 }
 
 /* The set that the map names, not any set. */
