@@ -117,14 +117,18 @@ int norma_check_wants_open(const check_run *run, const uint8_t *rules);
  * a sum, zero-initialised, to which _look adds what a mesh shows; _add makes the findings, and
  * leaves the sum empty, as _drop does. */
 
-/* stored_normals.c: N101 to N103. idle: normals of no length that only degenerate faces use. */
+/* stored_normals.c: N101 to N103. */
 typedef struct check_lengths {
     check_hits non_finite, zero, non_unit,
         rounded; /* rounded: in OBJ, off by what two digits make */
 } check_lengths;
+typedef struct check_idle {
+    size_t degenerate,
+        unused; /* normals of no length that only degenerate faces, or no face, use */
+} check_idle;
 void norma_check_lengths_drop(check_lengths *sum);
 norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum);
-norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, size_t idle);
+norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, const check_idle *idle);
 
 /* sides.c: N205. behind: NULL, or a mark for each face whose normal is on its other side. The
  * caller fills whole_area (twice the area of all faces), turned (facets whose winding is known to

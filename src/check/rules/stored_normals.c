@@ -48,40 +48,49 @@ static void judge_normals(void *context, size_t block, size_t begin, size_t end)
     for (size_t i = begin; i < end; i++) judge_normal(pass, &pass->parts[block], i);
 }
 
-/* ---- how many normals of no length belong to degenerate faces only: a word of comfort in the
- * message, since recomputing takes the nearest normal for them */
+/* ---- how many normals of no length belong to degenerate faces only, or to no face: a word of
+ * comfort in the message, since recomputing takes the nearest normal for them */
 
-static norma_result count_idle(check_mesh *m, size_t zeros, size_t *idle) {
-    size_t count = norma_check_normal_count(m), busy_zeros = 0;
-    *idle = 0;
-    norma_result result = norma_check_faces(m);
-    uint8_t *busy = result ? NULL : norma_core_allocate(&m->run->call, count, 1);
-    if (result || !busy) return result ? result : NORMA_ERROR_MEMORY;
-    memset(busy, 0, count);
-    for (size_t f = 0; f < m->mesh.face_count; f++) {
-        if (!norma_check_directed(&m->faces[f])) continue;
+enum { USED = 1, BUSY = 2 }; /* by a face; by one that has a direction */
+
+static void mark_users(const check_mesh *m, uint8_t *marks) {
+    for (size_t f = 0; f < m->mesh.face_count; f++)
         for (size_t c = norma_core_face_begin(&m->mesh, f); c < norma_core_face_end(&m->mesh, f);
              c++) {
-            size_t number = norma_check_normal_of(m, f, c);
-            double n[3], length;
-            if (number == SIZE_MAX || busy[number]) continue;
-            norma_check_normal(m, number, n);
-            busy[number] = 1;
-            busy_zeros += norma_core_judge_length(n, 0, &length) == CORE_LENGTH_ZERO;
+            const size_t number = norma_check_normal_of(m, f, c);
+            if (number != SIZE_MAX)
+                marks[number] |= norma_check_directed(&m->faces[f]) ? USED | BUSY : USED;
         }
+}
+
+static norma_result count_idle(check_mesh *m, check_idle *idle) {
+    const size_t count = norma_check_normal_count(m);
+    const norma_result result = norma_check_faces(m);
+    uint8_t *marks = result ? NULL : norma_core_allocate(&m->run->call, count, 1);
+    if (result || !marks) return result ? result : NORMA_ERROR_MEMORY;
+    memset(marks, 0, count);
+    mark_users(m, marks);
+    for (size_t i = 0; i < count; i++) {
+        double n[3], length;
+        if (marks[i] & BUSY || (m->users && m->users[i] == UINT32_MAX)) continue;
+        norma_check_normal(m, i, n);
+        if (norma_core_judge_length(n, 0, &length) != CORE_LENGTH_ZERO) continue;
+        idle->degenerate += marks[i] != 0;
+        idle->unused += !marks[i];
     }
-    norma_core_release(&m->run->call, busy, count, 1);
-    *idle = zeros - busy_zeros;
+    norma_core_release(&m->run->call, marks, count, 1);
     return NORMA_OK;
 }
 
-static norma_result add_zero(check_mesh *m, check_hits *hits, size_t idle) {
-    char message[CHECK_MESSAGE];
-    if (idle)
-        norma_check_message(message,
-            "%s: %z zero-length normal%s; %z used only by degenerate faces (N401)",
-            idle < hits->count ? "black spots" : "without direction", hits->count,
-            norma_check_plural(hits->count), idle);
+static norma_result add_zero(check_mesh *m, check_hits *hits, const check_idle *idle) {
+    char message[CHECK_MESSAGE], who[CHECK_MESSAGE] = "", none[CHECK_MESSAGE] = "";
+    if (idle->degenerate)
+        norma_check_message(who, "; %z used only by degenerate faces (N401)", idle->degenerate);
+    if (idle->unused) norma_check_message(none, "; %z used by no face", idle->unused);
+    if (who[0] || none[0])
+        norma_check_message(message, "%s: %z zero-length normal%s%s%s",
+            idle->degenerate + idle->unused < hits->count ? "black spots" : "without direction",
+            hits->count, norma_check_plural(hits->count), who, none);
     else
         norma_check_message(message,
             "black spots: %z zero-length normal%s; normalising one divides by zero", hits->count,
@@ -108,7 +117,7 @@ static norma_result add_non_unit(check_mesh *m, norma_severity severity, check_h
         hits->count, norma_check_plural(hits->count), hits->worst);
 }
 
-static norma_result add_lengths(check_mesh *m, check_lengths *sum, size_t idle) {
+static norma_result add_lengths(check_mesh *m, check_lengths *sum, const check_idle *idle) {
     norma_result result = NORMA_OK;
     if (norma_check_wants(m, RULE_N101) && sum->non_finite.count)
         result = norma_check_report(m,
@@ -131,7 +140,7 @@ void norma_check_lengths_drop(check_lengths *sum) {
     norma_check_hits_free(&sum->rounded);
 }
 
-norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, size_t idle) {
+norma_result norma_check_lengths_add(check_mesh *m, check_lengths *sum, const check_idle *idle) {
     const norma_result result = add_lengths(m, sum, idle);
     norma_check_lengths_drop(sum);
     return result;
@@ -160,11 +169,10 @@ norma_result norma_check_lengths_look(check_mesh *m, check_lengths *sum) {
 
 norma_result norma_check_lengths(check_mesh *m) {
     check_lengths sum = {.zero.least = 1};
-    size_t idle = 0;
+    check_idle idle = {0};
     norma_result result = norma_check_lengths_look(m, &sum);
-    if (!result && sum.zero.count && wants_lengths(m, RULE_N102))
-        result = count_idle(m, sum.zero.count, &idle);
-    if (!result) result = norma_check_lengths_add(m, &sum, idle);
+    if (!result && sum.zero.count && wants_lengths(m, RULE_N102)) result = count_idle(m, &idle);
+    if (!result) result = norma_check_lengths_add(m, &sum, &idle);
     norma_check_lengths_drop(&sum);
     return result;
 }

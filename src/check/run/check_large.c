@@ -22,9 +22,9 @@ typedef struct large_check {
     check_shapes shapes;
     check_polygons polygons;
     check_largest largest;
-    uint8_t *zeros; /* a bit for each vertex: its normal has no length, and only degenerate faces
-                       were seen to use it; NULL: none has */
-    size_t idle;    /* how many */
+    uint8_t *zeros;  /* two bits for each vertex whose normal has no length: no face with a
+                        direction, and no face at all, was seen to use it; NULL: none has */
+    check_idle idle; /* how many */
     /* Edges by length, for N701: counts has one more. */
     double ranges[LENGTHS];
     size_t range_count, counts[LENGTHS + 1];
@@ -46,13 +46,16 @@ static int is_zero_normal(const norma_vec3_view *normals, size_t i) {
     return norma_core_judge_length(n, 0, &length) == CORE_LENGTH_ZERO;
 }
 
+enum { NOT_BUSY = 1, NOT_USED = 2 }; /* by a face with a direction; by any */
+
 static norma_result note_zeros(large_check *c, const large_vertices *part) {
-    if (!c->zeros) c->zeros = calloc(c->given.info.vertices / 8 + 1, 1);
+    if (!c->zeros) c->zeros = calloc(c->given.info.vertices / 4 + 1, 1);
     if (!c->zeros) return NORMA_ERROR_MEMORY;
     for (size_t i = 0; i < part->normals.count; i++)
         if (is_zero_normal(&part->normals, i)) {
-            c->zeros[(part->first + i) / 8] |= (uint8_t)(1 << (part->first + i) % 8);
-            c->idle++;
+            c->zeros[(part->first + i) / 4] |=
+                (uint8_t)((NOT_BUSY | NOT_USED) << 2 * ((part->first + i) % 4));
+            c->idle.unused++;
         }
     return NORMA_OK;
 }
@@ -77,15 +80,22 @@ static norma_document_result look_at_vertices(void *context, const large_vertice
 
 /* ---- faces */
 
+static void use_normal(large_check *c, uint32_t v, int directed) {
+    const unsigned shift = 2 * (v % 4), is = c->zeros[v / 4] >> shift & (NOT_BUSY | NOT_USED);
+    if (is & NOT_USED) {
+        c->idle.unused--;
+        c->idle.degenerate++;
+    }
+    if (is && directed) c->idle.degenerate--;
+    c->zeros[v / 4] &= (uint8_t) ~((directed ? NOT_BUSY | NOT_USED : NOT_USED) << shift);
+}
+
 static void use_normals(large_check *c, const check_mesh *m, const uint32_t *vertices) {
     for (size_t f = 0; f < m->mesh.face_count; f++)
-        for (size_t k = norma_core_face_begin(&m->mesh, f);
-             norma_check_directed(&m->faces[f]) && k < norma_core_face_end(&m->mesh, f); k++) {
-            const uint32_t v = vertices[norma_core_corner(&m->mesh, k)];
-            const uint8_t bit = (uint8_t)(1 << v % 8);
-            c->idle -= (c->zeros[v / 8] & bit) != 0;
-            c->zeros[v / 8] &= (uint8_t)~bit;
-        }
+        for (size_t k = norma_core_face_begin(&m->mesh, f); k < norma_core_face_end(&m->mesh, f);
+             k++)
+            use_normal(c, vertices[norma_core_corner(&m->mesh, k)],
+                norma_check_directed(&m->faces[f]) != 0);
 }
 
 static norma_result look_at_part(large_check *c, check_mesh *m, const large_surface *part) {
@@ -219,7 +229,7 @@ static norma_result tell_unread(large_check *c) {
 static norma_result add_large_findings(large_check *c) {
     check_mesh *m = &c->whole;
     norma_result result = tell_unread(c);
-    if (!result) result = norma_check_lengths_add(m, &c->lengths, c->idle);
+    if (!result) result = norma_check_lengths_add(m, &c->lengths, &c->idle);
     if (!result) result = norma_check_facets_add(m, &c->facets);
     if (!result) result = norma_check_shapes_add(m, &c->shapes);
     if (!result) result = norma_check_polygons_add(m, &c->polygons);

@@ -895,6 +895,22 @@ static void test_behind_the_end(void **state) {
         {"N002", "byte 84", E, 1, NAN, ""}); /* nothing was checked */
 }
 
+/* The message tells vertices that no face uses from those of degenerate faces. */
+static void test_zeros_of_no_use(void **state) {
+    (void)state;
+    static const char text[] =
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty "
+        "float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face "
+        "2\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 0\n0 1 0 0 "
+        "0 1\n0 0 0 0 0 0\n1 0 0 0 0 0\n2 0 0 0 0 1\n5 5 5 0 0 0\n6 6 6 0 0 1\n3 0 1 2\n3 3 4 5\n";
+    norma_findings *findings =
+        check(scene_reopen((const unsigned char *)text, sizeof text - 1, "a.ply"), "N102");
+    assert_string_equal(norma_findings_get(findings, 0)->message,
+        "black spots: 4 zero-length normals; 2 used only by degenerate faces (N401); 1 used by no "
+        "face");
+    norma_findings_free(findings);
+}
+
 static void test_malformed_skin(void **state) {
     (void)state;
     norma_findings *findings = check_nodes(ONE_SIDE,
@@ -1040,6 +1056,7 @@ int main(void) {
         cmocka_unit_test(test_malformed_skin),
         cmocka_unit_test(test_endless_skins),
         cmocka_unit_test(test_behind_the_end),
+        cmocka_unit_test(test_zeros_of_no_use),
         cmocka_unit_test(test_unreadable),
         cmocka_unit_test(test_arrays),
     };
