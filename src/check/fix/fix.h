@@ -49,6 +49,8 @@ typedef struct fix_plan {
     uint8_t *tangents;  /* the same: broken and missing tangents are computed */
     uint8_t *smoothed;  /* the same: normals are computed with a crease */
     int replaces, computes, morphs, bakes;
+    int breaks; /* OBJ: normals that are none are computed, for each corner, as deviation says */
+    norma_deviation deviation;
     uint8_t asked[CHECK_RULE_COUNT]; /* rules whose fixes these are */
     size_t by_rays, undecided;       /* as in norma_fix_summary */
     double least_confidence;

@@ -3,6 +3,7 @@
  * ones come from the surface, by the weight and crease that the others show. */
 #include "check/fix/fix.h"
 #include "check/rules/rules.h"
+#include "core/face/unit_length.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +15,8 @@ static fix_element element_of(const fix_mesh *m) {
 }
 
 /* ---- from the surface */
+
+enum { MEND_BAD = 1, MEND_WRONG = 2 };
 
 typedef struct normal_sum {
     double normal[3];
@@ -31,9 +34,30 @@ static int set_sum(fix_mesh *m, size_t number, const normal_sum *sum, int is_bad
     return !is_bad || norma_fix_set_normal(m, number, squares > 0 ? sum->normal : up);
 }
 
+/* Its corners need normals that differ visibly: one for all of them would be wrong. */
+static int is_torn(const normal_sum *sum) {
+    const double squares = sum->normal[0] * sum->normal[0] + sum->normal[1] * sum->normal[1] +
+                           sum->normal[2] * sum->normal[2];
+    return squares < (1 - 1e-6) * (double)sum->corners * (double)sum->corners;
+}
+
+/* Computing what is broken, once the edits are made, changes nothing else: every corner has a
+ * normal, and no other is broken, or they are all made unit. */
+static int may_compute_broken(const fix_mesh *m, const uint8_t *marks) {
+    if (!m->data.corner_normals) return 0;
+    for (size_t c = 0; c < m->mesh.corner_count; c++)
+        if (m->data.corner_normals[c] >= norma_fix_normal_count(m)) return 0;
+    for (size_t i = 0; i < norma_fix_normal_count(m) && !norma_fix_has(m, RULE_N103); i++) {
+        double normal[3], length;
+        norma_fix_normal(m, i, normal);
+        if (marks[i] != MEND_BAD && norma_core_judge_length(normal, 5e-4, &length)) return 0;
+    }
+    return 1;
+}
+
 /* Each marked normal becomes the sum of the surface's at its corners; marks of MEND_BAD: it is no
- * direction now. */
-enum { MEND_BAD = 1, MEND_WRONG = 2 };
+ * direction now. A vn without a direction whose corners need different ones is left for its corners
+ * to get one each. */
 static norma_result recompute(fix_mesh *m, const uint8_t *marks) {
     size_t count = norma_fix_normal_count(m);
     norma_result result = m->info.normals == NORMA_NORMALS_PER_FACET ? norma_fix_face_normals(m)
@@ -54,8 +78,14 @@ static norma_result recompute(fix_mesh *m, const uint8_t *marks) {
             sums[number].corners++;
         }
     }
-    for (size_t i = 0; i < count && !result; i++)
-        if (marks[i] && !set_sum(m, i, &sums[i], marks[i] == MEND_BAD)) result = NORMA_ERROR_MEMORY;
+    const int may_compute = !result && may_compute_broken(m, marks);
+    for (size_t i = 0; i < count && !result; i++) {
+        if (marks[i] == MEND_BAD && may_compute && is_torn(&sums[i])) {
+            m->plan->breaks = 1;
+            m->plan->deviation = m->deviation;
+        } else if (marks[i] && !set_sum(m, i, &sums[i], marks[i] == MEND_BAD))
+            result = NORMA_ERROR_MEMORY;
+    }
     free(sums);
     return result;
 }

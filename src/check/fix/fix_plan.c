@@ -396,7 +396,7 @@ static int has_edit(const fix_plan *plan) {
 
 int norma_fix_plan_is_empty(const fix_plan *plan) {
     return !has_edit(plan) && !plan->recentred && !plan->greens && !plan->tangents &&
-           !plan->smoothed && !plan->replaces && !plan->computes && !plan->bakes;
+           !plan->smoothed && !plan->replaces && !plan->breaks && !plan->computes && !plan->bakes;
 }
 
 int norma_fix_plan_moves(const fix_plan *plan) {
@@ -537,6 +537,7 @@ static norma_document_result bake(
 
 norma_document_result norma_fix_apply(norma_document *document, const fix_plan *plan,
     uint32_t threads, int *changed, norma_document_error *error) {
+    const norma_deviation *how = &plan->deviation;
     const norma_compute_options all = {.struct_size = sizeof all, .threads = threads},
                                 creased = {.struct_size = sizeof creased,
                                     .shading = NORMA_SHADING_CREASE,
@@ -544,6 +545,15 @@ norma_document_result norma_fix_apply(norma_document *document, const fix_plan *
                                     .groups = NORMA_GROUPS_IGNORE,
                                     .threads = threads,
                                     .meshes = plan->smoothed},
+                                broken = {.struct_size = sizeof broken,
+                                    .shading = how->shading,
+                                    .crease_angle_rad = how->shading == NORMA_SHADING_CREASE
+                                                            ? how->crease_angle_rad
+                                                            : 0,
+                                    .weight = how->weight,
+                                    .groups = NORMA_GROUPS_IGNORE,
+                                    .only = NORMA_ONLY_BROKEN,
+                                    .threads = threads},
                                 missing = {.struct_size = sizeof missing,
                                     .only = NORMA_ONLY_MISSING,
                                     .morphs = plan->morphs,
@@ -564,6 +574,7 @@ norma_document_result norma_fix_apply(norma_document *document, const fix_plan *
         result = norma_document_turn_green(document, plan->greens, &turned, error);
     *changed |= turned;
     if (!result && plan->replaces) result = compute_normals_of(document, &all, changed, error);
+    if (!result && plan->breaks) result = compute_normals_of(document, &broken, changed, error);
     if (!result && plan->smoothed) result = compute_normals_of(document, &creased, changed, error);
     if (!result && plan->computes) result = compute_normals_of(document, &missing, changed, error);
     if (!result && plan->tangents)

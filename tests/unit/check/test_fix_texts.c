@@ -114,6 +114,23 @@ static void test_obj_digits(void **state) {
         "1\nvn -0.267261242 .534522484 0.801783726\nf 1//1 2//2 3//3\n");
 }
 
+/* A floor and a wall share one vn that is no direction: each gets its own. */
+static void test_obj_torn(void **state) {
+    (void)state;
+    text_becomes("a.obj", "N102",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nvn 0 0 1.000\nvn 0 0 0\n"
+        "f 1//1 2//1 3//2 4//2\nf 2//2 1//2 5//2 6//2\n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nvn 0 0 1.000\nvn 0 0 1\nvn 0 1 0\n"
+        "f 1//1 2//1 3//2 4//2\nf 2//3 1//3 5//3 6//3\n");
+    /* A face without normals gets none; both sides then share one as well as they can. */
+    text_becomes("a.obj", "N101",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nvn 0 0 1\nvn nan 0 0\n"
+        "f 1//1 2//1 3//2 4//2\nf 2//2 1//2 5//2 6//2\nf 4 3 6 5\n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nvn 0 0 1\nvn 0 0.89442718 "
+        "0.44721359\n"
+        "f 1//1 2//1 3//2 4//2\nf 2//2 1//2 5//2 6//2\nf 4 3 6 5\n");
+}
+
 /* ---- PLY: a concave polygon, a bent square, tuples of corners that go with them, a list that does
  * not */
 
@@ -337,6 +354,7 @@ int main(void) {
         cmocka_unit_test(test_obj_curves),
         cmocka_unit_test(test_obj_split),
         cmocka_unit_test(test_obj_digits),
+        cmocka_unit_test(test_obj_torn),
         cmocka_unit_test(test_ply_cut),
         cmocka_unit_test(test_ply_strips),
         cmocka_unit_test(test_gltf_recentre),
