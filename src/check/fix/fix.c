@@ -354,7 +354,7 @@ static const char *why_idle(check_rule rule) {
                ? "the mesh is as large as its distance from the origin, so moving it does not help"
            : rule == RULE_N201 || rule == RULE_N202 || rule == RULE_N206
                ? "no normal at these vertices would fix it: the faces at them face opposite ways, "
-                 "are degenerate, or occur twice"
+                 "are degenerate or occur twice, or faces that are right use the same normal"
            : rule == RULE_N207 ? "its vertices belong to other primitives as well, which are "
                                  "shaded as they should be"
            : rule == RULE_N404 || rule == RULE_N405

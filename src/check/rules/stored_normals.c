@@ -245,6 +245,24 @@ static void hit_faults(const check_mesh *m, check_hits *hits) {
     hits->count = total;
 }
 
+static void describe_face_faults(const norma_mesh_attributes *a, char message[CHECK_MESSAGE]) {
+    const size_t astray = a->normals_out_of_range, partly = a->normals_missing;
+    char text[CHECK_MESSAGE] = "";
+    if (astray)
+        norma_check_message(text, " %z face%s with a vn index that does not exist%s", astray,
+            norma_check_plural(astray), partly ? "," : "");
+    if (partly && astray)
+        norma_check_message(message,
+            "shaded differently by each reader:%s %z with normals at some corners only", text,
+            partly);
+    else if (partly)
+        norma_check_message(message,
+            "shaded differently by each reader: %z face%s with normals at some corners only",
+            partly, norma_check_plural(partly));
+    else
+        norma_check_message(message, "shaded differently by each reader:%s", text);
+}
+
 static norma_result add_mismatch(check_mesh *m) {
     const norma_mesh_attributes *a = &m->given->attributes;
     char message[CHECK_MESSAGE];
@@ -258,11 +276,7 @@ static norma_result add_mismatch(check_mesh *m) {
             "the file has no vn at all",
             a->normals_out_of_range, norma_check_plural(a->normals_out_of_range));
     else if (a->face_faults)
-        norma_check_message(message,
-            "shaded differently by each reader: %z face%s with a vn index that does not exist, %z "
-            "with normals at some corners only",
-            a->normals_out_of_range, norma_check_plural(a->normals_out_of_range),
-            a->normals_missing);
+        describe_face_faults(a, message);
     else if (a->normals_missing)
         norma_check_message(message,
             "refused by readers, or read beyond the normals: %z normal%s fewer than positions",

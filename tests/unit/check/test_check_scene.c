@@ -734,6 +734,12 @@ static void test_obj_faces(void **state) {
         head);
     FOUND(check(open_text(text, "a.obj"), MINE), {"N104", "", W, 2, NAN, "f1 f5"},
         {"N106", "", E, 4, NAN, "f2 f3 f4 f7"});
+    /* The message has what there is, and nothing of which there is none. */
+    snprintf(text, sizeof text, "%sf 1//1 2//1 3//1\nf 1//1 3 4//1\n", head);
+    norma_findings *partly = check(open_text(text, "a.obj"), "N106");
+    assert_string_equal(norma_findings_get(partly, 0)->message,
+        "shaded differently by each reader: 1 face with normals at some corners only");
+    norma_findings_free(partly);
     snprintf(text, sizeof text, "%sf 1//1 2//1 3//1 4//1\n", head);
     assert_clean(check(open_text(text, "a.obj"), MINE));
     snprintf(text, sizeof text, "%sf 1 2 3 4\n", head);
