@@ -1,10 +1,58 @@
 /* positions.c: N502, N503, N701 and N702: vertices that repeat, positions almost equal or far from
- * the origin, encodings. */
+ * the origin, encodings; and the faces that no rule looks at, as their positions are no points
+ * (N002). */
 #include "check/rules/rules.h"
 #include <float.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
+
+/* ---- N002: a face with a position that is NaN or infinite. It has neither a direction nor a
+ * height, so every rule about faces leaves it out. */
+
+static int are_all_placed(const core_mesh *mesh) {
+    double sum = 0, p[3];
+    for (size_t i = 0; i < mesh->positions.count; i++) {
+        norma_core_position(mesh, (uint32_t)i, p);
+        sum += (p[0] - p[0]) + (p[1] - p[1]) + (p[2] - p[2]); /* 0 each, or NaN */
+    }
+    return sum == 0;
+}
+
+static int is_placed(const core_mesh *mesh, size_t face) {
+    double p[3];
+    int finite = 1;
+    for (size_t c = norma_core_face_begin(mesh, face); c < norma_core_face_end(mesh, face); c++) {
+        norma_core_position(mesh, norma_core_corner(mesh, c), p);
+        finite &= norma_core_finite(p) != 0;
+    }
+    return finite;
+}
+
+void norma_check_unplaced_look(const check_mesh *m, check_hits *sum) {
+    if (are_all_placed(&m->mesh)) return;
+    for (size_t f = 0; f < m->mesh.face_count; f++)
+        if (!is_placed(&m->mesh, f)) norma_check_hit(m->run, sum, 0, norma_check_face(f));
+}
+
+norma_result norma_check_unplaced_add(check_mesh *m, check_hits *sum) {
+    if (sum->count) norma_check_partly(m->run);
+    if (!norma_check_wants(m, RULE_N002)) {
+        norma_check_hits_free(sum);
+        return NORMA_OK;
+    }
+    return norma_check_report(m,
+        &(check_finding){
+            .rule = RULE_N002, .severity = NORMA_SEVERITY_WARNING, .no_value = 1, .hits = sum},
+        "not checked: %z of %z faces, as they have positions that are NaN or infinite", sum->count,
+        m->mesh.face_count);
+}
+
+norma_result norma_check_unplaced(check_mesh *m) {
+    check_hits sum = {.count = 0};
+    norma_check_unplaced_look(m, &sum);
+    return norma_check_unplaced_add(m, &sum);
+}
 
 /* ---- N503: positions that are almost, and not quite, equal: found in a grid of cells
  * some steps wide, so that most positions are alone in their cell and far from its sides: those are

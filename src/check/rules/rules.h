@@ -8,6 +8,7 @@
 
 /* ---- families, each over one mesh */
 
+norma_result norma_check_unplaced(check_mesh *m);          /* positions.c: N002 */
 norma_result norma_check_lengths(check_mesh *m);           /* stored_normals.c: N101 to N103 */
 norma_result norma_check_missing_normals(check_mesh *m);   /* stored_normals.c: N104 to N106 */
 norma_result norma_check_facing(check_mesh *m);            /* facing.c: N201, N202 */
@@ -116,6 +117,10 @@ int norma_check_wants_open(const check_run *run, const uint8_t *rules);
 /* ---- rules that need no neighbours, so that a file can be looked at part by part. Each has
  * a sum, zero-initialised, to which _look adds what a mesh shows; _add makes the findings, and
  * leaves the sum empty, as _drop does. */
+
+/* positions.c: N002, of faces with a position that is not finite. Failed: out of memory. */
+void norma_check_unplaced_look(const check_mesh *m, check_hits *sum);
+norma_result norma_check_unplaced_add(check_mesh *m, check_hits *sum);
 
 /* stored_normals.c: N101 to N103. */
 typedef struct check_lengths {

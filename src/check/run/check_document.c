@@ -111,11 +111,11 @@ static check_change check_compare(const norma_check_mesh *a, const norma_check_m
 
 /* ---- what is not looked at again */
 
-/* Takes from rules those to which it makes no difference. */
+/* Takes from rules those to which it makes no difference; N002 is told again by whoever told it. */
 static void check_leave_known(uint8_t rules[CHECK_RULE_COUNT], check_change change) {
     for (size_t rule = 0; rule < CHECK_RULE_COUNT; rule++)
-        if (change == CHECK_SAME ||
-            (change == CHECK_SAME_SURFACE && is_of_surface((check_rule)rule)))
+        if (rule != RULE_N002 && (change == CHECK_SAME || (change == CHECK_SAME_SURFACE &&
+                                                              is_of_surface((check_rule)rule))))
             rules[rule] = 0;
 }
 

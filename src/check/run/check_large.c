@@ -17,6 +17,7 @@ typedef struct large_check {
     norma_document_error *error;
     norma_check_mesh given; /* of the whole file: counts alone */
     check_mesh whole;
+    check_hits unplaced;
     check_lengths lengths;
     check_facets facets;
     check_shapes shapes;
@@ -100,6 +101,7 @@ static void use_normals(large_check *c, const check_mesh *m, const uint32_t *ver
 
 static norma_result look_at_part(large_check *c, check_mesh *m, const large_surface *part) {
     norma_result result = norma_check_faces(m);
+    norma_check_unplaced_look(m, &c->unplaced);
     if (!result && part->normals.count) result = norma_check_lengths_look(m, &c->lengths);
     if (!result && part->normals.count && norma_check_wants(m, RULE_N205)) {
         result = norma_check_facets_look(m, &c->facets, NULL);
@@ -229,6 +231,7 @@ static norma_result tell_unread(large_check *c) {
 static norma_result add_large_findings(large_check *c) {
     check_mesh *m = &c->whole;
     norma_result result = tell_unread(c);
+    if (!result) result = norma_check_unplaced_add(m, &c->unplaced);
     if (!result) result = norma_check_lengths_add(m, &c->lengths, &c->idle);
     if (!result) result = norma_check_facets_add(m, &c->facets);
     if (!result) result = norma_check_shapes_add(m, &c->shapes);
@@ -279,6 +282,7 @@ static norma_document_result judge_parts(large_check *c) {
 }
 
 static void drop(large_check *c) {
+    norma_check_hits_free(&c->unplaced);
     norma_check_lengths_drop(&c->lengths);
     norma_check_hits_free(&c->facets.hits);
     norma_check_shapes_drop(&c->shapes);

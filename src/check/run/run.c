@@ -112,6 +112,7 @@ typedef struct check_family {
 
 static norma_result run_mesh(check_run *run, size_t number) {
     static const check_family families[] = {
+        {norma_check_unplaced, 0},
         {norma_check_lengths, 1},
         {norma_check_placeholder, 1},
         {norma_check_deviation, 15},

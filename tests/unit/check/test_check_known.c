@@ -52,6 +52,8 @@ static const known answers[] = {
     {"bad/obj/joined-tetrahedra.obj", "N306", NORMA_SEVERITY_INFO, 1},
     {"bad/obj/nan-inf.obj", "N101", NORMA_SEVERITY_ERROR, 1},
     {"bad/glb/nan-normal.glb", "N101", NORMA_SEVERITY_ERROR, 1},
+    {"bad/gltf/box-infinite.glb", "N002", NORMA_SEVERITY_WARNING, 12},
+    {"bad/obj/nan-inf.obj", "N002", NORMA_SEVERITY_WARNING, 3},
     {"bad/gltf/box-bad-normals.glb", "N102", NORMA_SEVERITY_ERROR, 4},
     {"bad/gltf/box-bad-normals.glb", "N103", NORMA_SEVERITY_ERROR, 4},
     {"large/voxel/pandora/pandora.obj", "N301", NORMA_SEVERITY_INFO, 51},

@@ -105,6 +105,30 @@ static void lengths(void **state) {
     surface_free(&s);
 }
 
+/* ---- faces that no rule looks at */
+
+/* A position that is no point takes its faces from every rule, which is said. */
+static void faces_without_a_place(void **state) {
+    (void)state;
+    surface s = surface_torus(AROUND, ACROSS);
+    s.positions[3 * 1234 + 1] = INFINITY;
+    s.positions[3 * 4321] = NAN;
+    const norma_finding *f = in_render(&s, "N002", NORMA_SEVERITY_WARNING);
+    assert_found(f, 12);
+    assert_true(norma_findings_partly(found));
+    assert_int_equal(f->worst.face, f->samples[0].face);
+    uint8_t rules[64];
+    memset(rules, 1, sizeof rules);
+    for (size_t i = 0, count = 0; i < sizeof rules; i++) {
+        const norma_rule *all = norma_rules(&count);
+        if (i < count && !strcmp(all[i].id, "N002")) rules[i] = 0;
+    }
+    assert_null(look(
+        &s, "N002", NORMA_SEVERITY_NONE, &(norma_check_options){.rules = rules}, NORMA_FILE_GLB));
+    assert_true(norma_findings_partly(found));
+    surface_free(&s);
+}
+
 /* ---- normals against faces */
 
 static void opposing_normals(void **state) {
@@ -1002,6 +1026,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clean_surfaces_stay_clean),
         cmocka_unit_test(lengths),
+        cmocka_unit_test(faces_without_a_place),
         cmocka_unit_test(opposing_normals),
         cmocka_unit_test(opposing_normals_by_area),
         cmocka_unit_test(one_normal_far_off),
