@@ -35,23 +35,22 @@ void norma_check_unplaced_look(const check_mesh *m, check_hits *sum) {
         if (!is_placed(&m->mesh, f)) norma_check_hit(m->run, sum, 0, norma_check_face(f));
 }
 
-norma_result norma_check_unplaced_add(check_mesh *m, check_hits *sum) {
+norma_result norma_check_unplaced_add(check_mesh *m, check_hits *sum, norma_severity severity) {
     if (sum->count) norma_check_partly(m->run);
     if (!norma_check_wants(m, RULE_N002)) {
         norma_check_hits_free(sum);
         return NORMA_OK;
     }
     return norma_check_report(m,
-        &(check_finding){
-            .rule = RULE_N002, .severity = NORMA_SEVERITY_WARNING, .no_value = 1, .hits = sum},
-        "not checked: %z of %z faces, as they have positions that are NaN or infinite", sum->count,
-        m->mesh.face_count);
+        &(check_finding){.rule = RULE_N002, .severity = severity, .no_value = 1, .hits = sum},
+        "not checked: %z of %z face%s, for positions that are NaN or infinite", sum->count,
+        m->mesh.face_count, norma_check_plural(m->mesh.face_count));
 }
 
 norma_result norma_check_unplaced(check_mesh *m) {
     check_hits sum = {.count = 0};
     norma_check_unplaced_look(m, &sum);
-    return norma_check_unplaced_add(m, &sum);
+    return norma_check_unplaced_add(m, &sum, NORMA_SEVERITY_WARNING);
 }
 
 /* ---- N503: positions that are almost, and not quite, equal: found in a grid of cells

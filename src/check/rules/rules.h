@@ -120,7 +120,7 @@ int norma_check_wants_open(const check_run *run, const uint8_t *rules);
 
 /* positions.c: N002, of faces with a position that is not finite. Failed: out of memory. */
 void norma_check_unplaced_look(const check_mesh *m, check_hits *sum);
-norma_result norma_check_unplaced_add(check_mesh *m, check_hits *sum);
+norma_result norma_check_unplaced_add(check_mesh *m, check_hits *sum, norma_severity severity);
 
 /* stored_normals.c: N101 to N103. */
 typedef struct check_lengths {

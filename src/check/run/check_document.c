@@ -280,9 +280,20 @@ static norma_document_result tell_place_unread(
     return result ? norma_check_fail(d->error, result) : NORMA_DOCUMENT_OK;
 }
 
+/* It has no vertices; or no normals, and no face whose positions are points. */
+static int is_unchecked(const document_check *d, const norma_mesh_info *info) {
+    for (size_t i = 0; info->normals == NORMA_NORMALS_NONE && i < d->run.findings->count; i++) {
+        const norma_finding *finding = norma_findings_get(d->run.findings, i);
+        if (finding->rule == &norma_rules(NULL)[RULE_N002] && finding->count == info->faces &&
+            strcmp(finding->where, info->where) == 0)
+            return 1;
+    }
+    return info->vertices == 0;
+}
+
 static int is_empty(const document_check *d) {
     size_t i = 0;
-    while (i < d->mesh_count && d->meshes[i].info.vertices == 0) i++;
+    while (i < d->mesh_count && is_unchecked(d, &d->meshes[i].info)) i++;
     return i == d->mesh_count;
 }
 

@@ -230,8 +230,12 @@ static norma_result tell_unread(large_check *c) {
 
 static norma_result add_large_findings(large_check *c) {
     check_mesh *m = &c->whole;
+    const int is_nothing =
+        c->given.info.normals == NORMA_NORMALS_NONE && c->unplaced.count == c->given.info.faces;
     norma_result result = tell_unread(c);
-    if (!result) result = norma_check_unplaced_add(m, &c->unplaced);
+    if (!result)
+        result = norma_check_unplaced_add(
+            m, &c->unplaced, is_nothing ? NORMA_SEVERITY_ERROR : NORMA_SEVERITY_WARNING);
     if (!result) result = norma_check_lengths_add(m, &c->lengths, &c->idle);
     if (!result) result = norma_check_facets_add(m, &c->facets);
     if (!result) result = norma_check_shapes_add(m, &c->shapes);

@@ -901,6 +901,21 @@ static void test_behind_the_end(void **state) {
         {"N002", "byte 84", E, 1, NAN, ""}); /* nothing was checked */
 }
 
+/* Faces whose positions are no points are not checked; where there is nothing else, it is an error.
+ */
+static void test_faces_nowhere(void **state) {
+    (void)state;
+#define NOWHERE "v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\n"
+    static const char all[] = NOWHERE "f 1 2 3\n", some[] = NOWHERE "f 1 2 3\nf 2 3 4\n",
+                      normals[] = NOWHERE "f 1//1 2//1 3//1\n";
+    FOUND(check(scene_reopen((const unsigned char *)all, sizeof all - 1, "a.obj"), "N002"),
+        {"N002", "", E, 1, NAN, "f0"});
+    FOUND(check(scene_reopen((const unsigned char *)some, sizeof some - 1, "a.obj"), "N002"),
+        {"N002", "", W, 1, NAN, "f0"});
+    FOUND(check(scene_reopen((const unsigned char *)normals, sizeof normals - 1, "a.obj"), "N002"),
+        {"N002", "", W, 1, NAN, "f0"});
+}
+
 /* The message tells vertices that no face uses from those of degenerate faces. */
 static void test_zeros_of_no_use(void **state) {
     (void)state;
@@ -1062,6 +1077,7 @@ int main(void) {
         cmocka_unit_test(test_malformed_skin),
         cmocka_unit_test(test_endless_skins),
         cmocka_unit_test(test_behind_the_end),
+        cmocka_unit_test(test_faces_nowhere),
         cmocka_unit_test(test_zeros_of_no_use),
         cmocka_unit_test(test_unreadable),
         cmocka_unit_test(test_arrays),
